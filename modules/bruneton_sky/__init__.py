@@ -1,0 +1,1 @@
+"""Bruneton sky."""

@@ -1,0 +1,1 @@
+"""Cube-map faces, frames of reference, panoramas, spherical harmonics and colour."""

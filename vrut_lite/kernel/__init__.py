@@ -1,0 +1,1 @@
+"""The kernel: messages, modules, slots, and one transaction per input."""

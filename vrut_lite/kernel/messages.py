@@ -1,0 +1,253 @@
+"""What modules and the host say to each other: typed, frozen, with units in the names.
+
+An input comes from outside (a person, the clock, a file, a finished job) and opens a
+transaction. A derived message is a consequence, posted by a handler inside one.
+"""
+
+from datetime import datetime
+from typing import Any, Literal
+
+import msgspec
+
+from vrut_lite.kernel.array import Array
+
+Vector = tuple[float, float, float]
+Matrix = tuple[tuple[float, float, float, float], ...]
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True):
+    """Base of all messages."""
+
+    def key(self) -> str | None:
+        """What distinguishes messages of one type: of equal keys the latest wins.
+
+        None means that every single one is delivered.
+        """
+        return ""
+
+
+class Input(Message, frozen=True, kw_only=True):
+    """A fact from outside; each opens a transaction of its own."""
+
+
+class Derived(Message, frozen=True, kw_only=True):
+    """A consequence, posted by a handler."""
+
+
+# --- the kernel's own -----------------------------------------------------------------
+
+
+class SetSetting(Input, frozen=True, kw_only=True):
+    """Give one setting of one module a new value."""
+
+    module: str
+    name: str
+    value: Any
+
+    def key(self) -> str:
+        """One pending value per setting."""
+        return f"{self.module}.{self.name}"
+
+
+class EnableModule(Input, frozen=True, kw_only=True):
+    """Switch a module on or off."""
+
+    module: str
+    enabled: bool = True
+
+    def key(self) -> str:
+        """One pending state per module."""
+        return self.module
+
+
+class RestartModule(Input, frozen=True, kw_only=True):
+    """Start a module anew with its present settings, also after it was suspended."""
+
+    module: str
+
+    def key(self) -> None:
+        """Every restart counts."""
+
+
+class ChooseSlot(Input, frozen=True, kw_only=True):
+    """Let a module hold a slot (`sun` or `sky`)."""
+
+    slot: str
+    module: str
+
+    def key(self) -> str:
+        """One pending choice per slot."""
+        return self.slot
+
+
+class Demand(Input, frozen=True, kw_only=True):
+    """A consumer wants messages of a type, in this size and format; size 0 takes it back."""
+
+    consumer: str
+    message: str
+    size: int = 1
+    encoding: str = ""
+
+    def key(self) -> str:
+        """One demand per consumer and message."""
+        return f"{self.consumer}.{self.message}"
+
+
+class JobResult(Input, frozen=True, kw_only=True):
+    """A background or GPU job is done; `error` tells why not, if it is not."""
+
+    module: str
+    job: str
+    value: Any = None
+    error: str = ""
+
+    def key(self) -> None:
+        """Every result counts."""
+
+
+class SlotChanged(Derived, frozen=True, kw_only=True):
+    """Another module holds the slot now; empty when none can."""
+
+    slot: str
+    holder: str
+
+    def key(self) -> str:
+        """One holder per slot."""
+        return self.slot
+
+
+class SettingChanged(Derived, frozen=True, kw_only=True):
+    """A module's setting has a new, valid value."""
+
+    module: str
+    name: str
+    value: Any
+
+    def key(self) -> str:
+        """One value per setting."""
+        return f"{self.module}.{self.name}"
+
+
+class Fault(Derived, frozen=True, kw_only=True):
+    """A module failed; the others went on."""
+
+    module: str
+    where: str
+    error: str
+    trace: str = ""
+    suspended: bool = False
+
+    def key(self) -> None:
+        """Every fault is told."""
+
+
+# --- inputs of daylight ---------------------------------------------------------------
+
+
+class SetClock(Input, frozen=True, kw_only=True):
+    """The host's clock stands at this aware instant."""
+
+    instant: datetime
+
+
+class SetPlace(Input, frozen=True, kw_only=True):
+    """The observer's place; longitude is east-positive."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float = 0.0
+    north_offset_rad: float = 0.0
+
+
+class LoadScene(Input, frozen=True, kw_only=True):
+    """Open this scene file."""
+
+    path: str
+
+
+class MoveCamera(Input, frozen=True, kw_only=True):
+    """Look from `eye_m` to `target_m`, world axes."""
+
+    eye_m: Vector
+    target_m: Vector
+    vertical_field_of_view_rad: float = 0.8
+
+
+class Resize(Input, frozen=True, kw_only=True):
+    """The picture's size in pixels."""
+
+    width_px: int
+    height_px: int
+
+
+class SetExposure(Input, frozen=True, kw_only=True):
+    """Automatic exposure, or a fixed EV100; the compensation brightens by so many stops."""
+
+    mode: Literal["auto", "manual"] = "auto"
+    ev100: float = 15.0
+    compensation_ev: float = 0.0
+
+
+# --- derived messages of daylight -----------------------------------------------------
+
+
+class SceneLoaded(Derived, frozen=True, kw_only=True):
+    """A scene is open; its bounds in metres, world axes."""
+
+    path: str
+    lower_m: Vector
+    upper_m: Vector
+    triangles: int
+
+
+class SceneNeeds(Derived, frozen=True, kw_only=True):
+    """What the scene asks of light: producers compute nothing else."""
+
+    sky_in_view: bool
+    visible_faces: tuple[int, ...]
+    receives_light: bool
+
+
+class SunMoved(Derived, frozen=True, kw_only=True):
+    """Where the sun stands; the direction is apparent, in world axes, pointing to the sun."""
+
+    direction: Vector
+    azimuth_rad: float
+    elevation_rad: float
+    apparent_elevation_rad: float
+    visible_disc_fraction: float
+
+
+class BackgroundChanged(Derived, frozen=True, kw_only=True):
+    """A new sky without its disc, as a cube map in world axes.
+
+    cube (6, size, size, 3) float16; linear sRGB radiance in W m^-2 sr^-1 is cube times
+    `radiance_scale`, a power of two. The lower half holds the ground's radiance.
+    """
+
+    cube: Array
+    radiance_scale: float
+    source: str
+    color_space: Literal["linear-srgb"] = "linear-srgb"
+    frame: Literal["world"] = "world"
+
+
+class SunLightChanged(Derived, frozen=True, kw_only=True):
+    """The sun's light: irradiance (W m^-2, linear sRGB) on a plane that faces it.
+
+    `limb_darkening_rgb` holds, per channel, a polynomial in cos psi (constant first), of
+    which the mean over the disc is 1: radiance = irradiance / solid angle * polynomial.
+    """
+
+    direction: Vector
+    irradiance_rgb: Vector
+    angular_radius_rad: float
+    limb_darkening_rgb: tuple[tuple[float, ...], ...]
+    source: str
+
+
+class AmbientChanged(Derived, frozen=True, kw_only=True):
+    """Irradiance of sky and ground, without the sun: harmonics (25, 3) float32, W m^-2."""
+
+    irradiance_sh_rgb: Array
+    source: str

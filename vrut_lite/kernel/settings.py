@@ -1,0 +1,100 @@
+"""Settings: one struct per module, from which validation, CLI options and panels are made.
+
+A settings class is a frozen `msgspec.Struct` whose fields all have defaults and carry
+`msgspec.Meta(ge=..., le=..., description=..., extra={"unit": ...})`.
+"""
+
+import math
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import msgspec
+
+from vrut_lite.errors import UserError
+
+
+class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
+    """What is known of one setting: enough to make an option or a panel row."""
+
+    name: str
+    type: type
+    default: Any
+    help: str = ""
+    unit: str = ""
+    at_least: float | None = None
+    at_most: float | None = None
+    choices: tuple[str, ...] = ()
+
+    def range_text(self) -> str:
+        """The accepted values, for people."""
+        if self.choices:
+            return "one of " + ", ".join(self.choices)
+        unit = f" {self.unit}" if self.unit else ""
+        if self.at_least is not None and self.at_most is not None:
+            return f"between {self.at_least:g} and {self.at_most:g}{unit}"
+        if self.at_least is not None:
+            return f"at least {self.at_least:g}{unit}"
+        if self.at_most is not None:
+            return f"at most {self.at_most:g}{unit}"
+        return {bool: "true or false", int: "a whole number", float: "a number"}.get(
+            self.type, "a text"
+        )
+
+
+def describe(settings_type: type[msgspec.Struct]) -> dict[str, SettingSpec]:
+    """The settings of a class by name, in order of declaration."""
+    hints = get_type_hints(settings_type, include_extras=True)
+    defaults = settings_type()
+    return {name: _spec(name, hints[name], getattr(defaults, name)) for name in defaults.__struct_fields__}
+
+
+def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
+    meta = msgspec.Meta()
+    if hasattr(hint, "__metadata__"):
+        meta = next((m for m in hint.__metadata__ if isinstance(m, msgspec.Meta)), meta)
+        hint = hint.__origin__
+    is_choice = get_origin(hint) is Literal
+    return SettingSpec(
+        name=name,
+        type=str if is_choice else hint,
+        default=default,
+        help=meta.description or "",
+        unit=(meta.extra or {}).get("unit", ""),
+        at_least=None if meta.ge is None else float(meta.ge),
+        at_most=None if meta.le is None else float(meta.le),
+        choices=get_args(hint) if is_choice else (),
+    )
+
+
+def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgspec.Struct:
+    """The settings with one value changed.
+
+    Raises:
+        UserError: no such setting, or the value is outside what it accepts.
+    """
+    specs = describe(type(settings))
+    if name not in specs:
+        raise UserError(
+            f"module {module} has no setting '{name}': it has {', '.join(specs) or 'none'}"
+        )
+    return msgspec.structs.replace(settings, **{name: parse(specs[name], module, value)})
+
+
+def parse(spec: SettingSpec, module: str, value: Any) -> Any:
+    """A value of the setting's type from a value or its text form; see `change` for errors."""
+    try:
+        parsed = msgspec.convert(value, spec.type, strict=False)
+    except msgspec.ValidationError:
+        raise _refusal(spec, module, value) from None
+    # A NaN passes every comparison that asks "is it too large".
+    inside = not isinstance(parsed, float) or math.isfinite(parsed)
+    if spec.at_least is not None:
+        inside = inside and parsed >= spec.at_least
+    if spec.at_most is not None:
+        inside = inside and parsed <= spec.at_most
+    if not inside or (spec.choices and parsed not in spec.choices):
+        raise _refusal(spec, module, value)
+    return parsed
+
+
+def _refusal(spec: SettingSpec, module: str, value: Any) -> UserError:
+    return UserError(f"{spec.name} of {module} must be {spec.range_text()}, not {value}")
