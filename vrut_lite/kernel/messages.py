@@ -5,7 +5,7 @@ transaction. A derived message is a consequence, posted by a handler inside one.
 """
 
 from datetime import datetime
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import msgspec
 
@@ -31,7 +31,9 @@ class Input(Message, frozen=True, kw_only=True):
 
 
 class Derived(Message, frozen=True, kw_only=True):
-    """A consequence, posted by a handler."""
+    """A consequence, posted by a handler; those of a slot only by the slot's holder."""
+
+    slot: ClassVar[str | None] = None
 
 
 # --- the kernel's own -----------------------------------------------------------------
@@ -108,12 +110,12 @@ class JobResult(Input, frozen=True, kw_only=True):
 class SlotChanged(Derived, frozen=True, kw_only=True):
     """Another module holds the slot now; empty when none can."""
 
-    slot: str
+    name: str
     holder: str
 
     def key(self) -> str:
         """One holder per slot."""
-        return self.slot
+        return self.name
 
 
 class SettingChanged(Derived, frozen=True, kw_only=True):
@@ -211,6 +213,8 @@ class SceneNeeds(Derived, frozen=True, kw_only=True):
 class SunMoved(Derived, frozen=True, kw_only=True):
     """Where the sun stands; the direction is apparent, in world axes, pointing to the sun."""
 
+    slot: ClassVar[str | None] = "sun"
+
     direction: Vector
     azimuth_rad: float
     elevation_rad: float
@@ -224,6 +228,8 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
     cube (6, size, size, 3) float16; linear sRGB radiance in W m^-2 sr^-1 is cube times
     `radiance_scale`, a power of two. The lower half holds the ground's radiance.
     """
+
+    slot: ClassVar[str | None] = "sky"
 
     cube: Array
     radiance_scale: float
@@ -239,6 +245,8 @@ class SunLightChanged(Derived, frozen=True, kw_only=True):
     which the mean over the disc is 1: radiance = irradiance / solid angle * polynomial.
     """
 
+    slot: ClassVar[str | None] = "sky"
+
     direction: Vector
     irradiance_rgb: Vector
     angular_radius_rad: float
@@ -248,6 +256,8 @@ class SunLightChanged(Derived, frozen=True, kw_only=True):
 
 class AmbientChanged(Derived, frozen=True, kw_only=True):
     """Irradiance of sky and ground, without the sun: harmonics (25, 3) float32, W m^-2."""
+
+    slot: ClassVar[str | None] = "sky"
 
     irradiance_sh_rgb: Array
     source: str

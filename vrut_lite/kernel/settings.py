@@ -44,7 +44,10 @@ def describe(settings_type: type[msgspec.Struct]) -> dict[str, SettingSpec]:
     """The settings of a class by name, in order of declaration."""
     hints = get_type_hints(settings_type, include_extras=True)
     defaults = settings_type()
-    return {name: _spec(name, hints[name], getattr(defaults, name)) for name in defaults.__struct_fields__}
+    return {
+        name: _spec(name, hints[name], getattr(defaults, name))
+        for name in defaults.__struct_fields__
+    }
 
 
 def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
