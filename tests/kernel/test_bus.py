@@ -101,9 +101,12 @@ def kernel_with(*modules, heard=None):
 
 def faults_of(kernel):
     faults = []
-    kernel.tap(
-        lambda message, sender: faults.append(message) if isinstance(message, Fault) else None
-    )
+
+    def note(message, sender):
+        if isinstance(message, Fault):
+            faults.append(message)
+
+    kernel.tap(note)
     return faults
 
 

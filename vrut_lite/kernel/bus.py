@@ -31,7 +31,7 @@ from vrut_lite.kernel.messages import (
 )
 from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.outbox import Outbox
-from vrut_lite.kernel.seat import Seat
+from vrut_lite.kernel.seat import Seat, State
 from vrut_lite.kernel.slots import Slots
 
 M = TypeVar("M", bound=Message)
@@ -291,7 +291,7 @@ class Kernel:
             if kind in seat.methods:
                 self._enqueue(Envelope(message, sender, only_to=seat.name))
 
-    def _stop(self, seat: Seat, state: str) -> None:
+    def _stop(self, seat: Seat, state: State) -> None:
         seat.stop(state)
         for slot in self.slots.held_by(seat.name):
             self._announce(self.slots.fill(slot))

@@ -43,11 +43,8 @@ class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
 def describe(settings_type: type[msgspec.Struct]) -> dict[str, SettingSpec]:
     """The settings of a class by name, in order of declaration."""
     hints = get_type_hints(settings_type, include_extras=True)
-    defaults = settings_type()
-    return {
-        name: _spec(name, hints[name], getattr(defaults, name))
-        for name in defaults.__struct_fields__
-    }
+    defaults = msgspec.structs.asdict(settings_type())
+    return {name: _spec(name, hints[name], default) for name, default in defaults.items()}
 
 
 def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
@@ -85,7 +82,7 @@ def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgs
 def parse(spec: SettingSpec, module: str, value: Any) -> Any:
     """A value of the setting's type from a value or its text form; see `change` for errors."""
     try:
-        parsed = msgspec.convert(value, spec.type, strict=False)
+        parsed: Any = msgspec.convert(value, spec.type, strict=False)
     except msgspec.ValidationError:
         raise _refusal(spec, module, value) from None
     # A NaN passes every comparison that asks "is it too large".
