@@ -1,8 +1,9 @@
-"""The one exception that means: the user can mend this."""
+"""The exceptions that the command line tells in one sentence."""
 
 
 class UserError(Exception):
-    """Bad input, told in one sentence: what is wrong, where, and what to do.
+    """Bad input: what is wrong, where, and what to do, in one sentence; exit code 2."""
 
-    The command line prints it without a traceback and exits with code 2.
-    """
+
+class ModuleFailed(Exception):
+    """A module raised what it should not; the text names it. Exit code 1."""

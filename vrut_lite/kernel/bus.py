@@ -177,22 +177,31 @@ class Kernel:
                     self._call(seat, method, envelope.message)
 
     def _call(self, seat: Seat, method: str, *arguments: Any) -> None:
-        """Call a module; what it raises becomes a Fault and stays its own affair."""
+        """Call a module; what it raises becomes a Fault and stays its own affair.
+
+        A UserError is told like any fault, but it is the user's to mend, not the module's: it
+        never suspends.
+        """
         try:
             getattr(seat.module, method)(*arguments)
+        except UserError as error:
+            self._blame(seat, method, error, suspend=False)
         except Exception as error:
-            self._fault(seat, method, error)
-
-    def _fault(self, seat: Seat, where: str, error: Exception) -> None:
-        seat.faults += 1
-        self._blame(seat, where, error, suspend=seat.faults >= FAULTS_UNTIL_SUSPENSION)
+            seat.faults += 1
+            self._blame(seat, method, error, suspend=seat.faults >= FAULTS_UNTIL_SUSPENSION)
 
     def _blame(self, seat: Seat, where: str, error: Exception, suspend: bool) -> None:
         if suspend:
             self._stop(seat, "suspended")
-        text = f"{type(error).__name__}: {error}"
-        trace = "".join(traceback.format_exception(error))
-        fault = Fault(module=seat.name, where=where, error=text, trace=trace, suspended=suspend)
+        for_user = isinstance(error, UserError)
+        fault = Fault(
+            module=seat.name,
+            where=where,
+            error=str(error) if for_user else f"{type(error).__name__}: {error}",
+            trace="".join(traceback.format_exception(error)),
+            suspended=suspend,
+            for_user=for_user,
+        )
         seat.last_fault = fault
         self._enqueue(Envelope(fault, HOST))
 
@@ -248,7 +257,9 @@ class Kernel:
                 raise UserError(f"there is no module '{message.module}'")
             value = self.check_setting(message.module, message.name, message.value)
         except UserError as error:
-            refusal = Fault(module=message.module, where="settings", error=str(error))
+            refusal = Fault(
+                module=message.module, where="settings", error=str(error), for_user=True
+            )
             self._enqueue(Envelope(refusal, HOST))
             return
         if getattr(seat.settings, message.name) == value:
@@ -273,10 +284,13 @@ class Kernel:
         try:
             self.check_holder(message.slot, message.module)
         except UserError as error:
-            refusal = Fault(module=message.module, where="slots", error=str(error))
-            self._enqueue(Envelope(refusal, HOST))
+            self._refuse(message.module, "slots", error)
             return
         self._announce(self.slots.choose(message.slot, message.module))
+
+    def _refuse(self, module: str, where: str, error: UserError) -> None:
+        fault = Fault(module=module, where=where, error=str(error), for_user=True)
+        self._enqueue(Envelope(fault, HOST))
 
     def _start(self, seat: Seat) -> None:
         """Make a fresh instance and tell it the last value of everything it listens to."""

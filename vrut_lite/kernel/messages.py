@@ -131,13 +131,14 @@ class SettingChanged(Derived, frozen=True, kw_only=True):
 
 
 class Fault(Derived, frozen=True, kw_only=True):
-    """A module failed; the others went on."""
+    """A module failed; the others went on. `for_user`: the error is a sentence for people."""
 
     module: str
     where: str
     error: str
     trace: str = ""
     suspended: bool = False
+    for_user: bool = False
 
     def key(self) -> None:
         """Every fault is told."""

@@ -1,0 +1,74 @@
+"""The command `vrut-lite`: finds its subcommands by entry point, tells errors in one line."""
+
+import sys
+from importlib.metadata import EntryPoint, entry_points
+
+import click
+
+from vrut_lite import __version__
+from vrut_lite.errors import ModuleFailed, UserError
+
+GROUP = "vrut_lite.commands"
+
+
+class EntryPointGroup(click.Group):
+    """Subcommands that installed packages contribute; each is imported only when used."""
+
+    def _points(self) -> dict[str, EntryPoint]:
+        return {point.name: point for point in entry_points(group=GROUP)}
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Names of all contributed commands."""
+        return sorted(self._points())
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        """Import a command."""
+        point = self._points().get(name)
+        if point is None:
+            return None
+        try:
+            return point.load()
+        except ImportError as error:
+            return _broken(name, f"the command {name} failed to load: {error}")
+
+
+def _broken(name: str, reason: str) -> click.Command:
+    """Stands in for a command that cannot be imported, so that the others still work."""
+
+    def tell(arguments: tuple[str, ...]) -> None:
+        raise ModuleFailed(reason)
+
+    anything = click.Argument(["arguments"], nargs=-1, type=click.UNPROCESSED)
+    settings = {"ignore_unknown_options": True}
+    return click.Command(
+        name, callback=tell, params=[anything], help=reason, context_settings=settings
+    )
+
+
+@click.group(cls=EntryPointGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="vrut-lite")
+def root() -> None:
+    """Daylight for scenes: the sky and the sun of a place and an hour.
+
+    Example: vrut-lite render scenes/sundial.glb -o noon.png --at 2026-06-21T13:00
+    """
+
+
+def main() -> None:
+    """Run the command line; 0 when all is well, 2 for bad input, 1 for a failure of ours."""
+    try:
+        root(standalone_mode=False)
+    except click.ClickException as error:
+        _end(error.format_message(), 2)
+    except UserError as error:
+        _end(str(error), 2)
+    except ModuleFailed as error:
+        _end(str(error), 1)
+    except (click.Abort, KeyboardInterrupt):
+        _end("interrupted", 130)
+
+
+def _end(sentence: str, code: int) -> None:
+    """Print one line to standard error and leave."""
+    print("vrut-lite: " + " ".join(sentence.split()), file=sys.stderr)
+    sys.exit(code)

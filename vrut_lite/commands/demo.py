@@ -1,0 +1,125 @@
+"""`vrut-lite demo`: every bundled scene at four hours of a day, and a contact sheet of them."""
+
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import msgspec
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+from rich.progress import Progress
+
+from vrut_lite.commands.day_hours import hours_of_day
+from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.errors import UserError
+from vrut_lite.place_time import local_text, time_zone_at
+from vrut_lite.project import (
+    PROJECT_SUFFIX,
+    Project,
+    daylight_inputs,
+    load_project,
+    view_inputs,
+)
+from vrut_lite.render.image_files import check_writable, write_png
+from vrut_lite.scene.loading import SUFFIXES
+
+if TYPE_CHECKING:
+    from vrut_lite.host import Host
+
+PLACE = "50.0875,14.4213,190"
+DAY = "2026-05-21"
+_THUMBNAIL = (480, 270)
+_CAPTION_PX = 24
+
+
+@click.command(name="demo")
+@click.option("--out", default="out", show_default=True, metavar="FOLDER", help="Made if missing.")
+@click.option("--scenes", default="scenes", show_default=True, metavar="FOLDER")
+def demo(out: str, scenes: str) -> None:
+    """Render all scenes of a folder at sunrise, noon, late afternoon and dusk in Prague.
+
+    Example: vrut-lite demo --out out
+    """
+    projects = scene_projects(Path(scenes))
+    folder = _folder(Path(out))
+    check_writable(folder / "contact_sheet.png")
+    from vrut_lite.host import Host
+
+    hours = _hours()
+    with Host() as host, Progress(refresh_per_second=4) as progress:
+        bar = progress.add_task("", total=len(hours) * len(projects))
+        rows = []
+        for name, project in projects.items():
+            host.inject(*view_inputs(project))
+            row = []
+            for hour, instant in hours.items():
+                progress.update(bar, description=f"{name}, {hour}")
+                row.append(_draw_hour(host, folder, name, hour, _at(project, instant)))
+                progress.advance(bar)
+            rows.append(row)
+    write_png(folder / "contact_sheet.png", contact_sheet(rows))
+    click.echo(f"{sum(map(len, rows))} pictures and contact_sheet.png are in {folder}")
+
+
+def scene_projects(folder: Path) -> dict[str, Project]:
+    """By name: the project files of a folder, and its scenes that have no project file.
+
+    Raises:
+        UserError: there is neither, or a project file cannot be read.
+    """
+    files = sorted(folder.glob("*"))
+    found = {f.stem: Project(scene=str(f)) for f in files if f.suffix.lower() in SUFFIXES}
+    found |= {f.stem: load_project(f) for f in files if f.suffix.lower() == PROJECT_SUFFIX}
+    if not found:
+        raise UserError(f"no scene in {folder}: name a folder of .glb, .gltf or .obj files")
+    return found
+
+
+def _at(project: Project, instant: datetime) -> Project:
+    return msgspec.structs.replace(project, place=PLACE, at=instant.isoformat())
+
+
+def _draw_hour(
+    host: "Host", folder: Path, name: str, hour: str, project: Project
+) -> tuple[str, Image.Image]:
+    """Write one picture; its caption and a thumbnail for the contact sheet."""
+    host.inject(*daylight_inputs(project))
+    picture = host.draw()
+    path = folder / f"{name}_{hour.replace(' ', '_')}.png"
+    write_png(path, picture.display, picture_metadata(project, host.kernel))
+    caption = f"{name}, {hour}: {local_text(project.instant(), project.where())}"
+    thumbnail = Image.fromarray(picture.display).resize(_THUMBNAIL, Image.Resampling.LANCZOS)
+    return caption, thumbnail
+
+
+def contact_sheet(rows: list[list[tuple[str, Image.Image]]]) -> np.ndarray:
+    """One picture (h, w, 3) uint8 of captioned thumbnails, a row each."""
+    width, height = _THUMBNAIL
+    pitch = height + _CAPTION_PX
+    sheet = Image.new("RGB", (width * max(map(len, rows)), pitch * len(rows)), (24, 24, 24))
+    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(15)
+    for i, row in enumerate(rows):
+        for j, (caption, thumbnail) in enumerate(row):
+            sheet.paste(thumbnail, (j * width, i * pitch + _CAPTION_PX))
+            pen.text((j * width + 6, i * pitch + 3), caption, (230, 230, 230), font=font)
+    return np.asarray(sheet)
+
+
+def _hours() -> dict[str, datetime]:
+    """The four hours, found on a kernel of its own: no sky is computed for the search."""
+    from vrut_lite.host import daylight_kernel
+
+    project = Project(place=PLACE, at=DAY + "T00:00")
+    kernel, _ = daylight_kernel()
+    kernel.inject(daylight_inputs(project)[0])
+    midnight = datetime.fromisoformat(DAY).replace(tzinfo=time_zone_at(project.where()))
+    return hours_of_day(kernel, midnight)
+
+
+def _folder(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    return folder

@@ -1,0 +1,30 @@
+"""`vrut-lite modules`: what is installed, which slots it can hold, and its settings."""
+
+import click
+
+from vrut_lite.kernel.settings import describe
+
+
+@click.command(name="modules")
+def modules() -> None:
+    """List installed modules, the slots they can hold, and their settings.
+
+    Example: vrut-lite modules
+    """
+    from vrut_lite.host import daylight_kernel
+
+    kernel, failures = daylight_kernel()
+    for seat in kernel.seats.values():
+        manifest = seat.manifest
+        slots = [
+            slot + (" (holds it)" if kernel.slots.holder(slot) == seat.name else "")
+            for slot in manifest.provides
+        ]
+        click.echo(f"{manifest.name} {manifest.version}: {manifest.title}; {seat.state}")
+        click.echo(f"  slots: {', '.join(slots) or 'none'}")
+        for name, spec in describe(seat.module_type.settings_type).items():
+            click.echo(f"  {name} = {spec.default}: {spec.help.rstrip('.')} ({spec.range_text()})")
+        if seat.last_fault is not None:
+            click.echo(f"  fault: {seat.last_fault.error}")
+    for failure in failures:
+        click.echo(failure)

@@ -1,0 +1,95 @@
+"""Options that several commands share, and a project made from them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+import msgspec
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.settings import SettingSpec, describe
+from vrut_lite.project import Project
+
+Command = Callable[..., Any]
+_PREFIX = "setting_"
+
+
+def daylight_options(command: Command) -> Command:
+    """Add --at, --place, --north-offset, --sky, --set and one option per setting name."""
+    for name, (spec, modules) in reversed(_settings_by_name().items()):
+        command = _setting_option(name, spec, modules)(command)
+    shared = [
+        click.option("--at", metavar="TIME", help="ISO time; local at the place if it has no "
+                     "offset, as 2026-06-21T18:30 or 2026-06-21T16:30Z."),
+        click.option("--place", metavar="LAT,LON[,ALT]",
+                     help="Degrees, north and east positive; altitude in metres."),
+        click.option("--north-offset", "north_offset_deg", type=float, metavar="DEG",
+                     help="How far the scene's -Z axis points clockwise of true north."),
+        click.option("--sky", "sky_module", metavar="MODULE",
+                     help="The module that holds the sky; `vrut-lite modules` lists them."),
+        click.option("--set", "assignments", multiple=True, metavar="MODULE.NAME=VALUE",
+                     help="One setting of one module; may be repeated."),
+    ]  # fmt: skip
+    for option in reversed(shared):
+        command = option(command)
+    return command
+
+
+def with_options(project: Project, options: dict[str, Any]) -> Project:
+    """The project with what the shared options say; takes their keys out of `options`."""
+    changes = {
+        key: value
+        for key in ("at", "place", "north_offset_deg")
+        if (value := options.pop(key)) is not None
+    }
+    sky = options.pop("sky_module")
+    if sky is not None:
+        changes["slots"] = {**project.slots, "sky": sky}
+    changes["settings"] = _merged_settings(project, options)
+    return _checked(msgspec.structs.replace(project, **changes))
+
+
+def _merged_settings(project: Project, options: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    merged = {module: dict(values) for module, values in project.settings.items()}
+    for name, (_, modules) in _settings_by_name().items():
+        value = options.pop(_PREFIX + name)
+        if value is not None:
+            for module in modules:
+                merged.setdefault(module, {})[name] = value
+    for assignment in options.pop("assignments"):
+        target, equals, value = assignment.partition("=")
+        module, dot, name = target.partition(".")
+        if not (equals and dot):
+            raise UserError(f"--set {assignment} is not of the form MODULE.NAME=VALUE")
+        merged.setdefault(module, {})[name] = value
+    return merged
+
+
+def _checked(project: Project) -> Project:
+    """The project again, its bounds checked: `replace` does not look at them."""
+    try:
+        return msgspec.convert(msgspec.to_builtins(project), Project)
+    except msgspec.ValidationError as error:
+        raise UserError(f"{error}") from None
+
+
+def _settings_by_name() -> dict[str, tuple[SettingSpec, list[str]]]:
+    """Every setting name of the installed modules, and the modules that have it."""
+    found: dict[str, tuple[SettingSpec, list[str]]] = {}
+    for module in discover()[0]:
+        for name, spec in describe(module.settings_type).items():
+            found.setdefault(name, (spec, []))[1].append(module.manifest.name)
+    return found
+
+
+def _setting_option(name: str, spec: SettingSpec, modules: list[str]) -> Command:
+    unit = f" {spec.unit}" if spec.unit else ""
+    text = f"{spec.help.rstrip('.')} ({', '.join(modules)}; {spec.range_text()}; "
+    # A text, so that the refusal of a bad value reads the same here and in a project file.
+    return click.option(
+        "--" + name.replace("_", "-"),
+        _PREFIX + name,
+        metavar="|".join(spec.choices) or "VALUE",
+        help=f"{text}default {spec.default}{unit}).",
+    )

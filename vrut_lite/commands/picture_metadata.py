@@ -1,0 +1,36 @@
+"""What a picture file says of itself: place, time, model, sun, units."""
+
+import math
+
+from vrut_lite import __version__
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import SunLightChanged, SunMoved
+from vrut_lite.place_time import local_text
+from vrut_lite.project import Project
+
+
+def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]:
+    """Texts and numbers for the header; the kernel must have settled."""
+    place, instant = project.where(), project.instant()
+    sun, light = kernel.last(SunMoved), kernel.last(SunLightChanged)
+    metadata: dict[str, str | float] = {
+        "Software": f"vrut_lite {__version__}",
+        "latitudeDeg": place.latitude_deg,
+        "longitudeDeg": place.longitude_deg,
+        "altitudeM": place.altitude_m,
+        "time": local_text(instant, place),
+        "utc": instant.isoformat(),
+        "unit": "linear sRGB radiance, W m^-2 sr^-1 (times 683 lm/W: cd m^-2)",
+        "axes": "+X east, +Y up, -Z north",
+    }
+    if sun is not None:
+        metadata["sunElevationDeg"] = math.degrees(sun.elevation_rad)
+        metadata["sunAzimuthDeg"] = math.degrees(sun.azimuth_rad)
+    if light is not None:
+        metadata["skyModel"] = light.source
+        metadata["sunDirection"] = " ".join(f"{value:.9g}" for value in light.direction)
+        metadata["sunIrradianceRgb"] = " ".join(f"{value:.9g}" for value in light.irradiance_rgb)
+        settings = kernel.check_module(light.source).settings
+        for name in settings.__struct_fields__:
+            metadata[f"setting_{name}"] = str(getattr(settings, name))
+    return metadata

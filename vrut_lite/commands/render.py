@@ -1,0 +1,121 @@
+"""`vrut-lite render`: a picture of a scene under the daylight of a place and an hour."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+import msgspec
+
+from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.errors import UserError
+from vrut_lite.project import (
+    PROJECT_SUFFIX,
+    CameraView,
+    Exposure,
+    Project,
+    daylight_inputs,
+    load_project,
+    setting_inputs,
+    view_inputs,
+)
+from vrut_lite.render.image_files import check_writable, picture_format, write_exr, write_png
+
+FORMATS = (".png", ".exr")
+
+
+@click.command(name="render")
+@click.argument("scene")
+@click.option("-o", "--output", required=True, metavar="PICTURE", help="A .png or .exr file.")
+@click.option("--size", metavar="WxH", help="Picture size in pixels, as 960x540.")
+@click.option("--eye", metavar="X,Y,Z", help="Camera position in metres, world axes.")
+@click.option("--target", metavar="X,Y,Z", help="Where the camera looks, with --eye.")
+@click.option("--fov", "field_of_view_deg", type=float, metavar="DEG", help="Vertical view angle.")
+@click.option("--exposure", metavar="EV100", help="'auto' (default) or a fixed EV100.")
+@click.option("--compensation", type=float, metavar="EV", help="Brighter by so many stops.")
+@daylight_options
+def render(scene: str, output: str, **options: Any) -> None:
+    """Render SCENE (glTF, GLB, OBJ, or a project file .toml) to a picture.
+
+    PNG is exposed and tone-mapped; EXR holds linear sRGB radiance in W m^-2 sr^-1.
+
+    Example: vrut-lite render scenes/street.obj -o dusk.png --at 2026-06-21T21:40
+    --place 50.0755,14.4378 --turbidity 3 --albedo 0.1
+    """
+    suffix = picture_format(output, FORMATS)
+    check_writable(output)
+    is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
+    project = load_project(scene) if is_project else Project(scene=scene)
+    project = _with_view(with_options(project, options), options)
+    picture, metadata = draw(project)
+    if suffix == ".png":
+        write_png(output, picture.display, metadata)
+    else:
+        write_exr(output, picture.radiance, metadata)
+    click.echo(f"{output}: {metadata['time']}, sun {metadata['sunElevationDeg']:.1f} deg high, "
+               f"EV100 {picture.ev100:.1f}")  # fmt: skip
+
+
+def draw(project: Project) -> tuple[Any, dict[str, str | float]]:
+    """The project's picture and its metadata; UserError for anything that it says wrong."""
+    # Bad words are told before the GPU is asked for.
+    inputs = [*daylight_inputs(project), *view_inputs(project)]
+    from vrut_lite.host import Host, daylight_kernel
+
+    setting_inputs(project, daylight_kernel()[0])
+    with Host() as host:
+        host.inject(*setting_inputs(project, host.kernel), *inputs)
+        return host.draw(), picture_metadata(project, host.kernel)
+
+
+def _with_view(project: Project, options: dict[str, Any]) -> Project:
+    """The project with this command's own options."""
+    if options["size"] is not None:
+        project = msgspec.structs.replace(project, size=_size(options["size"]))
+    if options["eye"] is not None or options["target"] is not None:
+        project = msgspec.structs.replace(project, camera=_camera(options))
+    exposure = msgspec.structs.asdict(project.exposure)
+    if options["exposure"] is not None:
+        exposure.update(_exposure(options["exposure"]))
+    if options["compensation"] is not None:
+        exposure["compensation_ev"] = options["compensation"]
+    return msgspec.structs.replace(project, exposure=_convert("exposure", exposure, Exposure))
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise UserError(f"--size {text} is not of the form WIDTHxHEIGHT, as 960x540")
+    if not all(16 <= int(side) <= 16384 for side in (width, height)):
+        raise UserError(f"--size {text} must lie between 16x16 and 16384x16384 pixels")
+    return int(width), int(height)
+
+
+def _camera(options: dict[str, Any]) -> CameraView:
+    view: dict[str, Any] = {}
+    for name in ("eye", "target"):
+        try:
+            view[f"{name}_m"] = tuple(float(part) for part in options[name].split(","))
+        except (AttributeError, ValueError):
+            raise UserError(
+                "--eye and --target go together, each X,Y,Z in metres: --eye 5,2,8 --target 0,1,0"
+            ) from None
+    if options["field_of_view_deg"] is not None:
+        view["vertical_field_of_view_deg"] = options["field_of_view_deg"]
+    return _convert("camera", view, CameraView)
+
+
+def _exposure(text: str) -> dict[str, Any]:
+    if text == "auto":
+        return {"mode": "auto"}
+    try:
+        return {"mode": "manual", "ev100": float(text)}
+    except ValueError:
+        raise UserError(f"--exposure {text} is neither 'auto' nor a number") from None
+
+
+def _convert(what: str, values: dict[str, Any], kind: type[Any]) -> Any:
+    try:
+        return msgspec.convert(values, kind)
+    except msgspec.ValidationError as error:
+        raise UserError(f"{what}: {error}") from None

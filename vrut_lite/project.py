@@ -1,0 +1,131 @@
+"""A project: a scene, a place, a time and how to look at it; also as a TOML file."""
+
+import math
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    Input,
+    LoadScene,
+    MoveCamera,
+    Resize,
+    SetClock,
+    SetExposure,
+    SetPlace,
+    SetSetting,
+    Vector,
+)
+from vrut_lite.place_time import Place, parse_instant, parse_place
+
+PROJECT_SUFFIX = ".toml"
+Pixels = Annotated[int, msgspec.Meta(ge=16, le=16384)]
+
+
+class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Where the camera stands and looks, metres in world axes."""
+
+    eye_m: Vector
+    target_m: Vector
+    vertical_field_of_view_deg: Annotated[float, msgspec.Meta(ge=1, le=150)] = 43.0
+
+
+class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Automatic exposure, or a fixed EV100; compensation brightens by so many stops."""
+
+    mode: Literal["auto", "manual"] = "auto"
+    ev100: Annotated[float, msgspec.Meta(ge=-20, le=40)] = 15.0
+    compensation_ev: Annotated[float, msgspec.Meta(ge=-20, le=20)] = 0.0
+
+
+class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What a picture is of. `at` is ISO time, local to the place unless it has an offset."""
+
+    scene: str = ""
+    place: str = "50.0755,14.4378,200"
+    at: str = "2026-06-21T16:00"
+    north_offset_deg: Annotated[float, msgspec.Meta(ge=-360, le=360)] = 0.0
+    slots: dict[str, str] = {}
+    settings: dict[str, dict[str, Any]] = {}
+    camera: CameraView | None = None
+    exposure: Exposure = Exposure()
+    size: tuple[Pixels, Pixels] = (960, 540)
+
+    def where(self) -> Place:
+        """The place; UserError if the text names none."""
+        return parse_place(self.place)
+
+    def instant(self) -> datetime:
+        """The aware instant; UserError if the text names none at the place."""
+        return parse_instant(self.at, self.where())
+
+
+def load_project(path: str | Path) -> Project:
+    """Read a project file; its scene is sought beside it.
+
+    Raises:
+        UserError: the file is missing, no TOML, or says something unknown.
+    """
+    file = Path(path)
+    try:
+        project = msgspec.toml.decode(file.read_bytes(), type=Project)
+    except OSError as error:
+        raise UserError(f"cannot open the project {file}: {error.strerror or error}") from None
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise UserError(f"cannot read the project {file}: {error}") from None
+    if not project.scene:
+        raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
+    return msgspec.structs.replace(project, scene=str(file.parent / project.scene))
+
+
+def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
+    """Settings and slots as inputs, checked against the modules that are installed."""
+    inputs: list[Input] = []
+    for module, values in project.settings.items():
+        for name, value in values.items():
+            checked = kernel.check_setting(module, name, value)
+            inputs.append(SetSetting(module=module, name=name, value=checked))
+    for slot, module in project.slots.items():
+        kernel.check_holder(slot, module)
+        inputs.append(ChooseSlot(slot=slot, module=module))
+    return inputs
+
+
+def daylight_inputs(project: Project) -> list[Input]:
+    """Place and time as inputs."""
+    place = project.where()
+    return [
+        SetPlace(
+            latitude_deg=place.latitude_deg,
+            longitude_deg=place.longitude_deg,
+            altitude_m=place.altitude_m,
+            north_offset_rad=math.radians(project.north_offset_deg),
+        ),
+        SetClock(instant=project.instant()),
+    ]
+
+
+def view_inputs(project: Project) -> list[Input]:
+    """Scene, size, camera and exposure as inputs."""
+    exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
+    inputs: list[Input] = [
+        Resize(width_px=project.size[0], height_px=project.size[1]),
+        exposure,
+        LoadScene(path=project.scene),
+    ]
+    if project.camera is not None:
+        if not all(map(math.isfinite, (*project.camera.eye_m, *project.camera.target_m))):
+            raise UserError("the camera's eye and target must be finite numbers of metres")
+        inputs.append(
+            MoveCamera(
+                eye_m=project.camera.eye_m,
+                target_m=project.camera.target_m,
+                vertical_field_of_view_rad=math.radians(project.camera.vertical_field_of_view_deg),
+            )
+        )
+    return inputs

@@ -1,0 +1,36 @@
+"""Exposure, tone map and dither on the CPU: what the frame's last pass does on the GPU."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.render import exposure, tone_map
+
+
+def display_picture(
+    radiance: NDArray[np.floating], ev100: float | None = None
+) -> NDArray[np.uint8]:
+    """8-bit sRGB (h, w, 3) of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
+
+    Without `ev100` the exposure is metered from the picture itself, black pixels (outside a
+    fisheye, say) left out.
+    """
+    if ev100 is None:
+        seen = radiance[radiance.max(axis=-1) > 0.0]
+        ev100 = exposure.automatic_ev100(seen if seen.size else radiance)
+    encoded = tone_map.agx(radiance * exposure.scale_of(ev100))
+    encoded += dither(*radiance.shape[:2])[..., None] / 255.0
+    return np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
+
+
+def dither(height: int, width: int) -> NDArray[np.float64]:
+    """Triangular noise (h, w) in (-1, 1) steps of 8 bits, fixed per pixel.
+
+    Two interleaved gradient noises (Jimenez 2014, "Next Generation Post Processing in Call of
+    Duty"), summed: it breaks the bands of a smooth sky without moving its mean.
+    """
+    x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    return _gradient_noise(x, y) + _gradient_noise(y + 47.0, x + 47.0) - 1.0
+
+
+def _gradient_noise(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.mod(52.9829189 * np.mod(0.06711056 * x + 0.00583715 * y, 1.0), 1.0)

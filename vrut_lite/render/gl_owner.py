@@ -1,0 +1,53 @@
+"""The one thread that owns the process's OpenGL context."""
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, TypeVar
+
+from vrut_lite.errors import UserError
+from vrut_lite.render.gl_environment import prepare_environment, probe_gl
+
+T = TypeVar("T")
+
+
+class GlOwner:
+    """Runs work on the GL thread, one piece after another.
+
+    Work is a callable that gets the moderngl context; it must not keep it. Everything that
+    touches OpenGL in this process goes through here, so that no two threads ever share it.
+
+    Raises:
+        UserError: there is no OpenGL 4.3 through EGL on this machine.
+    """
+
+    def __init__(self) -> None:
+        renderer, reason = probe_gl()
+        if not renderer:
+            raise UserError(
+                f"no OpenGL 4.3 through EGL here ({reason}): install the packages libegl1 and "
+                "libgl1, or their like"
+            )
+        self.renderer = renderer
+        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gl-owner")
+        self._context: Any = self._thread.submit(_create_context).result()
+
+    def submit(self, work: Callable[[Any], T]) -> "Future[T]":
+        """Queue work for the GL thread."""
+        return self._thread.submit(work, self._context)
+
+    def call(self, work: Callable[[Any], T]) -> T:
+        """Do work on the GL thread and wait for its result."""
+        return self.submit(work).result()
+
+    def close(self) -> None:
+        """Finish queued work and give the context back."""
+        self._thread.submit(self._context.release).result()
+        self._thread.shutdown()
+
+
+def _create_context() -> Any:
+    prepare_environment()
+    import moderngl
+
+    # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
+    return moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]

@@ -1,0 +1,42 @@
+"""Picture files: which formats there are, and a writer for each.
+
+A command asks `picture_format` and `check_writable` first, then works, then writes.
+"""
+
+import os
+from pathlib import Path
+
+from vrut_lite.errors import UserError
+from vrut_lite.render.picture_array import Metadata
+from vrut_lite.render.write_atomic import atomic_output, check_writable
+from vrut_lite.render.write_exr import write_exr
+from vrut_lite.render.write_hdr import write_hdr
+from vrut_lite.render.write_npz import write_npz
+from vrut_lite.render.write_png import write_png
+
+__all__ = [
+    "PICTURE_FORMATS",
+    "Metadata",
+    "atomic_output",
+    "check_writable",
+    "picture_format",
+    "write_exr",
+    "write_hdr",
+    "write_npz",
+    "write_png",
+]
+
+PICTURE_FORMATS = (".exr", ".hdr", ".npz", ".png")
+
+
+def picture_format(path: str | os.PathLike[str], known: tuple[str, ...] = PICTURE_FORMATS) -> str:
+    """The suffix of the path in lower case, one of `known`.
+
+    Raises:
+        UserError: another suffix or none.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in known:
+        given = f"'{suffix}' is no picture format" if suffix else "it has no suffix"
+        raise UserError(f"cannot write {path}: {given}; known are {', '.join(known)}")
+    return suffix

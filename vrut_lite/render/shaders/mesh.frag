@@ -1,0 +1,228 @@
+#version 430 core
+// Radiance of a metallic-roughness surface (glTF 2.0, appendix B) under sun and sky,
+// linear sRGB in W m^-2 sr^-1: nothing is exposed or tone-mapped here.
+
+const float PI = 3.141592653589793;
+const float LUMENS_PER_WATT = 683.0;
+const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
+
+struct Material {
+    vec3 emissive_factor;
+    vec4 base_color_factor;
+    float metallic_factor;
+    float roughness_factor;
+#ifdef HAS_NORMAL_TEX
+    sampler2D normal_texture;
+#endif
+#ifdef HAS_OCCLUSION_TEX
+    sampler2D occlusion_texture;
+#endif
+#ifdef HAS_EMISSIVE_TEX
+    sampler2D emissive_texture;
+#endif
+#ifdef HAS_BASE_COLOR_TEX
+    sampler2D base_color_texture;
+#endif
+#ifdef HAS_METALLIC_ROUGHNESS_TEX
+    sampler2D metallic_roughness_texture;
+#endif
+};
+
+uniform Material material;
+uniform vec3 cam_pos;
+uniform float alpha_cutoff;          // below it a fragment is dropped; 0 for opaque and blended
+uniform float opaque;                // 1: alpha is ignored
+uniform float dielectric_f0;         // reflectance at normal incidence of what is no metal
+
+uniform vec3 sun_direction;          // towards the sun
+uniform vec3 sun_irradiance;         // on a plane that faces it
+uniform vec3 irradiance_sh[25];
+layout(binding = 8) uniform samplerCube sky;
+uniform float sky_scale;
+layout(binding = 9) uniform sampler2DShadow shadow_map;
+uniform mat4 shadow_matrix;
+uniform float shadow_texel_m;
+
+in vec3 world_position;
+#ifdef NORMAL_LOC
+in vec3 world_normal;
+#endif
+#ifdef TEXCOORD_0_LOC
+in vec2 uv;
+#endif
+#ifdef COLOR_0_LOC
+in vec4 vertex_color;
+#endif
+
+out vec4 frag_radiance;
+
+vec3 linear_from_srgb(vec3 c) {
+    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(vec3(0.04045), c));
+}
+
+// The normal of the triangle itself, on the side that is seen.
+vec3 face_normal() {
+    return normalize(cross(dFdx(world_position), dFdy(world_position)));
+}
+
+vec3 shading_normal(vec3 face, vec3 view) {
+    vec3 n = face;
+#ifdef NORMAL_LOC
+    float length_squared = dot(world_normal, world_normal);
+    if (length_squared > 0.0) n = world_normal * inversesqrt(length_squared);
+    // The back of a sheet is lit from its own side.
+    if (dot(n, face) < 0.0) n = -n;
+#endif
+#ifdef HAS_NORMAL_TEX
+#ifdef TEXCOORD_0_LOC
+    // Tangents from screen derivatives (Schueler, "Normal mapping without precomputed
+    // tangents", ShaderX 5): right for any mesh, and needs no tangents in the file.
+    vec3 dpx = dFdx(world_position), dpy = dFdy(world_position);
+    vec2 dux = dFdx(uv), duy = dFdy(uv);
+    vec3 across_x = cross(n, dpx), across_y = cross(dpy, n);
+    vec3 t = across_y * dux.x + across_x * duy.x;
+    vec3 b = across_y * dux.y + across_x * duy.y;
+    float longest = max(dot(t, t), dot(b, b));
+    if (longest > 0.0) {
+        vec3 m = 2.0 * texture(material.normal_texture, uv).rgb - 1.0;
+        n = normalize(mat3(t * inversesqrt(longest), b * inversesqrt(longest), n) * m);
+    }
+#endif
+#endif
+    return n;
+}
+
+// E(n) = sum c_i Y_i(n), bands 0 to 4: the twin of geometry/spherical_harmonics.py.
+vec3 sky_irradiance(vec3 n) {
+    float x = n.x, y = n.y, z = n.z, x2 = x * x, y2 = y * y, z2 = z * z;
+    vec3 e = irradiance_sh[0] * 0.28209479177387814;
+    e += 0.4886025119029199 * (irradiance_sh[1] * y + irradiance_sh[2] * z + irradiance_sh[3] * x);
+    e += 1.0925484305920792 * (irradiance_sh[4] * x * y + irradiance_sh[5] * y * z
+                               + irradiance_sh[7] * x * z);
+    e += irradiance_sh[6] * (0.31539156525252005 * (3.0 * z2 - 1.0));
+    e += irradiance_sh[8] * (0.5462742152960396 * (x2 - y2));
+    e += 0.5900435899266435 * (irradiance_sh[9] * y * (3.0 * x2 - y2)
+                               + irradiance_sh[15] * x * (x2 - 3.0 * y2));
+    e += irradiance_sh[10] * (2.890611442640554 * x * y * z);
+    e += 0.4570457994644658 * (5.0 * z2 - 1.0) * (irradiance_sh[11] * y + irradiance_sh[13] * x);
+    e += irradiance_sh[12] * (0.3731763325901154 * z * (5.0 * z2 - 3.0));
+    e += irradiance_sh[14] * (1.445305721320277 * z * (x2 - y2));
+    e += irradiance_sh[16] * (2.5033429417967046 * x * y * (x2 - y2));
+    e += 1.7701307697799304 * (irradiance_sh[17] * y * z * (3.0 * x2 - y2)
+                               + irradiance_sh[23] * x * z * (x2 - 3.0 * y2));
+    e += irradiance_sh[18] * (0.9461746957575601 * x * y * (7.0 * z2 - 1.0));
+    e += 0.6690465435572892 * z * (7.0 * z2 - 3.0) * (irradiance_sh[19] * y + irradiance_sh[21] * x);
+    e += irradiance_sh[20] * (0.10578554691520431 * (35.0 * z2 * z2 - 30.0 * z2 + 3.0));
+    e += irradiance_sh[22] * (0.47308734787878004 * (x2 - y2) * (7.0 * z2 - 1.0));
+    e += irradiance_sh[24] * (0.6258357354491761 * (x2 * (x2 - 3.0 * y2) - y2 * (3.0 * x2 - y2)));
+    return max(e, 0.0);
+}
+
+// Share of the sun that reaches this point: 3 x 3 taps of a linearly filtered comparison.
+float sun_visibility(vec3 face, float cos_face) {
+    // The receiver is moved off its own surface by what one tap can span, more where the
+    // light grazes it: acne-free at any scale, since it is measured in texels.
+    float sin_face = sqrt(max(0.0, 1.0 - cos_face * cos_face));
+    vec3 p = world_position + face * (shadow_texel_m * (0.5 + 2.0 * sin_face));
+    vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
+    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
+    float depth = min(at.z, 1.0);
+    vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
+    float lit = 0.0;
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j)
+            lit += texture(shadow_map, vec3(at.xy + vec2(i, j) * texel, depth));
+    return lit / 9.0;
+}
+
+// Reflectance at grazing angles: 1, but for what is darker at normal incidence than any real
+// surface (below 2 %): a matte one reflects nothing at all.
+vec3 grazing(vec3 f0) {
+    return vec3(clamp(50.0 * max(f0.r, max(f0.g, f0.b)), 0.0, 1.0));
+}
+
+// GGX distribution times height-correlated Smith visibility (Heitz 2014), with Schlick's
+// Fresnel term: glTF 2.0, appendix B.3.
+vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0) {
+    float a2 = alpha * alpha;
+    float d = nh * nh * (a2 - 1.0) + 1.0;
+    float distribution = a2 / (PI * d * d);
+    float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2)
+                              + nv * sqrt(nl * nl * (1.0 - a2) + a2));
+    return distribution * visibility * (f0 + (grazing(f0) - f0) * pow(1.0 - vh, 5.0));
+}
+
+// What a lobe reflects of a uniform white sky (Karis 2014, "Physically Based Shading on
+// Mobile"): the split-sum approximation without a look-up table.
+vec3 sky_reflectance(vec3 f0, float roughness, float nv) {
+    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    return f0 * (-1.04 * a + r.z) + grazing(f0) * (1.04 * a + r.w);
+}
+
+// Radiance of the sky over a lobe: the mip level whose texel is as wide as the lobe,
+// whose solid angle is about 4 pi alpha^2.
+vec3 reflected_sky(vec3 direction, float alpha) {
+    float texels = float(textureSize(sky, 0).x);
+    float level = log2(max(1.0, 2.449 * alpha * texels));
+    return textureLod(sky, direction, min(level, log2(texels) - 1.0)).rgb * sky_scale;
+}
+
+vec4 base_color() {
+    vec4 base = material.base_color_factor;
+#ifdef HAS_BASE_COLOR_TEX
+#ifdef TEXCOORD_0_LOC
+    vec4 texel = texture(material.base_color_texture, uv);
+    base *= vec4(linear_from_srgb(texel.rgb), texel.a);
+#endif
+#endif
+#ifdef COLOR_0_LOC
+    base *= vertex_color;
+#endif
+    return base;
+}
+
+void main() {
+    vec4 base = base_color();
+    if (base.a < alpha_cutoff) discard;
+    float metallic = material.metallic_factor, roughness = material.roughness_factor;
+    vec3 emission = material.emissive_factor;
+    float occlusion = 1.0;
+#ifdef TEXCOORD_0_LOC
+#ifdef HAS_METALLIC_ROUGHNESS_TEX
+    vec2 rough_metal = texture(material.metallic_roughness_texture, uv).rg;
+    roughness *= rough_metal.r;
+    metallic *= rough_metal.g;
+#endif
+#ifdef HAS_OCCLUSION_TEX
+    occlusion = texture(material.occlusion_texture, uv).r;
+#endif
+#ifdef HAS_EMISSIVE_TEX
+    emission *= linear_from_srgb(texture(material.emissive_texture, uv).rgb);
+#endif
+#endif
+    roughness = clamp(roughness, 0.0, 1.0);
+    float alpha = max(roughness * roughness, SMALLEST_ALPHA);
+    vec3 f0 = mix(vec3(dielectric_f0), base.rgb, metallic);
+    vec3 albedo = base.rgb * (1.0 - metallic);
+
+    vec3 view = normalize(cam_pos - world_position);
+    vec3 face = face_normal();
+    if (dot(face, view) < 0.0) face = -face;
+    vec3 n = shading_normal(face, view);
+    float nv = max(dot(n, view), 1e-4);
+    float nl = dot(n, sun_direction);
+    float cos_face = dot(face, sun_direction);
+
+    vec3 diffuse = sky_irradiance(n) * occlusion;
+    vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
+    if (nl > 0.0 && cos_face > 0.0) {
+        vec3 sun = sun_irradiance * (nl * sun_visibility(face, cos_face));
+        diffuse += sun;
+        vec3 h = normalize(sun_direction + view);
+        radiance += sun * specular_brdf(nl, nv, max(dot(n, h), 0.0), max(dot(view, h), 0.0), alpha, f0);
+    }
+    radiance += albedo * diffuse / PI;
+    radiance += sky_reflectance(f0, roughness, nv) * occlusion * reflected_sky(reflect(-view, n), alpha);
+    frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
+}

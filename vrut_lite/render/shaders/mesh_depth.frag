@@ -1,0 +1,19 @@
+#version 430 core
+// A cut-out leaf casts the shadow of the leaf, not of its quad.
+
+uniform float base_alpha;
+uniform float alpha_cutoff;
+uniform float has_alpha_texture;
+uniform sampler2D alpha_texture;
+
+#ifdef TEXCOORD_0_LOC
+in vec2 uv;
+#endif
+
+void main() {
+    float alpha = base_alpha;
+#ifdef TEXCOORD_0_LOC
+    if (has_alpha_texture > 0.5) alpha *= texture(alpha_texture, uv).a;
+#endif
+    if (alpha < alpha_cutoff) discard;
+}

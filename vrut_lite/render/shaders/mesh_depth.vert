@@ -1,0 +1,23 @@
+#version 430 core
+// Depth from the sun, and what a cut-out texture needs to cast its own shape.
+
+layout(location = 0) in vec3 position;
+#ifdef TEXCOORD_0_LOC
+layout(location = TEXCOORD_0_LOC) in vec2 texcoord_0;
+#endif
+layout(location = INST_M_LOC) in mat4 inst_m;
+
+uniform mat4 M;
+uniform mat4 V;
+uniform mat4 P;
+
+#ifdef TEXCOORD_0_LOC
+out vec2 uv;
+#endif
+
+void main() {
+    gl_Position = P * V * M * inst_m * vec4(position, 1.0);
+#ifdef TEXCOORD_0_LOC
+    uv = texcoord_0;
+#endif
+}

@@ -1,0 +1,79 @@
+"""Files that are there whole or not at all: written beside their place, then renamed."""
+
+import os
+import stat
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from vrut_lite.errors import UserError
+
+
+@contextmanager
+def atomic_output(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A path in the same folder to write to; it becomes `path` when the block ends well.
+
+    An older file at `path` is replaced in one step; after an exception it is as it was and the
+    unfinished one is gone. A symbolic link is followed, so that its target is replaced.
+
+    Raises:
+        UserError: the folder or the disk refuses the file (any OSError of the block).
+    """
+    target = Path(os.path.realpath(path))
+    beside = _beside(target)
+    try:
+        yield beside
+        os.replace(beside, target)
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {_reason(error)}") from error
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Find out before the long work, not after it, whether `path` can be written.
+
+    A file is made beside it and removed: permission bits alone say little about mounts,
+    access lists and root.
+
+    Raises:
+        UserError: the folder is missing or refuses files, or `path` is no plain writable file.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        objection = _objection(target)
+        if not objection:
+            beside = _beside(target)
+            beside.touch(exist_ok=False)
+            beside.unlink()
+    except OSError as error:
+        objection = f"{_reason(error)} in {target.parent}"
+    if objection:
+        raise UserError(f"cannot write {path}: {objection}")
+
+
+def _objection(target: Path) -> str:
+    """Why the path is none for a picture, or nothing; an OSError may say it as well."""
+    if not target.parent.is_dir():
+        return f"there is no folder {target.parent}; make it first"
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        return ""
+    if stat.S_ISDIR(mode):
+        return "it is a folder; name a file in it"
+    if not stat.S_ISREG(mode):
+        return "it is no plain file; name another"
+    # Opened and not truncated: an older file that refuses bytes is meant to stay.
+    os.close(os.open(target, os.O_WRONLY))
+    return ""
+
+
+def _beside(target: Path) -> Path:
+    # Not made of the target's name, which may already be as long as names may be.
+    return target.with_name(f".unfinished-{uuid.uuid4().hex}{target.suffix}")
+
+
+def _reason(error: OSError) -> str:
+    return error.strerror.lower() if error.strerror else str(error)

@@ -1,0 +1,54 @@
+"""Linear pictures as OpenEXR: half or single precision, ZIP, colour space and units stated."""
+
+import os
+
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+
+from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.render.picture_array import Metadata, require_picture
+from vrut_lite.render.write_atomic import atomic_output
+
+# Red, green, blue, white, each x and y: ITU-R BT.709 and D65, sRGB's own.
+SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+_OF_THE_FORMAT = {
+    *("channels", "chunkCount", "compression", "dataWindow", "displayWindow", "lineOrder"),
+    *("name", "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth", "tiles", "type"),
+    *("version", "view", "chromaticities", "whiteLuminance"),
+}
+
+
+def write_exr(path: str | os.PathLike[str], rgb_linear: NDArray, metadata: Metadata) -> None:
+    """Write (h, w, 3) linear sRGB radiance, W m^-2 sr^-1, in the precision of the array.
+
+    float16 becomes HALF, float32 FLOAT, both bit for bit. Metadata become string and double
+    attributes. The standard attribute whiteLuminance gives the luminance of RGB (1, 1, 1) in
+    cd m^-2, so that a reader that knows it recovers the unit.
+
+    Raises:
+        ValueError: another shape or type, or a metadata name that the format itself uses.
+        UserError: the file cannot be written.
+    """
+    require_picture(rgb_linear, ("float16", "float32"))
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "chromaticities": SRGB_CHROMATICITIES,
+        "whiteLuminance": LUMENS_PER_WATT,
+        **{key: _attribute(key, value) for key, value in metadata.items()},
+    }
+    picture = OpenEXR.File(header, {"RGB": np.ascontiguousarray(rgb_linear)})
+    with atomic_output(path) as beside:
+        try:
+            picture.write(os.fspath(beside))
+        except RuntimeError as error:
+            # The library's sentence names the file beside, in quotes; what follows is the reason.
+            raise OSError(str(error).rpartition('". ')[2].rstrip(".").lower()) from error
+
+
+def _attribute(key: str, value: str | float) -> str | NDArray[np.float64]:
+    """Text as it is; a number as an array of one, which the library stores as a double."""
+    if key in _OF_THE_FORMAT:
+        raise ValueError(f"the attribute '{key}' belongs to the OpenEXR format: name it otherwise")
+    return value if isinstance(value, str) else np.array([value], dtype=np.float64)

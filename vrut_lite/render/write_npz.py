@@ -1,0 +1,39 @@
+"""Arrays as numpy's .npz, the same bytes for the same content."""
+
+import os
+import zipfile
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.render.picture_array import Metadata
+from vrut_lite.render.write_atomic import atomic_output
+
+# The oldest date that a zip archive can hold: when a file was made is no part of its content.
+_NO_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def write_npz(
+    path: str | os.PathLike[str],
+    arrays: Mapping[str, NDArray],
+    metadata: Metadata | None = None,
+) -> None:
+    """Write named arrays, and metadata as arrays of no dimension, sorted by name, compressed.
+
+    Raises:
+        ValueError: a name occurs in both, or an array holds Python objects.
+        UserError: the file cannot be written.
+    """
+    members: dict[str, NDArray] = {
+        key: np.asarray(value) for key, value in (metadata or {}).items()
+    }
+    if twice := sorted(members.keys() & arrays.keys()):
+        raise ValueError(f"'{twice[0]}' names both an array and a metadata entry")
+    members.update(arrays)
+    with atomic_output(path) as beside, zipfile.ZipFile(beside, "w") as archive:
+        for name in sorted(members):
+            entry = zipfile.ZipInfo(f"{name}.npy", date_time=_NO_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            with archive.open(entry, "w", force_zip64=True) as stream:
+                np.lib.format.write_array(stream, members[name], allow_pickle=False)

@@ -1,0 +1,65 @@
+"""What the scene manager drives: something that can show a scene under a light."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    MoveCamera,
+    SetExposure,
+    SunLightChanged,
+)
+from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.scene.loading import LoadedScene
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawn frame.
+
+    radiance (h, w, 3) float32 is linear sRGB in W m^-2 sr^-1, display (h, w, 3) uint8 is
+    sRGB-encoded, row 0 at the top; `ev100` is the exposure that was used.
+    """
+
+    radiance: NDArray[np.float32]
+    display: NDArray[np.uint8]
+    ev100: float
+
+
+class SceneBackend(Protocol):
+    """Shows one scene; every call may come in any order and replaces what it set before."""
+
+    def show_scene(self, scene: LoadedScene, ground: GroundDisc | None) -> None:
+        """Show this scene, on this ground if there is one."""
+
+    def set_background(self, background: BackgroundChanged) -> None:
+        """Show this sky."""
+
+    def set_sun_light(self, light: SunLightChanged) -> None:
+        """Light with this sun."""
+
+    def set_ambient(self, ambient: AmbientChanged) -> None:
+        """Light with this sky."""
+
+    def set_ground_albedo(self, albedo_rgb: NDArray[np.float64]) -> None:
+        """Paint the ground disc; (3,) linear sRGB."""
+
+    def set_camera(self, camera: MoveCamera) -> None:
+        """Look from here."""
+
+    def set_exposure(self, exposure: SetExposure) -> None:
+        """Expose like this."""
+
+    def set_size(self, width_px: int, height_px: int) -> None:
+        """Draw pictures of this size."""
+
+    def draw(self) -> Picture:
+        """Draw a frame.
+
+        Raises:
+            RuntimeError: scene, light or camera is still missing.
+        """

@@ -1,0 +1,221 @@
+"""glTF and GLB containers: the document, its bytes, and typed arrays out of them."""
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.scene.file_checks import SceneFileError, SceneFolder, read_whole_file
+from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
+
+# Extensions a file may require: each is honoured by the reader.
+SUPPORTED_EXTENSIONS = ("EXT_texture_webp", "KHR_mesh_quantization", "KHR_texture_transform")
+_GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
+_DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class GltfFile:
+    """A parsed document with all its buffers in memory."""
+
+    document: Gltf
+    buffers: tuple[bytes, ...]
+    folder: SceneFolder
+
+    def array(self, index: int) -> NDArray[Any]:
+        """Elements (count, components) of an accessor, sparse and normalised ones resolved.
+
+        Integers stay integers unless they are normalised (glTF 2.0, section 3.11).
+
+        Raises:
+            SceneFileError: if it reaches beyond its buffer.
+        """
+        accessor = self.accessor(index)
+        dtype, components = np.dtype(_DTYPES[accessor.component_type]), _width(accessor)
+        if accessor.buffer_view is None:
+            values = np.zeros((accessor.count, components), dtype)
+        else:
+            values = self._slice(
+                f"accessor {index}",
+                (accessor.buffer_view, accessor.byte_offset),
+                (accessor.count, components),
+                dtype,
+            )
+        if accessor.sparse is not None:
+            values = self._replaced(f"accessor {index}", values, accessor.sparse)
+        return _normalised(values) if accessor.normalized else values
+
+    def accessor(self, index: int) -> Accessor:
+        """The accessor of this number."""
+        return item_at(self.document.accessors, index, "accessor")
+
+    def image_bytes(self, image: Image) -> bytes:
+        """An image as it is encoded in its file, data URI or buffer view."""
+        if image.uri is not None:
+            return self.folder.get_uri(image.uri)
+        if image.buffer_view is None:
+            raise SceneFileError("an image in it has no source; export the scene again")
+        return bytes(self._view(image.buffer_view))
+
+    def _view(self, index: int) -> memoryview:
+        view = item_at(self.document.buffer_views, index, "buffer view")
+        data = item_at(self.buffers, view.buffer, "buffer")
+        if view.byte_offset + view.byte_length > len(data):
+            raise SceneFileError(
+                f"buffer view {index} reaches beyond buffer {view.buffer}, which has "
+                f"{len(data)} bytes; export the scene again"
+            )
+        return memoryview(data)[view.byte_offset : view.byte_offset + view.byte_length]
+
+    def _slice(
+        self, what: str, start: tuple[int, int], shape: tuple[int, int], dtype: np.dtype[Any]
+    ) -> NDArray[Any]:
+        """A contiguous copy (count, components) of what lies in a (buffer view, byte offset)."""
+        view, offset = self._view(start[0]), start[1]
+        packed = shape[1] * dtype.itemsize
+        stride = self.document.buffer_views[start[0]].byte_stride or packed
+        if stride < packed or offset + (shape[0] - 1) * stride + packed > len(view):
+            raise SceneFileError(
+                f"{what} counts {shape[0]} elements, more than its buffer view holds; "
+                "export the scene again"
+            )
+        strides = (stride, dtype.itemsize)
+        return np.ndarray(shape, dtype, view, offset, strides).copy()
+
+    def _replaced(self, what: str, values: NDArray[Any], sparse: Sparse) -> NDArray[Any]:
+        where = sparse.indices
+        at = self._slice(
+            what,
+            (where.buffer_view, where.byte_offset),
+            (sparse.count, 1),
+            np.dtype(_DTYPES[where.component_type]),
+        )[:, 0]
+        if at.max() >= len(values):
+            raise SceneFileError(f"{what} replaces elements it has not; export the scene again")
+        start = (sparse.values.buffer_view, sparse.values.byte_offset)
+        values[at] = self._slice(what, start, (sparse.count, values.shape[1]), values.dtype)
+        return values
+
+
+def read_gltf_file(path: Path) -> GltfFile:
+    """Parse a .gltf or .glb file and fetch its buffers.
+
+    Raises:
+        SceneFileError: if it is damaged, needs an unsupported extension, or names files that
+            are missing or outside its folder.
+    """
+    data = read_whole_file(path)
+    text, binary = _glb_chunks(data) if path.suffix.lower() == ".glb" else (data, None)
+    document = _parse(text)
+    _check_version(document)
+    folder = SceneFolder(path.parent)
+    for image in document.images:
+        if image.uri is not None and not image.uri.lower().startswith("data:"):
+            folder.get_uri(image.uri)
+    return GltfFile(document, _fetch_buffers(document, folder, binary), folder)
+
+
+def item_at(items: Sequence[Item], index: int, what: str) -> Item:
+    """`items[index]`.
+
+    Raises:
+        SceneFileError: naming what is missing.
+    """
+    if not 0 <= index < len(items):
+        raise SceneFileError(f"it refers to {what} {index}, which is missing; export it again")
+    return items[index]
+
+
+def _parse(text: bytes) -> Gltf:
+    try:
+        return msgspec.json.decode(text.removeprefix(b"\xef\xbb\xbf"), type=Gltf)
+    except msgspec.ValidationError as fault:
+        raise SceneFileError(
+            f"its glTF document is not valid ({fault}); export it again"
+        ) from fault
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
+        raise SceneFileError(f"its glTF document is not JSON ({fault}); export it again") from fault
+
+
+def _check_version(document: Gltf) -> None:
+    if document.asset.version.split(".")[0] != "2":
+        raise SceneFileError(
+            f"it is glTF {ascii(document.asset.version)[:20]}, not glTF 2; export it as glTF 2"
+        )
+    unknown = [name for name in document.extensions_required if name not in SUPPORTED_EXTENSIONS]
+    if unknown:
+        names = ", ".join(ascii(name)[1:-1][:60] for name in unknown[:4])
+        raise SceneFileError(
+            f"it requires the glTF extension {names}, which is not supported; export it without"
+        )
+
+
+def _glb_chunks(data: bytes) -> tuple[bytes, bytes | None]:
+    """The JSON chunk and the binary chunk of a GLB file (glTF 2.0, section 4.4)."""
+    if data[:4] != _GLB_MAGIC or len(data) < 20:
+        raise SceneFileError(
+            "it is not a GLB file, for it does not begin with 'glTF'; export again"
+        )
+    version, length = struct.unpack_from("<II", data, 4)
+    if version != 2:
+        raise SceneFileError(
+            f"it is GLB version {version}, and only 2 is read; export it as glTF 2"
+        )
+    if length > len(data):
+        raise SceneFileError(
+            f"it is cut short: its header promises {length} bytes, there are {len(data)}; "
+            "fetch or export it again"
+        )
+    chunks = _split_chunks(data[:length])
+    if not chunks or chunks[0][0] != _JSON_CHUNK:
+        raise SceneFileError("its first chunk is not the glTF document; export it again")
+    binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == _BINARY_CHUNK else None
+    return chunks[0][1], binary
+
+
+def _split_chunks(data: bytes) -> list[tuple[bytes, bytes]]:
+    chunks, at = [], 12
+    while at + 8 <= len(data):
+        size, kind = struct.unpack_from("<I4s", data, at)
+        at += 8
+        if size > len(data) - at:
+            raise SceneFileError("it is cut short inside a chunk; fetch or export it again")
+        chunks.append((kind, data[at : at + size]))
+        at += size
+    return chunks
+
+
+def _fetch_buffers(document: Gltf, folder: SceneFolder, binary: bytes | None) -> tuple[bytes, ...]:
+    buffers = []
+    for index, buffer in enumerate(document.buffers):
+        if buffer.uri is not None:
+            data = folder.get_uri(buffer.uri)
+        elif index == 0 and binary is not None:
+            data = binary
+        else:
+            raise SceneFileError(f"buffer {index} has no data; export the scene again")
+        if len(data) < buffer.byte_length:
+            raise SceneFileError(
+                f"buffer {index} is cut short: {buffer.byte_length} bytes are promised, "
+                f"{len(data)} are there; fetch or export it again"
+            )
+        buffers.append(data)
+    return tuple(buffers)
+
+
+def _width(accessor: Accessor) -> int:
+    return _COMPONENTS[accessor.type]
+
+
+def _normalised(values: NDArray[Any]) -> NDArray[Any]:
+    """Integers as numbers in [0, 1] or [-1, 1] (glTF 2.0, section 3.6.2.2)."""
+    if values.dtype.kind == "f":
+        return values
+    return np.maximum(values / float(np.iinfo(values.dtype).max), -1.0)

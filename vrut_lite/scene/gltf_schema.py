@@ -1,0 +1,209 @@
+"""The part of glTF 2.0 that is read, as types: msgspec refuses whatever does not fit them."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct, field
+
+Index = Annotated[int, Meta(ge=0, le=2**31)]
+Size = Annotated[int, Meta(ge=0, le=2**40)]
+Vector3 = tuple[float, float, float]
+Vector4 = tuple[float, float, float, float]
+
+
+class Part(Struct, frozen=True, rename="camel"):
+    """Base of all parts: camel case in the file; unknown fields are ignored."""
+
+
+class Asset(Part, frozen=True):
+    """The file's own account of itself."""
+
+    version: str
+
+
+class Buffer(Part, frozen=True):
+    """A run of bytes; without a URI it is the GLB's own."""
+
+    byte_length: Size
+    uri: str | None = None
+
+
+class BufferView(Part, frozen=True):
+    """A slice of a buffer."""
+
+    buffer: Index
+    byte_length: Size
+    byte_offset: Size = 0
+    byte_stride: Annotated[int, Meta(ge=1, le=252)] | None = None
+
+
+class SparseIndices(Part, frozen=True):
+    """Which elements a sparse accessor replaces."""
+
+    buffer_view: Index
+    component_type: Literal[5121, 5123, 5125]
+    byte_offset: Size = 0
+
+
+class SparseValues(Part, frozen=True):
+    """What a sparse accessor puts there."""
+
+    buffer_view: Index
+    byte_offset: Size = 0
+
+
+class Sparse(Part, frozen=True):
+    """A few elements that differ from the rest."""
+
+    count: Annotated[int, Meta(ge=1, le=2**31)]
+    indices: SparseIndices
+    values: SparseValues
+
+
+class Accessor(Part, frozen=True):
+    """A typed array inside a buffer view; without a view it is zero."""
+
+    component_type: Literal[5120, 5121, 5122, 5123, 5125, 5126]
+    count: Annotated[int, Meta(ge=1, le=2**31)]
+    type: Literal["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"]
+    buffer_view: Index | None = None
+    byte_offset: Size = 0
+    normalized: bool = False
+    sparse: Sparse | None = None
+
+
+class Image(Part, frozen=True):
+    """An encoded picture, in a file, a data URI or a buffer view."""
+
+    uri: str | None = None
+    buffer_view: Index | None = None
+
+
+class WebpSource(Part, frozen=True):
+    """EXT_texture_webp: the image to take instead."""
+
+    source: Index
+
+
+class TextureExtensions(Part, frozen=True):
+    """The extensions of a texture that are honoured."""
+
+    webp: WebpSource | None = field(default=None, name="EXT_texture_webp")
+
+
+class Texture(Part, frozen=True):
+    """An image as it is sampled; a texture without a source is empty."""
+
+    source: Index | None = None
+    extensions: TextureExtensions = TextureExtensions()
+
+
+class TextureTransform(Part, frozen=True):
+    """KHR_texture_transform: texture coordinates are scaled, turned and moved, in this order."""
+
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+    tex_coord: Index | None = None
+
+
+class TextureInfoExtensions(Part, frozen=True):
+    """The extensions of a texture reference that are honoured."""
+
+    transform: TextureTransform | None = field(default=None, name="KHR_texture_transform")
+
+
+class TextureInfo(Part, frozen=True):
+    """Which texture, through which set of coordinates."""
+
+    index: Index
+    tex_coord: Index = 0
+    extensions: TextureInfoExtensions = TextureInfoExtensions()
+
+
+class MetallicRoughness(Part, frozen=True):
+    """The core material model; the defaults are glTF's."""
+
+    base_color_factor: Vector4 = (1.0, 1.0, 1.0, 1.0)
+    metallic_factor: float = 1.0
+    roughness_factor: float = 1.0
+    base_color_texture: TextureInfo | None = None
+    metallic_roughness_texture: TextureInfo | None = None
+
+
+class Material(Part, frozen=True):
+    """A surface; the defaults are glTF's."""
+
+    name: str = ""
+    pbr_metallic_roughness: MetallicRoughness = MetallicRoughness()
+    normal_texture: TextureInfo | None = None
+    occlusion_texture: TextureInfo | None = None
+    emissive_texture: TextureInfo | None = None
+    emissive_factor: Vector3 = (0.0, 0.0, 0.0)
+    alpha_mode: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
+    alpha_cutoff: float = 0.5
+    double_sided: bool = False
+
+
+class Primitive(Part, frozen=True):
+    """Triangles (or points or lines, which are passed over) of one material."""
+
+    attributes: dict[str, Index]
+    indices: Index | None = None
+    material: Index | None = None
+    mode: Annotated[int, Meta(ge=0, le=6)] = 4
+
+
+class Mesh(Part, frozen=True):
+    """Primitives that move together."""
+
+    primitives: list[Primitive]
+    name: str = ""
+
+
+class Node(Part, frozen=True):
+    """A place in the tree; `matrix` is column-major and excludes the other three."""
+
+    name: str = ""
+    children: list[Index] = []
+    mesh: Index | None = None
+    camera: Index | None = None
+    matrix: Annotated[list[float], Meta(min_length=16, max_length=16)] | None = None
+    translation: Vector3 = (0.0, 0.0, 0.0)
+    rotation: Vector4 = (0.0, 0.0, 0.0, 1.0)
+    scale: Vector3 = (1.0, 1.0, 1.0)
+
+
+class Perspective(Part, frozen=True):
+    """A pinhole; the angle is vertical, in radians."""
+
+    yfov: Annotated[float, Meta(gt=0.0, lt=3.1415)]
+
+
+class Camera(Part, frozen=True):
+    """A camera; an orthographic one has no `perspective` and is passed over."""
+
+    perspective: Perspective | None = None
+
+
+class Scene(Part, frozen=True):
+    """The roots of one tree of nodes."""
+
+    nodes: list[Index] = []
+
+
+class Gltf(Part, frozen=True):
+    """The whole document."""
+
+    asset: Asset
+    extensions_required: list[str] = []
+    buffers: list[Buffer] = []
+    buffer_views: list[BufferView] = []
+    accessors: list[Accessor] = []
+    images: list[Image] = []
+    textures: list[Texture] = []
+    materials: list[Material] = []
+    meshes: list[Mesh] = []
+    nodes: list[Node] = []
+    cameras: list[Camera] = []
+    scenes: list[Scene] = []
+    scene: Index | None = None

@@ -1,0 +1,32 @@
+"""Whether a scene brings a ground of its own that can pass for the one to the horizon."""
+
+import numpy as np
+
+from vrut_lite.scene.loading import LoadedScene
+from vrut_lite.scene.placed import PlacedMesh
+
+# From an eye at 1.7 m an edge at 500 m lies 0.2 degrees below the horizon: a few pixels.
+FAR_M = 500.0
+_LEAST_COVER = 0.5
+_LEAST_UP = np.cos(np.radians(45.0))
+
+
+def has_own_ground(scene: LoadedScene) -> bool:
+    """Whether no ground need be added around the scene.
+
+    The rule: in plan the scene reaches at least `FAR_M` from its middle to the east and west,
+    north and south, and its triangles that face up (within 45 degrees) cover at least half of
+    that rectangle, seen from above. Roofs count, which errs only for a city without streets.
+    """
+    half_m = (scene.upper_m - scene.lower_m)[[0, 2]] / 2.0
+    if np.any(half_m < FAR_M):
+        return False
+    covered_m2 = sum(_area_from_above_m2(place) for place in scene.meshes)
+    return bool(covered_m2 >= _LEAST_COVER * 4.0 * half_m[0] * half_m[1])
+
+
+def _area_from_above_m2(place: PlacedMesh) -> float:
+    a, b, c = np.moveaxis(place.world_triangles(), 1, 0)
+    normal = np.cross(b - a, c - a)
+    faces_up = normal[:, 1] > _LEAST_UP * np.linalg.norm(normal, axis=1)
+    return float(normal[faces_up, 1].sum() / 2.0)

@@ -1,0 +1,54 @@
+"""The level ground that a scene stands on when it brings none that reaches the horizon."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+# Wide enough that its rim lies near the horizon, where the sky's own lower half, of the same
+# radiance, goes on.
+_RADII = 60.0
+_SEGMENTS = 96
+# Just below the scene's base, so that floors that lie on it do not flicker.
+_DROP = 2e-3
+
+
+@dataclass(frozen=True)
+class GroundDisc:
+    """A disc at a height, around a point (x, z); metres, world axes."""
+
+    centre_xz_m: tuple[float, float]
+    height_m: float
+    radius_m: float
+
+
+def disc_under(lower_m: ArrayLike, upper_m: ArrayLike) -> GroundDisc:
+    """The ground for a scene of these bounds."""
+    lower, upper = np.asarray(lower_m, dtype=float), np.asarray(upper_m, dtype=float)
+    radius = 0.5 * float(np.linalg.norm(upper - lower))
+    centre = 0.5 * (lower + upper)
+    return GroundDisc(
+        centre_xz_m=(float(centre[0]), float(centre[2])),
+        height_m=float(lower[1]) - _DROP * radius,
+        radius_m=_RADII * radius,
+    )
+
+
+def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """Vertices (n, 3) and triangles (m, 3) of the disc, seen from above.
+
+    Rings shrink by thirds towards the centre: interpolation over one huge triangle would
+    lose the precision that shadows near the scene need.
+    """
+    angle = 2 * np.pi * np.arange(_SEGMENTS) / _SEGMENTS
+    radii = disc.radius_m * 3.0 ** -np.arange(6.0)[::-1]
+    rim = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)], axis=-1)
+    vertices = np.concatenate([np.zeros((1, 3)), *(radius * rim for radius in radii)])
+    vertices += [disc.centre_xz_m[0], disc.height_m, disc.centre_xz_m[1]]
+    i, j = np.arange(_SEGMENTS), (np.arange(_SEGMENTS) + 1) % _SEGMENTS
+    triangles = [np.stack([np.zeros_like(i), 1 + i, 1 + j], axis=-1)]
+    for ring in range(len(radii) - 1):
+        inner, outer = 1 + ring * _SEGMENTS, 1 + (ring + 1) * _SEGMENTS
+        triangles.append(np.stack([inner + i, outer + i, outer + j], axis=-1))
+        triangles.append(np.stack([inner + i, outer + j, inner + j], axis=-1))
+    return vertices.astype(np.float32), np.concatenate(triangles).astype(np.uint32)

@@ -1,0 +1,122 @@
+"""Open a scene file: glTF, GLB or OBJ in, placed meshes in metres out. No GL is touched."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.errors import UserError
+from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.gltf_file import read_gltf_file
+from vrut_lite.scene.gltf_scene import read_gltf_scene
+from vrut_lite.scene.mesh import mirrored
+from vrut_lite.scene.obj_scene import read_obj_scene
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
+
+SUFFIXES = (".glb", ".gltf", ".obj")
+MAX_REACH_M = 1e7
+
+
+@dataclass(frozen=True)
+class LoadedScene:
+    """A scene in world axes: metres, +Y up, east +X, north -Z.
+
+    `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts them where they stand.
+    """
+
+    path: Path
+    meshes: tuple[PlacedMesh, ...]
+    lower_m: NDArray[np.float64]
+    upper_m: NDArray[np.float64]
+    triangles: int
+    camera: SceneCamera | None
+
+    @property
+    def base_height_m(self) -> float:
+        """The height of the lowest point, on which a ground to the horizon can lie."""
+        return float(self.lower_m[1])
+
+
+def load_scene(path: str | os.PathLike[str]) -> LoadedScene:
+    """Read a scene file with the materials, textures and camera it brings.
+
+    Raises:
+        UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
+            anything outside its own folder.
+    """
+    file = Path(path)
+    try:
+        return _load(file)
+    except SceneFileError as fault:
+        raise UserError(f"cannot open the scene {file}: {fault}") from fault
+
+
+def _load(path: Path) -> LoadedScene:
+    _check_path(path)
+    real = path.resolve()
+    camera: SceneCamera | None = None
+    if real.suffix.lower() == ".obj":
+        placed = read_obj_scene(real)
+    else:
+        placed, camera = read_gltf_scene(read_gltf_file(real))
+    triangles = sum(len(place.mesh.faces) for place in placed)
+    if triangles == 0:
+        raise SceneFileError("it has no triangles; export the scene with its meshes")
+    check_triangles(triangles)
+    placed = _wound_outwards(placed)
+    lower_m, upper_m = _bounds(placed)
+    return LoadedScene(path, tuple(placed), lower_m, upper_m, triangles, camera)
+
+
+def _check_path(path: Path) -> None:
+    try:
+        if path.is_dir():
+            raise SceneFileError("it is a folder; name the scene file in it")
+        if not path.exists():
+            raise SceneFileError("there is no such file; check its name")
+        if not path.is_file():
+            raise SceneFileError("it is not a regular file; name a scene file")
+    except (OSError, ValueError) as fault:
+        if isinstance(fault, SceneFileError):
+            raise
+        raise SceneFileError(f"its path cannot be used ({fault}); check its name") from fault
+    if path.resolve().suffix.lower() not in SUFFIXES:
+        raise SceneFileError(
+            f"its name does not end in {', '.join(SUFFIXES)}; export it as one of these"
+        )
+
+
+def _wound_outwards(placed: list[PlacedMesh]) -> list[PlacedMesh]:
+    """A matrix that mirrors turns triangles inside out (glTF 2.0, section 3.7.4): undo it."""
+    turned: dict[int, PlacedMesh] = {}
+    result = []
+    for place in placed:
+        if np.linalg.det(place.world_from_model[:3, :3]) < 0:
+            key = id(place.mesh)
+            if key not in turned:
+                turned[key] = PlacedMesh(place.name, mirrored(place.mesh), place.world_from_model)
+            place = PlacedMesh(place.name, turned[key].mesh, place.world_from_model)
+        result.append(place)
+    return result
+
+
+def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        corners = [_corners(place) for place in placed]
+    lower_m = np.min([pair[0] for pair in corners], axis=0)
+    upper_m = np.max([pair[1] for pair in corners], axis=0)
+    reach_m = np.max(np.abs([lower_m, upper_m]))
+    if not reach_m <= MAX_REACH_M:
+        raise SceneFileError(
+            f"it reaches {reach_m:.3g} m from its origin, above the limit of {MAX_REACH_M:.0e} m; "
+            "scenes are in metres"
+        )
+    return lower_m, upper_m
+
+
+def _corners(place: PlacedMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    vertices = np.asarray(place.mesh.vertices)
+    world = vertices @ place.world_from_model[:3, :3].T + place.world_from_model[:3, 3]
+    return world.min(axis=0), world.max(axis=0)

@@ -1,0 +1,159 @@
+"""The scene manager: opens scenes, frames them, and tells a backend how they are lit."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite import __version__
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.encoding import decode_float16
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    LoadScene,
+    MoveCamera,
+    Resize,
+    SceneLoaded,
+    SceneNeeds,
+    SetExposure,
+    SunLightChanged,
+    Vector,
+)
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.scene.backend import SceneBackend
+from vrut_lite.scene.camera import camera_from_pose, frame_bounds
+from vrut_lite.scene.ground import has_own_ground
+from vrut_lite.scene.ground_disc import disc_under
+from vrut_lite.scene.loading import LoadedScene, load_scene
+from vrut_lite.scene.needs import visible_faces
+
+_UP = np.array([0.0, 1.0, 0.0])
+# Darker than this, what ground and light say of each other is rounding.
+_DARKEST_IRRADIANCE = 1e-12
+
+
+class SceneManager(Module):
+    """Hands scene, light and camera to a `SceneBackend`; knows nothing of how it draws."""
+
+    manifest = Manifest(name="scene", title="Scene", version=__version__)
+
+    def __init__(self, link: Link, settings: Any, backend: SceneBackend):
+        super().__init__(link, settings)
+        self._backend = backend
+        self._scene: LoadedScene | None = None
+        self._camera: MoveCamera | None = None
+        self._size = Resize(width_px=960, height_px=540)
+        self._background: BackgroundChanged | None = None
+        self._sun: SunLightChanged | None = None
+        self._ambient: AmbientChanged | None = None
+
+    @handles(LoadScene)
+    def on_load(self, message: LoadScene) -> None:
+        """Open the file and look through its own camera; the old scene stays until it is read."""
+        scene = load_scene(message.path)
+        ground = None if has_own_ground(scene) else disc_under(scene.lower_m, scene.upper_m)
+        self._backend.show_scene(scene, ground)
+        self._scene, self._camera = scene, None
+        self.link.post(
+            SceneLoaded(
+                path=message.path,
+                lower_m=_vector(scene.lower_m),
+                upper_m=_vector(scene.upper_m),
+                triangles=scene.triangles,
+            )
+        )
+        self._paint_ground()
+        self._show_camera()
+
+    @handles(MoveCamera)
+    def on_camera(self, message: MoveCamera) -> None:
+        """Look from there instead of the scene's own or the framing camera."""
+        if message.eye_m == message.target_m:
+            raise UserError("the camera's eye and target are one point: move one of them")
+        self._camera = message
+        self._show_camera()
+
+    @handles(Resize)
+    def on_resize(self, message: Resize) -> None:
+        """Draw pictures of this size."""
+        self._size = message
+        self._backend.set_size(message.width_px, message.height_px)
+        self._show_camera()
+
+    @handles(SetExposure)
+    def on_exposure(self, message: SetExposure) -> None:
+        """Expose like this."""
+        self._backend.set_exposure(message)
+
+    @handles(BackgroundChanged)
+    def on_background(self, message: BackgroundChanged) -> None:
+        """Show this sky."""
+        self._background = message
+        self._backend.set_background(message)
+        self._paint_ground()
+
+    @handles(SunLightChanged)
+    def on_sun_light(self, message: SunLightChanged) -> None:
+        """Light with this sun."""
+        self._sun = message
+        self._backend.set_sun_light(message)
+        self._paint_ground()
+
+    @handles(AmbientChanged)
+    def on_ambient(self, message: AmbientChanged) -> None:
+        """Light with this sky."""
+        self._ambient = message
+        self._backend.set_ambient(message)
+        self._paint_ground()
+
+    def _paint_ground(self) -> None:
+        """Give the ground the albedo that makes its radiance that of the sky's lower half."""
+        if self._scene and self._background and self._sun and self._ambient:
+            albedo = ground_albedo(self._background, self._sun, self._ambient)
+            self._backend.set_ground_albedo(albedo)
+
+    def _show_camera(self) -> None:
+        camera = self._camera or self._own_camera()
+        if camera is None:
+            return
+        self._backend.set_camera(camera)
+        aspect = self._size.width_px / self._size.height_px
+        faces, sky_in_view = visible_faces(camera, aspect)
+        self.link.post(
+            SceneNeeds(
+                sky_in_view=sky_in_view,
+                visible_faces=faces,
+                receives_light=self._scene is not None,
+            )
+        )
+
+    def _own_camera(self) -> MoveCamera | None:
+        """The camera that the scene brings, or one that frames it."""
+        if self._scene is None:
+            return None
+        own = self._scene.camera
+        if own is not None:
+            return camera_from_pose(own.world_from_camera, own.vertical_field_of_view_rad)
+        aspect = self._size.width_px / self._size.height_px
+        return frame_bounds(self._scene.lower_m, self._scene.upper_m, aspect)
+
+
+def ground_albedo(
+    background: BackgroundChanged, sun: SunLightChanged, ambient: AmbientChanged
+) -> NDArray[np.float64]:
+    """Albedo (3,) of the ground that a sky was computed with: pi L / E at the nadir.
+
+    Taken from the messages themselves, so that it holds for whichever module made them and
+    the ground disc meets the sky's lower half without an edge.
+    """
+    nadir = background.cube.values[3, background.cube.shape[1] // 2, background.cube.shape[1] // 2]
+    radiance = decode_float16(nadir, background.radiance_scale).astype(float)
+    direct = np.asarray(sun.irradiance_rgb) * max(0.0, sun.direction[1])
+    irradiance = evaluate_irradiance(ambient.irradiance_sh_rgb.values, _UP) + direct
+    return np.clip(np.pi * radiance / np.maximum(irradiance, _DARKEST_IRRADIANCE), 0.0, 1.0)
+
+
+def _vector(values: NDArray) -> Vector:
+    return (float(values[0]), float(values[1]), float(values[2]))

@@ -1,0 +1,159 @@
+"""Surfaces: metallic-roughness materials with exact factors, from glTF and from OBJ's MTL."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+from trimesh.visual.material import PBRMaterial, SimpleMaterial
+
+from vrut_lite.scene.gltf_file import GltfFile, item_at
+from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
+from vrut_lite.scene.images import PixelBudget, decode_image
+
+DEFAULT_ALBEDO = 0.5
+
+
+class SurfaceMaterial(PBRMaterial):
+    """trimesh's material, of which the base colour stays linear and in floating point.
+
+    trimesh keeps 8 bits, which turns an albedo of 0.02 into 0.0196. All factors are set;
+    textures are RGB or RGBA images with 8 bits, colour ones sRGB-encoded.
+    """
+
+    @property
+    def baseColorFactor(self) -> NDArray[np.float64]:
+        """Linear RGBA (4,) in [0, 1]."""
+        return self._data["baseColorFactor"]
+
+    @baseColorFactor.setter
+    def baseColorFactor(self, value: ArrayLike) -> None:
+        self._data["baseColorFactor"] = np.clip(np.array(value, dtype=np.float64), 0.0, 1.0)
+
+
+def default_material() -> SurfaceMaterial:
+    """Matt mid-grey, for a mesh that names no material."""
+    grey = [DEFAULT_ALBEDO] * 3 + [1.0]
+    return _material(baseColorFactor=grey, name="default")
+
+
+class GltfMaterials:
+    """The materials of one glTF file, made when first asked for; shared images decode once.
+
+    All images that textures name are admitted before the first is decoded.
+    """
+
+    def __init__(self, file: GltfFile) -> None:
+        self._file = file
+        self._encoded = self._admitted()
+        self._images: dict[int, Image.Image] = {}
+        self._materials: dict[int, SurfaceMaterial] = {}
+
+    def material(self, index: int | None) -> SurfaceMaterial:
+        """The material of this number, or the default one."""
+        if index is None:
+            return default_material()
+        if index not in self._materials:
+            source = item_at(self._file.document.materials, index, "material")
+            self._materials[index] = self._convert(source)
+        return self._materials[index]
+
+    def _convert(self, source: Material) -> SurfaceMaterial:
+        pbr = source.pbr_metallic_roughness
+        return _material(
+            name=source.name,
+            baseColorFactor=pbr.base_color_factor,
+            baseColorTexture=self._texture(pbr.base_color_texture),
+            metallicFactor=pbr.metallic_factor,
+            roughnessFactor=pbr.roughness_factor,
+            metallicRoughnessTexture=self._texture(pbr.metallic_roughness_texture),
+            normalTexture=self._texture(source.normal_texture),
+            occlusionTexture=self._texture(source.occlusion_texture),
+            emissiveTexture=self._texture(source.emissive_texture),
+            emissiveFactor=np.maximum(source.emissive_factor, 0.0),
+            alphaMode=source.alpha_mode,
+            alphaCutoff=source.alpha_cutoff,
+            doubleSided=source.double_sided,
+        )
+
+    def _texture(self, info: TextureInfo | None) -> Image.Image | None:
+        if info is None:
+            return None
+        texture = item_at(self._file.document.textures, info.index, "texture")
+        index = _image_index(texture)
+        if index is None:
+            return None
+        if index not in self._images:
+            self._images[index] = decode_image(self._encoded[index], f"number {index}")
+        return self._images[index]
+
+    def _admitted(self) -> dict[int, bytes]:
+        """The encoded images by number."""
+        document, budget = self._file.document, PixelBudget()
+        encoded: dict[int, bytes] = {}
+        for texture in document.textures:
+            index = _image_index(texture)
+            if index is not None and index not in encoded:
+                data = self._file.image_bytes(item_at(document.images, index, "image"))
+                budget.admit(data, f"number {index}")
+                encoded[index] = data
+        return encoded
+
+
+def _image_index(texture: Texture) -> int | None:
+    webp = texture.extensions.webp
+    return webp.source if webp is not None else texture.source
+
+
+def from_simple(source: SimpleMaterial) -> SurfaceMaterial:
+    """Metallic-roughness from an OBJ material that trimesh has read.
+
+    Kd is the base colour, a metal's only if the file says so (Pm). Ns, the exponent of
+    Blinn-Phong, becomes a roughness r with r^4 = 2 / (Ns + 2) (Karis 2013, alpha = r^2); Pr
+    sets it outright. d, or 1 - Tr, is the alpha; an image with an alpha channel cuts out.
+    OBJ knows no back faces: both sides show.
+    """
+    image = source.image
+    colour = _numbers(source.kwargs.get("kd"), 3, 1.0 if image is not None else DEFAULT_ALBEDO)
+    alpha = _number(source.kwargs.get("d"), 1.0 - _number(source.kwargs.get("tr"), 0.0))
+    glossiness = max(_number(source.kwargs.get("ns"), 0.0), 0.0)
+    cut_out = image is not None and image.mode == "RGBA"
+    return _material(
+        name=source.name,
+        baseColorFactor=[*colour, alpha],
+        baseColorTexture=image,
+        metallicFactor=_number(source.kwargs.get("pm"), 0.0),
+        roughnessFactor=_number(source.kwargs.get("pr"), (2.0 / (glossiness + 2.0)) ** 0.25),
+        emissiveFactor=_numbers(source.kwargs.get("ke"), 3, 0.0),
+        alphaMode="BLEND" if alpha < 1.0 else "MASK" if cut_out else "OPAQUE",
+        doubleSided=True,
+    )
+
+
+def _material(**values: Any) -> SurfaceMaterial:
+    """A material with every factor set and inside its range."""
+    for name in ("metallicFactor", "roughnessFactor"):
+        default = 0.0 if name == "metallicFactor" else 1.0
+        values[name] = float(np.clip(values.get(name, default), 0.0, 1.0))
+    values.setdefault("emissiveFactor", np.zeros(3))
+    values.setdefault("alphaMode", "OPAQUE")
+    values.setdefault("alphaCutoff", 0.5)
+    return SurfaceMaterial(**values)
+
+
+def _number(value: Any, default: float) -> float:
+    """The first finite number of an MTL entry, which may be a string, a list or absent."""
+    return float(_numbers(value, 1, default)[0])
+
+
+def _numbers(value: Any, size: int, default: float) -> list[float]:
+    """`size` finite numbers of an MTL entry, one repeated; the default if there are none."""
+    items = value if isinstance(value, list | tuple) else [value]
+    try:
+        numbers = [float(item) for item in items[:size]]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) == 1:
+        numbers *= size
+    usable = len(numbers) == size and bool(np.all(np.isfinite(numbers)))
+    return [max(number, 0.0) for number in numbers] if usable else [default] * size

@@ -1,0 +1,47 @@
+"""What a loaded scene is made of: meshes where they stand, and a camera."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from vrut_lite.scene.file_checks import SceneFileError
+
+MAX_TRIANGLES = 20_000_000
+
+
+@dataclass(frozen=True)
+class PlacedMesh:
+    """A mesh and the 4 x 4 matrix that takes its vertices to world axes, in metres.
+
+    `mesh` may be shared with other places. Its visual is trimesh's TextureVisuals with a
+    `SurfaceMaterial`, and `uv` (V, 2), v upwards, or None; vertex colours, linear RGBA
+    (V, 4) in [0, 1] that multiply the base colour, are in `vertex_attributes["color"]`.
+    Triangles are counter-clockwise seen from outside after the matrix, mirrored or not.
+    """
+
+    name: str
+    mesh: trimesh.Trimesh
+    world_from_model: NDArray[np.float64]
+
+    def world_triangles(self) -> NDArray[np.float64]:
+        """The corners (F, 3, 3) of all triangles in world axes."""
+        corners = np.asarray(self.mesh.vertices)[np.asarray(self.mesh.faces)]
+        return corners @ self.world_from_model[:3, :3].T + self.world_from_model[:3, 3]
+
+
+def check_triangles(count: int) -> None:
+    """Raise SceneFileError if a scene is to have more than `MAX_TRIANGLES`."""
+    if count > MAX_TRIANGLES:
+        raise SceneFileError(
+            f"it has {count} triangles, above the limit of {MAX_TRIANGLES}; simplify it"
+        )
+
+
+@dataclass(frozen=True)
+class SceneCamera:
+    """The camera a scene brings: a rigid 4 x 4 pose, looking along its own -Z with +Y up."""
+
+    world_from_camera: NDArray[np.float64]
+    vertical_field_of_view_rad: float
