@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.kernel.messages import SetExposure
 from vrut_lite.render import exposure, tone_map
+from vrut_lite.render.gl_owner import rest
 from vrut_lite.render.light import Light
 from vrut_lite.render.mesh_renderer import SHADERS, MeshRenderer
 from vrut_lite.scene.backend import Picture
@@ -67,6 +68,7 @@ class Frame:
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
+        rest(self._context)
         self.meshes.delete()
         for thing in (self._sky_triangle, self._tone_triangle, self._sky_program,
                       self._tone_program, self._shadow_buffer, self.shadow_texture):  # fmt: skip
@@ -77,6 +79,7 @@ class Frame:
     def _targets_of(self, size: tuple[int, int]) -> "_Targets":
         if self._targets is None or self._targets.size != size:
             if self._targets is not None:
+                rest(self._context)
                 self._targets.release()
             self._targets = _Targets(self._context, size)
         return self._targets

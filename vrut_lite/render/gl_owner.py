@@ -50,4 +50,14 @@ def _create_context() -> Any:
     import moderngl
 
     # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
-    return moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
+    context = moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
+    context.extra = context.simple_framebuffer((1, 1))
+    return context
+
+
+def rest(context: Any) -> None:
+    """Bind a framebuffer that is never released; call it before releasing others.
+
+    moderngl returns to the framebuffer that was bound last, also when that is gone.
+    """
+    context.extra.use()

@@ -117,8 +117,8 @@ def read_gltf_file(path: Path) -> GltfFile:
     _check_version(document)
     folder = SceneFolder(path.parent)
     for image in document.images:
-        if image.uri is not None and not image.uri.lower().startswith("data:"):
-            folder.get_uri(image.uri)
+        if image.uri is not None:
+            folder.check_uri(image.uri)
     return GltfFile(document, _fetch_buffers(document, folder, binary), folder)
 
 

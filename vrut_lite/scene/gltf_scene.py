@@ -51,7 +51,8 @@ def _placed_nodes(file: GltfFile) -> Iterator[tuple[Node, NDArray[np.float64]]]:
         if index in seen:
             raise SceneFileError(f"node {index} has several parents; export the scene again")
         seen.add(index)
-        world_from_node = world_from_parent @ _local_matrix(node)
+        with np.errstate(over="ignore", invalid="ignore"):
+            world_from_node = world_from_parent @ _local_matrix(node)
         yield node, world_from_node
         waiting += [(child, world_from_node) for child in reversed(node.children)]
 
@@ -90,7 +91,8 @@ def _first_camera(
             continue
         camera = item_at(file.document.cameras, node.camera, "camera")
         axes = world_from_node[:3, :3]
-        if camera.perspective is None or abs(np.linalg.det(axes)) < 1e-12:
+        usable = np.all(np.isfinite(world_from_node)) and np.linalg.matrix_rank(axes) == 3
+        if camera.perspective is None or not usable:
             continue
         pose = world_from_node.copy()
         left, _, right = np.linalg.svd(axes)
@@ -156,7 +158,10 @@ class _Meshes:
         if primitive.indices is None:
             order = np.arange(vertices)
         else:
-            order = self._file.array(primitive.indices)[:, 0].astype(np.int64)
+            indices = self._file.array(primitive.indices)
+            if indices.dtype.kind != "u":
+                raise SceneFileError("indices in it are not whole numbers; export it again")
+            order = indices[:, 0].astype(np.int64)
         if primitive.mode == _TRIANGLES:
             return order[: order.size // 3 * 3].reshape(-1, 3)
         if primitive.mode == _FAN:
@@ -176,12 +181,10 @@ class _Meshes:
         if accessor is None:
             return None
         uv = self._file.array(accessor).astype(np.float64)
-        if uv.shape[1] != 2:
-            raise SceneFileError("texture coordinates in it are not pairs; export it again")
-        if transform is not None:
+        if transform is not None and uv.shape[1] == 2:
             c, s = np.cos(transform.rotation), np.sin(transform.rotation)
             uv = (uv * transform.scale) @ np.array([[c, -s], [s, c]]) + transform.offset
-        return np.stack([uv[:, 0], 1.0 - uv[:, 1]], axis=1)
+        return np.concatenate([uv[:, :1], 1.0 - uv[:, 1:]], axis=1)
 
     def _base_colour(self, primitive: Primitive) -> TextureInfo | None:
         if primitive.material is None:

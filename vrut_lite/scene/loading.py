@@ -65,9 +65,8 @@ def _load(path: Path) -> LoadedScene:
     if triangles == 0:
         raise SceneFileError("it has no triangles; export the scene with its meshes")
     check_triangles(triangles)
-    placed = _wound_outwards(placed)
     lower_m, upper_m = _bounds(placed)
-    return LoadedScene(path, tuple(placed), lower_m, upper_m, triangles, camera)
+    return LoadedScene(path, tuple(_wound_outwards(placed)), lower_m, upper_m, triangles, camera)
 
 
 def _check_path(path: Path) -> None:

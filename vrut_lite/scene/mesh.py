@@ -11,7 +11,11 @@ from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.materials import SurfaceMaterial
 from vrut_lite.scene.normals import crease_normals, unit_or_none
 
+_WIDTHS = {"normals": (3,), "texture coordinates": (2,), "colours": (3, 4)}
 
+
+# Signalling NaNs complain when they are converted; they are judged after it.
+@np.errstate(invalid="ignore", over="ignore")
 def make_mesh(
     name: str,
     positions: NDArray[Any],
@@ -92,10 +96,16 @@ def _check(
             "export it again"
         )
     for kind, values in attributes.items():
-        if values is not None and len(values) != len(positions):
+        if values is None:
+            continue
+        if len(values) != len(positions):
             raise SceneFileError(
                 f"mesh {shown} has {len(values)} {kind} for {len(positions)} vertices; "
                 "export it again"
+            )
+        if values.shape[1] not in _WIDTHS[kind]:
+            raise SceneFileError(
+                f"mesh {shown} has {kind} of {values.shape[1]} numbers each; export it again"
             )
 
 

@@ -29,9 +29,9 @@ def crease_normals(
     place = np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1)[faces]
     group = _smooth_corners(place, face_normals, np.cos(crease_angle_rad))
     normals = _summed_normals(group, face_normals, _corner_angles(vertices, faces))
-    pairs = np.stack([group, faces.reshape(-1)], axis=1)
+    pairs = np.stack([faces.reshape(-1), group], axis=1)
     unique_pairs, corner = np.unique(pairs, axis=0, return_inverse=True)
-    return unique_pairs[:, 1], corner.reshape(faces.shape), normals[unique_pairs[:, 0]]
+    return unique_pairs[:, 0], corner.reshape(faces.shape), normals[unique_pairs[:, 1]]
 
 
 def unit_or_none(normals: FloatArray) -> FloatArray | None:

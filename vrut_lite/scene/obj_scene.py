@@ -99,7 +99,7 @@ def _mesh(name: str, parts: dict[str, Any]) -> trimesh.Trimesh | None:
     visual = parts.get("visual")
     source = getattr(visual, "material", None)
     material = default_material()
-    if isinstance(source, SimpleMaterial) and source.name is not None:
+    if isinstance(source, SimpleMaterial) and not _is_made_up(source):
         material = from_simple(source)
     return make_mesh(
         name,
@@ -110,6 +110,11 @@ def _mesh(name: str, parts: dict[str, Any]) -> trimesh.Trimesh | None:
         uv=getattr(visual, "uv", None),
         colours=parts.get("vertex_colors"),
     )
+
+
+def _is_made_up(material: SimpleMaterial) -> bool:
+    """Whether trimesh put it where the file has none: with a picture that was never encoded."""
+    return material.image is not None and material.image.format is None
 
 
 def _triangles(faces: NDArray[np.int64]) -> NDArray[np.int64]:

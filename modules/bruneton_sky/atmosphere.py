@@ -1,0 +1,167 @@
+"""What the air of a planet is made of: molecules, aerosol, an absorber, and the ground below."""
+
+import math
+from dataclasses import dataclass, fields, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_SPECTRAL = (
+    "solar_irradiance",
+    "rayleigh_scattering",
+    "mie_scattering",
+    "mie_extinction",
+    "absorption_extinction",
+    "ground_albedo",
+)
+_POSITIVE = (
+    "ground_radius_m",
+    "top_altitude_m",
+    "rayleigh_scale_height_m",
+    "mie_scale_height_m",
+    "sun_angular_radius_rad",
+)
+_ANGSTROM_WAVELENGTH_NM = 550.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Atmosphere:
+    """A spherical atmosphere: exponential molecules and aerosol, a piecewise linear absorber.
+
+    Spectral values are tuples, one number per wavelength; a single number is repeated for all.
+    Coefficients are those at altitude zero (the absorber's: where its density is 1), in 1/m.
+
+    Attributes:
+        wavelength_nm: increasing or decreasing, in nm.
+        solar_irradiance: above the atmosphere, W m^-2 nm^-1.
+        absorber_altitude_m, absorber_density: nodes between which the absorber's relative
+            density is linear; it is zero below the first and above the last.
+        mie_g: asymmetry of the Cornette-Shanks phase function.
+        mu_s_min: cosine of the largest sun zenith angle for which tables are made.
+
+    Raises:
+        ValueError: a value is outside what it can physically be; the sentence names it.
+    """
+
+    wavelength_nm: tuple[float, ...]
+    solar_irradiance: tuple[float, ...]
+    ground_radius_m: float
+    top_altitude_m: float
+    rayleigh_scattering: tuple[float, ...]
+    rayleigh_scale_height_m: float
+    mie_scattering: tuple[float, ...]
+    mie_extinction: tuple[float, ...]
+    mie_scale_height_m: float
+    mie_g: float
+    absorption_extinction: tuple[float, ...]
+    absorber_altitude_m: tuple[float, ...]
+    absorber_density: tuple[float, ...]
+    ground_albedo: tuple[float, ...]
+    sun_angular_radius_rad: float
+    mu_s_min: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            object.__setattr__(self, field.name, _as_numbers(getattr(self, field.name)))
+        count = len(_as_tuple(self.wavelength_nm))
+        object.__setattr__(self, "wavelength_nm", _as_tuple(self.wavelength_nm))
+        for name in _SPECTRAL:
+            object.__setattr__(self, name, _per_wavelength(name, getattr(self, name), count))
+        self._check()
+
+    @classmethod
+    def earth(cls, ozone: bool = True) -> Self:
+        """Bruneton's 2017 demonstration atmosphere at 680, 550 and 440 nm.
+
+        Its aerosol is thin: optical depth 0.0053 at every wavelength.
+        """
+        return cls(
+            wavelength_nm=(680.0, 550.0, 440.0),
+            solar_irradiance=(1.474, 1.8504, 1.91198),
+            ground_radius_m=6_360_000.0,
+            top_altitude_m=60_000.0,
+            rayleigh_scattering=(5.80234e-6, 1.355776e-5, 3.310001e-5),
+            rayleigh_scale_height_m=8000.0,
+            mie_scattering=(3.996e-6,) * 3,
+            mie_extinction=(4.44e-6,) * 3,
+            mie_scale_height_m=1200.0,
+            mie_g=0.8,
+            absorption_extinction=(6.497e-7, 1.8809e-6, 8.502e-8) if ozone else (0.0,) * 3,
+            absorber_altitude_m=(10_000.0, 25_000.0, 40_000.0),
+            absorber_density=(0.0, 1.0, 0.0),
+            ground_albedo=(0.1,) * 3,
+            sun_angular_radius_rad=0.004675,
+            mu_s_min=math.cos(math.radians(102.0)),
+        )
+
+    def with_aerosol(
+        self, optical_depth_550: float, angstrom_exponent: float = 1.3, mie_g: float | None = None
+    ) -> Self:
+        """This atmosphere with so much aerosol, in its own layer and of its own albedo.
+
+        The vertical optical depth falls as wavelength^-`angstrom_exponent` (Angstrom's law;
+        1.3 is his mean); the ratio of scattering to extinction stays, 0.9 where there was no
+        aerosol.
+        """
+        ratio = np.asarray(self.wavelength_nm) / _ANGSTROM_WAVELENGTH_NM
+        old = np.asarray(self.mie_extinction)
+        albedo = np.divide(self.mie_scattering, old, out=np.full_like(old, 0.9), where=old > 0)
+        layer_m = self.mie_scale_height_m
+        extinction = optical_depth_550 * ratio**-angstrom_exponent / layer_m
+        return replace(
+            self,
+            mie_extinction=tuple(extinction),
+            mie_scattering=tuple(extinction * albedo),
+            mie_g=self.mie_g if mie_g is None else mie_g,
+        )
+
+    def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
+        """Relative density (...,) of the absorber at altitudes (...,)."""
+        height = np.asarray(altitude_m, dtype=float)
+        return np.interp(
+            height, self.absorber_altitude_m, self.absorber_density, left=0.0, right=0.0
+        )
+
+    def _check(self) -> None:
+        for field in fields(self):
+            finite = np.all(np.isfinite(getattr(self, field.name)))
+            _require(bool(finite), field.name, "must be finite")
+        for name in _POSITIVE:
+            _require(getattr(self, name) > 0, name, "must be positive")
+        for name in ("wavelength_nm", *_SPECTRAL, "absorber_density"):
+            _require(min(getattr(self, name)) >= 0, name, "must not be negative")
+        _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
+        _require(max(self.ground_albedo) <= 1, "ground_albedo", "must not exceed 1")
+        _require(-1 < self.mie_g < 1, "mie_g", "must lie between -1 and 1")
+        _require(-1 <= self.mu_s_min < 1, "mu_s_min", "must be a cosine below 1")
+        pairs = zip(self.mie_scattering, self.mie_extinction, strict=True)
+        # Rounding of scattering = albedo * extinction may pass the extinction by one unit.
+        bounded = all(s <= e * (1 + 1e-12) for s, e in pairs)
+        _require(bounded, "mie_scattering", "must not exceed mie_extinction")
+        heights = self.absorber_altitude_m
+        rising = len(heights) >= 2 and all(np.diff(heights) > 0) and heights[0] >= 0
+        _require(rising, "absorber_altitude_m", "must hold two or more rising altitudes")
+        same = len(heights) == len(self.absorber_density)
+        _require(same, "absorber_density", "must have one value per absorber_altitude_m")
+
+
+def _as_tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _as_numbers(value: ArrayLike) -> float | tuple[float, ...]:
+    """A float, or a tuple of floats: hashable, so that an atmosphere can key a cache."""
+    array = np.asarray(value, dtype=float)
+    return float(array) if array.ndim == 0 else tuple(float(v) for v in array.ravel())
+
+
+def _per_wavelength(name: str, value: float | tuple[float, ...], count: int) -> tuple[float, ...]:
+    values = value if isinstance(value, tuple) else (value,) * count
+    _require(len(values) == count, name, f"needs {count} values, one per wavelength")
+    return values
+
+
+def _require(holds: bool, name: str, demand: str) -> None:
+    if not holds:
+        raise ValueError(f"{name} of the atmosphere {demand}")

@@ -1,0 +1,141 @@
+"""Rays through a sphere of air, in altitudes: no difference of large squares is ever formed.
+
+The state of a point is its altitude above the ground and the cosine mu of its zenith angle.
+A ray is described by y, where y^2 is the altitude above the ray's perigee and the sign of y
+tells descending from ascending: the altitude on the ray is perigee + y^2, the distance from
+the perigee y sqrt(y^2 + 2 p), the path length ds = 2 (y^2 + p) / sqrt(y^2 + 2 p) dy. An
+exponential atmosphere is then an exact Gaussian in y, at the horizon as at the zenith.
+
+All functions broadcast. Altitudes and distances are in metres.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+class Ray(NamedTuple):
+    """A ray from `altitude_m` in the direction with cosine `mu`.
+
+    `perigee_radius_m` is the distance of its line from the planet's centre,
+    `perigee_altitude_m` the altitude there, `y` the start in the units explained above.
+    """
+
+    altitude_m: FloatArray
+    mu: FloatArray
+    radius_m: FloatArray
+    perigee_radius_m: FloatArray
+    perigee_altitude_m: FloatArray
+    y: FloatArray
+
+    def hits_ground(self) -> NDArray[np.bool_]:
+        """Whether the ray, followed forward, meets the ground."""
+        return (self.mu < 0) & (self.perigee_altitude_m <= 0)
+
+
+def make_ray(ground_radius_m: float, altitude_m: ArrayLike, mu: ArrayLike) -> Ray:
+    """The ray from an altitude in a direction, with its perigee."""
+    altitude = np.asarray(altitude_m, dtype=float)
+    cosine = np.asarray(mu, dtype=float)
+    radius = ground_radius_m + altitude
+    sine = np.sqrt((1.0 - cosine) * (1.0 + cosine))
+    # r - p, without cancellation: r (1 - sine) = r mu^2 / (1 + sine).
+    y_squared = radius * cosine * cosine / (1.0 + sine)
+    return Ray(
+        altitude,
+        cosine,
+        radius,
+        radius * sine,
+        altitude - y_squared,
+        np.copysign(np.sqrt(y_squared), cosine),
+    )
+
+
+def y_at_top(ray: Ray, top_altitude_m: float) -> FloatArray:
+    """y where the ray leaves the atmosphere, as if there were no ground."""
+    y = np.sqrt(np.maximum(top_altitude_m - ray.perigee_altitude_m, 0.0))
+    # Rounding may put the end a hair before the start of a ray of no length.
+    return np.maximum(y, ray.y)
+
+
+def end_of_ray(ray: Ray, top_altitude_m: float) -> tuple[FloatArray, FloatArray]:
+    """Altitude and y where the ray leaves the atmosphere or meets the ground."""
+    hits = ray.hits_ground()
+    y_ground = np.maximum(-np.sqrt(np.maximum(-ray.perigee_altitude_m, 0.0)), ray.y)
+    y = np.where(hits, y_ground, y_at_top(ray, top_altitude_m))
+    return np.where(hits, 0.0, top_altitude_m), y
+
+
+def horizon_mu(ground_radius_m: float, altitude_m: ArrayLike) -> FloatArray:
+    """Cosine of the zenith angle at which the ground begins."""
+    h = np.asarray(altitude_m, dtype=float)
+    return -np.sqrt(h * (2.0 * ground_radius_m + h)) / (ground_radius_m + h)
+
+
+def distance_to_top(
+    ground_radius_m: float, top_altitude_m: float, altitude_m: ArrayLike, mu: ArrayLike
+) -> FloatArray:
+    """Distance along a ray to the top of the atmosphere."""
+    h = np.asarray(altitude_m, dtype=float)
+    b = (ground_radius_m + h) * np.asarray(mu, dtype=float)
+    c = (top_altitude_m - h) * (2.0 * ground_radius_m + top_altitude_m + h)
+    root = np.sqrt(b * b + c)
+    far = root + np.abs(b)
+    near = np.divide(c, far, out=np.zeros_like(far), where=far > 0)
+    return np.where(b > 0, near, far)
+
+
+def distance_to_ground(ground_radius_m: float, altitude_m: ArrayLike, mu: ArrayLike) -> FloatArray:
+    """Distance along a ray that meets the ground; meaningless for one that does not."""
+    h = np.asarray(altitude_m, dtype=float)
+    b = (ground_radius_m + h) * np.asarray(mu, dtype=float)
+    c = h * (2.0 * ground_radius_m + h)
+    far = np.abs(b) + np.sqrt(np.maximum(b * b - c, 0.0))
+    return np.divide(c, far, out=np.zeros_like(far), where=far > 0)
+
+
+def altitude_along(
+    ground_radius_m: float, altitude_m: ArrayLike, mu: ArrayLike, distance_m: ArrayLike
+) -> FloatArray:
+    """Altitude after a distance along a ray."""
+    h, cosine, d = (np.asarray(v, dtype=float) for v in (altitude_m, mu, distance_m))
+    radius = ground_radius_m + h
+    step = d * (d + 2.0 * radius * cosine)
+    return h + step / (np.sqrt(step + radius * radius) + radius)
+
+
+def in_earth_shadow(
+    ground_radius_m: float | FloatArray, altitude_m: ArrayLike, mu_s: ArrayLike
+) -> NDArray[np.bool_]:
+    """Whether the planet hides the sun's centre from a point."""
+    h, cosine = np.asarray(altitude_m, dtype=float), np.asarray(mu_s, dtype=float)
+    tangent = (ground_radius_m + h) * cosine
+    return (cosine < 0) & (tangent * tangent >= h * (2.0 * ground_radius_m + h))
+
+
+def shadow_boundary(ray: Ray, mu_s: ArrayLike, nu: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Distances along a ray to where it crosses the edge of the planet's shadow.
+
+    Negative where there is no such crossing. The edge is a cylinder along the sun's
+    direction; a crossing on its sunward side is none.
+    """
+    sun, cosine = np.asarray(mu_s, dtype=float), np.asarray(nu, dtype=float)
+    r, h = ray.radius_m, ray.altitude_m
+    ground_radius = r - h
+    a = (1.0 - cosine) * (1.0 + cosine)
+    b = r * (ray.mu - sun * cosine)
+    c = h * (r + ground_radius) - (r * sun) ** 2
+    a, b, c = np.broadcast_arrays(a, b, c)
+    discriminant = b * b - a * c
+    q = -(b + np.copysign(np.sqrt(np.maximum(discriminant, 0.0)), b))
+    none = np.full(q.shape, -1.0)
+    crossings = []
+    for numerator, denominator in ((q, a), (c, q)):
+        usable = (discriminant > 0) & (np.abs(denominator) > np.abs(numerator) * 1e-9)
+        s = np.divide(numerator, denominator, out=none.copy(), where=usable)
+        behind_planet = r * sun + s * cosine < 0
+        crossings.append(np.where((s > 0) & behind_planet, s, -1.0))
+    return crossings[0], crossings[1]

@@ -1,0 +1,89 @@
+"""How much of a substance a ray passes, as metres of its sea-level density.
+
+Paths, not transmittances, are what may be added and subtracted: a transmittance underflows
+where a path is still exact. Optical depth is a coefficient times a path.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bruneton_sky.geometry import Ray
+
+FloatArray = NDArray[np.float64]
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(3)
+
+
+def exponential_path(
+    ray: Ray, end_altitude_m: ArrayLike, end_y: ArrayLike, scale_height_m: float
+) -> FloatArray:
+    """Path (...,) in m through density exp(-altitude / scale height), from start to end of a ray.
+
+    In y the density is a Gaussian, and the Jacobian of y is smooth in the altitude u above the
+    start: ds = 2 r / sqrt(r + p) (1 + u / r) / sqrt(1 + u / (r + p)) dy. Its Taylor series to
+    u^2 is integrated exactly, moment by moment: T_n = integral of 2 u^n density dy, with the
+    recurrence that integration by parts gives. On Earth the relative error stays below 7e-10
+    for ascending rays and 4e-8 for rays through their perigee.
+    """
+    h1, y1 = np.asarray(end_altitude_m, dtype=float), np.asarray(end_y, dtype=float)
+    h0, y0, scale = ray.altitude_m, ray.y, scale_height_m
+    d0, d1 = np.exp(-h0 / scale), np.exp(-h1 / scale)
+    rise = h1 - h0
+    t0 = _gaussian_integral(ray, y1, d0, d1, scale)
+    t1 = scale * (d0 * y0 - d1 * y1) + (0.5 * scale - y0 * y0) * t0
+    t2 = -scale * y1 * rise * d1 + (1.5 * scale - y0 * y0) * t1 + scale * y0 * y0 * t0
+    r, q = ray.radius_m, ray.radius_m + ray.perigee_radius_m
+    a1 = 1.0 / r - 0.5 / q
+    a2 = 0.375 / (q * q) - 0.5 / (r * q)
+    return np.maximum(r / np.sqrt(q) * (t0 + a1 * t1 + a2 * t2), 0.0)
+
+
+def _gaussian_integral(
+    ray: Ray, y1: FloatArray, d0: FloatArray, d1: FloatArray, scale: float
+) -> FloatArray:
+    """T_0, by the scaled complementary error function: it neither overflows nor cancels."""
+    # Here, not above: scipy.special takes half the time of importing this package.
+    from scipy.special import erfcx
+
+    root = np.sqrt(scale)
+    tail0 = d0 * erfcx(np.abs(ray.y) / root)
+    tail1 = d1 * erfcx(np.abs(y1) / root)
+    # Only rays above the ground pass a perigee; below it the exponential would overflow.
+    whole = 2.0 * np.exp(-np.maximum(ray.perigee_altitude_m, 0.0) / scale)
+    through_perigee = whole - tail0 - tail1
+    same_side = np.where(ray.y >= 0, tail0 - tail1, tail1 - tail0)
+    return np.sqrt(np.pi * scale) * np.where((ray.y < 0) & (y1 > 0), through_perigee, same_side)
+
+
+def layered_path(
+    ray: Ray, end_y: ArrayLike, node_altitude_m: tuple[float, ...], density: tuple[float, ...]
+) -> FloatArray:
+    """Path (...,) in m through a piecewise linear density, zero outside the nodes.
+
+    Three-point Gauss-Legendre in y on each linear piece of each branch, descending and
+    ascending: relative error 3e-10 on Earth.
+    """
+    end = np.asarray(end_y, dtype=float)
+    path = np.zeros(np.broadcast(ray.y, end).shape)
+    pieces = zip(node_altitude_m[:-1], node_altitude_m[1:], density[:-1], density[1:], strict=True)
+    for low, high, low_density, high_density in pieces:
+        if low_density == high_density == 0:
+            continue
+        slope = (high_density - low_density) / (high - low)
+        for branch in (-1.0, 1.0):
+            near = np.sqrt(np.maximum(low - ray.perigee_altitude_m, 0.0))
+            far = np.sqrt(np.maximum(high - ray.perigee_altitude_m, 0.0))
+            from_y, to_y = np.sort([branch * near, branch * far], axis=0)
+            from_y, to_y = np.maximum(from_y, ray.y), np.minimum(to_y, end)
+            half = 0.5 * np.maximum(to_y - from_y, 0.0)
+            for x, w in zip(_GAUSS_X, _GAUSS_W, strict=True):
+                y = 0.5 * (from_y + to_y) + half * x
+                height = ray.perigee_altitude_m + y * y
+                path += w * half * jacobian(ray, y) * (low_density + slope * (height - low))
+    return path
+
+
+def jacobian(ray: Ray, y: FloatArray) -> FloatArray:
+    """Metres of path per unit of y, (...,); finite also on a vertical ray at the centre."""
+    p = ray.perigee_radius_m
+    squared = y * y + 2.0 * p
+    return 2.0 * (y * y + p) / np.sqrt(np.where(squared > 0, squared, 1.0))

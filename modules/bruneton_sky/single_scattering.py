@@ -1,0 +1,146 @@
+"""Light scattered once on its way from the sun to the eye: the exact twin, in float64.
+
+S = E_sun (beta_R P_R(nu) I_R + beta_M P_M(nu) I_M), with, for each substance X,
+I_X = integral along the view ray of density_X exp(-tau(eye, point) - tau(point, sun)),
+where the extinction of molecules, aerosol and absorber together makes tau (Nishita et al.
+1993; Bruneton and Neyret 2008, section 2, with Mie extinction in the optical depth).
+"""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.geometry import Ray, make_ray, y_at_top
+from bruneton_sky.optical_path import exponential_path, layered_path
+from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.quadrature import sun_cosine, view_nodes
+from bruneton_sky.rules_classical import classical_integrals
+
+FloatArray = NDArray[np.float64]
+Rule = Literal["gauss-legendre", "midpoint", "trapezoid", "simpson"]
+
+
+def single_scattering(
+    atmosphere: Atmosphere,
+    altitude_m: ArrayLike,
+    mu: ArrayLike,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    rule: Rule = "gauss-legendre",
+    samples: int | tuple[int, int] = 12,
+) -> FloatArray:
+    """Radiance (..., C) of light scattered once, W m^-2 sr^-1 nm^-1.
+
+    The arguments broadcast. A ray that meets the ground stops there; the ground's own
+    radiance is not part of this. The sun is a point, and the planet casts a sharp shadow.
+
+    Args:
+        atmosphere: C wavelengths.
+        altitude_m: of the observer, from 0 to the top of the atmosphere.
+        mu: cosine of the view direction's zenith angle.
+        mu_s: cosine of the sun's zenith angle.
+        nu: cosine of the angle between view direction and sun.
+        rule: `gauss-legendre`, or one of the classical rules `midpoint`, `trapezoid`,
+            `simpson`, with even intervals along both rays.
+        samples: nodes on each segment of the view ray; for a classical rule the intervals
+            (view, light), even ones for `simpson`.
+
+    Raises:
+        ValueError: an argument is outside its range, not a number, or the rule is unknown.
+    """
+    rayleigh, mie = scattered_without_phase(
+        atmosphere, altitude_m, mu, mu_s, nu, rule=rule, samples=samples
+    )
+    cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)[..., None]
+    return rayleigh * rayleigh_phase(cosine) + mie * cornette_shanks_phase(cosine, atmosphere.mie_g)
+
+
+def scattered_without_phase(
+    atmosphere: Atmosphere,
+    altitude_m: ArrayLike,
+    mu: ArrayLike,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    rule: Rule = "gauss-legendre",
+    samples: int | tuple[int, int] = 12,
+) -> tuple[FloatArray, FloatArray]:
+    """The Rayleigh and the Mie part (..., C) of `single_scattering`, without phase functions."""
+    altitude = _within("altitude_m", altitude_m, 0.0, atmosphere.top_altitude_m)
+    cosines = [_within(n, v, -1.0, 1.0) for n, v in (("mu", mu), ("mu_s", mu_s), ("nu", nu))]
+    h, view, sun_s, cosine = np.broadcast_arrays(altitude, *cosines)
+    if rule == "gauss-legendre":
+        if not isinstance(samples, int) or samples < 1:
+            raise ValueError(f"samples of gauss-legendre must be a positive count, not {samples!r}")
+        integrals = _gauss_legendre_integrals(atmosphere, h, view, sun_s, cosine, samples)
+    else:
+        integrals = classical_integrals(atmosphere, h, view, sun_s, cosine, rule, samples)
+    sun = np.asarray(atmosphere.solar_irradiance)
+    return (
+        sun * np.asarray(atmosphere.rayleigh_scattering) * integrals[0],
+        sun * np.asarray(atmosphere.mie_scattering) * integrals[1],
+    )
+
+
+def optical_depth_to_top(
+    atmosphere: Atmosphere, altitude_m: ArrayLike, mu: ArrayLike
+) -> FloatArray:
+    """Optical depth (..., C) to the top of the atmosphere, as if there were no ground.
+
+    Whether the ground is in the way is asked elsewhere, once: asked here again, rounding
+    would cut short the rays that graze it.
+    """
+    ray = make_ray(atmosphere.ground_radius_m, altitude_m, mu)
+    top = atmosphere.top_altitude_m
+    return optical_depth(atmosphere, ray, np.asarray(top), y_at_top(ray, top))
+
+
+def optical_depth(
+    atmosphere: Atmosphere, ray: Ray, end_altitude_m: FloatArray, end_y: FloatArray
+) -> FloatArray:
+    """Optical depth (..., C) from a ray's start to a point on it."""
+    parts = [
+        (atmosphere.rayleigh_scattering, atmosphere.rayleigh_scale_height_m),
+        (atmosphere.mie_extinction, atmosphere.mie_scale_height_m),
+    ]
+    depth = np.zeros((*np.broadcast(ray.y, end_y).shape, len(atmosphere.wavelength_nm)))
+    for coefficient, scale_height_m in parts:
+        if any(coefficient):
+            path = exponential_path(ray, end_altitude_m, end_y, scale_height_m)
+            depth += path[..., None] * np.asarray(coefficient)
+    if any(atmosphere.absorption_extinction):
+        layers = atmosphere.absorber_altitude_m, atmosphere.absorber_density
+        absorbed = layered_path(ray, end_y, *layers)
+        depth += absorbed[..., None] * np.asarray(atmosphere.absorption_extinction)
+    return depth
+
+
+def _gauss_legendre_integrals(
+    atmosphere: Atmosphere,
+    altitude_m: FloatArray,
+    mu: FloatArray,
+    mu_s: FloatArray,
+    nu: FloatArray,
+    count: int,
+) -> tuple[FloatArray, FloatArray]:
+    """I_R and I_M (..., C) in m."""
+    ray = make_ray(atmosphere.ground_radius_m, altitude_m, mu)
+    node_altitude, node_y, metres = view_nodes(atmosphere, ray, mu_s, nu, count)
+    along = Ray(*(part[..., None] for part in ray))
+    depth = optical_depth(atmosphere, along, node_altitude, node_y)
+    mu_s_there = sun_cosine(along, node_altitude, node_y, mu_s[..., None], nu[..., None])
+    depth += optical_depth_to_top(atmosphere, node_altitude, mu_s_there)
+    light = np.exp(-depth) * metres[..., None]
+    density_r = np.exp(-node_altitude / atmosphere.rayleigh_scale_height_m)[..., None]
+    density_m = np.exp(-node_altitude / atmosphere.mie_scale_height_m)[..., None]
+    return (light * density_r).sum(axis=-2), (light * density_m).sum(axis=-2)
+
+
+def _within(name: str, value: ArrayLike, low: float, high: float) -> FloatArray:
+    """The value, clipped by no more than rounding (1e-9 of the range)."""
+    array = np.asarray(value, dtype=float)
+    slack = 1e-9 * (high - low)
+    if not np.all((array >= low - slack) & (array <= high + slack)):
+        raise ValueError(f"{name} must lie between {low:g} and {high:g} everywhere")
+    return np.clip(array, low, high)

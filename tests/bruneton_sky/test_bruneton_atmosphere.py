@@ -1,0 +1,80 @@
+"""The atmosphere: Bruneton's numbers, haze, and what is refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bruneton_sky import Atmosphere
+from bruneton_sky.aerosol import optical_depth_of_turbidity
+
+
+def test_earth_is_brunetons_demonstration_atmosphere() -> None:
+    """Names and numbers that others script against, from Bruneton's 2017 demo."""
+    earth = Atmosphere.earth()
+    assert earth.rayleigh_scattering == (5.80234e-6, 1.355776e-5, 3.310001e-5)
+    assert earth.absorption_extinction == (6.497e-7, 1.8809e-6, 8.502e-8)
+    assert earth.mu_s_min == pytest.approx(math.cos(math.radians(102)))
+    assert Atmosphere.earth(ozone=False).absorption_extinction == (0.0, 0.0, 0.0)
+    # Its aerosol optical depth, extinction times scale height.
+    assert earth.mie_extinction[1] * earth.mie_scale_height_m == pytest.approx(0.005328)
+
+
+def test_ozone_is_a_tent() -> None:
+    """The absorber is 1 at 25 km and falls linearly to 0 at 10 and 40 km, and stays there."""
+    heights = [0.0, 10e3, 17.5e3, 25e3, 32.5e3, 40e3, 60e3]
+    assert Atmosphere.earth().absorber(heights) == pytest.approx([0, 0, 0.5, 1, 0.5, 0, 0])
+
+
+def test_one_number_serves_every_wavelength(other_planet: Atmosphere) -> None:
+    """A single value is repeated per wavelength; equal atmospheres are equal cache keys."""
+    grey = replace(other_planet, ground_albedo=0.5)  # type: ignore[arg-type]
+    assert grey.ground_albedo == (0.5,) * 4
+    assert hash(grey) == hash(replace(other_planet, ground_albedo=(0.5,) * 4))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("ground_radius_m", 0.0),
+        ("rayleigh_scale_height_m", -1.0),
+        ("mie_g", 1.0),
+        ("ground_albedo", (0.1, 0.1, 1.1)),
+        ("mie_scattering", (1.0, 0.0, 0.0)),
+        ("solar_irradiance", (1.0, float("nan"), 1.0)),
+        ("rayleigh_scattering", (1e-6, 1e-6)),
+        ("absorber_altitude_m", (10e3, 10e3, 40e3)),
+        ("absorber_density", (0.0, 1.0)),
+    ],
+)
+def test_impossible_air_is_refused_by_name(name: str, value: object) -> None:
+    """A wrong value is named at once, in one sentence, before it becomes a wrong sky."""
+    with pytest.raises(ValueError, match=name):
+        replace(Atmosphere.earth(), **{name: value})  # type: ignore[arg-type]
+
+
+def test_turbidity_maps_to_aerosol_optical_depth() -> None:
+    """Preetham's turbidity 3 is AOD(550) 0.20, Bruneton's 0.0053 is turbidity 1.05."""
+    assert optical_depth_of_turbidity(3.0) == pytest.approx(0.2009, abs=1e-4)
+    assert optical_depth_of_turbidity(1.05) == pytest.approx(0.0055, abs=2e-4)
+    assert optical_depth_of_turbidity(0.5) == 0.0
+
+
+def test_turbidity_residual_is_the_stated_one() -> None:
+    """The formula misses the definition tau_R (T - 1) by 7 to 8 %, as `aerosol` documents."""
+    molecules = 1.355776e-5 * 8000.0
+    turbidity = np.linspace(2.0, 10.0, 9)
+    residual = optical_depth_of_turbidity(turbidity) / (molecules * (turbidity - 1.0)) - 1.0
+    assert residual.max() < -0.06
+    assert residual.min() > -0.085
+
+
+def test_haze_follows_angstroms_law(other_planet: Atmosphere) -> None:
+    """Optical depth is as asked at 550 nm, falls as wavelength^-1.3, and keeps its albedo."""
+    hazy = other_planet.with_aerosol(0.3)
+    depth = np.array(hazy.mie_extinction) * hazy.mie_scale_height_m
+    assert depth == pytest.approx(0.3 * (np.array(hazy.wavelength_nm) / 550.0) ** -1.3)
+    ratio = np.array(hazy.mie_scattering) / hazy.mie_extinction
+    assert ratio == pytest.approx(
+        np.array(other_planet.mie_scattering) / other_planet.mie_extinction
+    )

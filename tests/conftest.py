@@ -1,0 +1,30 @@
+"""Fixtures that several test folders share; GL tests say so when there is no GL."""
+
+import pytest
+
+from vrut_lite.render.gl_environment import probe_gl
+
+
+def pytest_collection_modifyitems(config, items):
+    """Skip what needs OpenGL, and say why, where there is none."""
+    needing = [item for item in items if "gl" in item.keywords]
+    if needing and not probe_gl()[0]:
+        skip = pytest.mark.skip(reason=f"no OpenGL 4.3 through EGL: {probe_gl()[1]}")
+        for item in needing:
+            item.add_marker(skip)
+
+
+def pytest_report_header(config):
+    """Name the GL that the tests run on."""
+    renderer, reason = probe_gl()
+    return f"OpenGL: {renderer or 'none, GL tests are skipped: ' + reason}"
+
+
+@pytest.fixture(scope="session")
+def gl_owner():
+    """One GL thread for all tests of a process."""
+    from vrut_lite.render.gl_owner import GlOwner
+
+    owner = GlOwner()
+    yield owner
+    owner.close()

@@ -1,0 +1,334 @@
+"""Set-up must do the least that makes the project run, on any machine, and say what it does.
+
+The scripts run for real, on a PATH of stand-ins that write down how they were called.
+"""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PLAIN_TOOLS = ["cat", "dirname", "env", "find", "head", "ln", "mkdir", "mv", "rm", "sed"]
+LIBRARIES = "\tlibEGL.so.1 (libc6,x86-64) => /x/libEGL.so.1\n\tlibGL.so.1 (libc6) => /x/libGL.so.1"
+
+APT_GET = """
+case $* in
+*--simulate*)
+    echo 'Inst libegl1 (1.6.0-1 Debian:12/stable [amd64])'
+    echo 'Inst libc6 [2.36-8] (2.36-9 Debian:12/stable [amd64])'
+    echo 'Conf libegl1 (1.6.0-1 Debian:12/stable [amd64])' ;;
+*download*) echo deb >libegl1_1.6.0-1_amd64.deb ;;
+esac"""
+DPKG = """
+mkdir -p "$3/usr/lib/x86_64-linux-gnu"
+echo elf >"$3/usr/lib/x86_64-linux-gnu/libEGL.so.1"
+"""
+SUDO = """
+while [ "$1" = -n ]; do shift; done
+[ "$1" = true ] || exec "$@"
+"""
+OFFLINE = "exit 100"
+
+
+class Machine:
+    """A checkout with the scripts, and a PATH that holds the stand-ins alone."""
+
+    def __init__(self, folder: Path):
+        self.root = folder / "the checkout"
+        self.bin = folder / "bin"
+        self.log = folder / "log"
+        self.bin.mkdir()
+        shutil.copytree(ROOT / "tools", self.root / "tools")
+        shutil.copy(ROOT / "pyproject.toml", self.root)
+        for tool in PLAIN_TOOLS:
+            found = shutil.which(tool)
+            assert found, tool
+            (self.bin / tool).symlink_to(found)
+
+    def has(self, command: str, body: str = "", folder: Path | None = None) -> None:
+        script = (folder or self.bin) / command
+        script.parent.mkdir(parents=True, exist_ok=True)
+        script.write_text(f'#!/bin/sh\necho "{command} $*" >>"{self.log}"\n{body}\n')
+        script.chmod(0o755)
+
+    def user(self, number: int) -> None:
+        (self.bin / "id").write_text(f"#!/bin/sh\necho {number}\n")
+        (self.bin / "id").chmod(0o755)
+
+    def shell(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        self.log.write_text("")
+        return subprocess.run(
+            ["/bin/sh", *arguments],
+            cwd=self.root,
+            env={"PATH": os.fspath(self.bin), **variables},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    def provide_gl(self, **variables: str) -> str:
+        """Climb the ladder as `bootstrap.sh` does; what it said. It must never fail."""
+        script = (
+            'set -eu; say() { echo "$*" >&2; }; . tools/bootstrap_gl.sh; provide_gl "$PWD"; echo on'
+        )
+        done = self.shell("-c", script, **variables)
+        assert (done.returncode, done.stdout) == (0, "on\n"), done.stderr
+        return done.stderr
+
+    def calls(self, *commands: str) -> list[str]:
+        lines = self.log.read_text().splitlines()
+        return [line for line in lines if not commands or line.split()[0] in commands]
+
+
+@pytest.fixture
+def machine(tmp_path):
+    made = Machine(tmp_path)
+    made.has("ldconfig")
+    made.user(1000)
+    return made
+
+
+def test_gl_that_is_there_is_left_alone(machine):
+    """One look and not a word, though the user could install."""
+    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+    machine.has("apt-get", APT_GET)
+    machine.user(0)
+    assert machine.provide_gl() == ""
+    assert machine.calls() == ["ldconfig -p"]
+
+
+def test_half_of_gl_is_not_gl(machine):
+    """libGL without libEGL, as on many desktops' minimal installations, must not count."""
+    machine.has("ldconfig", "echo '\tlibGL.so.1 (libc6,x86-64) => /x/libGL.so.1'")
+    assert "missing" in machine.provide_gl()
+
+
+def test_root_installs_without_recommendations(machine):
+    """Lists first, as fresh images have none; the two packages bring Mesa's llvmpipe."""
+    machine.has("apt-get", APT_GET)
+    machine.user(0)
+    assert machine.provide_gl() == "installing libegl1 libgl1\n"
+    update, install = machine.calls("apt-get")
+    assert update.endswith(" update")
+    assert install.endswith("install --yes --no-install-recommends libegl1 libgl1")
+    assert not (machine.root / ".gl").exists()
+
+
+def test_sudo_is_used_when_it_asks_no_password(machine):
+    """It is asked first with -n, so that set-up never stops at a prompt."""
+    machine.has("apt-get", APT_GET)
+    machine.has("sudo", SUDO)
+    machine.provide_gl()
+    assert machine.calls("sudo")[0] == "sudo -n true"
+    assert all(call.startswith("sudo -n ") for call in machine.calls("sudo"))
+    assert machine.calls("apt-get")[-1].endswith(
+        "install --yes --no-install-recommends libegl1 libgl1"
+    )
+
+
+def test_a_failed_update_does_not_stop_the_installation(machine):
+    """One unreachable source fails the update; the packages may be had all the same."""
+    machine.has("apt-get", "case $* in *update) exit 100;; esac")
+    machine.user(0)
+    assert machine.provide_gl() == "installing libegl1 libgl1\n"
+
+
+@pytest.mark.parametrize("sudo", ["none", "asks"])
+def test_without_root_the_packages_go_into_a_private_folder(machine, sudo):
+    """What is lacking is downloaded and unpacked, never the C library; nothing is installed."""
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    if sudo == "asks":
+        machine.has("sudo", "exit 1")
+    assert "fetching libegl1 libgl1 into .gl" in machine.provide_gl()
+    update, simulate, download = machine.calls("apt-get")
+    assert update.endswith(" update")
+    assert "--simulate" in simulate
+    assert download.endswith(" download libegl1")
+    assert f"Dir::State::Lists={machine.root}/.gl/apt/lists" in download
+    libraries = machine.root / ".gl/root/usr/lib/x86_64-linux-gnu"
+    assert (libraries / "EGL").resolve() == libraries / "libEGL.so.1"
+    assert sorted(entry.name for entry in (machine.root / ".gl").iterdir()) == [
+        ".gitignore",
+        "env",
+        "root",
+    ]
+
+
+def test_the_private_folder_is_found_through_the_environment(machine):
+    """The variables of loader, Mesa, GLVND and glcontext lead there, blanks in the path kept."""
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    machine.provide_gl()
+    done = machine.shell("-c", '. ".gl/env"; env', LD_LIBRARY_PATH="/own")
+    variables = dict(line.split("=", 1) for line in done.stdout.splitlines())
+    private = f"{machine.root}/.gl/root"
+    libraries = f"{private}/usr/lib/x86_64-linux-gnu"
+    assert variables["LD_LIBRARY_PATH"] == f"{libraries}:{private}/lib/x86_64-linux-gnu:/own"
+    assert variables["LIBGL_DRIVERS_PATH"] == f"{libraries}/dri"
+    assert variables["__EGL_VENDOR_LIBRARY_DIRS"] == f"{private}/usr/share/glvnd/egl_vendor.d"
+    assert variables["GLCONTEXT_LINUX_LIBGL"] == f"{libraries}/libGL.so.1"
+    assert variables["GLCONTEXT_LINUX_LIBEGL"] == f"{libraries}/libEGL.so.1"
+
+
+def test_a_private_folder_is_fetched_once(machine):
+    """The second time no apt-get runs and nothing is said."""
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    machine.provide_gl()
+    assert machine.provide_gl() == ""
+    assert machine.calls() == ["ldconfig -p"]
+
+
+def test_the_systems_gl_wins_over_the_private_one(machine):
+    """A driver installed later, with the GPU perhaps, is not hidden by llvmpipe."""
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    machine.provide_gl()
+    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+    machine.provide_gl()
+    assert not (machine.root / ".gl/env").exists()
+
+
+def test_private_can_be_asked_for(machine):
+    """VRUT_LITE_GL=private leaves the system as it is though root could change it."""
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    machine.user(0)
+    machine.provide_gl(VRUT_LITE_GL="private")
+    assert (machine.root / ".gl/env").exists()
+    assert not any(" install --yes" in call for call in machine.calls("apt-get"))
+
+
+def test_none_can_be_asked_for(machine):
+    """VRUT_LITE_GL=none does not even look."""
+    machine.user(0)
+    assert machine.provide_gl(VRUT_LITE_GL="none") == ""
+    assert machine.calls() == []
+
+
+@pytest.mark.parametrize("broken", ["no apt", "offline", "no download", "broken package"])
+@pytest.mark.parametrize("user", [0, 1000])
+def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
+    """The last line names the packages, and no half-made environment is left to be sourced."""
+    machine.user(user)
+    if broken != "no apt":
+        failing = {"offline": OFFLINE, "no download": "case $* in *download*|*--yes*) exit 1; esac"}
+        machine.has("apt-get", failing.get(broken, "case $* in *--yes*) exit 1; esac") + APT_GET)
+        machine.has("dpkg", DPKG + ("exit 2" if broken == "broken package" else ""))
+    last = machine.provide_gl().splitlines()[-1]
+    assert last.startswith("going on without GL: missing are the system's packages libegl1 libgl1")
+    assert not (machine.root / ".gl/env").exists()
+
+
+def with_venv(machine: Machine, pip: str = "") -> None:
+    """A whole .venv, whose Python is new enough and whose pip does as told."""
+    body = f"""
+case $1$2 in
+-mpip) {pip} ;;
+-cimport*version_info*) ;;
+-c*) echo 3.11.7 ;;
+esac"""
+    machine.has("python", body, machine.root / ".venv/bin")
+    machine.has("pip", "", machine.root / ".venv/bin")
+    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+
+
+def installations(machine: Machine) -> list[str]:
+    """The extras of each call of pip."""
+    calls = [call for call in machine.calls("python") if " -m pip install " in call]
+    return [call.rpartition(f"--editable {machine.root}")[2] for call in calls]
+
+
+def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
+    """The stamp holds all that an installation depends on."""
+    with_venv(machine)
+    assert machine.shell("tools/bootstrap.sh", "test").returncode == 0
+    assert installations(machine) == ["[test,ref]"]
+    done = machine.shell("tools/bootstrap.sh", "test")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert installations(machine) == []
+    with (machine.root / "pyproject.toml").open("a") as file:
+        file.write("# changed\n")
+    machine.shell("tools/bootstrap.sh", "test")
+    assert installations(machine) == ["[test,ref]"]
+
+
+def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
+    """`make run` after `make test` installs nothing; `make test` after `make run` does."""
+    with_venv(machine)
+    machine.shell("tools/bootstrap.sh", "run")
+    assert installations(machine) == [""]
+    machine.shell("tools/bootstrap.sh", "test")
+    assert installations(machine) == ["[test,ref]"]
+    shutil.rmtree(machine.root / ".venv")
+    with_venv(machine)
+    machine.shell("tools/bootstrap.sh", "test")
+    machine.shell("tools/bootstrap.sh", "run")
+    assert installations(machine) == []
+
+
+def test_without_mitsuba_the_tests_still_run_and_it_is_tried_again(machine):
+    """The oracle has no wheels for some machines: its tests are then skipped, in so many words."""
+    with_venv(machine, pip="case $* in *ref*) exit 1 ;; esac")
+    for _ in range(2):
+        done = machine.shell("tools/bootstrap.sh", "test")
+        assert done.returncode == 0
+        assert "without mitsuba" in done.stderr
+        assert installations(machine) == ["[test,ref]", "[test]"]
+
+
+@pytest.mark.parametrize("purpose", ["run", "test"])
+def test_a_failing_pip_stops_set_up_and_leaves_no_stamp(machine, purpose):
+    """Going on would end in an ImportError that hides the cause."""
+    with_venv(machine, pip="exit 1")
+    assert machine.shell("tools/bootstrap.sh", purpose).returncode != 0
+    assert not list((machine.root / ".venv").glob("installed*"))
+
+
+def test_an_old_python_is_refused_in_one_line(machine):
+    """Nothing is made with a Python that the project cannot run on."""
+    machine.has("python3", "exit 1")
+    done = machine.shell("tools/bootstrap.sh", "run")
+    assert done.returncode != 0
+    assert done.stderr.count("\n") == 1
+    assert "no Python 3.11 or newer" in done.stderr
+    assert not (machine.root / ".venv").exists()
+
+
+# A Python of Debian's, without ensurepip, of which `-m venv` makes a whole .venv.
+SPLIT_PYTHON = """
+case "$1 $2" in
+"-c import ensurepip"*) exit 1 ;;
+"-c "*print*) echo python3.11-venv ;;
+"-m venv") mkdir -p "$3/bin"; cp "$0" "$3/bin/python"; cp "$0" "$3/bin/pip" ;;
+esac"""
+
+
+def test_debians_missing_venv_half_is_installed_or_named(machine):
+    """As root by apt-get; without, one line names the package, which differs by version."""
+    machine.has("python3", SPLIT_PYTHON)
+    (machine.bin / "cp").symlink_to(shutil.which("cp"))
+    done = machine.shell("tools/bootstrap.sh", "run")
+    assert done.returncode != 0
+    assert done.stderr == (
+        "vrut_lite: python3 cannot make virtual environments: install python3.11-venv\n"
+    )
+    machine.has("apt-get")
+    machine.user(0)
+    assert machine.shell("tools/bootstrap.sh", "run").returncode == 0
+    assert "apt-get -qq -o DPkg::Lock::Timeout=60 install --yes --no-install-recommends " in (
+        machine.log.read_text()
+    )
+    assert (machine.root / ".venv/installed-for-run").exists()
+
+
+def test_bootstrap_asks_for_a_purpose(machine):
+    """A slip gives the usage and code 2, and makes nothing."""
+    done = machine.shell("tools/bootstrap.sh")
+    assert done.returncode == 2
+    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test\n"
+    assert not (machine.root / ".venv").exists()

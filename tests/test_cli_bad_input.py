@@ -1,0 +1,248 @@
+"""Bad input gets one clear sentence and exit code 2, and leaves no half-written file."""
+
+import json
+import struct
+import sys
+import zlib
+
+import numpy as np
+import pytest
+import trimesh
+
+from vrut_lite import cli
+
+GOOD_TIME = ["--at", "2026-06-21T12:00Z"]
+
+
+@pytest.fixture
+def good_scene(tmp_path):
+    path = tmp_path / "good.glb"
+    trimesh.creation.box((1, 1, 1)).export(path)
+    return path
+
+
+def run(monkeypatch, capsys, *arguments):
+    """Exit code and standard error of the command line."""
+    monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return end.value.code, capsys.readouterr().err
+
+
+@pytest.fixture
+def refused(monkeypatch, capsys, tmp_path):
+    """Run a command that must fail: one line, exit code 2, the old picture still there."""
+
+    def check(*arguments, says):
+        output = tmp_path / "picture.png"
+        output.write_bytes(b"what was there before")
+        before = sorted(path.name for path in tmp_path.iterdir())
+        code, said = run(monkeypatch, capsys, *arguments, "-o", output)
+        assert code == 2, said
+        assert said.count("\n") == 1, said
+        assert "Traceback" not in said
+        assert says in said
+        assert output.read_bytes() == b"what was there before"
+        assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+    return check
+
+
+def gltf(tmp_path, name="scene.gltf", **changes):
+    """A glTF of one triangle with its buffer beside it, and with the given parts changed."""
+    positions = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4")
+    (tmp_path / "triangle.bin").write_bytes(positions.tobytes())
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"uri": "triangle.bin", "byteLength": 36}],
+    }
+    document.update(changes)
+    path = tmp_path / name
+    path.write_text(json.dumps(document))
+    return path
+
+
+def textured(image_uri):
+    return {
+        "images": [{"uri": image_uri}],
+        "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    }
+
+
+@pytest.mark.gl
+def test_a_missing_scene(refused, tmp_path):
+    """The most common slip: the name is wrong."""
+    refused("render", tmp_path / "nothing.glb", *GOOD_TIME, says="no such file")
+
+
+@pytest.mark.gl
+def test_a_corrupt_scene(refused, tmp_path):
+    """A download that broke off."""
+    whole = tmp_path / "whole.glb"
+    trimesh.creation.box((1, 1, 1)).export(whole)
+    broken = tmp_path / "broken.glb"
+    broken.write_bytes(whole.read_bytes()[:200])
+    refused("render", broken, *GOOD_TIME, says="cannot open the scene")
+
+
+@pytest.mark.gl
+def test_a_gltf_whose_buffer_is_missing(refused, tmp_path):
+    """A .gltf copied without its .bin."""
+    scene = gltf(tmp_path, buffers=[{"uri": "gone.bin", "byteLength": 36}])
+    refused("render", scene, *GOOD_TIME, says="gone.bin")
+
+
+@pytest.mark.gl
+def test_an_empty_mesh(refused, tmp_path):
+    """An export with the wrong selection."""
+    refused("render", gltf(tmp_path, nodes=[{}]), *GOOD_TIME, says="no triangles")
+
+
+@pytest.mark.gl
+def test_vertices_that_are_nan(refused, tmp_path):
+    """A modelling tool that divided by zero."""
+    scene = gltf(tmp_path)
+    positions = np.full((3, 3), np.nan, "<f4")
+    (tmp_path / "triangle.bin").write_bytes(positions.tobytes())
+    refused("render", scene, *GOOD_TIME, says="not finite")
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    "uri", ["../secret.bin", "/etc/passwd", "https://example.com/a.bin", "%2e%2e%2fsecret.bin"]
+)
+def test_a_gltf_that_points_outside_its_folder(refused, tmp_path, uri):
+    """A scene from a stranger must not read other files, nor call the network."""
+    refused(
+        "render", gltf(tmp_path, buffers=[{"uri": uri, "byteLength": 36}]), *GOOD_TIME,
+        says="cannot open the scene",
+    )  # fmt: skip
+
+
+@pytest.mark.gl
+def test_an_image_that_claims_to_be_huge(refused, tmp_path):
+    """100,000 x 100,000 pixels in a file of 70 bytes would take 40 GB of memory."""
+
+    def chunk(kind, data):
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    header = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
+    bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b""))
+    (tmp_path / "bomb.png").write_bytes(bomb + chunk(b"IEND", b""))
+    refused("render", gltf(tmp_path, **textured("bomb.png")), *GOOD_TIME, says="64 megapixels")
+
+
+@pytest.mark.parametrize("at", ["2026-02-30T12:00", "2026-06-21T25:00", "tomorrow", ""])
+def test_an_impossible_time(refused, good_scene, at):
+    """Dates that no calendar has."""
+    refused("render", good_scene, "--at", at, says="2026-06-21T18:30")
+
+
+def test_a_local_time_that_daylight_saving_skips(refused, good_scene):
+    """Prague, 29 March 2026: clocks go from 02:00 to 03:00, and 02:30 never was."""
+    arguments = ["--at", "2026-03-29T02:30", "--place", "50.0755,14.4378"]
+    refused("render", good_scene, *arguments, says="2026-03-29T03:30+02:00")
+
+
+def test_a_local_time_that_daylight_saving_doubles(refused, good_scene):
+    """Prague, 25 October 2026: 02:30 comes twice, and both readings are offered."""
+    arguments = ["--at", "2026-10-25T02:30", "--place", "50.0755,14.4378"]
+    refused("render", good_scene, *arguments, says="2026-10-25T02:30+01:00")
+
+
+@pytest.mark.parametrize("place", ["91,0", "-90.1,0", "nan,0", "Prague", "1,2,3,4"])
+def test_an_impossible_place(refused, good_scene, place):
+    """Latitude ends at 90 degrees."""
+    refused("render", good_scene, *GOOD_TIME, "--place", place, says="latitude")
+
+
+@pytest.mark.parametrize("turbidity", ["0", "11", "nan", "hazy"])
+def test_an_impossible_turbidity(refused, good_scene, turbidity):
+    """The model was fitted from 1 to 10 and has no meaning outside."""
+    arguments = ["render", good_scene, *GOOD_TIME, "--turbidity", turbidity]
+    refused(*arguments, says=f"must be between 1 and 10, not {turbidity}")
+
+
+def test_an_unknown_sky_module(refused, good_scene):
+    """A misspelt model is told with the names of those that there are."""
+    arguments = ["render", good_scene, *GOOD_TIME, "--sky", "bruneton"]
+    refused(*arguments, says="installed are bruneton_sky, dynamic_skylight")
+
+
+def test_an_unknown_setting(refused, good_scene):
+    """--set names its module's settings when it does not know one."""
+    arguments = ["render", good_scene, *GOOD_TIME, "--set", "dynamic_skylight.haze=3"]
+    refused(*arguments, says="no setting 'haze'")
+
+
+def test_an_unwritable_output(monkeypatch, capsys, good_scene, tmp_path):
+    """Told before the work, not after it."""
+    nowhere = tmp_path / "no_such_folder" / "picture.png"
+    code, said = run(monkeypatch, capsys, "render", good_scene, *GOOD_TIME, "-o", nowhere)
+    assert (code, said.count("\n")) == (2, 1)
+    assert "no folder" in said
+
+
+def test_an_unknown_picture_format(monkeypatch, capsys, good_scene, tmp_path):
+    """The suffix decides the format, and the known ones are named."""
+    picture = tmp_path / "picture.jpeg"
+    code, said = run(monkeypatch, capsys, "render", good_scene, *GOOD_TIME, "-o", picture)
+    assert (code, said.count("\n")) == (2, 1)
+    assert ".png" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("scene = ", "project"),
+        ('place = "50,14"', "names no scene"),
+        ('scene = "good.glb"\nhour = 12', "hour"),
+        ('scene = "good.glb"\nplace = "95,14"', "latitude"),
+        ('scene = "good.glb"\n[settings.dynamic_skylight]\nturbidity = 12', "between 1 and 10"),
+        ('scene = "good.glb"\n[slots]\nsky = "moon"', "no module 'moon'"),
+        ('scene = "good.glb"\nsize = [4, 4]', "size"),
+    ],
+)
+def test_a_project_file_that_says_something_wrong(refused, good_scene, tmp_path, text, says):
+    """A project file is held to the same rules as the options."""
+    project = tmp_path / "project.toml"
+    project.write_text(text)
+    refused("render", project, says=says)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--size", "0x0"],
+        ["--size", "big"],
+        ["--eye", "1,2"],
+        ["--eye", "1,2,3"],
+        ["--eye", "1,2,3", "--target", "1,2,x"],
+        ["--exposure", "bright"],
+        ["--fov", "wide"],
+        ["--north-offset", "1000"],
+        ["--nonsense"],
+    ],
+)
+def test_options_that_make_no_sense(refused, good_scene, arguments):
+    """Every option says what it expects."""
+    name = arguments[0].strip("-").split("-")[0]
+    refused("render", good_scene, *GOOD_TIME, *arguments, says=name)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["--size", "1"], ["--projection", "mercator"], ["--turbidity", "0"], ["--sky", "x"]],
+)
+def test_the_sky_command_is_as_strict(refused, arguments):
+    """`vrut-lite sky` shares its options with `render`, and their rules."""
+    refused("sky", *GOOD_TIME, *arguments, says=arguments[0].strip("-"))

@@ -1,0 +1,94 @@
+"""The wheel must hold all that the checkout runs with; an editable installation hides a gap."""
+
+import configparser
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PACKAGES = {
+    "vrut_lite": ROOT / "vrut_lite",
+    "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
+    "bruneton_sky": ROOT / "modules" / "bruneton_sky",
+}
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel of a copy of the sources, so that the checkout gets no build folder."""
+    source = tmp_path_factory.mktemp("source")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    for name in ("vrut_lite", "modules"):
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    done = subprocess.run(
+        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"],
+        cwd=source,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    (built,) = (source / "dist").iterdir()
+    with zipfile.ZipFile(built) as archive:
+        yield archive
+
+
+def information(wheel: zipfile.ZipFile, name: str) -> str:
+    """A file of the wheel's .dist-info folder."""
+    folder = f"vrut_lite-{PROJECT['version']}.dist-info"
+    return wheel.read(f"{folder}/{name}").decode()
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_file_of_the_packages_is_in_the_wheel(wheel, package):
+    """Code, data, shaders and py.typed alike, byte for byte."""
+    folder = PACKAGES[package]
+    files = [
+        path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+    ]
+    assert files
+    for path in files:
+        member = f"{package}/{path.relative_to(folder).as_posix()}"
+        assert member in wheel.namelist()
+        assert wheel.read(member) == path.read_bytes()
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_packages_are_marked_as_typed(wheel, package):
+    """PEP 561: without the marker type checkers of those who use the package see nothing."""
+    assert f"{package}/py.typed" in wheel.namelist()
+
+
+def test_nothing_else_is_in_the_wheel(wheel):
+    """Tests, tools and studies would land as top-level packages in everybody's environment."""
+    tops = {name.split("/")[0] for name in wheel.namelist()}
+    assert tops == {*PACKAGES, f"vrut_lite-{PROJECT['version']}.dist-info"}
+
+
+def test_licence_notices_travel_with_the_wheel(wheel):
+    """MIT asks for its notice in all copies, the Hosek-Wilkie data for theirs in binary ones."""
+    assert PROJECT["license-files"]
+    for name in PROJECT["license-files"]:
+        assert information(wheel, f"licenses/{name}") == (ROOT / name).read_text(encoding="utf-8")
+    assert "The vrut_lite authors" in information(wheel, "licenses/LICENSE")
+    hosek = information(wheel, "licenses/modules/dynamic_skylight/data/LICENSE.hosek_wilkie")
+    assert "Lukas Hosek and Alexander Wilkie" in hosek
+
+
+def test_entry_points_are_those_of_the_project_and_lead_to_files_of_the_wheel(wheel):
+    """Modules and commands are found by entry point alone: one lost is a module gone."""
+    parser = configparser.ConfigParser(delimiters=("=",))
+    parser.optionxform = str
+    parser.read_string(information(wheel, "entry_points.txt"))
+    found = {group: dict(parser[group]) for group in parser.sections()}
+    assert found == {"console_scripts": PROJECT["scripts"], **PROJECT["entry-points"]}
+    for target in (target for group in found.values() for target in group.values()):
+        path = target.partition(":")[0].replace(".", "/")
+        assert {f"{path}.py", f"{path}/__init__.py"} & set(wheel.namelist()), target

@@ -1,0 +1,107 @@
+#!/bin/sh
+# Sets up what `make run` and `make test` need, in the checkout: .venv with the project and its
+# packages, then the system's GL libraries (bootstrap_gl.sh). Quick when there is nothing to do.
+#
+#   tools/bootstrap.sh run|test
+#
+# PYTHON names the interpreter to make .venv with; without it the first Python 3.11 or newer.
+# VRUT_LITE_GL is explained in bootstrap_gl.sh.
+set -eu
+
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+python=$root/.venv/bin/python
+
+say() {
+    printf 'vrut_lite: %s\n' "$*" >&2
+}
+
+is_new_enough() {
+    "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null
+}
+
+find_python() {
+    for candidate in ${PYTHON:-python3 python3.14 python3.13 python3.12 python3.11}; do
+        if is_new_enough "$candidate"; then
+            echo "$candidate"
+            return
+        fi
+    done
+    say "no Python 3.11 or newer found: install one, or name it as in PYTHON=/path/to/python3 make run"
+    return 1
+}
+
+# Debian splits venv's half, ensurepip, from Python.
+install_venv_module() {
+    package=$("$1" -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])')
+    if ! as_root=$(root_prefix) || ! command -v apt-get >/dev/null; then
+        say "$1 cannot make virtual environments: install $package"
+        return 1
+    fi
+    say "installing $package"
+    apt_install "$as_root" "$package" || {
+        say "apt-get could not install $package, without which $1 makes no virtual environment"
+        return 1
+    }
+}
+
+make_venv() {
+    # pip comes last, so a .venv that has it is whole.
+    if [ -x "$root/.venv/bin/pip" ] && is_new_enough "$python"; then
+        return
+    fi
+    base=$(find_python)
+    "$base" -c 'import ensurepip, venv' 2>/dev/null || install_venv_module "$base"
+    say "making .venv with $("$base" --version)"
+    "$base" -m venv "$root/.venv"
+}
+
+# What an installation depends on; a stamp holds it in full, so nothing can be mistaken for it.
+installation_key() {
+    echo "$root"
+    "$python" -c 'import sys; print(sys.version)'
+    cat "$root/pyproject.toml"
+}
+
+# is_installed PURPOSE KEY
+is_installed() {
+    stamp=$root/.venv/installed-for-$1
+    [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$2" ]
+}
+
+# Editable, so that a change of the sources needs no installation, only one of pyproject.toml.
+pip_install() {
+    "$python" -m pip install --quiet --quiet --editable "$root$1"
+}
+
+# install_packages PURPOSE EXTRAS; what suffices to test suffices to run.
+install_packages() {
+    key=$(installation_key)
+    if is_installed "$1" "$key" || is_installed test "$key"; then
+        return
+    fi
+    say "installing Python packages into .venv (the first time takes a minute or more)"
+    if pip_install "$2"; then
+        printf '%s\n' "$key" >"$root/.venv/installed-for-$1"
+    elif [ "$1" = test ]; then
+        # Leaves no stamp, so that the next time tries again.
+        say "trying without mitsuba: the tests that compare with it will be skipped"
+        pip_install '[test]'
+    else
+        return 1
+    fi
+}
+
+# shellcheck source=tools/bootstrap_gl.sh
+. "$root/tools/bootstrap_gl.sh"
+
+case ${1-} in
+run) extras='' ;;
+test) extras='[test,ref]' ;;
+*)
+    say "usage: tools/bootstrap.sh run|test"
+    exit 2
+    ;;
+esac
+make_venv
+install_packages "$1" "$extras"
+provide_gl "$root"
