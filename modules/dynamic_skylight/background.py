@@ -1,0 +1,53 @@
+"""The full sphere: the sky above, and below the horizon the ground that sun and sky light."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamic_skylight.twilight import HourSky
+from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
+
+FloatArray = NDArray[np.float64]
+Float32Array = NDArray[np.float32]
+
+SIDE_FACES = (0, 1, 4, 5)
+BOTTOM_FACE = 3
+
+
+def ground_radiance(
+    sky_cube: Float32Array,
+    sun_irradiance_rgb: FloatArray,
+    apparent_elevation_rad: float,
+    albedo: float,
+) -> FloatArray:
+    """Radiance (3,) of level Lambertian ground, W m^-2 sr^-1: albedo / pi times E.
+
+    E is the sky's irradiance (from the upper half of a cube map, in world axes) plus the direct
+    sun's (given on a plane that faces it) times the sine of its elevation.
+    """
+    sun = sun_irradiance_rgb * max(np.sin(apparent_elevation_rad), 0.0)
+    total: FloatArray = horizontal_irradiance(sky_cube) + sun
+    return albedo / np.pi * total
+
+
+def sphere(
+    sky: HourSky,
+    ground_rgb: FloatArray,
+    size: int,
+    sun_azimuth_rad: float,
+) -> Float32Array:
+    """Cube map (6, size, size, 3) of sky and ground, world axes, without the sun's disc.
+
+    The azimuth is the world's (from -Z, clockwise from above). Of an odd size the middle
+    row, which straddles the horizon, is ground.
+    """
+    cube = sky.cube_map(size, sun_azimuth_rad)
+    fill_ground(cube, ground_rgb)
+    return cube
+
+
+def fill_ground(cube: Float32Array, ground_rgb: FloatArray) -> None:
+    """Give every texel that does not look up the ground's radiance."""
+    ground = ground_rgb.astype(np.float32)
+    cube[BOTTOM_FACE] = ground
+    for face in SIDE_FACES:
+        cube[face, cube.shape[1] // 2 :] = ground

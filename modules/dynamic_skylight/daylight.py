@@ -1,0 +1,69 @@
+"""All the light of one hour, each part worked out when first asked for."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamic_skylight.background import fill_ground, ground_radiance, sphere
+from dynamic_skylight.sun_light import SunColour, SunLight, sun_light
+from dynamic_skylight.twilight import HourSky, sky_of_hour
+from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
+
+FloatArray = NDArray[np.float64]
+
+# Light from the sky asks for a small sphere of its own, whatever size the picture wants.
+LIGHT_SIZE = 64
+
+
+@dataclass(frozen=True)
+class Daylight:
+    """Sky, ground and sun for one place of the sun; equal inputs make equal light.
+
+    `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above.
+    """
+
+    turbidity: float
+    albedo: float
+    sun_colour: SunColour
+    apparent_elevation_rad: float
+    sun_azimuth_rad: float
+    visible_disc_fraction: float
+
+    @cached_property
+    def sky(self) -> HourSky:
+        """The sky above the horizon."""
+        return sky_of_hour(self.turbidity, self.albedo, self.apparent_elevation_rad)
+
+    @cached_property
+    def sun(self) -> SunLight:
+        """The direct light of the sun."""
+        return sun_light(
+            self.turbidity,
+            self.albedo,
+            self.apparent_elevation_rad,
+            self.visible_disc_fraction,
+            self.sun_colour,
+        )
+
+    @cached_property
+    def ground_rgb(self) -> FloatArray:
+        """Radiance (3,) of the ground, W m^-2 sr^-1."""
+        return ground_radiance(
+            self._sky_cube, self.sun.irradiance_rgb, self.apparent_elevation_rad, self.albedo
+        )
+
+    def background(self, size: int) -> NDArray[np.float32]:
+        """Cube map (6, size, size, 3) of radiance in world axes, without the disc."""
+        return sphere(self.sky, self.ground_rgb, size, self.sun_azimuth_rad)
+
+    def ambient(self) -> FloatArray:
+        """Harmonics (25, 3) of the irradiance from sky and ground, W m^-2, world axes."""
+        cube = self._sky_cube.copy()
+        fill_ground(cube, self.ground_rgb)
+        return irradiance_coefficients(cube)
+
+    @cached_property
+    def _sky_cube(self) -> NDArray[np.float32]:
+        return self.sky.cube_map(LIGHT_SIZE, self.sun_azimuth_rad)

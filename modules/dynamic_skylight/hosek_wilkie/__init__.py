@@ -1,0 +1,1 @@
+"""The sky and sun of Hosek and Wilkie (2012, 2013)."""

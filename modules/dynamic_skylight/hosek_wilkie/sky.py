@@ -1,0 +1,214 @@
+"""HosekWilkieSky: the sky and the sun's disc of one turbidity, ground and solar elevation."""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamic_skylight.hosek_wilkie import coefficients
+from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
+from dynamic_skylight.hosek_wilkie.formula import extended_perez
+
+FloatArray = NDArray[np.float64]
+
+# The disc that the solar function was fitted with; the real one is 0.2666 deg on average.
+SOLAR_DISC_RADIUS_RAD = np.deg2rad(0.51 / 2)
+ALL_FACES = tuple(range(6))
+
+
+class HosekWilkieSky:
+    """The model of Hosek and Wilkie (2012, 2013) for one hour.
+
+    Angles: theta from the zenith, gamma from the sun, both in radians and of any shapes that
+    broadcast. Below the horizon (theta > 90 deg) there is no sky: radiance 0.
+
+    Args:
+        turbidity: 1 to 10.
+        albedo: of the ground, 0 to 1: a number, or (3,) for the RGB methods, or (11,), one for
+            each of `WAVELENGTHS_NM`, for the spectral ones.
+        sun_elevation_rad: apparent solar elevation, 0 to pi/2.
+
+    Raises:
+        ValueError: for a value outside these ranges, told in one sentence.
+    """
+
+    def __init__(self, turbidity: float, albedo: ArrayLike, sun_elevation_rad: float):
+        self.turbidity = float(turbidity)
+        self.albedo = np.array(albedo, dtype=float)
+        self.sun_elevation_rad = float(sun_elevation_rad)
+        self._check()
+
+    def _check(self) -> None:
+        if not 1.0 <= self.turbidity <= 10.0:
+            raise ValueError(f"turbidity must lie between 1 and 10, not {self.turbidity}")
+        if self.albedo.shape not in ((), (3,), (WAVELENGTHS_NM.size,)):
+            raise ValueError(
+                "albedo must be a number, or one per colour (3,), or one per wavelength "
+                f"({WAVELENGTHS_NM.size},), not of shape {self.albedo.shape}"
+            )
+        if not np.all((self.albedo >= 0.0) & (self.albedo <= 1.0)):
+            raise ValueError(f"albedo must lie between 0 and 1, not {self.albedo}")
+        if not 0.0 <= self.sun_elevation_rad <= np.pi / 2:
+            raise ValueError(
+                "the sun's elevation must lie between 0 and pi/2 rad, "
+                f"not {self.sun_elevation_rad}: the model has no sky for a sun below the horizon"
+            )
+
+    @cached_property
+    def rgb_distribution(self) -> FloatArray:
+        """The formula's parameters A to I (3, 9) for red, green and blue."""
+        return self._distribution("rgb")
+
+    @cached_property
+    def rgb_mean_radiance(self) -> FloatArray:
+        """The formula's factors (3,), W m^-2 sr^-1."""
+        return self._mean_radiance("rgb")
+
+    @cached_property
+    def spectral_distribution(self) -> FloatArray:
+        """The formula's parameters A to I (11, 9) at `WAVELENGTHS_NM`."""
+        return self._distribution("spec")
+
+    @cached_property
+    def spectral_mean_radiance(self) -> FloatArray:
+        """The formula's factors (11,), W m^-2 sr^-1 nm^-1."""
+        return self._mean_radiance("spec")
+
+    def radiance(self, theta_rad: ArrayLike, gamma_rad: ArrayLike) -> FloatArray:
+        """Sky radiance (..., 3), linear sRGB primaries, W m^-2 sr^-1, without the disc.
+
+        Clamped at 0: the fit dips below it far from a low sun in clear air.
+        """
+        return np.maximum(self.raw_radiance(theta_rad, gamma_rad), 0.0)
+
+    def raw_radiance(self, theta_rad: ArrayLike, gamma_rad: ArrayLike) -> FloatArray:
+        """As `radiance`, but as the fit gives it: small negative values are kept."""
+        return _sky(theta_rad, gamma_rad, self.rgb_distribution, self.rgb_mean_radiance)
+
+    def spectral_radiance(
+        self, theta_rad: ArrayLike, gamma_rad: ArrayLike, wavelength_nm: ArrayLike
+    ) -> FloatArray:
+        """Sky radiance (..., *W) at wavelengths (*W), W m^-2 sr^-1 nm^-1, clamped at 0.
+
+        `wavelength_nm` may be a number: the result is then (...,). Linear between the eleven
+        bands; the ends are the authors': the 320 nm band holds down to 280 nm and the 720 nm
+        band fades out at 760 nm; beyond them the radiance is 0.
+        """
+        bands = _sky(theta_rad, gamma_rad, self.spectral_distribution, self.spectral_mean_radiance)
+        return np.maximum(_weigh(bands, _sky_band_weights(wavelength_nm)), 0.0)
+
+    def solar_radiance(
+        self, theta_rad: ArrayLike, gamma_rad: ArrayLike, wavelength_nm: ArrayLike
+    ) -> FloatArray:
+        """Radiance (..., *W) of the sun's disc alone, W m^-2 sr^-1 nm^-1, limb darkened.
+
+        0 outside the disc (0.255 deg) and below the horizon. The air's path is that of the
+        view direction theta, as in the authors' code, so that a low disc reddens downwards.
+
+        Raises:
+            ValueError: for wavelengths outside 320 to 720 nm, where the model has no sun.
+        """
+        theta, gamma = np.broadcast_arrays(
+            np.asarray(theta_rad, dtype=float), np.asarray(gamma_rad, dtype=float)
+        )
+        weights = _sun_band_weights(wavelength_nm)
+        elevation = np.clip(np.pi / 2 - theta, 0.0, np.pi / 2)
+        centre = _weigh(coefficients.sun_radiance(self.turbidity, elevation), weights)
+        # Radiance and darkening are interpolated each by itself, as the authors do.
+        squared = 1.0 - (np.sin(gamma) / np.sin(SOLAR_DISC_RADIUS_RAD)) ** 2
+        powers = np.sqrt(np.maximum(squared, 0.0))[..., None] ** np.arange(6)
+        darkening = _weigh(powers @ coefficients.limb_darkening().T, weights)
+        seen = (gamma <= SOLAR_DISC_RADIUS_RAD) & _above_horizon(theta)
+        return np.where(_beside(seen, centre), np.maximum(centre * darkening, 0.0), 0.0)
+
+    def cube_map(
+        self,
+        size: int = 256,
+        sun_azimuth_rad: float = 0.0,
+        out: NDArray[np.float32] | None = None,
+        faces: tuple[int, ...] = ALL_FACES,
+    ) -> NDArray[np.float32]:
+        """Sky radiance as a cube map (6, size, size, 3) float32, the fast path of `radiance`.
+
+        World axes and face order of `vrut_lite.geometry.cube_map`; the azimuth counts from
+        -Z, clockwise seen from above. 0 below the horizon. Held to `radiance` within 1e-4 of
+        the larger of value and 1 % of the map's maximum. `out` (C-contiguous) is written and
+        returned when given; faces not asked for are left alone in it and 0 in a new map.
+        """
+        # Imported when first used: the compiler costs a moment that the exact model need not.
+        from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
+
+        return fill_cube(
+            self.rgb_distribution,
+            self.rgb_mean_radiance,
+            sun_azimuth_rad,
+            self.sun_elevation_rad,
+            size,
+            out,
+            faces,
+        )
+
+    def _distribution(self, quantity: Quantity) -> FloatArray:
+        albedo = self._albedo_for(quantity)
+        return coefficients.sky_distribution(
+            quantity, self.turbidity, albedo, self.sun_elevation_rad
+        )
+
+    def _mean_radiance(self, quantity: Quantity) -> FloatArray:
+        albedo = self._albedo_for(quantity)
+        return coefficients.sky_mean_radiance(
+            quantity, self.turbidity, albedo, self.sun_elevation_rad
+        )
+
+    def _albedo_for(self, quantity: Quantity) -> FloatArray:
+        count = coefficients.channel_count(quantity)
+        if self.albedo.shape not in ((), (count,)):
+            raise ValueError(
+                f"this needs one albedo or {count} of them, but the sky was made with "
+                f"{self.albedo.size}"
+            )
+        return np.broadcast_to(self.albedo, (count,))
+
+
+def _sky(
+    theta_rad: ArrayLike, gamma_rad: ArrayLike, distribution: FloatArray, mean: FloatArray
+) -> FloatArray:
+    """Unclamped radiance (..., C), 0 below the horizon."""
+    theta, gamma = np.broadcast_arrays(
+        np.asarray(theta_rad, dtype=float), np.asarray(gamma_rad, dtype=float)
+    )
+    cos_theta = np.maximum(np.cos(theta), 0.0)
+    values = extended_perez(cos_theta, gamma, distribution) * mean
+    return np.where(_above_horizon(theta)[..., None], values, 0.0)
+
+
+def _above_horizon(theta: FloatArray) -> NDArray[np.bool_]:
+    return theta <= np.pi / 2
+
+
+def _beside(mask: NDArray[np.bool_], values: FloatArray) -> NDArray[np.bool_]:
+    """The mask with axes added at its end until it broadcasts against the values."""
+    return mask.reshape(mask.shape + (1,) * (values.ndim - mask.ndim))
+
+
+def _weigh(bands: FloatArray, weights: FloatArray) -> FloatArray:
+    """Bands (..., 11) at the wavelengths of the weights (*W, 11): (..., *W)."""
+    return np.tensordot(bands, weights, axes=(-1, -1))
+
+
+def _sky_band_weights(wavelength_nm: ArrayLike) -> FloatArray:
+    """Weights (*W, 11) of the sky's bands at wavelengths (*W)."""
+    w = np.asarray(wavelength_nm, dtype=float)[..., None]
+    held = np.maximum(w, WAVELENGTHS_NM[0])
+    hats = np.maximum(1.0 - np.abs(held - WAVELENGTHS_NM) / 40.0, 0.0)
+    return np.where(w > 280.0, hats, 0.0)
+
+
+def _sun_band_weights(wavelength_nm: ArrayLike) -> FloatArray:
+    """Weights (*W, 11) of the sun's bands, which end at 320 and 720 nm."""
+    w = np.asarray(wavelength_nm, dtype=float)
+    inside = (w >= WAVELENGTHS_NM[0]) & (w <= WAVELENGTHS_NM[-1])
+    if not np.all(inside):
+        outside = w[~inside].flat[0]
+        raise ValueError(f"the solar function spans 320 to 720 nm, not {outside:g} nm")
+    return _sky_band_weights(w)

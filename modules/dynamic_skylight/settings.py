@@ -1,0 +1,32 @@
+"""What a person can set about DynamicSkyLight; time and place are the host's."""
+
+from typing import Annotated
+
+import msgspec
+
+from dynamic_skylight.sun.position import Method
+from dynamic_skylight.sun_light import SunColour
+
+
+class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
+    """The settings of the module."""
+
+    turbidity: Annotated[
+        float,
+        msgspec.Meta(ge=1.0, le=10.0, description="Haze of the air: 2 is clear, 6 is hazy"),
+    ] = 3.0
+    albedo: Annotated[
+        float,
+        msgspec.Meta(ge=0.0, le=1.0, description="Share of light that the ground reflects"),
+    ] = 0.1
+    sun_colour: Annotated[
+        SunColour,
+        msgspec.Meta(
+            description="Where the sun's light takes its colour from: its disc, the sky's "
+            "formula at the sun, or none"
+        ),
+    ] = "disc"
+    sun_method: Annotated[
+        Method,
+        msgspec.Meta(description="Sun position by ephemeris or by the thesis's short series"),
+    ] = "ephemeris"

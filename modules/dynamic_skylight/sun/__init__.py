@@ -1,0 +1,1 @@
+"""Where the sun stands and how much of its disc is up."""
