@@ -57,17 +57,20 @@ def texel_solid_angles(size: int) -> NDArray[np.float64]:
 
 
 def reduce_cube(cube: NDArray[np.floating], size: int) -> NDArray[np.float64]:
-    """Average a cube (6, n, n, 3) down to (6, size, size, 3) by exact solid angle."""
+    """Average a cube (6, n, n, C) down to about `size` texels an edge, by exact solid angle.
+
+    Blocks are whole: the result has n / k texels an edge, with k the largest divisor of n
+    that leaves at least `size`.
+    """
     n = cube.shape[1]
-    if n <= size:
-        return np.asarray(cube, dtype=np.float64)
-    if n % size:
-        raise ValueError(f"cube size {n} is no multiple of {size}")
-    k = n // size
+    k = max(1, n // size)
+    while n % k:
+        k -= 1
+    m = n // k
     omega = texel_solid_angles(n)
     weighted = np.asarray(cube, dtype=np.float64) * omega[None, :, :, None]
-    blocks = weighted.reshape(6, size, k, size, k, -1).sum(axis=(2, 4))
-    return blocks / omega.reshape(size, k, size, k).sum(axis=(1, 3))[None, :, :, None]
+    blocks = weighted.reshape(6, m, k, m, k, -1).sum(axis=(2, 4))
+    return blocks / omega.reshape(m, k, m, k).sum(axis=(1, 3))[None, :, :, None]
 
 
 def sample_cube(cube: NDArray[np.floating], direction: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -6,6 +6,8 @@ c_lm = A_l L_lm, where A_0 = pi, A_1 = 2 pi / 3, A_2 = pi / 4, A_3 = 0, A_4 = -p
 the irradiance of a clear sky by 2 to 5 %.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -58,12 +60,15 @@ def irradiance_coefficients(cube: NDArray[np.floating]) -> NDArray[np.float64]:
     changes bands 0 to 4 by less than 1e-4.
     """
     small = reduce_cube(cube, _PROJECTION_SIZE)
-    size = small.shape[1]
-    weighted = small * texel_solid_angles(size)[None, :, :, None]
-    harmonics = basis(texel_directions(size))
-    radiance_lm = np.einsum("fijk,fijc->kc", harmonics, weighted, optimize=True)
+    return np.einsum("fijk,fijc->kc", _projection(small.shape[1]), small, optimize=True)
+
+
+@lru_cache(maxsize=2)
+def _projection(size: int) -> NDArray[np.float64]:
+    """Weights (6, size, size, 25) that project radiance and fold the cosine lobe in."""
     lobe = np.concatenate([np.full(2 * band + 1, COSINE_LOBE[band]) for band in range(BANDS)])
-    return lobe[:, None] * radiance_lm
+    solid_angles = texel_solid_angles(size)[None, :, :, None]
+    return basis(texel_directions(size)) * solid_angles * lobe
 
 
 def evaluate_irradiance(coefficients: ArrayLike, normal: ArrayLike) -> NDArray[np.float64]:

@@ -97,15 +97,12 @@ class SceneFolder(Resolver):
 
     def get_uri(self, uri: str) -> bytes:
         """The bytes behind a glTF URI: a base64 data URI, or a percent-encoded relative path."""
-        if uri.lower().startswith("data:"):
-            return _decode_data_uri(uri)
-        _refuse_foreign(uri)
-        try:
-            return self.get(unquote_to_bytes(uri).decode())
-        except UnicodeDecodeError as fault:
-            raise SceneFileError(
-                f"it names {_short(uri)}, which is not UTF-8; rename that file"
-            ) from fault
+        return _decode_data_uri(uri) if _is_data_uri(uri) else self.get(_decode_path(uri))
+
+    def check_uri(self, uri: str) -> None:
+        """Raise if a glTF URI leads out of the folder; whether the file is there is not asked."""
+        if not _is_data_uri(uri):
+            self.locate(_decode_path(uri))
 
     def write(self, name: str, data: bytes) -> None:
         """Refused: loading a scene writes nothing."""
@@ -118,6 +115,21 @@ class SceneFolder(Resolver):
     def keys(self) -> list[str]:
         """Names of the files directly in the folder."""
         return sorted(path.name for path in self.folder.iterdir() if path.is_file())
+
+
+def _is_data_uri(uri: str) -> bool:
+    """Whether the URI carries its data in itself."""
+    return uri[:5].lower() == "data:"
+
+
+def _decode_path(uri: str) -> str:
+    _refuse_foreign(uri)
+    try:
+        return unquote_to_bytes(uri).decode()
+    except UnicodeDecodeError as fault:
+        raise SceneFileError(
+            f"it names {_short(uri)}, which is not UTF-8; rename that file"
+        ) from fault
 
 
 def _refuse_foreign(name: str) -> None:

@@ -134,6 +134,8 @@ class _Meshes:
             self._made[index] = [(name, mesh) for name, mesh in made if mesh is not None]
         return self._made[index]
 
+    # Signalling NaNs complain when they are converted; they are judged after it.
+    @np.errstate(invalid="ignore", over="ignore")
     def _make(self, primitive: Primitive, name: str) -> trimesh.Trimesh | None:
         if "POSITION" not in primitive.attributes:
             return None

@@ -1,10 +1,11 @@
 """Open a scene file: glTF, GLB or OBJ in, placed meshes in metres out. No GL is touched."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
@@ -89,14 +90,13 @@ def _check_path(path: Path) -> None:
 
 def _wound_outwards(placed: list[PlacedMesh]) -> list[PlacedMesh]:
     """A matrix that mirrors turns triangles inside out (glTF 2.0, section 3.7.4): undo it."""
-    turned: dict[int, PlacedMesh] = {}
+    turned: dict[int, trimesh.Trimesh] = {}
     result = []
     for place in placed:
         if np.linalg.det(place.world_from_model[:3, :3]) < 0:
-            key = id(place.mesh)
-            if key not in turned:
-                turned[key] = PlacedMesh(place.name, mirrored(place.mesh), place.world_from_model)
-            place = PlacedMesh(place.name, turned[key].mesh, place.world_from_model)
+            if id(place.mesh) not in turned:
+                turned[id(place.mesh)] = mirrored(place.mesh)
+            place = replace(place, mesh=turned[id(place.mesh)])
         result.append(place)
     return result
 

@@ -14,8 +14,6 @@ from vrut_lite.scene.normals import crease_normals, unit_or_none
 _WIDTHS = {"normals": (3,), "texture coordinates": (2,), "colours": (3, 4)}
 
 
-# Signalling NaNs complain when they are converted; they are judged after it.
-@np.errstate(invalid="ignore", over="ignore")
 def make_mesh(
     name: str,
     positions: NDArray[Any],

@@ -61,10 +61,11 @@ class _ObjFolder(SceneFolder):
         super().__init__(folder)
         self._budget = PixelBudget()
         self._images: dict[str, bytes] = {}
+        self._library: bytes | None = None
 
     def _get(self, name: str) -> bytes:
-        if name.lower().endswith(".mtl"):
-            data = super()._get(name)
+        if self._library is None:  # trimesh asks for the MTL file before all pictures.
+            self._library = data = super()._get(name)
             for _, reference in _MAP.findall(_decoded(data)):
                 self.locate(_without_options(reference))
             return data
@@ -132,13 +133,13 @@ def _decoded(data: bytes) -> str:
 def _without_options(reference: str) -> str:
     """The file name of a map statement, its options dropped."""
     words = reference.split()
-    while words and words[0].lower() in _OPTION_WORDS:
-        count = _OPTION_WORDS[words.pop(0).lower()]
-        while count and len(words) > 1 and re.fullmatch(r"[-+.\w]+", words[0]):
-            if count < 3 or _is_number(words[0]):
-                words.pop(0)
-            count -= 1
-    return reference[reference.rfind(words[0]) :] if len(words) == 1 else " ".join(words)
+    while len(words) > 1 and words[0].lower() in _OPTION_WORDS:
+        most = _OPTION_WORDS[words.pop(0).lower()]
+        taken = 0
+        while taken < most and len(words) > 1 and (most == 1 or _is_number(words[0])):
+            words.pop(0)
+            taken += 1
+    return " ".join(words)
 
 
 def _is_number(word: str) -> bool:
