@@ -1,6 +1,7 @@
 """What a scene file says arrives: places, materials, pictures, normals, a camera."""
 
 import base64
+import contextlib
 import subprocess
 import sys
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import trimesh
 from PIL import Image
 from scene_files import SQUARE, TRIANGLES, add_texture, glb_bytes, png_bytes, square_document
 
+from vrut_lite.errors import UserError
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.materials import SurfaceMaterial
@@ -680,6 +682,33 @@ def test_foreign_model() -> None:
     mesh = scene.meshes[0].mesh
     assert mesh.visual.uv.shape == (1074, 2)
     assert 0.0 <= mesh.visual.uv.min() <= mesh.visual.uv.max() <= 1.0
+
+
+def test_foreign_model_packed_by_draco() -> None:
+    """The same model as it was published, packed by Draco, has the unpacked one's triangles.
+
+    Draco keeps 14 bits of a position (glTF-Transform's default), so corners agree to 1e-3.
+    """
+    packed, plain = load_scene(MODELS / "pmndrs_draco.glb"), load_scene(MODELS / "pmndrs.glb")
+    assert packed.triangles == plain.triangles
+    np.testing.assert_allclose(packed.upper_m, plain.upper_m, atol=1e-3)
+    assert material_of(packed).baseColorTexture.size == (2048, 2048)
+    ours, theirs = packed.meshes[0].mesh, plain.meshes[0].mesh
+    np.testing.assert_allclose(ours.area, theirs.area, rtol=1e-3)
+    np.testing.assert_allclose(ours.visual.uv.max(axis=0), theirs.visual.uv.max(axis=0), atol=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_mangled_draco_is_refused_or_read(tmp_path: Path, seed: int) -> None:
+    """Packed bytes with flipped bits either unpack to a scene or give one sentence."""
+    data = bytearray((MODELS / "pmndrs_draco.glb").read_bytes())
+    rng = np.random.default_rng(seed)
+    for at in rng.integers(len(data) // 2, len(data), 12):
+        data[at] ^= int(rng.integers(1, 256))
+    path = tmp_path / "mangled.glb"
+    path.write_bytes(data)
+    with contextlib.suppress(UserError):
+        load_scene(path)
 
 
 def test_glb_of_trimesh(tmp_path: Path) -> None:

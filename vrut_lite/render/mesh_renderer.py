@@ -72,7 +72,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for node, primitive in self._primitives(scene, np.zeros(3)):
-            if node not in casters or primitive.material.alphaMode == "BLEND":
+            if node not in casters:
                 continue
             program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
             program._bind()
@@ -111,9 +111,11 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         light.shadow_texture.use(location=_SHADOW_UNIT)
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
-        cut_out = material.alphaMode == "MASK"
-        texture = material.baseColorTexture if cut_out else None
-        program.set_uniform("alpha_cutoff", float(material.alphaCutoff) if cut_out else 0.0)
+        """A mask casts by its own cut-off; what is blended casts where it is more than half."""
+        cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": 0.5}
+        cut_off = cut_offs.get(material.alphaMode, 0.0)
+        texture = material.baseColorTexture if cut_off > 0.0 else None
+        program.set_uniform("alpha_cutoff", cut_off)
         program.set_uniform("base_alpha", float(material.baseColorFactor[3]))
         program.set_uniform("has_alpha_texture", 0.0 if texture is None else 1.0)
         if texture is not None:

@@ -14,7 +14,12 @@ from vrut_lite.scene.file_checks import SceneFileError, SceneFolder, read_whole_
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
 
 # Extensions a file may require: each is honoured by the reader.
-SUPPORTED_EXTENSIONS = ("EXT_texture_webp", "KHR_mesh_quantization", "KHR_texture_transform")
+SUPPORTED_EXTENSIONS = (
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+)
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -50,7 +55,7 @@ class GltfFile:
             )
         if accessor.sparse is not None:
             values = self._replaced(f"accessor {index}", values, accessor.sparse)
-        return _normalised(values) if accessor.normalized else values
+        return normalised(values) if accessor.normalized else values
 
     def accessor(self, index: int) -> Accessor:
         """The accessor of this number."""
@@ -62,7 +67,11 @@ class GltfFile:
             return self.folder.get_uri(image.uri)
         if image.buffer_view is None:
             raise SceneFileError("an image in it has no source; export the scene again")
-        return bytes(self._view(image.buffer_view))
+        return self.view_bytes(image.buffer_view)
+
+    def view_bytes(self, index: int) -> bytes:
+        """The bytes of a buffer view."""
+        return bytes(self._view(index))
 
     def _view(self, index: int) -> memoryview:
         view = item_at(self.document.buffer_views, index, "buffer view")
@@ -214,7 +223,7 @@ def _width(accessor: Accessor) -> int:
     return _COMPONENTS[accessor.type]
 
 
-def _normalised(values: NDArray[Any]) -> NDArray[Any]:
+def normalised(values: NDArray[Any]) -> NDArray[Any]:
     """Integers as numbers in [0, 1] or [-1, 1] (glTF 2.0, section 3.6.2.2)."""
     if values.dtype.kind == "f":
         return values

@@ -8,8 +8,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.scene.draco import decode_draco
 from vrut_lite.scene.file_checks import SceneFileError
-from vrut_lite.scene.gltf_file import GltfFile, item_at
+from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Node, Primitive, TextureInfo
 from vrut_lite.scene.materials import GltfMaterials
 from vrut_lite.scene.mesh import make_mesh
@@ -139,21 +140,37 @@ class _Meshes:
     def _make(self, primitive: Primitive, name: str) -> trimesh.Trimesh | None:
         if "POSITION" not in primitive.attributes:
             return None
-        arrays = {
-            key: self._file.array(primitive.attributes[key])
-            for key in _READ
-            if key in primitive.attributes
-        }
-        faces = self._faces(primitive, len(arrays["POSITION"]))
+        uv_name = self._uv_name(primitive)
+        arrays, faces = self._arrays(primitive, {*_READ, uv_name})
         return make_mesh(
             name,
             arrays["POSITION"],
             faces,
             material=self._materials.material(primitive.material),
             normals=arrays.get("NORMAL"),
-            uv=self._uv(primitive),
+            uv=self._uv(primitive, arrays.get(uv_name)),
             colours=arrays.get("COLOR_0"),
         )
+
+    def _arrays(
+        self, primitive: Primitive, wanted: set[str]
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
+        """The wanted attributes that there are, and the triangles (F, 3)."""
+        numbers = {key: number for key, number in primitive.attributes.items() if key in wanted}
+        draco = primitive.extensions.draco
+        if draco is None:
+            arrays = {key: self._file.array(number) for key, number in numbers.items()}
+            return arrays, self._faces(primitive, len(arrays["POSITION"]))
+        accessors = {key: self._file.accessor(number) for key, number in numbers.items()}
+        counts = {key: accessor.count for key, accessor in accessors.items()}
+        packed = self._file.view_bytes(draco.buffer_view)
+        arrays, faces = decode_draco(packed, draco.attributes, counts)
+        if "POSITION" not in arrays:
+            raise SceneFileError("its Draco data lack positions; export it again")
+        for key, array in arrays.items():
+            if accessors[key].normalized:
+                arrays[key] = normalised(array)
+        return arrays, faces
 
     def _faces(self, primitive: Primitive, vertices: int) -> NDArray[np.int64]:
         """Triangles (F, 3) of a list, strip or fan, with or without indices."""
@@ -172,17 +189,22 @@ class _Meshes:
         strip[1::2] = strip[1::2, [1, 0, 2]]
         return strip
 
-    def _uv(self, primitive: Primitive) -> NDArray[Any] | None:
-        """Texture coordinates (V, 2) of the base colour, v upwards as trimesh has it."""
+    def _uv_name(self, primitive: Primitive) -> str:
+        """The attribute that holds the base colour's texture coordinates."""
         info = self._base_colour(primitive)
         transform = info.extensions.transform if info is not None else None
         number = info.tex_coord if info is not None else 0
         if transform is not None and transform.tex_coord is not None:
             number = transform.tex_coord
-        accessor = primitive.attributes.get(f"TEXCOORD_{number}")
-        if accessor is None:
+        return f"TEXCOORD_{number}"
+
+    def _uv(self, primitive: Primitive, values: NDArray[Any] | None) -> NDArray[Any] | None:
+        """Texture coordinates (V, 2) of the base colour, v upwards as trimesh has it."""
+        if values is None:
             return None
-        uv = self._file.array(accessor).astype(np.float64)
+        uv = values.astype(np.float64)
+        info = self._base_colour(primitive)
+        transform = info.extensions.transform if info is not None else None
         if transform is not None and uv.shape[1] == 2:
             c, s = np.cos(transform.rotation), np.sin(transform.rotation)
             uv = (uv * transform.scale) @ np.array([[c, -s], [s, c]]) + transform.offset

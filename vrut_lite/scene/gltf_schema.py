@@ -144,10 +144,24 @@ class Material(Part, frozen=True):
     double_sided: bool = False
 
 
+class DracoMesh(Part, frozen=True):
+    """KHR_draco_mesh_compression: the packed bytes, and Draco's ids of the attributes."""
+
+    buffer_view: Index
+    attributes: dict[str, Index]
+
+
+class PrimitiveExtensions(Part, frozen=True):
+    """The extensions of a primitive that are honoured."""
+
+    draco: DracoMesh | None = field(default=None, name="KHR_draco_mesh_compression")
+
+
 class Primitive(Part, frozen=True):
     """Triangles (or points or lines, which are passed over) of one material."""
 
     attributes: dict[str, Index]
+    extensions: PrimitiveExtensions = PrimitiveExtensions()
     indices: Index | None = None
     material: Index | None = None
     mode: Annotated[int, Meta(ge=0, le=6)] = 4
