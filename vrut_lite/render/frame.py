@@ -18,7 +18,7 @@ from vrut_lite.render.mesh_renderer import SHADERS, MeshRenderer
 from vrut_lite.scene.backend import Picture
 
 SAMPLES = 4
-SHADOW_SIZE = 2048
+SHADOW_SIZE = 4096
 _CUBE_MAP_SEAMLESS = 0x884F
 
 

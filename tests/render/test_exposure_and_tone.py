@@ -1,0 +1,65 @@
+"""Exposure and the tone curve, on the CPU."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vrut_lite.render import exposure, tone_map
+from vrut_lite.render.display import display_picture, dither
+
+
+@pytest.mark.parametrize("luminance_cd_m2", [500.0, 4000.0, 30000.0])
+def test_a_grey_wall_by_day_lands_on_middle_grey(luminance_cd_m2):
+    """By day the meter puts a uniform picture at 0.18, whatever its luminance."""
+    radiance = np.full((20, 30, 3), luminance_cd_m2 / 683.0)
+    ev100 = exposure.automatic_ev100(radiance)
+    assert radiance.mean() * exposure.scale_of(ev100) == pytest.approx(0.18, rel=1e-3)
+
+
+def test_night_looks_darker_than_day_but_not_black():
+    """A scene of 0.001 cd/m^2 is shown darker than one of 1000, and above nothing."""
+    dark = np.full((20, 30, 3), 1e-3 / 683.0)
+    shown = dark.mean() * exposure.scale_of(exposure.automatic_ev100(dark))
+    assert 0.0 < shown < 0.05
+
+
+def test_the_suns_disc_does_not_darken_the_picture():
+    """A disc of 0.1 % of the pixels, a million times as bright, changes nothing."""
+    radiance = np.full((100, 100, 3), 3.0)
+    without = exposure.automatic_ev100(radiance)
+    radiance[50, 50:60] = 3e6
+    assert exposure.automatic_ev100(radiance) == pytest.approx(without, abs=1e-6)
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(0, 1e8), min_size=3, max_size=3), st.floats(1.0, 4.0))
+def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):
+    """Any radiance lands in [0, 1], and a brighter grey is never shown darker."""
+    assert (tone_map.agx(rgb) >= 0.0).all()
+    assert (tone_map.agx(rgb) <= 1.0).all()
+    grey = np.full(3, max(rgb))
+    assert (tone_map.agx(grey * factor) >= tone_map.agx(grey) - 1e-6).all()
+
+
+def test_middle_grey_is_shown_as_a_middle_grey():
+    """AgX shows 0.18 at about half of the display's range, neutral to 1 %."""
+    shown = tone_map.agx([0.18, 0.18, 0.18])
+    assert 0.35 < shown.mean() < 0.55
+    assert np.ptp(shown) < 0.01
+
+
+def test_the_dither_is_unbiased_and_below_one_step():
+    """It must break bands without brightening: mean below 1 % of a step, always under one."""
+    noise = dither(512, 512)
+    assert abs(noise.mean()) < 0.01
+    assert np.abs(noise).max() < 1.0
+
+
+def test_a_smooth_ramp_shows_no_bands():
+    """A ramp over four 8-bit steps: means of columns follow it to a tenth of a step."""
+    ramp = np.broadcast_to(np.linspace(2.00, 2.06, 512)[None, :, None], (512, 512, 3))
+    shown = display_picture(ramp, ev100=11.0).astype(float).mean(axis=(0, 2))
+    smooth = np.polynomial.Polynomial.fit(np.arange(512), shown, 3)(np.arange(512))
+    assert np.ptp(shown) > 0.3
+    assert np.abs(shown - smooth).max() < 0.12

@@ -1,0 +1,103 @@
+"""GpuJobs: modules hand shaders to the GL owner, and results come back as inputs."""
+
+from concurrent.futures import wait
+
+import numpy as np
+import pytest
+
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.kernel.messages import JobResult, Resize
+from vrut_lite.kernel.module import Manifest, Module, handles
+
+pytestmark = pytest.mark.gl
+SIZE = 16
+# Writes each texel's direction, by the table of the OpenGL specification.
+DIRECTIONS = """
+#version 430
+layout(local_size_x = 8, local_size_y = 8, local_size_z = 1) in;
+layout(rgba32f, binding = 0) writeonly uniform imageCube sky;
+uniform float scale;
+void main() {
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    vec2 c = 2.0 * (vec2(at.xy) + 0.5) / vec2(imageSize(sky)) - 1.0;
+    vec3 d[6] = vec3[6](vec3(1, -c.y, -c.x), vec3(-1, -c.y, c.x), vec3(c.x, 1, c.y),
+                        vec3(c.x, -1, -c.y), vec3(c.x, -c.y, 1), vec3(-c.x, -c.y, -1));
+    imageStore(sky, at, vec4(scale * normalize(d[at.z]), 1.0));
+}
+"""
+
+
+class Asker(Module):
+    """Asks for a job when the picture's size changes; keeps the results."""
+
+    manifest = Manifest(name="asker", title="Asker", version="1")
+    job = GpuJob(
+        module="asker",
+        job="directions",
+        compute_shader=DIRECTIONS,
+        uniforms={"scale": 2.0, "not_there": 1.0},
+        output="cube",
+        size=SIZE,
+        format="rgba32f",
+        groups=(SIZE // 8, SIZE // 8, 6),
+        read_back=True,
+    )
+
+    def __init__(self, link, settings):
+        super().__init__(link, settings)
+        self.results = []
+
+    @handles(Resize)
+    def on_resize(self, message: Resize) -> None:
+        self.link.post(self.job)
+
+    @handles(JobResult)
+    def on_result(self, message: JobResult) -> None:
+        self.results.append(message)
+
+
+def run(gl_owner, asker_type):
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    kernel = Kernel()
+    kernel.add_module(GlJobs, owner=gl_owner, inject=kernel.inject)
+    kernel.add_module(asker_type)
+    kernel.inject(Resize(width_px=16, height_px=16))
+    kernel.pump()
+    wait(kernel.seats["gl_jobs"].module.pending)
+    kernel.pump()
+    return kernel.seats["asker"].module.results
+
+
+def test_a_compute_shader_fills_a_cube_and_the_result_is_an_input(gl_owner):
+    """Texel directions from the GPU are those of geometry/cube_map.py, to float32."""
+    (result,) = run(gl_owner, Asker)
+    assert result.error == ""
+    assert result.value.shape == (6, SIZE, SIZE, 4)
+    np.testing.assert_allclose(result.value.values[..., :3], 2 * texel_directions(SIZE), atol=1e-6)
+
+
+def test_a_shader_that_does_not_compile_is_a_result_too(gl_owner):
+    """The module must learn of it; the GL thread must go on."""
+
+    class Broken(Asker):
+        job = GpuJob(module="asker", job="x", compute_shader="#version 430\nvoid main() { y }",
+                     uniforms={}, output="2d", size=8)  # fmt: skip
+
+    (result,) = run(gl_owner, Broken)
+    assert result.value is None
+    assert "y" in result.error
+    assert run(gl_owner, Asker)[0].error == ""
+
+
+def test_without_read_back_the_texture_stays_on_the_gpu(gl_owner):
+    """Only its GL name comes back: nothing is copied unless somebody asks."""
+
+    class Keeper(Asker):
+        job = GpuJob(module="asker", job="x", compute_shader=DIRECTIONS, uniforms={"scale": 1.0},
+                     output="cube", size=SIZE, format="rgba32f", groups=(2, 2, 6))  # fmt: skip
+
+    (result,) = run(gl_owner, Keeper)
+    assert isinstance(result.value, int)

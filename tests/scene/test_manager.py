@@ -1,0 +1,183 @@
+"""The scene manager, on a backend that only remembers."""
+
+import numpy as np
+import pytest
+import trimesh
+from light_messages import light_messages
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    Fault,
+    LoadScene,
+    MoveCamera,
+    Resize,
+    SceneLoaded,
+    SceneNeeds,
+    SetExposure,
+    SunLightChanged,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.scene.camera import frame_bounds, look_at, perspective
+from vrut_lite.scene.manager import SceneManager, ground_albedo
+from vrut_lite.scene.needs import visible_faces
+from vrut_lite.scene.recording_backend import RecordingBackend
+
+SKY = np.full((6, 8, 8, 3), 4.0)
+SKY[3] = 1.5
+
+
+class Sky(Module):
+    """Posts one fixed light when the picture's size is set."""
+
+    manifest = Manifest(name="sky", title="Sky", version="1", provides=("sky",))
+
+    @handles(Resize)
+    def on_resize(self, message: Resize) -> None:
+        for post in light_messages(SKY, sun_irradiance=(10.0, 9.0, 8.0)):
+            self.link.post(post)
+
+
+@pytest.fixture
+def box(tmp_path):
+    path = tmp_path / "box.glb"
+    trimesh.creation.box((2, 4, 2)).export(path)
+    return str(path)
+
+
+@pytest.fixture
+def stage():
+    """A kernel with the scene manager, its backend, and all messages that were delivered."""
+    kernel, backend, heard = Kernel(), RecordingBackend(), []
+    kernel.tap(lambda message, sender: heard.append(message))
+    kernel.add_module(Sky)
+    kernel.add_module(SceneManager, backend=backend)
+    kernel.pump()
+
+    def play(*inputs):
+        heard.clear()
+        for message in inputs:
+            kernel.inject(message)
+        kernel.pump()
+        return heard
+
+    return play, backend
+
+
+def only(heard, kind):
+    return [message for message in heard if isinstance(message, kind)]
+
+
+def test_a_scene_reaches_the_backend_with_ground_and_camera(stage, box):
+    """One LoadScene: the backend gets the scene, a ground under it and a view of it."""
+    play, backend = stage
+    heard = play(LoadScene(path=box))
+    scene, ground = backend.latest["show_scene"]
+    assert scene.triangles == 12
+    assert ground.height_m < -2.0
+    assert only(heard, SceneLoaded)[0].upper_m == (1.0, 2.0, 1.0)
+    assert only(heard, SceneNeeds)[-1].receives_light
+    (camera,) = backend.latest["set_camera"]
+    assert camera.eye_m[1] > ground.height_m
+
+
+def test_light_is_handed_on(stage, box):
+    """Background, sun light and ambient arrive at the backend as they were posted."""
+    play, backend = stage
+    play(LoadScene(path=box), Resize(width_px=64, height_px=64))
+    assert isinstance(backend.latest["set_background"][0], BackgroundChanged)
+    assert isinstance(backend.latest["set_sun_light"][0], SunLightChanged)
+    assert isinstance(backend.latest["set_ambient"][0], AmbientChanged)
+    assert backend.latest["set_size"] == (64, 64)
+
+
+def test_the_ground_gets_the_albedo_of_the_skys_lower_half(stage, box):
+    """pi L / E: sky 4 above, ground 1.5 below, sun 10 overhead: E = 4 pi + 10, both by hand."""
+    play, backend = stage
+    play(LoadScene(path=box), Resize(width_px=64, height_px=64))
+    (albedo,) = backend.latest["set_ground_albedo"]
+    expected = np.pi * 1.5 / (4 * np.pi + np.array([10.0, 9.0, 8.0]))
+    # E comes from 25 harmonics, which miss the edge of the darker nadir by 1 %.
+    np.testing.assert_allclose(albedo, expected, rtol=0.015)
+
+
+def test_a_black_night_has_a_black_ground_and_no_nan():
+    """Nothing divided by nothing must not reach the picture."""
+    albedo = ground_albedo(*light_messages(np.zeros((6, 8, 8, 3))))
+    np.testing.assert_array_equal(albedo, 0.0)
+
+
+def test_a_bad_scene_is_told_and_the_old_one_stays(stage, box, tmp_path):
+    """A mistyped name must not cost the scene that is open, nor suspend the manager."""
+    play, backend = stage
+    play(LoadScene(path=box))
+    before = len(backend.told)
+    for _ in range(4):
+        faults = only(play(LoadScene(path=str(tmp_path / "none.glb"))), Fault)
+        assert faults[0].for_user
+        assert not faults[0].suspended
+    assert len(backend.told) == before
+    assert only(play(LoadScene(path=box)), SceneLoaded)
+
+
+def test_a_new_scene_brings_its_own_view(stage, box):
+    """A camera that was moved in one scene would look at nothing in the next."""
+    play, backend = stage
+    moved = MoveCamera(eye_m=(9.0, 9.0, 9.0), target_m=(0.0, 0.0, 0.0))
+    play(LoadScene(path=box), moved)
+    assert backend.latest["set_camera"] == (moved,)
+    play(LoadScene(path=box))
+    assert backend.latest["set_camera"] != (moved,)
+
+
+def test_a_camera_that_looks_nowhere_is_refused(stage, box):
+    """Eye and target in one point give no direction."""
+    play, _ = stage
+    heard = play(LoadScene(path=box), MoveCamera(eye_m=(1.0,) * 3, target_m=(1.0,) * 3))
+    assert "one point" in only(heard, Fault)[0].error
+
+
+def test_exposure_is_handed_on(stage):
+    """The manager does not interpret it."""
+    play, backend = stage
+    wish = SetExposure(mode="manual", ev100=7.0)
+    play(wish)
+    assert backend.latest["set_exposure"] == (wish,)
+
+
+@pytest.mark.parametrize("size", [(1.0, 1.0, 1.0), (30.0, 2.0, 4.0), (0.5, 80.0, 0.5)])
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 2.4])
+def test_the_framing_camera_holds_the_bounds_and_fills_the_picture(size, aspect):
+    """All corners inside the picture, and the outermost beyond 80 % of its half width or height."""
+    half = 0.5 * np.array(size)
+    camera = frame_bounds(-half, half, aspect)
+    signs = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
+    corners = np.concatenate([signs * half, np.ones((8, 1))], axis=1)
+    projection = perspective(camera.vertical_field_of_view_rad, aspect, 0.01, 1e4)
+    clip = corners @ (projection @ look_at(camera.eye_m, camera.target_m)).T
+    xy = np.abs(clip[:, :2] / clip[:, 3:])
+    assert 0.8 < xy.max() <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("target", "faces", "sky"),
+    [
+        ((1, 0, 0), {0}, True),
+        ((0, 1, 0), {2}, True),
+        ((0, -1, 0), {3}, False),
+        ((0, 0, -1), {5}, True),
+    ],
+)
+def test_a_narrow_view_needs_one_face(target, faces, sky):
+    """A producer that asks first computes only these."""
+    camera = MoveCamera(
+        eye_m=(0.0,) * 3, target_m=tuple(map(float, target)), vertical_field_of_view_rad=0.3
+    )
+    assert (set(visible_faces(camera, 1.0)[0]), visible_faces(camera, 1.0)[1]) == (faces, sky)
+
+
+def test_a_corner_view_needs_three_faces():
+    """Along (1, 1, -1) the cube's corner is in the middle of the picture."""
+    camera = MoveCamera(eye_m=(0.0,) * 3, target_m=(1.0, 1.0, -1.0))
+    assert visible_faces(camera, 1.5)[0] == (0, 2, 5)

@@ -1,0 +1,151 @@
+"""The commands as people type them, and the files that come out."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+from PIL import Image
+
+from vrut_lite import cli
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+
+SCENES = Path(__file__).parents[1] / "scenes"
+EVENING = ["--at", "2026-06-21T19:30", "--place", "50.0755,14.4378"]
+
+
+@pytest.fixture
+def vrut_lite(monkeypatch, capsys):
+    """Run the command line; it must succeed; what it printed."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
+        cli.main()
+        return capsys.readouterr().out
+
+    return run
+
+
+def read_exr(path):
+    part = OpenEXR.File(str(path)).parts[0]
+    return part.channels["RGB"].pixels, part.header
+
+
+def test_help_shows_every_command_with_an_example(vrut_lite):
+    """Whoever types --help finds the commands, and an example for each."""
+    listing = vrut_lite("--help")
+    for command in ("render", "sky", "modules", "demo"):
+        assert command in listing
+        assert "Example: vrut-lite" in vrut_lite(command, "--help")
+
+
+def test_settings_of_modules_are_options(vrut_lite):
+    """Options are made from the modules' settings, with bounds and units."""
+    text = " ".join(vrut_lite("render", "--help").split())
+    assert "--turbidity" in text
+    assert "between 1 and 10" in text
+
+
+def test_modules_lists_slots_and_settings(vrut_lite):
+    """Both skies, who holds the slot, and what can be set."""
+    listing = vrut_lite("modules")
+    assert "sky (holds it)" in listing
+    assert "bruneton_sky" in listing
+    assert "turbidity = 3.0" in listing
+
+
+@pytest.mark.parametrize("sky", ["dynamic_skylight", "bruneton_sky"])
+def test_a_panorama_has_the_sun_where_its_metadata_says(vrut_lite, tmp_path, sky):
+    """The brightest sky lies at the sun's azimuth; elevation and irradiance are in the header."""
+    path = tmp_path / "sky.exr"
+    vrut_lite("sky", "-o", path, "--size", 128, "--sky", sky, *EVENING)
+    picture, header = read_exr(path)
+    assert picture.shape == (128, 256, 3)
+    azimuth_deg = header["sunAzimuthDeg"][0]
+    row, column = np.unravel_index(picture.sum(axis=-1).argmax(), picture.shape[:2])
+    seen_deg = ((column + 0.5) / 256 * 360.0 - 180.0) % 360.0
+    assert abs((seen_deg - azimuth_deg + 180.0) % 360.0 - 180.0) < 3.0
+    assert row < 64
+    assert header["skyModel"] == sky
+    direction = np.array(header["sunDirection"].split(), float)
+    angles = np.radians([azimuth_deg, header["sunElevationDeg"][0]])
+    np.testing.assert_allclose(direction, world_from_enu(direction_from_angles(*angles)), atol=2e-3)
+
+
+def test_all_sky_formats_hold_one_picture(vrut_lite, tmp_path):
+    """EXR and npz are equal; HDR is RGBE, 1/256 of a pixel's largest channel; PNG is for eyes."""
+    for suffix in ("exr", "npz", "hdr", "png"):
+        vrut_lite("sky", "-o", tmp_path / f"sky.{suffix}", "--size", 64, *EVENING)
+    exr, _ = read_exr(tmp_path / "sky.exr")
+    npz = np.load(tmp_path / "sky.npz")
+    np.testing.assert_array_equal(npz["radiance"], exr)
+    assert npz["skyModel"] == "dynamic_skylight"
+    assert (tmp_path / "sky.hdr").read_bytes().startswith(b"#?RADIANCE")
+    assert Image.open(tmp_path / "sky.png").size == (128, 64)
+
+
+def test_a_cube_stays_a_cube_in_npz_and_unfolds_in_pictures(vrut_lite, tmp_path):
+    """(6, n, n, 3) in world axes for programs, a cross for people."""
+    vrut_lite("sky", "-o", tmp_path / "cube.npz", "--projection", "cube", "--size", 32, *EVENING)
+    vrut_lite("sky", "-o", tmp_path / "cube.png", "--projection", "cube", "--size", 32, *EVENING)
+    assert np.load(tmp_path / "cube.npz")["cube"].shape == (6, 32, 32, 3)
+    assert Image.open(tmp_path / "cube.png").size == (128, 96)
+
+
+def test_a_fisheye_is_black_outside_its_circle(vrut_lite, tmp_path):
+    """The whole sky in a circle; nothing around it."""
+    path = tmp_path / "fish.exr"
+    vrut_lite("sky", "-o", path, "--projection", "fisheye", "--size", 64, *EVENING)
+    picture, _ = read_exr(path)
+    assert (picture[0, 0] == 0).all()
+    assert (picture[32, 32] > 0).all()
+
+
+def test_turbidity_changes_the_sky_of_both_modules_alike(vrut_lite, tmp_path):
+    """One option for every module that has the setting; --set for one of them."""
+    skies = {}
+    for turbidity in ("2", "6"):
+        path = tmp_path / f"{turbidity}.npz"
+        vrut_lite("sky", "-o", path, "--size", 32, "--turbidity", turbidity, *EVENING)
+        skies[turbidity] = np.load(path)["radiance"]
+    assigned = ["--set", "dynamic_skylight.turbidity=6"]
+    vrut_lite("sky", "-o", tmp_path / "set.npz", "--size", 32, *assigned, *EVENING)
+    assert not np.allclose(skies["2"], skies["6"], rtol=0.05)
+    np.testing.assert_array_equal(np.load(tmp_path / "set.npz")["radiance"], skies["6"])
+
+
+@pytest.mark.gl
+def test_a_project_file_renders_like_its_options(vrut_lite, tmp_path):
+    """The same scene, hour and setting, once as a project and once as options: equal pixels."""
+    scene = SCENES / "spheres.glb"
+    project = tmp_path / "project.toml"
+    project.write_text(
+        f'scene = "{scene}"\nplace = "50.0755,14.4378"\nat = "2026-06-21T19:30"\n'
+        "size = [96, 64]\n[settings.dynamic_skylight]\nturbidity = 5\n"
+        '[exposure]\nmode = "manual"\nev100 = 13\n'
+    )
+    vrut_lite("render", project, "-o", tmp_path / "project.exr")
+    options = ["--turbidity", "5", "--size", "96x64", "--exposure", "13", *EVENING]
+    vrut_lite("render", scene, "-o", tmp_path / "options.exr", *options)
+    by_project, header = read_exr(tmp_path / "project.exr")
+    by_options, _ = read_exr(tmp_path / "options.exr")
+    np.testing.assert_array_equal(by_project, by_options)
+    assert header["setting_turbidity"] == "5.0"
+    assert header["latitudeDeg"][0] == 50.0755
+
+
+@pytest.mark.gl
+def test_the_demo_renders_every_scene_at_four_hours(vrut_lite, tmp_path):
+    """Four pictures for each bundled scene, and one sheet of all; noon is brighter than dusk."""
+    said = vrut_lite("demo", "--out", tmp_path, "--scenes", SCENES)
+    names = {"pavilion", "spheres", "street", "sundial"}
+    hours = ("sunrise", "noon", "late_afternoon", "dusk")
+    made = {path.name for path in tmp_path.iterdir()}
+    assert made == {f"{n}_{h}.png" for n in names for h in hours} | {"contact_sheet.png"}
+    assert "16 pictures" in said
+    texts = [Image.open(tmp_path / f"sundial_{hour}.png").text for hour in hours]
+    elevations = [float(text["sunElevationDeg"]) for text in texts]
+    np.testing.assert_allclose(elevations[0], 2.0, atol=0.3)
+    np.testing.assert_allclose(elevations[2:], [14.0, -4.0], atol=0.3)
+    assert elevations[1] > 55.0
