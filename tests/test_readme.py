@@ -1,0 +1,40 @@
+"""What the README shows must work as printed."""
+
+import re
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from vrut_lite.project import Project, daylight_inputs
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_python_example_runs():
+    """Copied into an interpreter it gives a sky, as the text promises."""
+    (source,) = blocks("python")
+    names: dict = {}
+    exec(source, names)
+    assert np.isfinite(names["sky"].radiance(theta_rad=0.5, gamma_rad=0.3)).all()
+    assert 20.0 < np.degrees(names["sun"].elevation_rad) < 26.0
+
+
+def test_the_project_file_is_one():
+    """The TOML example holds only what a project file may say."""
+    (source,) = blocks("toml")
+    project = msgspec.toml.decode(source, type=Project)
+    assert (ROOT / "scenes" / project.scene).exists()
+    assert len(daylight_inputs(project)) == 2
+
+
+@pytest.mark.parametrize("path", re.findall(r"\]\(([^)h][^)]*)\)", README))
+def test_links_lead_somewhere(path):
+    """A picture or file that the README names is in the repository."""
+    assert (ROOT / path).exists()
