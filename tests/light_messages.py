@@ -10,9 +10,15 @@ from vrut_lite.kernel.messages import AmbientChanged, BackgroundChanged, SunLigh
 def light_messages(cube, sun_direction=(0.0, 1.0, 0.0), sun_irradiance=(0.0, 0.0, 0.0)):
     """Background, sun light and ambient of a cube map (6, n, n, 3), with a uniform sun disc."""
     direction = np.asarray(sun_direction, float) / np.linalg.norm(sun_direction)
+    ground = cube[3, cube.shape[1] // 2, cube.shape[1] // 2]
     harmonics = spherical_harmonics.irradiance_coefficients(cube).astype(np.float32)
     return (
-        BackgroundChanged(cube=Array(cube.astype(np.float16)), radiance_scale=1.0, source="test"),
+        BackgroundChanged(
+            cube=Array(cube.astype(np.float16)),
+            radiance_scale=1.0,
+            ground_radiance_rgb=tuple(map(float, ground)),
+            source="test",
+        ),
         SunLightChanged(
             direction=tuple(map(float, direction)),
             irradiance_rgb=tuple(map(float, sun_irradiance)),

@@ -11,6 +11,7 @@ import trimesh
 
 from vrut_lite import cli
 
+CAMERA_AT = 'scene = "good.glb"\n[camera]\n'
 GOOD_TIME = ["--at", "2026-06-21T12:00Z"]
 
 
@@ -246,3 +247,62 @@ def test_options_that_make_no_sense(refused, good_scene, arguments):
 def test_the_sky_command_is_as_strict(refused, arguments):
     """`vrut-lite sky` shares its options with `render`, and their rules."""
     refused("sky", *GOOD_TIME, *arguments, says=arguments[0].strip("-"))
+
+
+@pytest.mark.gl
+def test_a_black_ground_does_not_blow_out_what_is_lit(monkeypatch, capsys, good_scene, tmp_path):
+    """Albedo 0 is a legal setting: the picture stays within a stop of that at albedo 0.05."""
+    exposures = []
+    for albedo in ("0", "0.05"):
+        picture = tmp_path / f"{albedo}.png"
+        arguments = ["render", good_scene, "-o", picture, "--albedo", albedo, "--size", "96x64"]
+        monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments), *GOOD_TIME])
+        cli.main()
+        exposures.append(float(capsys.readouterr().out.rsplit("EV100", 1)[1]))
+    assert abs(exposures[0] - exposures[1]) < 1.0
+
+
+@pytest.mark.parametrize("command", [["sky"], ["render", "good.glb"]])
+@pytest.mark.gl
+def test_without_a_sun_the_reason_is_told(monkeypatch, capsys, good_scene, tmp_path, command):
+    """A module that failed to load is named, and what is missing for it; no traceback."""
+    from vrut_lite.kernel import discovery
+
+    def broken():
+        yield "'dynamic_skylight' (broken)", lambda: 1 / 0
+
+    monkeypatch.setattr(discovery, "_by_entry_point", broken)
+    monkeypatch.chdir(tmp_path)
+    code, said = run(monkeypatch, capsys, *command, "-o", "sky.exr", *GOOD_TIME)
+    assert code == 1
+    assert "failed to load: division by zero" in said
+    assert said.splitlines()[-1].startswith("vrut-lite: no module tells where the sun stands")
+
+
+def test_no_arguments_show_the_help(monkeypatch, capsys):
+    """The first thing that anyone types."""
+    monkeypatch.setattr(sys, "argv", ["vrut-lite"])
+    cli.main()
+    shown = capsys.readouterr().out
+    assert "Usage:" in shown
+    assert "render" in shown
+    assert shown.count("\n") > 5
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            'scene = "good.glb"\n[camera]\neye_m = [1e300, 0, 0]\ntarget_m = [0, 0, 0]',
+            "camera.eye_m",
+        ),
+        ('scene = "good.glb"\n[camera]\neye_m = [1, 1, 1]\ntarget_m = [1, 1, 1]', "apart"),
+        ('scene = "good.glb"\n[settings.nobody]', "no module 'nobody'"),
+        ('scene = "good.glb"\n[exposure]\nev100 = "bright"', "exposure.ev100: expected float"),
+    ],
+)
+def test_what_a_project_says_wrong_is_named_by_its_place(refused, good_scene, tmp_path, text, says):
+    """Table and key lead to the line that has to be mended."""
+    project = tmp_path / "project.toml"
+    project.write_text(text)
+    refused("render", project, says=says)

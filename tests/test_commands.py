@@ -1,5 +1,6 @@
 """The commands as people type them, and the files that come out."""
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from PIL import Image
 
 from vrut_lite import cli
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.project import Project, load_project
 
 SCENES = Path(__file__).parents[1] / "scenes"
 EVENING = ["--at", "2026-06-21T19:30", "--place", "50.0755,14.4378"]
@@ -149,3 +151,38 @@ def test_the_demo_renders_every_scene_at_four_hours(vrut_lite, tmp_path):
     np.testing.assert_allclose(elevations[0], 2.0, atol=0.3)
     np.testing.assert_allclose(elevations[2:], [14.0, -4.0], atol=0.3)
     assert elevations[1] > 55.0
+
+
+def test_a_bare_toml_date_is_a_local_time(tmp_path):
+    """at = 2026-06-21T19:30:00 without quotes is TOML's own way to write it."""
+    path = tmp_path / "project.toml"
+    path.write_text('scene = "a.glb"\nat = 2026-06-21T19:30:00\n')
+    project = load_project(path)
+    assert project.instant() == Project(at="2026-06-21T19:30").instant()
+
+
+@pytest.mark.gl
+def test_fov_changes_a_projects_camera(vrut_lite, tmp_path):
+    """--fov alone narrows the project's view: the picture is another."""
+    for name, options in (("wide", []), ("narrow", ["--fov", "20"])):
+        arguments = ["-o", tmp_path / f"{name}.exr", "--size", "96x64", *options, *EVENING]
+        vrut_lite("render", SCENES / "street.toml", *arguments)
+    wide, narrow = (read_exr(tmp_path / f"{name}.exr")[0] for name in ("wide", "narrow"))
+    assert not np.allclose(wide, narrow, rtol=0.1)
+
+
+@pytest.mark.gl
+def test_the_demo_uses_what_a_project_says(vrut_lite, tmp_path):
+    """Slots and settings of a project hold for its pictures, and for no other's."""
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    shutil.copy(SCENES / "sundial.glb", folder / "a.glb")
+    shutil.copy(SCENES / "sundial.glb", folder / "b.glb")
+    (folder / "a.toml").write_text(
+        'scene = "a.glb"\nsize = [32, 32]\n[slots]\nsky = "bruneton_sky"\n'
+        "[settings.bruneton_sky]\nturbidity = 5\n"
+    )
+    vrut_lite("demo", "--out", tmp_path / "out", "--scenes", folder)
+    texts = [Image.open(tmp_path / "out" / f"{name}_noon.png").text for name in "ab"]
+    assert [text["skyModel"] for text in texts] == ["bruneton_sky", "dynamic_skylight"]
+    assert texts[0]["setting_turbidity"] == "5.0"

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, horizontal_irradiance
-from vrut_lite.host import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,

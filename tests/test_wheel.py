@@ -15,6 +15,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 PACKAGES = {
     "vrut_lite": ROOT / "vrut_lite",
     "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
+    "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
     "bruneton_sky": ROOT / "modules" / "bruneton_sky",
 }
 
@@ -25,7 +26,7 @@ def wheel(tmp_path_factory):
     source = tmp_path_factory.mktemp("source")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    for name in ("vrut_lite", "modules"):
+    for name in ("vrut_lite", "modules", "benchmarks"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"],

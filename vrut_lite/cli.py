@@ -1,5 +1,6 @@
 """The command `vrut-lite`: finds its subcommands by entry point, tells errors in one line."""
 
+import os
 import sys
 from importlib.metadata import EntryPoint, entry_points
 
@@ -28,7 +29,7 @@ class EntryPointGroup(click.Group):
             return None
         try:
             return point.load()
-        except ImportError as error:
+        except Exception as error:
             return _broken(name, f"the command {name} failed to load: {error}")
 
 
@@ -58,12 +59,22 @@ def main() -> None:
     """Run the command line; 0 when all is well, 2 for bad input, 1 for a failure of ours."""
     try:
         root(standalone_mode=False)
+        sys.stdout.flush()
+    except click.exceptions.NoArgsIsHelpError as error:
+        print(error.format_message())
     except click.ClickException as error:
         _end(error.format_message(), 2)
     except UserError as error:
         _end(str(error), 2)
     except ModuleFailed as error:
         _end(str(error), 1)
+    except MemoryError:
+        _end("there is not enough memory for this: ask for a smaller size", 1)
+    except BrokenPipeError:
+        # Whoever read the output has had enough; nothing is left to say, and nowhere to.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        _end(f"{error.strerror or error}", 1)
     except (click.Abort, KeyboardInterrupt):
         _end("interrupted", 130)
 

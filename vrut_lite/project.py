@@ -1,11 +1,13 @@
 """A project: a scene, a place, a time and how to look at it; also as a TOML file."""
 
 import math
+import tomllib
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import msgspec
+import numpy as np
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -19,19 +21,22 @@ from vrut_lite.kernel.messages import (
     SetExposure,
     SetPlace,
     SetSetting,
-    Vector,
 )
 from vrut_lite.place_time import Place, parse_instant, parse_place
 
 PROJECT_SUFFIX = ".toml"
-Pixels = Annotated[int, msgspec.Meta(ge=16, le=16384)]
+Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
+# Beyond the planet's neighbourhood there is nothing to look at.
+Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
+Point = tuple[Metres, Metres, Metres]
+_NEAREST_TARGET_M = 1e-6
 
 
 class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Where the camera stands and looks, metres in world axes."""
 
-    eye_m: Vector
-    target_m: Vector
+    eye_m: Point
+    target_m: Point
     vertical_field_of_view_deg: Annotated[float, msgspec.Meta(ge=1, le=150)] = 43.0
 
 
@@ -73,20 +78,34 @@ def load_project(path: str | Path) -> Project:
     """
     file = Path(path)
     try:
-        project = msgspec.toml.decode(file.read_bytes(), type=Project)
+        values = tomllib.loads(file.read_text())
+        if isinstance(values.get("at"), datetime):
+            # A bare TOML date is the natural way to write one.
+            values["at"] = values["at"].isoformat()
+        project = msgspec.convert(values, Project)
     except OSError as error:
         raise UserError(f"cannot open the project {file}: {error.strerror or error}") from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise UserError(f"cannot read the project {file}: {error}") from None
+    except msgspec.ValidationError as error:
+        raise UserError(f"cannot read the project {file}: {in_words(error)}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise UserError(f"the project {file} is no TOML: {error}") from None
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
     return msgspec.structs.replace(project, scene=str(file.parent / project.scene))
+
+
+def in_words(error: msgspec.ValidationError) -> str:
+    """What a value should have been, and which: `camera.eye_m: expected array of length 3`."""
+    text, _, path = str(error).replace("`", "").partition(" - at $")
+    text = text[:1].lower() + text[1:]
+    return f"{path.lstrip('.')}: {text}" if path else text
 
 
 def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
     """Settings and slots as inputs, checked against the modules that are installed."""
     inputs: list[Input] = []
     for module, values in project.settings.items():
+        kernel.check_module(module)
         for name, value in values.items():
             checked = kernel.check_setting(module, name, value)
             inputs.append(SetSetting(module=module, name=name, value=checked))
@@ -119,8 +138,9 @@ def view_inputs(project: Project) -> list[Input]:
         LoadScene(path=project.scene),
     ]
     if project.camera is not None:
-        if not all(map(math.isfinite, (*project.camera.eye_m, *project.camera.target_m))):
-            raise UserError("the camera's eye and target must be finite numbers of metres")
+        eye, target = np.array(project.camera.eye_m), np.array(project.camera.target_m)
+        if not _NEAREST_TARGET_M < np.linalg.norm(target - eye) < math.inf:
+            raise UserError("the camera's eye and target must be two finite points, apart")
         inputs.append(
             MoveCamera(
                 eye_m=project.camera.eye_m,

@@ -110,7 +110,13 @@ class BrunetonSky(Module):
         source = self.manifest.name
         if product is BackgroundChanged:
             values, scale = encode_float16(background_cube(around, size))
-            return BackgroundChanged(cube=Array(values), radiance_scale=scale, source=source)
+            ground_red, ground_green, ground_blue = around.ground_radiance_rgb.tolist()
+            return BackgroundChanged(
+                cube=Array(values),
+                radiance_scale=scale,
+                ground_radiance_rgb=(ground_red, ground_green, ground_blue),
+                source=source,
+            )
         if product is AmbientChanged:
             harmonics = Array(ambient_coefficients(around))
             return AmbientChanged(irradiance_sh_rgb=harmonics, source=source)

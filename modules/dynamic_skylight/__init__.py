@@ -1,6 +1,7 @@
 """DynamicSkyLight: the sun of a place and an hour, and the Hosek-Wilkie sky around it."""
 
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky
+from dynamic_skylight.sun.events import SunEvents, sun_events
 from dynamic_skylight.sun.position import SunPosition, sun_position
 
-__all__ = ["HosekWilkieSky", "SunPosition", "sun_position"]
+__all__ = ["HosekWilkieSky", "SunEvents", "SunPosition", "sun_events", "sun_position"]

@@ -45,9 +45,9 @@ def sphere(
     return cube
 
 
-def fill_ground(cube: Float32Array, ground_rgb: FloatArray) -> None:
+def fill_ground(cube: Float32Array | NDArray[np.float16], ground_rgb: FloatArray) -> None:
     """Give every texel that does not look up the ground's radiance."""
-    ground = ground_rgb.astype(np.float32)
+    ground = ground_rgb.astype(cube.dtype)
     cube[BOTTOM_FACE] = ground
     for face in SIDE_FACES:
         cube[face, cube.shape[1] // 2 :] = ground

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dynamic_skylight.background import fill_ground, ground_radiance, sphere
+from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky, half_scale
 from dynamic_skylight.sun_light import SunColour, SunLight, sun_light
-from dynamic_skylight.twilight import HourSky, sky_of_hour
+from dynamic_skylight.twilight import BLEND_APPARENT_RAD, HourSky, sky_of_hour
+from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 
 FloatArray = NDArray[np.float64]
@@ -37,6 +39,13 @@ class Daylight:
         return sky_of_hour(self.turbidity, self.albedo, self.apparent_elevation_rad)
 
     @cached_property
+    def model(self) -> HosekWilkieSky | None:
+        """The exact model, while the sun is so high that nothing else is in the sky."""
+        if self.apparent_elevation_rad < BLEND_APPARENT_RAD:
+            return None
+        return HosekWilkieSky(self.turbidity, self.albedo, self.apparent_elevation_rad)
+
+    @cached_property
     def sun(self) -> SunLight:
         """The direct light of the sun."""
         return sun_light(
@@ -57,6 +66,20 @@ class Daylight:
     def background(self, size: int) -> NDArray[np.float32]:
         """Cube map (6, size, size, 3) of radiance in world axes, without the disc."""
         return sphere(self.sky, self.ground_rgb, size, self.sun_azimuth_rad)
+
+    def encoded_background(self, size: int) -> tuple[NDArray[np.float16], float]:
+        """The background in half precision, and the power of two that brings it back."""
+        if self.model is None:
+            return encode_float16(self.background(size))
+        cube = self.model.cube_map_float16(size, self.sun_azimuth_rad, self.half_scale)
+        fill_ground(cube, self.ground_rgb / self.half_scale)
+        return cube, self.half_scale
+
+    @cached_property
+    def half_scale(self) -> float:
+        """The scale of the exact model's sky and its ground in half precision."""
+        assert self.model is not None
+        return half_scale(max(self.model.brightest, float(self.ground_rgb.max())))
 
     def ambient(self) -> FloatArray:
         """Harmonics (25, 3) of the irradiance from sky and ground, W m^-2, world axes."""

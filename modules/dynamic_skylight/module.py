@@ -2,35 +2,46 @@
 
 It may hold the slots `sun` and `sky`, either without the other; for a slot that it does not
 hold it does nothing.
+
+With the setting `cube_device` on "gpu" the cube map is a `GpuJob`, and the background follows
+with its result, a transaction later than the light. The CPU makes it instead where nobody
+demands GpuJobs (no GL owner in the kernel, as in `vrut-lite sky`), when a job has failed, and
+at twilight, whose sky is not the formula's alone.
+
+All six faces are made also when the camera sees two: glossy surfaces mirror the others, and the
+message has other readers than the camera. Half of the sphere is ground and costs a fill.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
+import msgspec
 import numpy as np
 
+from dynamic_skylight import products
 from dynamic_skylight.daylight import Daylight
+from dynamic_skylight.products import NAME
 from dynamic_skylight.settings import DynamicSkyLightSettings
-from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
-from dynamic_skylight.sun.position import sun_position
-from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.geometry.frames import world_from_enu
-from vrut_lite.kernel.array import Array
+from dynamic_skylight.sun_step import sun_step_rad
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
+    ClockMoved,
     Demand,
     Derived,
-    SetClock,
+    JobResult,
     SetPlace,
     SlotChanged,
     SunLightChanged,
     SunMoved,
-    Vector,
 )
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
-NAME = "dynamic_skylight"
-DEFAULT_SIZE = 256
+# Edge of the cube map for who names no size.
+DEFAULT_SIZES = {"cpu": 256, "gpu": 1024}
+SKY = (BackgroundChanged, SunLightChanged, AmbientChanged)
 Recipe = tuple[object, ...]
 
 
@@ -38,7 +49,8 @@ class DynamicSkyLight(Module):
     """The sun's position and the Hosek-Wilkie sky.
 
     The ledger counts, for each message type by name: done, and skipped as "unwanted" or
-    "unchanged" (the inputs are those of what was posted last).
+    "unchanged" (the inputs are those of what was posted last). "sun within tolerance" counts
+    moves of the sun that nobody would see; what follows from them is unchanged.
     """
 
     manifest = Manifest(
@@ -50,11 +62,13 @@ class DynamicSkyLight(Module):
     def __init__(self, link: Link, settings: DynamicSkyLightSettings):
         super().__init__(link, settings)
         self._posted: dict[type[Derived], Recipe] = {}
-        self._daylight: Daylight | None = None
+        self._shown: tuple[Daylight, SunMoved] | None = None
+        self._awaited: dict[str, BackgroundChanged] = {}
+        self._gpu_failed = False
 
-    @handles(SetClock)
+    @handles(ClockMoved)
     @handles(SetPlace)
-    def inputs_changed(self, _message: SetClock | SetPlace) -> None:
+    def inputs_changed(self, _message: ClockMoved | SetPlace) -> None:
         """The hour or the place changed: so may the sun."""
         self._move_sun()
 
@@ -65,7 +79,7 @@ class DynamicSkyLight(Module):
             self._posted.pop(SunMoved, None)
             self._move_sun()
         elif message.name == "sky":
-            for kind in (BackgroundChanged, SunLightChanged, AmbientChanged):
+            for kind in SKY:
                 self._posted.pop(kind, None)
             self._light_sky()
 
@@ -75,56 +89,98 @@ class DynamicSkyLight(Module):
         """The sun moved, or someone wants what nobody wanted before."""
         self._light_sky()
 
+    @handles(JobResult)
+    def cube_done(self, result: JobResult) -> None:
+        """The GPU made a cube map: show it, unless a later one is shown already.
+
+        Raises:
+            UserError: it could not; from now on the CPU does.
+        """
+        if result.error:
+            self._gpu_failed = True
+            self._posted.pop(BackgroundChanged, None)
+            self._light_sky()
+            raise UserError(
+                f"the GPU could not make the sky ({result.error}): set cube_device to cpu"
+            )
+        texture = GpuTexture.of(result.value)
+        if texture.recipe not in self._awaited:
+            self.ledger.skip("GpuJob outdated")
+            return
+        for recipe in tuple(self._awaited):
+            background = self._awaited.pop(recipe)
+            if recipe == texture.recipe:
+                self._post(msgspec.structs.replace(background, cube=texture))
+                return
+
     def settings_changed(self, name: str) -> None:
         """A setting has a new value: work out again what depends on it."""
         if name == "sun_method":
             self._move_sun()
-        else:
-            self._light_sky()
+            return
+        if name == "cube_device":
+            self._gpu_failed = False
+        self._light_sky()
 
     def _move_sun(self) -> None:
-        clock, place = self.link.last(SetClock), self.link.last(SetPlace)
+        clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
         if clock is None or place is None or not self.link.holds("sun"):
             return
-        recipe = (clock, place, self.settings.sun_method)
-        self._post_if_new(SunMoved, recipe, lambda: self._sun_moved(clock, place))
-
-    def _sun_moved(self, clock: SetClock, place: SetPlace) -> SunMoved:
-        sun = sun_position(
-            clock.instant,
-            place.latitude_deg,
-            place.longitude_deg,
-            self.settings.sun_method,
-            altitude_m=place.altitude_m,
-        )
-        return SunMoved(
-            direction=_vector(world_from_enu(sun.direction, place.north_offset_rad)),
-            azimuth_rad=sun.azimuth_rad,
-            elevation_rad=sun.elevation_rad,
-            apparent_elevation_rad=sun.apparent_elevation_rad,
-            visible_disc_fraction=sun.visible_disc_fraction,
+        method = self.settings.sun_method
+        self._post_if_new(
+            SunMoved, (clock, place, method), lambda: products.sun_moved(clock, place, method)
         )
 
     def _light_sky(self) -> None:
         sun = self.link.last(SunMoved)
         if sun is None or not self.link.holds("sky"):
             return
-        daylight = self._daylight_of(sun)
+        daylight, sun = self._daylight_of(sun)
         demand = self._demand(BackgroundChanged)
         if demand is not None:
-            size = demand.size if demand.size > 1 else DEFAULT_SIZE
-            self._post_if_new(
-                BackgroundChanged, (daylight, size), lambda: _background(daylight, size)
-            )
+            size = demand.size if demand.size > 1 else DEFAULT_SIZES[self.settings.cube_device]
+            self._paint(daylight, size)
         if self._demand(SunLightChanged) is not None:
             self._post_if_new(
-                SunLightChanged, (daylight, sun.direction), lambda: _sun_light(daylight, sun)
+                SunLightChanged,
+                (daylight, sun.direction),
+                lambda: products.sun_light(daylight, sun.direction),
             )
         if self._demand(AmbientChanged) is not None:
-            self._post_if_new(AmbientChanged, (daylight,), lambda: _ambient(daylight))
+            self._post_if_new(AmbientChanged, (daylight,), lambda: products.ambient(daylight))
 
-    def _daylight_of(self, sun: SunMoved) -> Daylight:
-        """The hour's light; the same object, with all it has worked out, for the same hour."""
+    def _paint(self, daylight: Daylight, size: int) -> None:
+        """Make the background, or have it made."""
+        on_gpu = self._gpu_serves(daylight)
+        make = self._asked_of_gpu if on_gpu else self._made_here
+        self._post_if_new(BackgroundChanged, (daylight, size, on_gpu), lambda: make(daylight, size))
+
+    def _made_here(self, daylight: Daylight, size: int) -> BackgroundChanged:
+        # What the GPU still works on would come too late.
+        self._awaited.clear()
+        return products.background(daylight, size)
+
+    def _asked_of_gpu(self, daylight: Daylight, size: int) -> GpuJob:
+        job, background = products.gpu_background(daylight, size)
+        self._awaited.pop(job.recipe, None)
+        self._awaited[job.recipe] = background
+        return job
+
+    def _gpu_serves(self, daylight: Daylight) -> bool:
+        if self.settings.cube_device == "cpu":
+            return False
+        hindrances = {
+            "nobody runs GPU jobs": self.link.wanted(GpuJob) is None,
+            "the GPU failed": self._gpu_failed,
+            "twilight": daylight.model is None,
+        }
+        hindrance = next((name for name, hinders in hindrances.items() if hinders), None)
+        if hindrance is not None:
+            self.ledger.skip(f"GpuJob: {hindrance}")
+        return hindrance is None
+
+    def _daylight_of(self, sun: SunMoved) -> tuple[Daylight, SunMoved]:
+        """The hour's light and its sun; those of before if nobody would see a difference."""
         x, _, z = sun.direction
         daylight = Daylight(
             turbidity=self.settings.turbidity,
@@ -134,9 +190,11 @@ class DynamicSkyLight(Module):
             sun_azimuth_rad=float(np.arctan2(x, -z)),
             visible_disc_fraction=sun.visible_disc_fraction,
         )
-        if daylight != self._daylight:
-            self._daylight = daylight
-        return self._daylight or daylight
+        if self._shown is None or not _alike(*self._shown, daylight, sun):
+            self._shown = (daylight, sun)
+        elif self._shown[0] != daylight:
+            self.ledger.skip("sun within tolerance")
+        return self._shown
 
     def _demand(self, kind: type[Derived]) -> Demand | None:
         demand = self.link.wanted(kind)
@@ -150,31 +208,23 @@ class DynamicSkyLight(Module):
         if self._posted.get(kind) == recipe:
             self.ledger.skip(f"{kind.__name__} unchanged")
             return
-        self.link.post(make())
+        self._post(make())
         self._posted[kind] = recipe
-        self.ledger.did(kind.__name__)
+
+    def _post(self, message: Derived) -> None:
+        self.link.post(message)
+        self.ledger.did(type(message).__name__)
 
 
-def _background(daylight: Daylight, size: int) -> BackgroundChanged:
-    values, scale = encode_float16(daylight.background(size))
-    return BackgroundChanged(cube=Array(values), radiance_scale=scale, source=NAME)
+def _alike(shown: Daylight, shown_sun: SunMoved, now: Daylight, sun: SunMoved) -> bool:
+    """Whether nothing but the sun has moved, and that by less than anyone sees.
 
-
-def _sun_light(daylight: Daylight, sun: SunMoved) -> SunLightChanged:
-    return SunLightChanged(
-        direction=sun.direction,
-        irradiance_rgb=_vector(daylight.sun.irradiance_rgb),
-        angular_radius_rad=MEAN_ANGULAR_RADIUS_RAD,
-        limb_darkening_rgb=daylight.sun.limb_darkening_rgb,
-        source=NAME,
+    While the disc crosses the horizon its visible share tells every move apart.
+    """
+    moved_back = replace(
+        now,
+        apparent_elevation_rad=shown.apparent_elevation_rad,
+        sun_azimuth_rad=shown.sun_azimuth_rad,
     )
-
-
-def _ambient(daylight: Daylight) -> AmbientChanged:
-    coefficients = daylight.ambient().astype(np.float32)
-    return AmbientChanged(irradiance_sh_rgb=Array(coefficients), source=NAME)
-
-
-def _vector(values: np.ndarray) -> Vector:
-    x, y, z = (float(v) for v in values)
-    return x, y, z
+    chord = float(np.linalg.norm(np.subtract(sun.direction, shown_sun.direction)))
+    return moved_back == shown and chord <= sun_step_rad(shown.apparent_elevation_rad)

@@ -1,11 +1,13 @@
 """What a person can set about DynamicSkyLight; time and place are the host's."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
 from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
+
+Device = Literal["cpu", "gpu"]
 
 
 class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
@@ -30,3 +32,9 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
         Method,
         msgspec.Meta(description="Sun position by ephemeris or by the thesis's short series"),
     ] = "ephemeris"
+    cube_device: Annotated[
+        Device,
+        msgspec.Meta(
+            description="What computes the sky's cube map; the GPU where there is one, by day"
+        ),
+    ] = "cpu"

@@ -1,10 +1,13 @@
-"""The sky of any hour: Hosek-Wilkie by day, faded to night below the horizon.
+"""The sky of any hour: Hosek-Wilkie by day, computed twilight below, starlight at night.
 
-The model ends where the sun sets. Provisionally, until twilight is fitted to data of its own,
-the sky below half a degree keeps the numbers that Hosek's formula has there, with the glow
-around the sun's true place below the horizon, is coloured by ozone, and is scaled so that the
-illuminance on level ground goes on from there and approaches the published curve of twilight.
-At 18 deg below the horizon it has become the constant night sky.
+The model ends where the sun sets, and above that it is not monotone at high turbidity. From half
+a degree down its last sky, the glow at the sun's true place below the horizon, gives way to the
+fitted twilight of `twilight_table`, and is gone at -2.5 deg. Shape and colour of both are scaled to
+one illuminance on level ground, which goes on from the model's and meets the published curve at
+-7 deg. At 18 deg below the horizon only the constant night sky is left.
+
+What turns with the apparent sun: the shape. What follows the geometric elevation: the level and
+the shares of the two skies.
 """
 
 from dataclasses import dataclass
@@ -15,13 +18,22 @@ from numpy.typing import ArrayLike, NDArray
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
 from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
-from dynamic_skylight.twilight_curve import NIGHT_BEGINS_DEG, illuminance_lx, ozone_tint
+from dynamic_skylight.twilight_curve import NIGHT_BEGINS_DEG, illuminance_lx
+from dynamic_skylight.twilight_table import (
+    azimuth_coordinate,
+    elevation_coordinate,
+    look_up,
+    twilight_table,
+)
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
 FloatArray = NDArray[np.float64]
 
-# Geometric elevation at which Hosek's own sky hands over.
+# Geometric elevations: where Hosek's own sky begins to hand over, where nothing of it is left,
+# and where the illuminance has come down to the published curve.
 BLEND_DEG = 0.5
+BLEND_ENDS_DEG = -2.5
+ON_CURVE_DEG = -7.0
 BLEND_APPARENT_RAD = float(np.radians(BLEND_DEG) + refraction_rad(np.radians(BLEND_DEG)))
 # Starlight and airglow of a clear moonless night, on level ground (RCA Electro-Optics
 # Handbook 1974, table 6-1). Seidelmann's curve ends close by, at 6.5e-4 lx.
@@ -33,25 +45,40 @@ _QUADRATURE = (16, 32)
 
 @dataclass(frozen=True)
 class HourSky:
-    """A sky by the formula's numbers, with the sun anywhere, and an even light behind it.
+    """The sum of three skies, any of which may be absent: formula, twilight and night.
 
     Attributes:
         distribution: A to I of the extended Perez formula (3, 9).
-        mean_radiance: its factors (3,), W m^-2 sr^-1.
-        sun_elevation_rad: of the glow's centre; below the horizon at twilight.
+        mean_radiance: its factors (3,), W m^-2 sr^-1; 0 when the sun is far down.
+        sun_elevation_rad: apparent; of the glow's centre, below the horizon at twilight.
         night_radiance: added everywhere (W m^-2 sr^-1, equal in the channels).
+        twilight: radiance (64, 32, 3) on the coordinates v and a of `twilight_table`,
+            W m^-2 sr^-1, to be looked up bilinearly; None by day and at night.
     """
 
     distribution: FloatArray
     mean_radiance: FloatArray
     sun_elevation_rad: float
     night_radiance: float
+    twilight: FloatArray | None = None
 
     def radiance(self, theta_rad: ArrayLike, gamma_rad: ArrayLike) -> FloatArray:
         """Radiance (..., 3) above the horizon, linear sRGB, W m^-2 sr^-1; the exact twin."""
         cos_theta = np.maximum(np.cos(np.asarray(theta_rad, dtype=float)), 0.0)
         shape = extended_perez(cos_theta, gamma_rad, self.distribution)
-        return np.maximum(shape * self.mean_radiance, 0.0) + self.night_radiance
+        sky = np.maximum(shape * self.mean_radiance, 0.0) + self.night_radiance
+        if self.twilight is None:
+            return sky
+        cos_azimuth = self._cos_azimuth(cos_theta, np.asarray(gamma_rad, dtype=float))
+        v, a = np.broadcast_arrays(elevation_coordinate(cos_theta), azimuth_coordinate(cos_azimuth))
+        return sky + look_up(self.twilight, v, a)
+
+    def _cos_azimuth(self, cos_theta: FloatArray, gamma: FloatArray) -> FloatArray:
+        """Cosine (...,) of the azimuth from the sun's: the spherical law of cosines."""
+        level = np.sqrt((1.0 - cos_theta) * (1.0 + cos_theta)) * np.cos(self.sun_elevation_rad)
+        cosine = np.cos(gamma) - cos_theta * np.sin(self.sun_elevation_rad)
+        # At the zenith any azimuth is as good as another.
+        return np.asarray(cosine / np.maximum(level, 1e-300))
 
     def cube_map(
         self,
@@ -73,6 +100,10 @@ class HourSky:
             out,
             faces,
         )
+        if self.twilight is not None:
+            from dynamic_skylight.twilight_rows import add_directions
+
+            add_directions(cube, faces, self.twilight, sun_azimuth_rad)
         if self.night_radiance > 0.0:
             cube[list(faces)] += np.float32(self.night_radiance)
         return cube
@@ -95,28 +126,45 @@ def sky_of_hour(turbidity: float, albedo: float, apparent_elevation_rad: float) 
 
 
 def _twilight(model: HosekWilkieSky, elevation_rad: float) -> HourSky:
-    """The blend's sky with the curve's illuminance and the blue hour's colour."""
+    """Hosek's last sky and the fitted twilight, in their shares of the hour's illuminance."""
     geometric_deg = float(np.degrees(geometric_elevation(elevation_rad)))
     distribution, mean = model.rgb_distribution, model.rgb_mean_radiance
     at_blend = luminance(horizontal_irradiance(distribution, mean, BLEND_APPARENT_RAD))
-    tinted = mean * ozone_tint(geometric_deg, BLEND_DEG)
-    now = luminance(horizontal_irradiance(distribution, tinted, elevation_rad))
-    scaled = tinted * (_luminous_irradiance(float(at_blend), geometric_deg) / float(now))
+    level = _luminous_irradiance(float(at_blend), geometric_deg)
+    share = _model_share(geometric_deg)
+    if share > 0.0:
+        now = luminance(horizontal_irradiance(distribution, mean, elevation_rad))
+        share *= level / float(now)
+    fitted = None
+    if level > 0.0:
+        directions = twilight_table().directions(model.turbidity, float(np.degrees(elevation_rad)))
+        fitted = (1.0 - _model_share(geometric_deg)) * level * directions
     # The night comes in gradually, for the sake of exact continuity with Hosek's day.
     night = _NIGHT_RADIANCE * min(BLEND_DEG - geometric_deg, 1.0)
-    return HourSky(distribution, scaled, elevation_rad, night)
+    return HourSky(distribution, share * mean, elevation_rad, night, fitted)
+
+
+def _model_share(geometric_deg: float) -> float:
+    """Hosek's share of the illuminance: 1 at the blend, 0 from -2.5 deg down, smooth between.
+
+    Squared, for at the sun's horizon the model is up to five times as bright as the fit: so the
+    radiance there changes more evenly.
+    """
+    x = (geometric_deg - BLEND_ENDS_DEG) / (BLEND_DEG - BLEND_ENDS_DEG)
+    x = min(max(x, 0.0), 1.0)
+    return (x * x * (3.0 - 2.0 * x)) ** 2
 
 
 def _luminous_irradiance(at_blend: float, geometric_deg: float) -> float:
     """Luminous irradiance (CIE Y, W m^-2), the night's apart: `at_blend` there, 0 at -18 deg.
 
-    Hosek's last sky is about three times as bright as the curve; the excess fades with depth, so
-    that the deep twilight has the published illuminance itself.
+    Hosek's last sky is about three times as bright as the curve; the excess fades, evenly in
+    its logarithm, so that from -7 deg down the sky has the published illuminance itself.
     """
     rest = illuminance_lx(NIGHT_BEGINS_DEG)
     curve = float(illuminance_lx(geometric_deg) - rest) / LUMENS_PER_WATT
     curve_at_blend = float(illuminance_lx(BLEND_DEG) - rest) / LUMENS_PER_WATT
-    share = (geometric_deg - NIGHT_BEGINS_DEG) / (BLEND_DEG - NIGHT_BEGINS_DEG)
+    share = (geometric_deg - ON_CURVE_DEG) / (BLEND_DEG - ON_CURVE_DEG)
     return float(curve * (at_blend / curve_at_blend) ** max(share, 0.0))
 
 

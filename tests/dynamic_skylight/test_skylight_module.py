@@ -1,18 +1,18 @@
 """DynamicSkyLight on a bus: who holds what, who wants what, and what is left undone."""
 
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 
 import numpy as np
 import pytest
 from dynamic_skylight import sun_position
-from dynamic_skylight.module import DEFAULT_SIZE, DynamicSkyLight
+from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
+from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
-    AmbientChanged,
     BackgroundChanged,
     Demand,
     SetClock,
@@ -23,47 +23,6 @@ from vrut_lite.kernel.messages import (
     SunMoved,
 )
 from vrut_lite.kernel.settings import change
-
-NOON = SetClock(instant=datetime(2026, 6, 21, 11, 0, tzinfo=UTC))
-PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=235.0)
-SKY = (BackgroundChanged, SunLightChanged, AmbientChanged)
-
-
-class FakeLink:
-    """A bus of one module: remembers what is said, and says it to no one."""
-
-    def __init__(self, *held):
-        self.held = set(held)
-        self.demands = {}
-        self.memory = {}
-        self.posted = []
-
-    def post(self, message):
-        self.posted.append(message)
-        self.memory[type(message)] = message
-
-    def wanted(self, message_type):
-        return self.demands.get(message_type)
-
-    def holds(self, slot):
-        return slot in self.held
-
-    def last(self, message_type):
-        return self.memory.get(message_type)
-
-
-def tell(module, link, message):
-    """Deliver a message to its handler, remembered first as the kernel does."""
-    link.memory[type(message)] = message
-    for kind, method in module.handlers():
-        if kind is type(message):
-            getattr(module, method)(message)
-
-
-def want(link, *kinds, size=1):
-    """Demand message types of a link."""
-    for kind in kinds:
-        link.demands[kind] = Demand(consumer="test", message=kind.__name__, size=size)
 
 
 @pytest.fixture
@@ -173,7 +132,7 @@ def test_the_size_is_the_demands(module, link):
     assert link.posted[-1].cube.shape == (6, 24, 24, 3)
     want(link, BackgroundChanged)
     tell(module, link, link.demands[BackgroundChanged])
-    assert link.posted[-1].cube.shape == (6, DEFAULT_SIZE, DEFAULT_SIZE, 3)
+    assert link.posted[-1].cube.shape == (6, 256, 256, 3)
 
 
 def test_background_light_and_ambient_belong_together(module, link):

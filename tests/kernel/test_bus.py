@@ -259,6 +259,53 @@ def test_a_late_joiner_hears_the_last_value():
     assert kernel.seats["watcher"].module.seen == sun_at(1.0)
 
 
+def test_a_late_joiner_hears_in_the_order_of_delivery():
+    """Who joins late must not hear an older fact after one that was its consequence."""
+    heard = []
+
+    class Late(Module):
+        manifest = Manifest(name="late", title="Late", version="1")
+
+        @handles(SunMoved)
+        @handles(SlotChanged)
+        @handles(Demand)
+        def on_any(self, message: Message) -> None:
+            heard.append(type(message))
+
+    kernel = kernel_with(OtherSun, Late)
+    kernel.inject(Demand(consumer="a", message="SunMoved"))
+    kernel.pump()
+    before = list(heard)
+    assert before == [SlotChanged, SunMoved, Demand]
+    kernel.inject(Demand(consumer="b", message="SunMoved"))
+    kernel.inject(RestartModule(module="late"))
+    kernel.pump()
+    assert heard[4:] == [SlotChanged, SunMoved, Demand, Demand]
+
+
+def test_a_module_that_is_suspended_hears_nothing_more_of_the_same_message():
+    """Suspension holds from the fault on, not from the next message on."""
+    calls = []
+
+    class TwoHandlers(Module):
+        manifest = Manifest(name="two", title="Two", version="1")
+
+        @handles(Poke)
+        def first(self, message: Poke) -> None:
+            calls.append("first")
+            raise ValueError("as told")
+
+        @handles(Poke)
+        def second(self, message: Poke) -> None:
+            calls.append("second")
+
+    kernel = kernel_with(TwoHandlers)
+    for _ in range(FAULTS_UNTIL_SUSPENSION):
+        kernel.inject(Poke(value=1))
+    kernel.pump()
+    assert calls == ["first", "second"] * (FAULTS_UNTIL_SUSPENSION - 1) + ["first"]
+
+
 def test_demand_is_the_largest_asked_for():
     """Nobody computes 1024 for a thumbnail, nor a thumbnail for who wants 1024."""
     kernel = kernel_with(Parrot)

@@ -2,12 +2,13 @@
 
 from concurrent.futures import wait
 
+import msgspec
 import numpy as np
 import pytest
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import JobResult, Resize
 from vrut_lite.kernel.module import Manifest, Module, handles
 
@@ -92,12 +93,81 @@ def test_a_shader_that_does_not_compile_is_a_result_too(gl_owner):
     assert run(gl_owner, Asker)[0].error == ""
 
 
+class Keeper(Asker):
+    job = GpuJob(module="asker", job="x", compute_shader=DIRECTIONS, uniforms={"scale": 1.0},
+                 output="cube", size=SIZE, format="rgba32f", groups=(2, 2, 6))  # fmt: skip
+
+
 def test_without_read_back_the_texture_stays_on_the_gpu(gl_owner):
-    """Only its GL name comes back: nothing is copied unless somebody asks."""
-
-    class Keeper(Asker):
-        job = GpuJob(module="asker", job="x", compute_shader=DIRECTIONS, uniforms={"scale": 1.0},
-                     output="cube", size=SIZE, format="rgba32f", groups=(2, 2, 6))  # fmt: skip
-
+    """Only a reference comes back: nothing is copied unless somebody asks."""
     (result,) = run(gl_owner, Keeper)
-    assert isinstance(result.value, int)
+    assert result.value == GpuTexture(size=SIZE, format="rgba32f", recipe=Keeper.job.recipe)
+    face = gl_owner.call(lambda _: np.frombuffer(result.value.opaque.read(4), np.float32))
+    face = face.reshape(SIZE, SIZE, 4)[..., :3]
+    np.testing.assert_allclose(face, texel_directions(SIZE)[4], atol=1e-6)
+
+
+def test_a_held_texture_is_never_written_over(gl_owner):
+    """While one is shown the next is made elsewhere; who let go gives the texels back."""
+    from vrut_lite.render.texture_pool import TexturePool
+
+    pool = TexturePool()
+
+    def take(context):
+        return pool.take(context, Keeper.job)
+
+    shown, made = gl_owner.call(take), gl_owner.call(take)
+    assert shown.opaque.glo != made.opaque.glo
+    names = {shown.opaque.glo, made.opaque.glo}
+    for _ in range(5):
+        shown = made
+        made = gl_owner.call(take)
+        assert made.opaque.glo != shown.opaque.glo
+        assert made.opaque.glo in names
+
+
+def test_the_recipe_tells_what_was_computed():
+    """Equal jobs make equal textures; another uniform, size or shader makes another."""
+    same = msgspec.structs.replace(Keeper.job, read_back=True)
+    assert same.recipe == Keeper.job.recipe
+    for change in ({"uniforms": {"scale": 2.0}}, {"size": 32}, {"compute_shader": "other"}):
+        assert msgspec.structs.replace(Keeper.job, **change).recipe != Keeper.job.recipe
+
+
+def test_whoever_can_run_jobs_demands_them(gl_owner):
+    """A module asks `wanted(GpuJob)`: without a GL owner in the kernel nobody does."""
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    kernel = Kernel()
+    assert kernel.wanted(GpuJob) is None
+    kernel.add_module(GlJobs, owner=gl_owner, inject=kernel.inject)
+    kernel.pump()
+    assert kernel.wanted(GpuJob) is not None
+
+
+def test_of_waiting_jobs_only_the_latest_is_run(gl_owner):
+    """A dragged slider must not fill the GL thread with skies that nobody will see."""
+    import threading
+
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    class Dragged(Keeper):
+        @handles(Resize)
+        def on_resize(self, message):
+            uniforms = {"scale": float(message.width_px)}
+            self.link.post(msgspec.structs.replace(self.job, uniforms=uniforms))
+
+    kernel = Kernel()
+    kernel.add_module(GlJobs, owner=gl_owner, inject=kernel.inject)
+    kernel.add_module(Dragged)
+    hold = threading.Event()
+    gl_owner.submit(lambda _: hold.wait(10))
+    for width in (1, 2, 3):
+        kernel.inject(Resize(width_px=width, height_px=1))
+        kernel.pump()
+    jobs = kernel.seats["gl_jobs"].module
+    hold.set()
+    wait(jobs.pending)
+    kernel.pump()
+    assert len(kernel.seats["asker"].module.results) == 1
+    assert jobs.ledger.skipped["gpu job outdated"] == 2

@@ -4,8 +4,9 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
+from vrut_lite.commands.open_kernel import require_sun
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import SetClock, SunMoved
+from vrut_lite.kernel.messages import SetClock
 
 _STEP = timedelta(minutes=2)
 _SUNRISE_DEG, _LATE_DEG, _DUSK_DEG = 2.0, 14.0, -4.0
@@ -37,6 +38,4 @@ def _nearest(elevation_deg: np.ndarray, wanted_deg: float) -> int:
 def _elevation_deg(kernel: Kernel, instant: datetime) -> float:
     kernel.inject(SetClock(instant=instant))
     kernel.pump()
-    sun = kernel.last(SunMoved)
-    assert sun is not None, "nobody holds the sun"
-    return float(np.degrees(sun.elevation_rad))
+    return float(np.degrees(require_sun(kernel).elevation_rad))

@@ -11,7 +11,9 @@ from PIL import Image, ImageDraw, ImageFont
 from rich.progress import Progress
 
 from vrut_lite.commands.day_hours import hours_of_day
+from vrut_lite.commands.open_kernel import open_host, require_sky
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.place_time import local_text, time_zone_at
 from vrut_lite.project import (
@@ -19,14 +21,15 @@ from vrut_lite.project import (
     Project,
     daylight_inputs,
     load_project,
+    setting_inputs,
     view_inputs,
 )
 from vrut_lite.render.image_files import check_writable, write_png
-from vrut_lite.scene.loading import SUFFIXES
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host
 
+SCENE_SUFFIXES = (".glb", ".gltf", ".obj")
 PLACE = "50.0875,14.4213,190"
 DAY = "2026-05-21"
 _THUMBNAIL = (480, 270)
@@ -44,19 +47,19 @@ def demo(out: str, scenes: str) -> None:
     projects = scene_projects(Path(scenes))
     folder = _folder(Path(out))
     check_writable(folder / "contact_sheet.png")
-    from vrut_lite.host import Host
-
     hours = _hours()
-    with Host() as host, Progress(refresh_per_second=4) as progress:
+    with Progress(refresh_per_second=4) as progress:
         bar = progress.add_task("", total=len(hours) * len(projects))
         rows = []
         for name, project in projects.items():
-            host.inject(*view_inputs(project))
-            row = []
-            for hour, instant in hours.items():
-                progress.update(bar, description=f"{name}, {hour}")
-                row.append(_draw_hour(host, folder, name, hour, _at(project, instant)))
-                progress.advance(bar)
+            # A host for each: no scene's settings reach the next.
+            with open_host() as host:
+                host.inject(*setting_inputs(project, host.kernel), *view_inputs(project))
+                row = []
+                for hour, instant in hours.items():
+                    progress.update(bar, description=f"{name}, {hour}")
+                    row.append(_draw_hour(host, folder, name, hour, _at(project, instant)))
+                    progress.advance(bar)
             rows.append(row)
     write_png(folder / "contact_sheet.png", contact_sheet(rows))
     click.echo(f"{sum(map(len, rows))} pictures and contact_sheet.png are in {folder}")
@@ -69,11 +72,15 @@ def scene_projects(folder: Path) -> dict[str, Project]:
         UserError: there is neither, or a project file cannot be read.
     """
     files = sorted(folder.glob("*"))
-    found = {f.stem: Project(scene=str(f)) for f in files if f.suffix.lower() in SUFFIXES}
-    found |= {f.stem: load_project(f) for f in files if f.suffix.lower() == PROJECT_SUFFIX}
-    if not found:
-        raise UserError(f"no scene in {folder}: name a folder of .glb, .gltf or .obj files")
-    return found
+    projects = {f.stem: load_project(f) for f in files if f.suffix.lower() == PROJECT_SUFFIX}
+    scenes = [f for f in files if f.suffix.lower() in SCENE_SUFFIXES and f.stem not in projects]
+    stems = [scene.stem for scene in scenes]
+    for scene in scenes:
+        name = scene.stem if stems.count(scene.stem) == 1 else scene.name
+        projects[name] = Project(scene=str(scene))
+    if not projects:
+        raise UserError(f"no scene in {folder}: name a folder of scenes by --scenes")
+    return dict(sorted(projects.items()))
 
 
 def _at(project: Project, instant: datetime) -> Project:
@@ -85,6 +92,8 @@ def _draw_hour(
 ) -> tuple[str, Image.Image]:
     """Write one picture; its caption and a thumbnail for the contact sheet."""
     host.inject(*daylight_inputs(project))
+    host.settle()
+    require_sky(host.kernel)
     picture = host.draw()
     path = folder / f"{name}_{hour.replace(' ', '_')}.png"
     write_png(path, picture.display, picture_metadata(project, host.kernel))
@@ -108,8 +117,6 @@ def contact_sheet(rows: list[list[tuple[str, Image.Image]]]) -> np.ndarray:
 
 def _hours() -> dict[str, datetime]:
     """The four hours, found on a kernel of its own: no sky is computed for the search."""
-    from vrut_lite.host import daylight_kernel
-
     project = Project(place=PLACE, at=DAY + "T00:00")
     kernel, _ = daylight_kernel()
     kernel.inject(daylight_inputs(project)[0])

@@ -1,5 +1,6 @@
 """Options that several commands share, and a project made from them."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -9,7 +10,7 @@ import msgspec
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.settings import SettingSpec, describe
-from vrut_lite.project import Project
+from vrut_lite.project import Project, in_words
 
 Command = Callable[..., Any]
 _PREFIX = "setting_"
@@ -43,6 +44,8 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
         for key in ("at", "place", "north_offset_deg")
         if (value := options.pop(key)) is not None
     }
+    if not math.isfinite(changes.get("north_offset_deg", 0.0)):
+        raise UserError("--north-offset must be a number of degrees from -360 to 360")
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
@@ -53,7 +56,7 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
 def _merged_settings(project: Project, options: dict[str, Any]) -> dict[str, dict[str, Any]]:
     merged = {module: dict(values) for module, values in project.settings.items()}
     for name, (_, modules) in _settings_by_name().items():
-        value = options.pop(_PREFIX + name)
+        value = options.pop(_PREFIX + name, None)
         if value is not None:
             for module in modules:
                 merged.setdefault(module, {})[name] = value
@@ -71,7 +74,7 @@ def _checked(project: Project) -> Project:
     try:
         return msgspec.convert(msgspec.to_builtins(project), Project)
     except msgspec.ValidationError as error:
-        raise UserError(f"{error}") from None
+        raise UserError(in_words(error)) from None
 
 
 def _settings_by_name() -> dict[str, tuple[SettingSpec, list[str]]]:

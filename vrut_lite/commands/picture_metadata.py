@@ -21,7 +21,9 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         "time": local_text(instant, place),
         "utc": instant.isoformat(),
         "unit": "linear sRGB radiance, W m^-2 sr^-1 (times 683 lm/W: cd m^-2)",
-        "axes": "+X east, +Y up, -Z north",
+        "northOffsetDeg": project.north_offset_deg,
+        "axes": "metres; +Y up, -Z lies northOffsetDeg clockwise of true north",
+        "panorama": "latitude-longitude and fisheye are in true north, a cube in these axes",
     }
     if sun is not None:
         metadata["sunElevationDeg"] = math.degrees(sun.elevation_rad)

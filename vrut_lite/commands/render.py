@@ -6,8 +6,10 @@ from typing import Any
 import click
 import msgspec
 
+from vrut_lite.commands.open_kernel import open_host, require_sky
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import UserError
 from vrut_lite.project import (
     PROJECT_SUFFIX,
@@ -15,6 +17,7 @@ from vrut_lite.project import (
     Exposure,
     Project,
     daylight_inputs,
+    in_words,
     load_project,
     setting_inputs,
     view_inputs,
@@ -60,11 +63,11 @@ def draw(project: Project) -> tuple[Any, dict[str, str | float]]:
     """The project's picture and its metadata; UserError for anything that it says wrong."""
     # Bad words are told before the GPU is asked for.
     inputs = [*daylight_inputs(project), *view_inputs(project)]
-    from vrut_lite.host import Host, daylight_kernel
-
     setting_inputs(project, daylight_kernel()[0])
-    with Host() as host:
+    with open_host() as host:
         host.inject(*setting_inputs(project, host.kernel), *inputs)
+        host.settle()
+        require_sky(host.kernel)
         return host.draw(), picture_metadata(project, host.kernel)
 
 
@@ -72,8 +75,8 @@ def _with_view(project: Project, options: dict[str, Any]) -> Project:
     """The project with this command's own options."""
     if options["size"] is not None:
         project = msgspec.structs.replace(project, size=_size(options["size"]))
-    if options["eye"] is not None or options["target"] is not None:
-        project = msgspec.structs.replace(project, camera=_camera(options))
+    camera = _camera(project.camera, options)
+    project = msgspec.structs.replace(project, camera=camera)
     exposure = msgspec.structs.asdict(project.exposure)
     if options["exposure"] is not None:
         exposure.update(_exposure(options["exposure"]))
@@ -91,18 +94,26 @@ def _size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def _camera(options: dict[str, Any]) -> CameraView:
-    view: dict[str, Any] = {}
-    for name in ("eye", "target"):
-        try:
-            view[f"{name}_m"] = tuple(float(part) for part in options[name].split(","))
-        except (AttributeError, ValueError):
-            raise UserError(
-                "--eye and --target go together, each X,Y,Z in metres: --eye 5,2,8 --target 0,1,0"
-            ) from None
+def _camera(camera: CameraView | None, options: dict[str, Any]) -> CameraView | None:
+    """The project's camera with what --eye, --target and --fov say."""
+    view: dict[str, Any] = {} if camera is None else msgspec.structs.asdict(camera)
+    if options["eye"] is not None or options["target"] is not None:
+        for name in ("eye", "target"):
+            view[f"{name}_m"] = _point(options[name])
     if options["field_of_view_deg"] is not None:
+        if not view:
+            raise UserError("--fov needs --eye and --target, or a project with a camera")
         view["vertical_field_of_view_deg"] = options["field_of_view_deg"]
-    return _convert("camera", view, CameraView)
+    return _convert("camera", view, CameraView) if view else None
+
+
+def _point(text: str | None) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in (text or "").split(","))
+    except ValueError:
+        raise UserError(
+            "--eye and --target go together, each X,Y,Z in metres: --eye 5,2,8 --target 0,1,0"
+        ) from None
 
 
 def _exposure(text: str) -> dict[str, Any]:
@@ -118,4 +129,4 @@ def _convert(what: str, values: dict[str, Any], kind: type[Any]) -> Any:
     try:
         return msgspec.convert(values, kind)
     except msgspec.ValidationError as error:
-        raise UserError(f"{what}: {error}") from None
+        raise UserError(f"{what}: {in_words(error)}") from None

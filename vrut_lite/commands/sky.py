@@ -5,9 +5,12 @@ from typing import Any
 import click
 import numpy as np
 from numpy.typing import NDArray
+from rich.progress import track
 
+from vrut_lite.commands.open_kernel import open_kernel, require_sky
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.daylight_kernel import FaultCollector, demand_light
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import (
     fisheye_directions,
@@ -15,10 +18,11 @@ from vrut_lite.geometry.panorama import (
     sample_sky,
     unfold_cube,
 )
-from vrut_lite.kernel.messages import BackgroundChanged
+from vrut_lite.kernel.array import Array
 from vrut_lite.project import Project, daylight_inputs, setting_inputs
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.image_files import (
+    Metadata,
     check_writable,
     picture_format,
     write_exr,
@@ -27,6 +31,7 @@ from vrut_lite.render.image_files import (
     write_png,
 )
 
+_ROWS_AT_A_TIME, _ROWS_WORTH_A_BAR = 64, 1000
 PROJECTIONS = ("lat-long", "cube", "fisheye")
 
 
@@ -55,8 +60,12 @@ def sky(output: str, projection: str, size: int, **options: Any) -> None:
     cube, metadata = compute_cube(project, size if projection == "cube" else _fine(size))
     if suffix == ".npz" and projection == "cube":
         write_npz(output, {"cube": cube}, metadata)
-        return
-    radiance = _project(cube, projection, size, project)
+    else:
+        _write(output, suffix, _project(cube, projection, size, project), metadata)
+    click.echo(f"{output}: {metadata['time']}, sun {metadata['sunElevationDeg']:.1f} deg high")
+
+
+def _write(output: str, suffix: str, radiance: NDArray[np.float32], metadata: Metadata) -> None:
     if suffix == ".npz":
         write_npz(output, {"radiance": radiance}, metadata)
     elif suffix == ".exr":
@@ -67,19 +76,19 @@ def sky(output: str, projection: str, size: int, **options: Any) -> None:
         write_png(output, display_picture(radiance), metadata)
 
 
-def compute_cube(project: Project, size: int) -> tuple[NDArray[np.float32], dict[str, str | float]]:
+def compute_cube(project: Project, size: int) -> tuple[NDArray[np.float32], Metadata]:
     """The cube map (6, size, size, 3) of whichever module holds the sky, and its metadata."""
-    from vrut_lite.host import FaultCollector, daylight_kernel, demand_light
-
-    kernel, _ = daylight_kernel()
+    kernel = open_kernel()
     faults = FaultCollector(kernel)
     for message in [*setting_inputs(project, kernel), *daylight_inputs(project)]:
         kernel.inject(message)
     demand_light(kernel, "sky command", size)
-    kernel.pump()
+    kernel.pump_until_idle()
     faults.raise_first()
-    background = kernel.last(BackgroundChanged)
-    assert background is not None
+    background = require_sky(kernel)
+    kernel.close()
+    # Nobody runs GPU jobs in a kernel without GL: the cube is an array.
+    assert isinstance(background.cube, Array)
     cube = decode_float16(background.cube.values, background.radiance_scale)
     return cube, picture_metadata(project, kernel)
 
@@ -96,7 +105,17 @@ def _project(
     if projection == "cube":
         return unfold_cube(cube).astype(np.float32)
     if projection == "lat-long":
-        return sample_sky(cube, lat_long_directions(size, north_offset_rad)).astype(np.float32)
+        return _sampled(cube, lat_long_directions(size, north_offset_rad))
     directions, inside = fisheye_directions(size, north_offset_rad)
-    picture = sample_sky(cube, directions) * inside[..., None]
-    return picture.astype(np.float32)
+    return _sampled(cube, directions) * inside[..., None]
+
+
+def _sampled(cube: NDArray[np.float32], directions: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The cube map at directions (h, w, 3), some rows at a time: a large picture needs room."""
+    picture = np.empty(directions.shape, np.float32)
+    starts = range(0, len(directions), _ROWS_AT_A_TIME)
+    quick = len(directions) < _ROWS_WORTH_A_BAR
+    for start in track(starts, "drawing", disable=quick, transient=True):
+        rows = slice(start, start + _ROWS_AT_A_TIME)
+        picture[rows] = sample_sky(cube, directions[rows])
+    return picture

@@ -7,62 +7,51 @@ Receivers are served in load order, then in order of declaration. Of pending mes
 equal type, sender and key only the latest is delivered.
 """
 
-import threading
-import traceback
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 
 from vrut_lite.errors import UserError
+from vrut_lite.kernel import messages
 from vrut_lite.kernel import settings as setting_rules
-from vrut_lite.kernel.messages import (
-    ChooseSlot,
-    Demand,
-    Derived,
-    EnableModule,
-    Fault,
-    Input,
-    Message,
-    RestartModule,
-    SetSetting,
-    SettingChanged,
-    SlotChanged,
-)
+from vrut_lite.kernel.clock import Clock
+from vrut_lite.kernel.dispatch import HOST, Act, Dispatcher, Tap
+from vrut_lite.kernel.inbox import Inbox
+from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.jobs import JobRunner, ThreadRunner
+from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION, Lifecycle
+from vrut_lite.kernel.link import POSTS_PER_TRANSACTION, ModuleLink
+from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, Message
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.outbox import Outbox
-from vrut_lite.kernel.seat import Seat, State
+from vrut_lite.kernel.seat import Seat
 from vrut_lite.kernel.slots import Slots
+from vrut_lite.kernel.trace import Trace
+
+__all__ = ["FAULTS_UNTIL_SUSPENSION", "HOST", "POSTS_PER_TRANSACTION", "Kernel", "Tap"]
 
 M = TypeVar("M", bound=Message)
-Tap = Callable[[Message, str], None]
-
-HOST = "host"
-FAULTS_UNTIL_SUSPENSION = 3
-POSTS_PER_TRANSACTION = 10_000
-
-
-class Envelope(NamedTuple):
-    """A message on its way; `only_to` names the one receiver of a remembered message."""
-
-    message: Message
-    sender: str
-    only_to: str | None = None
 
 
 class Kernel:
     """Links modules by messages; single-threaded but for `inject`."""
 
-    def __init__(self) -> None:
+    def __init__(self, runner: JobRunner | None = None) -> None:
         self.seats: dict[str, Seat] = {}
         self.slots = Slots(self.seats)
-        self._inbox: Outbox[Input] = Outbox()
-        self._inbox_lock = threading.Lock()
-        self._queue: Outbox[Envelope] = Outbox()
-        self._remembered: dict[tuple[type[Message], str, str], Message] = {}
-        self._demands: dict[str, dict[str, Demand]] = {}
-        self._posts: dict[str, int] = {}
-        self._taps: list[Tap] = []
+        self.trace = Trace()
+        self._inbox = Inbox()
+        self._clock = Clock()
+        self._runner = runner or ThreadRunner()
+        self.jobs = JobDesk(self._runner, self.inject, self.trace)
+        self.dispatcher = Dispatcher(self.seats, self.slots, self.trace)
+        self.lifecycle = Lifecycle(
+            self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(self, seat)
+        )
+        self.dispatcher.fail = self.lifecycle.failed
+        self.dispatcher.acts = self._acts()
+        self._watchers: list[Callable[[Input], None]] = []
+        self._on_inject: Callable[[], None] | None = None
         self._pumping = False
 
     # --- modules ---------------------------------------------------------------------
@@ -76,9 +65,7 @@ class Kernel:
         if name in self.seats:
             raise UserError(f"two modules are called '{name}': uninstall one of them")
         self.seats[name] = Seat(module_type, services)
-        self._start(self.seats[name])
-        for slot in module_type.manifest.provides:
-            self._announce(self.slots.fill(slot))
+        self.lifecycle.start(self.seats[name])
 
     def check_module(self, name: str) -> Seat:
         """The seat of a module.
@@ -106,12 +93,21 @@ class Kernel:
 
     def inject(self, message: Input) -> None:
         """Bring a fact from outside, from any thread; `pump` will admit it."""
-        with self._inbox_lock:
-            self._inbox.put(message, type(message), HOST, message.key())
+        self._inbox.put(message)
+        if self._on_inject is not None:
+            self._on_inject()
+
+    def on_inject(self, wake: Callable[[], None] | None) -> None:
+        """Let `wake` be called after each input arrives, on the thread that brings it."""
+        self._on_inject = wake
+
+    def watch_admission(self, listener: Callable[[Input], None]) -> None:
+        """Show every input that opens a transaction, after coalescing, before it is delivered."""
+        self._watchers.append(listener)
 
     def tap(self, listener: Tap) -> None:
         """Show every message, as it is delivered, with its sender's name."""
-        self._taps.append(listener)
+        self.dispatcher.taps.append(listener)
 
     def pump(self) -> int:
         """Admit inputs until none is left; the number of transactions.
@@ -124,212 +120,122 @@ class Kernel:
         self._pumping = True
         transactions = 0
         try:
-            self._settle()
-            while (message := self._next_input()) is not None:
-                self._enqueue(Envelope(message, HOST))
-                self._settle()
-                transactions += 1
+            self.dispatcher.settle()
+            while (message := self._inbox.take()) is not None:
+                # A result that nobody waits for any more never happened.
+                if not isinstance(message, JobResult) or self.jobs.admit(message):
+                    self._transact(message)
+                    transactions += 1
         finally:
             self._pumping = False
         return transactions
 
+    def pump_until_idle(self) -> None:
+        """Pump until no input is left and no background job runs or waits."""
+        self.pump()
+        while self.jobs.busy:
+            self._runner.wait()
+            self.pump()
+
+    def close(self) -> None:
+        """Cancel all background jobs and start no more."""
+        self.jobs.cancel_all()
+        self._runner.close()
+
     def last(self, message_type: type[M]) -> M | None:
-        """The latest message of a type, or None."""
-        latest = None
-        for (kind, _, _), message in self._remembered.items():
-            if kind is message_type:
-                latest = message
-        return latest  # type: ignore[return-value]
+        """The latest message of a type, or None; for a slot's types, of the present holder."""
+        return self.dispatcher.memory.latest.get(message_type)  # type: ignore[return-value]
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
-        """The largest demand for a type of message, or None when nobody wants it."""
-        demands = self._demands.get(message_type.__name__, {}).values()
-        return max(demands, key=lambda demand: demand.size, default=None)
+        """The merged demand for a type of message, or None when nobody wants it."""
+        return self.lifecycle.demands.merged.get(message_type.__name__)
 
     def last_fault(self, module: str) -> Fault | None:
         """A module's latest fault, also of one that is suspended, or None."""
         return self.seats[module].last_fault
 
-    # --- the transaction -------------------------------------------------------------
-
-    def _next_input(self) -> Input | None:
-        with self._inbox_lock:
-            return self._inbox.take()
-
-    def _settle(self) -> None:
-        """Deliver until nothing is queued: one transaction."""
-        self._posts.clear()
-        while (envelope := self._queue.take()) is not None:
-            self._act(envelope.message)
-            if envelope.only_to is None:
-                self._remember(envelope)
-                for listener in self._taps:
-                    listener(envelope.message, envelope.sender)
-            self._deliver(envelope)
-
-    def _deliver(self, envelope: Envelope) -> None:
-        kind = type(envelope.message)
-        for seat in tuple(self.seats.values()):
-            if envelope.only_to is not None and seat.name != envelope.only_to:
-                continue
-            for method in seat.methods.get(kind, ()):
-                if seat.running:
-                    self._call(seat, method, envelope.message)
-
-    def _call(self, seat: Seat, method: str, *arguments: Any) -> None:
-        """Call a module; what it raises becomes a Fault and stays its own affair.
-
-        A UserError is told like any fault, but it is the user's to mend, not the module's: it
-        never suspends.
-        """
-        try:
-            getattr(seat.module, method)(*arguments)
-        except UserError as error:
-            self._blame(seat, method, error, suspend=False)
-        except Exception as error:
-            seat.faults += 1
-            self._blame(seat, method, error, suspend=seat.faults >= FAULTS_UNTIL_SUSPENSION)
-
-    def _blame(self, seat: Seat, where: str, error: Exception, suspend: bool) -> None:
-        if suspend:
-            self._stop(seat, "suspended")
-        for_user = isinstance(error, UserError)
-        fault = Fault(
-            module=seat.name,
-            where=where,
-            error=str(error) if for_user else f"{type(error).__name__}: {error}",
-            trace="".join(traceback.format_exception(error)),
-            suspended=suspend,
-            for_user=for_user,
-        )
-        seat.last_fault = fault
-        self._enqueue(Envelope(fault, HOST))
-
-    def _enqueue(self, envelope: Envelope) -> None:
-        key = envelope.message.key() if envelope.only_to is None else None
-        self._queue.put(envelope, type(envelope.message), envelope.sender, key)
-
-    def _remember(self, envelope: Envelope) -> None:
-        key = envelope.message.key()
-        if key is not None:
-            # Taken out first: the order of the memory is the order of the last delivery.
-            place = (type(envelope.message), envelope.sender, key)
-            self._remembered.pop(place, None)
-            self._remembered[place] = envelope.message
-
-    def _post(self, seat: Seat, message: Derived) -> None:
-        """Queue what a module says; a storm is cut by count, and its maker named."""
-        if not seat.running:
-            return
-        slot = message.slot
-        if slot is not None and self.slots.holder(slot) != seat.name:
-            seat.ledger.skip(f"post {type(message).__name__} without slot")
-            return
-        self._posts[seat.name] = self._posts.get(seat.name, 0) + 1
-        if self._posts[seat.name] > POSTS_PER_TRANSACTION:
-            storm = RuntimeError(f"posted over {POSTS_PER_TRANSACTION} messages after one input")
-            self._blame(seat, f"post {type(message).__name__}", storm, suspend=True)
-            return
-        self._enqueue(Envelope(message, seat.name))
+    def _transact(self, message: Input) -> None:
+        for watcher in self._watchers:
+            watcher(message)
+        self.dispatcher.put(message, HOST)
+        self.dispatcher.settle()
 
     # --- what the kernel itself does -------------------------------------------------
 
-    def _act(self, message: Message) -> None:
+    def _acts(self) -> dict[type[Message], Act]:
         """The kernel's own part in a message, before the modules hear of it."""
-        match message:
-            case SetSetting():
-                self._set(message)
-            case EnableModule():
-                self._enable(message)
-            case RestartModule() if message.module in self.seats:
-                self._start(self.seats[message.module])
-            case ChooseSlot():
-                self._choose(message)
-            case Demand() if message.size > 0:
-                self._demands.setdefault(message.message, {})[message.consumer] = message
-            case Demand():
-                self._demands.get(message.message, {}).pop(message.consumer, None)
+        acts: dict[type[Message], tuple[str, Act]] = {
+            messages.SetSetting: ("settings", self._set),
+            messages.EnableModule: ("enable", self._enable),
+            messages.RestartModule: (
+                "restart",
+                lambda m: self.lifecycle.start(self.check_module(m.module)),
+            ),
+            messages.ReloadModule: (
+                "reload",
+                lambda m: self.lifecycle.reload(self.check_module(m.module)),
+            ),
+            messages.ChooseSlot: ("slots", self._choose),
+            Demand: ("demand", self.lifecycle.demands.note),
+            JobResult: ("job", self._job_done),
+            messages.SetClock: ("clock", lambda m: self.lifecycle.say(self._clock.set(m))),
+            messages.SetClockRate: ("clock", self._clock.set_rate),
+            messages.Tick: ("clock", lambda m: self.lifecycle.say(self._clock.tick(m))),
+        }
+        return {kind: self._guarded(where, act) for kind, (where, act) in acts.items()}
 
-    def _set(self, message: SetSetting) -> None:
-        seat = self.seats.get(message.module)
-        try:
-            if seat is None:
-                raise UserError(f"there is no module '{message.module}'")
-            value = self.check_setting(message.module, message.name, message.value)
-        except UserError as error:
-            refusal = Fault(
-                module=message.module, where="settings", error=str(error), for_user=True
-            )
-            self._enqueue(Envelope(refusal, HOST))
-            return
+    def _guarded(self, where: str, act: Act) -> Act:
+        """The act, with a refused input told as a Fault for the user."""
+
+        def guarded(message: Any) -> None:
+            try:
+                act(message)
+            except UserError as error:
+                self.lifecycle.refuse(getattr(message, "module", HOST), where, str(error))
+
+        return guarded
+
+    def _set(self, message: messages.SetSetting) -> None:
+        value = self.check_setting(message.module, message.name, message.value)
+        seat = self.seats[message.module]
         if getattr(seat.settings, message.name) == value:
             return
         seat.settings = msgspec.structs.replace(seat.settings, **{message.name: value})
-        changed = SettingChanged(module=seat.name, name=message.name, value=value)
-        self._enqueue(Envelope(changed, HOST))
-        if seat.running and seat.module is not None:
+        self.lifecycle.say(
+            messages.SettingChanged(module=seat.name, name=message.name, value=value)
+        )
+        if seat.module is not None:
             seat.module.settings = seat.settings
-            self._call(seat, "settings_changed", message.name)
+            self.dispatcher.call(seat, "settings_changed", message.name)
 
-    def _enable(self, message: EnableModule) -> None:
-        seat = self.seats.get(message.module)
-        if seat is None or seat.running == message.enabled:
+    def _enable(self, message: messages.EnableModule) -> None:
+        seat = self.check_module(message.module)
+        if seat.running == message.enabled:
             return
         if message.enabled:
-            self._start(seat)
+            self.lifecycle.start(seat)
         else:
-            self._stop(seat, "disabled")
+            self.lifecycle.stop(seat, "disabled")
 
-    def _choose(self, message: ChooseSlot) -> None:
-        try:
-            self.check_holder(message.slot, message.module)
-        except UserError as error:
-            self._refuse(message.module, "slots", error)
-            return
-        self._announce(self.slots.choose(message.slot, message.module))
+    def _choose(self, message: messages.ChooseSlot) -> None:
+        self.check_holder(message.slot, message.module)
+        seat = self.seats[message.module]
+        if not seat.running:
+            raise UserError(f"module {seat.name} is {seat.state}: restart it, then choose it")
+        self.lifecycle.switched(self.slots.choose(message.slot, message.module))
 
-    def _refuse(self, module: str, where: str, error: UserError) -> None:
-        fault = Fault(module=module, where=where, error=str(error), for_user=True)
-        self._enqueue(Envelope(fault, HOST))
+    def _job_done(self, result: JobResult) -> None:
+        """Count work that raised like a handler that did.
 
-    def _start(self, seat: Seat) -> None:
-        """Make a fresh instance and tell it the last value of everything it listens to."""
-        try:
-            seat.start(_ModuleLink(self, seat))
-        except Exception as error:
-            self._blame(seat, "start", error, suspend=True)
-            return
-        for slot in seat.manifest.provides:
-            self._announce(self.slots.fill(slot))
-        for (kind, sender, _), message in self._remembered.items():
-            if kind in seat.methods:
-                self._enqueue(Envelope(message, sender, only_to=seat.name))
-
-    def _stop(self, seat: Seat, state: State) -> None:
-        seat.stop(state)
-        for slot in self.slots.held_by(seat.name):
-            self._announce(self.slots.fill(slot))
-
-    def _announce(self, change: SlotChanged | None) -> None:
-        if change is not None:
-            self._enqueue(Envelope(change, HOST))
-
-
-class _ModuleLink:
-    """What a module sees of the kernel."""
-
-    def __init__(self, kernel: Kernel, seat: Seat):
-        self._kernel = kernel
-        self._seat = seat
-
-    def post(self, message: Derived) -> None:
-        self._kernel._post(self._seat, message)
-
-    def wanted(self, message_type: type[Message]) -> Demand | None:
-        return self._kernel.wanted(message_type)
-
-    def holds(self, slot: str) -> bool:
-        return self._kernel.slots.holder(slot) == self._seat.name
-
-    def last(self, message_type: type[M]) -> M | None:
-        return self._kernel.last(message_type)
+        An error without a trace (of a GPU job, say) is an answer that the module expects.
+        """
+        seat = self.check_module(result.module)
+        if result.trace:
+            fault = Fault(
+                module=seat.name,
+                where=f"job {result.job}",
+                error=result.error,
+                trace=result.trace,
+                for_user=result.for_user,
+            )
+            self.lifecycle.count(seat, fault)

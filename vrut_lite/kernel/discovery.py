@@ -1,23 +1,96 @@
-"""Finding installed modules by entry point."""
+"""Finding modules: installed ones by entry point, others by the folder they lie in."""
 
+import importlib
+import importlib.util
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from importlib.metadata import entry_points
+from pathlib import Path
+from types import ModuleType
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.module import Module
 
 GROUP = "vrut_lite.modules"
+FOLDERS_VARIABLE = "VRUT_LITE_MODULES"
+Loader = Callable[[], object]
 
 
-def discover() -> tuple[list[type[Module]], list[str]]:
-    """Module classes sorted by entry-point name, and a sentence for each that failed to import."""
-    found: list[type[Module]] = []
+def module_folders() -> list[str]:
+    """Folders of modules that are not installed, as the environment names them."""
+    return [folder for folder in os.environ.get(FOLDERS_VARIABLE, "").split(os.pathsep) if folder]
+
+
+def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Module]], list[str]]:
+    """Module classes in load order, and a sentence for each that failed to load.
+
+    First the entry points, sorted by name, then each folder's packages and files, sorted by
+    name; without `folders` those that the environment names. In a folder, a package or file
+    names its class as `MODULE`, or defines just one.
+    """
+    found: dict[str, type[Module]] = {}
     failures: list[str] = []
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+    for title, load in (
+        *_by_entry_point(),
+        *_by_folders(module_folders() if folders is None else folders),
+    ):
         try:
-            found.append(_checked(point.load()))
+            module_type = _checked(load())
+            name = module_type.manifest.name
+            if name in found:
+                raise UserError(f"another module is called '{name}' too: rename one")
+            found[name] = module_type
         except Exception as error:
-            failures.append(f"module '{point.name}' ({point.value}) failed to load: {error}")
-    return found, failures
+            failures.append(f"module {title} failed to load: {error}")
+    return list(found.values()), failures
+
+
+def _by_entry_point() -> Iterator[tuple[str, Loader]]:
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        yield f"'{point.name}' ({point.value})", point.load
+
+
+def _by_folders(folders: Iterable[str | Path]) -> Iterator[tuple[str, Loader]]:
+    for folder in map(Path, folders):
+        if not folder.is_dir():
+            raise UserError(f"there is no folder of modules {folder}")
+        for path in sorted(folder.iterdir(), key=lambda path: path.stem):
+            if path.suffix == ".py" or (path / "__init__.py").is_file():
+                yield str(path), partial(_load_file, path.resolve())
+
+
+def _load_file(path: Path) -> object:
+    """The module class of a package or file, imported by its own name."""
+    folder, name = str(path.parent), path.stem
+    if folder not in sys.path:
+        sys.path.append(folder)  # At the end: what is installed keeps its names.
+    importlib.invalidate_caches()
+    spec = importlib.util.find_spec(name)
+    if spec is None or spec.origin not in (str(path), str(path / "__init__.py")):
+        raise UserError(f"a package called '{name}' is installed already: rename this one")
+    return class_in(importlib.import_module(name))
+
+
+def class_in(python_module: ModuleType) -> object:
+    """What a python module names as `MODULE`, or the one module class that it defines.
+
+    Raises:
+        UserError: it names none and defines none, or several.
+    """
+    if hasattr(python_module, "MODULE"):
+        return python_module.MODULE
+    own = [
+        member
+        for member in vars(python_module).values()
+        if isinstance(member, type)
+        and issubclass(member, Module)
+        and f"{member.__module__}.".startswith(f"{python_module.__name__}.")
+    ]
+    if len(own) != 1:
+        raise UserError(f"it defines {len(own)} module classes: name the one to load as MODULE")
+    return own[0]
 
 
 def _checked(candidate: object) -> type[Module]:

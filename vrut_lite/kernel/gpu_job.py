@@ -1,20 +1,31 @@
-"""Work that a module hands to the owner of the GPU, without importing any GL itself."""
+"""Work that a module hands to the owner of the GPU, without importing any GL itself.
 
+Whoever can run such jobs demands `GpuJob` (a `Demand` as for any message): a module asks
+`link.wanted(GpuJob)`, and where nobody can, takes its CPU path.
+"""
+
+import hashlib
+from functools import cached_property
 from typing import Literal
 
+import msgspec
+
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Derived
+
+__all__ = ["GpuJob", "GpuTexture"]
 
 Number = float | int
 UniformValue = Number | tuple[Number, ...]
 
 
-class GpuJob(Derived, frozen=True, kw_only=True):
+class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     """A compute shader that writes a texture; its completion comes back as a `JobResult`.
 
     The shader (GLSL 4.30) writes image unit 0, a cube (`imageCube`) or 2-D image
-    (`image2D`) of the given size and format. Only the latest pending job of a module and
-    name is run. The result's value is an `Array` (6, size, size, 4) or (size, size, 4) of
-    float32 if `read_back`, else the texture stays on the GPU and the value is its GL name.
+    (`image2D`) of the given size and format. Of a module's waiting jobs of one name only the
+    latest is run. The result's value is an `Array` (6, size, size, 4) or (size, size, 4) of
+    float32 if `read_back`, else a `GpuTexture`: nothing is copied.
     """
 
     module: str
@@ -30,3 +41,11 @@ class GpuJob(Derived, frozen=True, kw_only=True):
     def key(self) -> str:
         """One pending job per module and name."""
         return f"{self.module}.{self.job}"
+
+    @cached_property
+    def recipe(self) -> str:
+        """Hexadecimal BLAKE2b-128 of all that decides the texels."""
+        made_of = (self.compute_shader, self.uniforms, self.output, self.size, self.format,
+                   self.groups)  # fmt: skip
+        text = msgspec.json.encode(made_of, order="sorted")
+        return hashlib.blake2b(text, digest_size=16).hexdigest()

@@ -5,13 +5,16 @@ transaction. A derived message is a consequence, posted by a handler inside one.
 """
 
 from datetime import datetime
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 import msgspec
 
 from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_texture import GpuTexture
 
 Vector = tuple[float, float, float]
+# In order of precedence: who wants float32 cannot use float16, the reverse can be had.
+Encoding = Literal["", "u8", "float16", "float32"]
 Matrix = tuple[tuple[float, float, float, float], ...]
 
 
@@ -28,6 +31,10 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 
 class Input(Message, frozen=True, kw_only=True):
     """A fact from outside; each opens a transaction of its own."""
+
+    def merged(self, older: Self) -> Self:
+        """What takes the place of this input and of an older one of its key that still waits."""
+        return self
 
 
 class Derived(Message, frozen=True, kw_only=True):
@@ -71,6 +78,15 @@ class RestartModule(Input, frozen=True, kw_only=True):
         """Every restart counts."""
 
 
+class ReloadModule(Input, frozen=True, kw_only=True):
+    """Import a module's package afresh; settings and snapshot pass to the new version."""
+
+    module: str
+
+    def key(self) -> None:
+        """Every reload counts."""
+
+
 class ChooseSlot(Input, frozen=True, kw_only=True):
     """Let a module hold a slot (`sun` or `sky`)."""
 
@@ -83,12 +99,16 @@ class ChooseSlot(Input, frozen=True, kw_only=True):
 
 
 class Demand(Input, frozen=True, kw_only=True):
-    """A consumer wants messages of a type, in this size and format; size 0 takes it back."""
+    """A consumer wants messages of a type, in this size and format; size 0 takes it back.
+
+    The encoding "" leaves the choice to the producer. The demand of a consumer that is a
+    module holds while that module runs.
+    """
 
     consumer: str
     message: str
     size: int = 1
-    encoding: str = ""
+    encoding: Encoding = ""
 
     def key(self) -> str:
         """One demand per consumer and message."""
@@ -96,12 +116,18 @@ class Demand(Input, frozen=True, kw_only=True):
 
 
 class JobResult(Input, frozen=True, kw_only=True):
-    """A background or GPU job is done; `error` tells why not, if it is not."""
+    """A background or GPU job is done; `error` tells why not, if it is not.
+
+    Only the module that asked hears it; a result that nobody waits for any more is dropped.
+    Work that raised leaves its `trace`, and is told as a `Fault` too.
+    """
 
     module: str
     job: str
     value: Any = None
     error: str = ""
+    trace: str = ""
+    for_user: bool = False
 
     def key(self) -> None:
         """Every result counts."""
@@ -144,13 +170,35 @@ class Fault(Derived, frozen=True, kw_only=True):
         """Every fault is told."""
 
 
+class ClockMoved(Derived, frozen=True, kw_only=True):
+    """The host's clock stands at this instant, in UTC, whether it was set or it ticked."""
+
+    instant: datetime
+
+
 # --- inputs of daylight ---------------------------------------------------------------
 
 
 class SetClock(Input, frozen=True, kw_only=True):
-    """The host's clock stands at this aware instant."""
+    """The host's clock stands at this aware instant; modules listen to `ClockMoved`."""
 
     instant: datetime
+
+
+class SetClockRate(Input, frozen=True, kw_only=True):
+    """Play: so many seconds of the host's clock pass in one of the tick's; 0 pauses."""
+
+    rate: float
+
+
+class Tick(Input, frozen=True, kw_only=True):
+    """So much time went by outside."""
+
+    elapsed_s: float
+
+    def merged(self, older: Self) -> Self:
+        """Both went by: a slow kernel falls behind in frames, never in time."""
+        return type(self)(elapsed_s=self.elapsed_s + older.elapsed_s)
 
 
 class SetPlace(Input, frozen=True, kw_only=True):
@@ -226,14 +274,16 @@ class SunMoved(Derived, frozen=True, kw_only=True):
 class BackgroundChanged(Derived, frozen=True, kw_only=True):
     """A new sky without its disc, as a cube map in world axes.
 
-    cube (6, size, size, 3) float16; linear sRGB radiance in W m^-2 sr^-1 is cube times
-    `radiance_scale`, a power of two. The lower half holds the ground's radiance.
+    cube (6, size, size, 3) float16, or a cube texture that stays on the GPU; linear sRGB
+    radiance in W m^-2 sr^-1 is cube times `radiance_scale`, a power of two. The lower half
+    holds `ground_radiance_rgb` (W m^-2 sr^-1).
     """
 
     slot: ClassVar[str | None] = "sky"
 
-    cube: Array
+    cube: Array | GpuTexture
     radiance_scale: float
+    ground_radiance_rgb: Vector
     source: str
     color_space: Literal["linear-srgb"] = "linear-srgb"
     frame: Literal["world"] = "world"

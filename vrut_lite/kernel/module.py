@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 import msgspec
 
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import Demand, Derived, Message
+from vrut_lite.kernel.messages import Demand, Derived, Encoding, Message
 
 M = TypeVar("M", bound=Message)
 Handler = Callable[[Any, Any], None]
@@ -33,13 +33,33 @@ class Link(Protocol):
         """Say something; it is delivered in this transaction, after what is already queued."""
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
-        """The largest demand for a type of message, or None when nobody wants it."""
+        """The merged demand for a type of message, or None when nobody wants it.
+
+        Its size is the largest and its encoding the most exact that any consumer asked for.
+        """
+
+    def demand(self, message_type: type[Message], size: int = 1, encoding: Encoding = "") -> None:
+        """Ask producers for messages of a type, this large and exact; size 0 takes it back."""
 
     def holds(self, slot: str) -> bool:
         """Whether this module holds the slot."""
 
     def last(self, message_type: type[M]) -> M | None:
-        """The latest message of a type, from whoever holds it, or None."""
+        """The latest message of a type, or None.
+
+        For a slot's types it is always the present holder's: after a switch there is none
+        until the new holder has spoken.
+        """
+
+    def start_job(self, name: str, work: Callable[..., Any], *arguments: Any) -> None:
+        """Run `work(*arguments)` in the background; a `JobResult` brings what it returns.
+
+        Work is a plain function that sees its arguments alone; if it has a parameter named
+        `control` it gets a `JobControl`. One job of a name runs and one waits, the latest.
+        """
+
+    def cancel_job(self, name: str) -> None:
+        """Forget the running and the waiting job of a name: neither brings a result."""
 
 
 def handles(message_type: type[Message]) -> Callable[[Handler], Handler]:
@@ -68,6 +88,13 @@ class Module:
 
     def settings_changed(self, name: str) -> None:
         """Called after `self.settings` got a new value for `name`; override to react."""
+
+    def snapshot(self) -> Any:
+        """What a reload hands to the new version besides the settings: plain data, or None."""
+        return None
+
+    def restore(self, state: Any) -> None:
+        """Take over what the old version's `snapshot` returned, as built-in types."""
 
     @classmethod
     def handlers(cls) -> Iterator[tuple[type[Message], str]]:

@@ -1,12 +1,15 @@
 """A module's place at the kernel: what outlives its instance."""
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Fault, Message
-from vrut_lite.kernel.module import Link, Manifest, Module
+from vrut_lite.kernel.module import Manifest, Module
+
+if TYPE_CHECKING:
+    from vrut_lite.kernel.link import ModuleLink
 
 State = Literal["running", "disabled", "suspended"]
 
@@ -15,14 +18,19 @@ class Seat:
     """Settings, faults and state of one module; the instance comes and goes."""
 
     def __init__(self, module_type: type[Module], services: dict[str, Any]):
-        self.module_type = module_type
-        self.settings: msgspec.Struct = module_type.settings_type()
         self.module: Module | None = None
-        self.methods: dict[type[Message], tuple[str, ...]] = {}
+        self.link: ModuleLink | None = None
         self.state: State = "disabled"
         self.faults = 0
         self.last_fault: Fault | None = None
         self._services = services
+        self.take_type(module_type, module_type.settings_type())
+
+    def take_type(self, module_type: type[Module], settings: msgspec.Struct) -> None:
+        """Be the seat of this class, from the next start on."""
+        self.module_type = module_type
+        self.settings = settings
+        self.methods: dict[type[Message], tuple[str, ...]] = {}
         for message_type, method in module_type.handlers():
             self.methods[message_type] = (*self.methods.get(message_type, ()), method)
 
@@ -46,13 +54,27 @@ class Seat:
         """The instance's counts of work, or empty ones."""
         return self.module.ledger if self.module is not None else Ledger()
 
-    def start(self, link: Link) -> None:
-        """Make a fresh instance with the present settings; may raise what its maker wrote."""
-        self.module = self.module_type(link, self.settings, **self._services)
+    def start(self, link: "ModuleLink") -> None:
+        """Put a fresh instance with the present settings in place of any other.
+
+        May raise what its maker wrote; the seat is then as it was.
+        """
+        try:
+            module = self.module_type(link, self.settings, **self._services)
+        except Exception:
+            link.alive = False
+            raise
+        self._cut()
+        self.module, self.link = module, link
         self.faults = 0
         self.state = "running"
 
     def stop(self, state: State) -> None:
         """Drop the instance; the settings stay."""
-        self.module = None
+        self._cut()
+        self.module = self.link = None
         self.state = state
+
+    def _cut(self) -> None:
+        if self.link is not None:
+            self.link.alive = False

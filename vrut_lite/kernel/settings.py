@@ -79,6 +79,19 @@ def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgs
     return msgspec.structs.replace(settings, **{name: parse(specs[name], module, value)})
 
 
+def carry_over(
+    old: msgspec.Struct, settings_type: type[msgspec.Struct], module: str
+) -> tuple[msgspec.Struct, list[str]]:
+    """Settings of a new type with the values of old ones, and a sentence for each that is lost."""
+    settings, losses = settings_type(), []
+    for name, value in msgspec.structs.asdict(old).items():
+        try:
+            settings = change(settings, module, name, value)
+        except UserError as error:
+            losses.append(str(error))
+    return settings, losses
+
+
 def parse(spec: SettingSpec, module: str, value: Any) -> Any:
     """A value of the setting's type from a value or its text form; see `change` for errors."""
     try:

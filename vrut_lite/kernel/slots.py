@@ -21,6 +21,10 @@ class Slots:
         """The slots that a module holds."""
         return [slot for slot, holder in self._holders.items() if holder == module]
 
+    def spoken_for(self, slot: str, sender: str) -> bool:
+        """Whether another than the sender holds the slot."""
+        return self._holders.get(slot, "") not in ("", sender)
+
     def providers(self, slot: str) -> list[str]:
         """Names of all modules that could hold the slot, in load order."""
         return [name for name, seat in self._seats.items() if slot in seat.manifest.provides]

@@ -17,6 +17,7 @@ _DARKEST_EV100 = -5.0
 _FULL_ADAPTATION_EV100 = 9.0
 _DARKNESS_KEPT = 0.3
 _BRIGHTEST_SHARE = 0.002
+_BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
 
 
 def scale_of(ev100: float) -> float:
@@ -25,14 +26,19 @@ def scale_of(ev100: float) -> float:
 
 
 def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
-    """EV100 for a picture (h, w, 3) of linear sRGB radiance in W m^-2 sr^-1.
+    """EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1.
 
     The log mean of luminance, without the brightest 0.2 % of the pixels (the sun's disc and
-    its glints), which no exposure could hold.
+    its glints), which no exposure could hold, and with what is darker than four stops below
+    the brighter parts counted as just that: black ground must not blow out what is lit.
     """
-    values = np.sort(luminance(radiance_rgb).ravel())
+    values = luminance(radiance_rgb).ravel()
+    values = np.sort(values[np.isfinite(values)])
+    darkest = MIDDLE_GREY / scale_of(_DARKEST_EV100)
+    if values.size == 0:
+        values = np.array([darkest])
     kept = values[: max(1, int(values.size * (1.0 - _BRIGHTEST_SHARE)))]
-    floor = MIDDLE_GREY / scale_of(_DARKEST_EV100)
+    floor = max(darkest, float(np.quantile(kept, _BRIGHT_QUANTILE)) * 2.0**-_STOPS_BELOW_BRIGHT)
     mean = float(np.exp(np.mean(np.log(np.maximum(kept, floor)))))
     metered = float(np.log2(mean * LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
     return metered + _DARKNESS_KEPT * max(0.0, _FULL_ADAPTATION_EV100 - metered)

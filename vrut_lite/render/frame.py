@@ -14,7 +14,9 @@ from vrut_lite.kernel.messages import SetExposure
 from vrut_lite.render import exposure, tone_map
 from vrut_lite.render.gl_owner import rest
 from vrut_lite.render.light import Light
-from vrut_lite.render.mesh_renderer import SHADERS, MeshRenderer
+from vrut_lite.render.mesh_renderer import SHADERS, MeshRenderer, View
+from vrut_lite.render.pyrender_scene import PyrenderScene
+from vrut_lite.render.reversed_depth import FloatDepth, reversed_depth
 from vrut_lite.scene.backend import Picture
 
 SAMPLES = 4
@@ -42,24 +44,23 @@ class Frame:
 
     def draw(
         self,
-        scene: Any,
-        casters: set[Any],
-        view: NDArray,
-        projection: NDArray,
+        scene: PyrenderScene,
+        view: View,
         light: Light,
         disc: "SunDisc",
         wish: SetExposure,
         size: tuple[int, int],
     ) -> Picture:
-        """Draw a pyrender scene, the sky and the sun; size is (width, height) in pixels."""
+        """Draw a scene, the sky and the sun; size is (width, height) in pixels."""
         targets = self._targets_of(size)
         self.meshes.update(scene)
         if any(light.sun_irradiance):
-            self._draw_shadow(scene, casters, light)
+            self._draw_shadow(scene, light)
         targets.multisampled.use()
         targets.multisampled.clear()
-        self._draw_sky(view, projection, light, disc)
-        self.meshes.draw(scene, view, projection, light)
+        with reversed_depth():
+            self._draw_sky(view, light, disc)
+            self.meshes.draw(scene, view, light)
         self._context.copy_framebuffer(targets.resolved, targets.multisampled)
         radiance = targets.read_radiance()
         ev100 = wish.ev100 if wish.mode == "manual" else exposure.automatic_ev100(radiance)
@@ -84,16 +85,15 @@ class Frame:
             self._targets = _Targets(self._context, size)
         return self._targets
 
-    def _draw_shadow(self, scene: Any, casters: set[Any], light: Light) -> None:
+    def _draw_shadow(self, scene: PyrenderScene, light: Light) -> None:
         self._shadow_buffer.use()
         self._shadow_buffer.clear()
-        self.meshes.draw_depth(scene, light.shadow_matrix, casters)
+        self.meshes.draw_depth(scene, light.shadow_matrix)
 
-    def _draw_sky(self, view: NDArray, projection: NDArray, light: Light, disc: "SunDisc") -> None:
+    def _draw_sky(self, view: View, light: Light, disc: "SunDisc") -> None:
         program = self._sky_program
-        world_from_clip = np.linalg.inv(projection @ view)
-        _set(program, "world_from_clip", world_from_clip.T.ravel())
-        _set(program, "eye", np.linalg.inv(view)[:3, 3])
+        ray_from_clip = np.linalg.inv(view.projection @ view.rotation)
+        _set(program, "ray_from_clip", ray_from_clip.T.ravel())
         _set(program, "sky_scale", light.sky_scale)
         _set(program, "sun_direction", light.sun_direction)
         _set(program, "sun_disc_radiance", disc.mean_radiance)
@@ -141,8 +141,8 @@ class _Targets:
     def __init__(self, context: Any, size: tuple[int, int]):
         self.size = size
         self._colour = context.renderbuffer(size, 4, samples=SAMPLES, dtype="f4")
-        self._depth = context.depth_renderbuffer(size, samples=SAMPLES)
-        self.multisampled = context.framebuffer([self._colour], self._depth)
+        self.multisampled = context.framebuffer([self._colour])
+        self._depth = FloatDepth(self.multisampled, size, SAMPLES)
         self.radiance = context.texture(size, 4, dtype="f4")
         self.resolved = context.framebuffer([self.radiance])
         self._display = context.texture(size, 4)

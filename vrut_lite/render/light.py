@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 class Light:
     """Sun, sky and shadow of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
 
-    `irradiance_sh` is (25, 3); `shadow_matrix` (4, 4) maps world to the shadow map's clip
-    space, and `shadow_texel_m` is the width of one of its texels.
+    `irradiance_sh` is (25, 3); `shadow_matrix` (4, 4) maps positions that count from the
+    scene's centre to the shadow map's clip space; `shadow_texel_m` is the width of one of its
+    texels.
     """
 
     sun_direction: tuple[float, float, float]

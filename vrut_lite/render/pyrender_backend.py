@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
@@ -16,12 +18,15 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.render.frame import SHADOW_SIZE, Frame, SunDisc
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light
+from vrut_lite.render.mesh_renderer import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.shadow import light_matrix
 from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.camera import look_at, perspective
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import LoadedScene
+
+_NEAR_M, _NEAR_RADII = 0.02, 1e-3
 
 
 @dataclass
@@ -45,15 +50,19 @@ class PyrenderBackend:
         self._told = _Told()
         self._frame: Frame = owner.call(Frame)
         self._sky_texture: Any = None
+        self._uploaded: Any = None
 
     def show_scene(self, scene: LoadedScene, ground: GroundDisc | None) -> None:
         """Build the pyrender scene; its buffers reach the GPU with the next frame."""
         self._told.scene = PyrenderScene(scene, ground)
 
     def set_background(self, background: BackgroundChanged) -> None:
-        """Upload the cube map, with the mip levels that blurred reflections look up."""
+        """Upload the cube map, or take the texture that has never left the GPU as it is.
+
+        Both get the mip levels that blurred reflections look up.
+        """
         self._told.background = background
-        self._owner.call(lambda context: self._upload_sky(context, background))
+        self._owner.call(lambda context: self._show_sky(context, background.cube))
 
     def set_sun_light(self, light: SunLightChanged) -> None:
         """Light with this sun."""
@@ -90,38 +99,39 @@ class PyrenderBackend:
 
     def _release(self) -> None:
         self._frame.release()
-        if self._sky_texture is not None:
-            self._sky_texture.release()
-            self._sky_texture = None
+        self._release_uploaded()
 
-    def _upload_sky(self, context: Any, background: BackgroundChanged) -> None:
-        faces = background.cube.values
-        size = faces.shape[1]
-        if self._sky_texture is None or self._sky_texture.size != (size, size):
-            if self._sky_texture is not None:
-                self._sky_texture.release()
-            self._sky_texture = context.texture_cube((size, size), 4, dtype="f2")
+    def _release_uploaded(self) -> None:
+        if self._uploaded is not None:
+            self._uploaded.release()
+        self._uploaded = self._sky_texture = None
+
+    def _show_sky(self, context: Any, cube: Array | GpuTexture) -> None:
+        # A texture of the GPU's stays ours for as long as the message that is kept holds it.
+        texture = cube.opaque if isinstance(cube, GpuTexture) else self._upload(context, cube)
+        texture.build_mipmaps()
+        texture.filter = (context.LINEAR_MIPMAP_LINEAR, context.LINEAR)
+        self._sky_texture = texture
+
+    def _upload(self, context: Any, cube: Array) -> Any:
+        size = cube.shape[1]
+        if self._uploaded is None or self._uploaded.size != (size, size):
+            self._release_uploaded()
+            self._uploaded = context.texture_cube((size, size), 4, dtype="f2")
         rgba = np.ones((size, size, 4), np.float16)
-        for index, face in enumerate(faces):
+        for index, face in enumerate(cube.values):
             rgba[..., :3] = face
-            self._sky_texture.write(index, rgba.tobytes())
-        self._sky_texture.build_mipmaps()
-        self._sky_texture.filter = (context.LINEAR_MIPMAP_LINEAR, context.LINEAR)
+            self._uploaded.write(index, rgba.tobytes())
+        return self._uploaded
 
     def _draw(self, context: Any) -> Picture:
         told = self._told
         missing = [name for name, value in vars(told).items() if value is None]
         if told.scene is None or told.camera is None or told.sun is None or missing:
             raise RuntimeError(f"nothing to draw yet: no {', no '.join(missing)}")
-        width, height = told.size
-        near_m, far_m = _depth_range(told.scene, told.camera)
         return self._frame.draw(
-            scene=told.scene.scene,
-            casters=told.scene.casters,
-            view=look_at(told.camera.eye_m, told.camera.target_m),
-            projection=perspective(
-                told.camera.vertical_field_of_view_rad, width / height, near_m, far_m
-            ),
+            scene=told.scene,
+            view=_view(told.camera, told.scene, told.size),
             light=self._light(told.scene, told.sun),
             disc=SunDisc(
                 told.sun.irradiance_rgb, told.sun.angular_radius_rad, told.sun.limb_darkening_rgb
@@ -141,19 +151,20 @@ class PyrenderBackend:
             sky_texture=self._sky_texture,
             sky_scale=told.background.radiance_scale,
             shadow_texture=self._frame.shadow_texture,
-            shadow_matrix=light_matrix(sun.direction, scene.centre_m, scene.radius_m),
+            shadow_matrix=light_matrix(sun.direction, scene.radius_m),
             shadow_texel_m=2 * scene.radius_m / SHADOW_SIZE,
         )
 
 
-def _depth_range(scene: PyrenderScene, camera: MoveCamera) -> tuple[float, float]:
-    """Near and far plane in metres: around the scene, and out to the rim of its ground."""
-    distance = float(np.linalg.norm(np.asarray(camera.eye_m) - scene.centre_m))
-    far = distance + 1.05 * scene.radius_m
-    if scene.ground is not None:
-        far = max(far, distance + 1.05 * scene.ground.radius_m)
-    near = max(distance - 1.05 * scene.radius_m, 0.01 * scene.radius_m)
-    # A camera near the ground sees it closer than the scene's sphere.
-    if scene.ground is not None:
-        near = min(near, max(0.2 * abs(camera.eye_m[1] - scene.ground.height_m), 1e-5 * far))
-    return max(near, 1e-6 * far), far
+def _view(camera: MoveCamera, scene: PyrenderScene, size: tuple[int, int]) -> View:
+    """The camera's matrices; its near plane is 2 cm away, nearer in a tiny scene."""
+    eye_m = np.asarray(camera.eye_m, dtype=float)
+    return View(
+        eye_m=eye_m,
+        rotation=look_at(np.zeros(3), np.asarray(camera.target_m) - eye_m),
+        projection=perspective(
+            camera.vertical_field_of_view_rad,
+            size[0] / size[1],
+            near_m=min(_NEAR_M, _NEAR_RADII * scene.radius_m),
+        ),
+    )

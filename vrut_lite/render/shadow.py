@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def light_matrix(direction: ArrayLike, centre_m: ArrayLike, radius_m: float) -> NDArray[np.float64]:
-    """Clip matrix (4, 4), world to [-1, 1]^3, of a sun in world `direction` (3,).
+def light_matrix(direction: ArrayLike, radius_m: float) -> NDArray[np.float64]:
+    """Clip matrix (4, 4), scene to [-1, 1]^3, of a sun in world `direction` (3,).
 
-    The box holds the sphere of the given centre and radius. Shadows fall along the view
+    Positions count from the scene's centre, in world axes; the box holds the sphere of the
+    given radius around it. Shadows fall along the view
     direction, so what lies outside the sphere is covered in x and y by whatever casts on it;
     only its depth exceeds 1, which the look-up clamps.
     """
@@ -16,7 +17,6 @@ def light_matrix(direction: ArrayLike, centre_m: ArrayLike, radius_m: float) -> 
     right, up = _perpendicular(towards_sun)
     view = np.eye(4)
     view[:3, :3] = [right, up, towards_sun]
-    view[:3, 3] = -view[:3, :3] @ np.asarray(centre_m, dtype=float)
     return np.diag([1.0 / radius_m, 1.0 / radius_m, -1.0 / radius_m, 1.0]) @ view
 
 

@@ -9,6 +9,7 @@ DEFAULT_FIELD_OF_VIEW_RAD = 0.75
 # From the south-west and a little above, as if standing at the scene's edge.
 _DEFAULT_AZIMUTH_RAD = np.radians(215.0)
 _DEFAULT_ELEVATION_RAD = np.radians(14.0)
+_DRAWABLE_FIELD_OF_VIEW_RAD = np.radians([1.0, 150.0])
 _ROOM = 1.08  # a little air around the scene
 
 
@@ -32,19 +33,14 @@ def look_at(eye_m: ArrayLike, target_m: ArrayLike) -> NDArray[np.float64]:
 
 
 def perspective(
-    vertical_field_of_view_rad: float, aspect: float, near_m: float, far_m: float
+    vertical_field_of_view_rad: float, aspect: float, near_m: float
 ) -> NDArray[np.float64]:
-    """OpenGL projection matrix (4, 4); aspect is width over height."""
+    """Projection matrix (4, 4) to reversed depth: near / distance, 0 at infinity.
+
+    Aspect is width over height.
+    """
     f = 1.0 / np.tan(0.5 * vertical_field_of_view_rad)
-    depth = near_m - far_m
-    return np.array(
-        [
-            [f / aspect, 0, 0, 0],
-            [0, f, 0, 0],
-            [0, 0, (far_m + near_m) / depth, 2 * far_m * near_m / depth],
-            [0, 0, -1, 0],
-        ]
-    )
+    return np.array([[f / aspect, 0, 0, 0], [0, f, 0, 0], [0, 0, 0, near_m], [0, 0, -1, 0]])
 
 
 def frame_bounds(lower_m: ArrayLike, upper_m: ArrayLike, aspect: float) -> MoveCamera:
@@ -74,13 +70,15 @@ def _away() -> NDArray[np.float64]:
 
 
 def camera_from_pose(pose: ArrayLike, vertical_field_of_view_rad: float) -> MoveCamera:
-    """A camera from a glTF camera node's world pose (4, 4)."""
+    """A camera from a glTF camera node's world pose (4, 4); its angle is kept drawable."""
     matrix = np.asarray(pose, dtype=float)
     eye, forward = matrix[:3, 3], -matrix[:3, 2]
     return MoveCamera(
         eye_m=_vector(eye),
         target_m=_vector(eye + forward / np.linalg.norm(forward)),
-        vertical_field_of_view_rad=vertical_field_of_view_rad,
+        vertical_field_of_view_rad=float(
+            np.clip(vertical_field_of_view_rad, *_DRAWABLE_FIELD_OF_VIEW_RAD)
+        ),
     )
 
 

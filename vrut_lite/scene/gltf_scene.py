@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from vrut_lite.scene.draco import decode_draco
 from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
-from vrut_lite.scene.gltf_schema import Node, Primitive, TextureInfo
+from vrut_lite.scene.gltf_schema import Node, Primitive
 from vrut_lite.scene.materials import GltfMaterials
 from vrut_lite.scene.mesh import make_mesh
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
+from vrut_lite.scene.uv_layers import UvLayer
 
 MAX_ELEMENTS = 50_000_000
 _STRIP, _FAN, _TRIANGLES = 5, 6, 4
@@ -140,15 +141,21 @@ class _Meshes:
     def _make(self, primitive: Primitive, name: str) -> trimesh.Trimesh | None:
         if "POSITION" not in primitive.attributes:
             return None
-        uv_name = self._uv_name(primitive)
-        arrays, faces = self._arrays(primitive, {*_READ, uv_name})
+        material = self._materials.material(primitive.material)
+        layers = material.uv_layers or [UvLayer("TEXCOORD_0", None)]
+        arrays, faces = self._arrays(primitive, {*_READ, *(layer.attribute for layer in layers)})
+        uv = [
+            layer.coordinates(arrays[layer.attribute]) if layer.attribute in arrays else None
+            for layer in layers
+        ]
         return make_mesh(
             name,
             arrays["POSITION"],
             faces,
-            material=self._materials.material(primitive.material),
+            material=material,
             normals=arrays.get("NORMAL"),
-            uv=self._uv(primitive, arrays.get(uv_name)),
+            uv=uv[0],
+            second_uv=uv[1] if len(uv) > 1 else None,
             colours=arrays.get("COLOR_0"),
         )
 
@@ -188,30 +195,3 @@ class _Meshes:
         strip = np.stack([order[:-2], order[1:-1], order[2:]], axis=1)
         strip[1::2] = strip[1::2, [1, 0, 2]]
         return strip
-
-    def _uv_name(self, primitive: Primitive) -> str:
-        """The attribute that holds the base colour's texture coordinates."""
-        info = self._base_colour(primitive)
-        transform = info.extensions.transform if info is not None else None
-        number = info.tex_coord if info is not None else 0
-        if transform is not None and transform.tex_coord is not None:
-            number = transform.tex_coord
-        return f"TEXCOORD_{number}"
-
-    def _uv(self, primitive: Primitive, values: NDArray[Any] | None) -> NDArray[Any] | None:
-        """Texture coordinates (V, 2) of the base colour, v upwards as trimesh has it."""
-        if values is None:
-            return None
-        uv = values.astype(np.float64)
-        info = self._base_colour(primitive)
-        transform = info.extensions.transform if info is not None else None
-        if transform is not None and uv.shape[1] == 2:
-            c, s = np.cos(transform.rotation), np.sin(transform.rotation)
-            uv = (uv * transform.scale) @ np.array([[c, -s], [s, c]]) + transform.offset
-        return np.concatenate([uv[:, :1], 1.0 - uv[:, 1:]], axis=1)
-
-    def _base_colour(self, primitive: Primitive) -> TextureInfo | None:
-        if primitive.material is None:
-            return None
-        material = item_at(self._file.document.materials, primitive.material, "material")
-        return material.pbr_metallic_roughness.base_color_texture

@@ -113,10 +113,15 @@ class TextureInfoExtensions(Part, frozen=True):
 
 
 class TextureInfo(Part, frozen=True):
-    """Which texture, through which set of coordinates."""
+    """Which texture, through which set of coordinates.
+
+    A normal map may have a scale, an occlusion map a strength.
+    """
 
     index: Index
     tex_coord: Index = 0
+    scale: float = 1.0
+    strength: float = 1.0
     extensions: TextureInfoExtensions = TextureInfoExtensions()
 
 

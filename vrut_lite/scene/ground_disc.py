@@ -35,7 +35,7 @@ def disc_under(lower_m: ArrayLike, upper_m: ArrayLike) -> GroundDisc:
 
 
 def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Vertices (n, 3) and triangles (m, 3) of the disc, seen from above.
+    """Vertices (n, 3), from the disc's middle, and triangles (m, 3), seen from above.
 
     Rings shrink by thirds towards the centre: interpolation over one huge triangle would
     lose the precision that shadows near the scene need.
@@ -44,7 +44,6 @@ def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint3
     radii = disc.radius_m * 3.0 ** -np.arange(6.0)[::-1]
     rim = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)], axis=-1)
     vertices = np.concatenate([np.zeros((1, 3)), *(radius * rim for radius in radii)])
-    vertices += [disc.centre_xz_m[0], disc.height_m, disc.centre_xz_m[1]]
     i, j = np.arange(_SEGMENTS), (np.arange(_SEGMENTS) + 1) % _SEGMENTS
     triangles = [np.stack([np.zeros_like(i), 1 + i, 1 + j], axis=-1)]
     for ring in range(len(radii) - 1):

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from vrut_lite import __version__
 from vrut_lite.errors import UserError
-from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import (
     AmbientChanged,
@@ -148,8 +147,7 @@ def ground_albedo(
     Taken from the messages themselves, so that it holds for whichever module made them and
     the ground disc meets the sky's lower half without an edge.
     """
-    nadir = background.cube.values[3, background.cube.shape[1] // 2, background.cube.shape[1] // 2]
-    radiance = decode_float16(nadir, background.radiance_scale).astype(float)
+    radiance = np.asarray(background.ground_radiance_rgb)
     direct = np.asarray(sun.irradiance_rgb) * max(0.0, sun.direction[1])
     irradiance = evaluate_irradiance(ambient.irradiance_sh_rgb.values, _UP) + direct
     return np.clip(np.pi * radiance / np.maximum(irradiance, _DARKEST_IRRADIANCE), 0.0, 1.0)

@@ -1,5 +1,7 @@
 """Surfaces: metallic-roughness materials with exact factors, from glTF and from OBJ's MTL."""
 
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from trimesh.visual.material import PBRMaterial, SimpleMaterial
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
 from vrut_lite.scene.images import PixelBudget, decode_image
+from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
 DEFAULT_ALBEDO = 0.5
 
@@ -18,8 +21,14 @@ class SurfaceMaterial(PBRMaterial):
     """trimesh's material, of which the base colour stays linear and in floating point.
 
     trimesh keeps 8 bits, which turns an albedo of 0.02 into 0.0196. All factors are set;
-    textures are RGB or RGBA images with 8 bits, colour ones sRGB-encoded.
+    textures are RGB or RGBA images with 8 bits, colour ones sRGB-encoded. `layer_of` gives the
+    number of the mesh's layer of coordinates for a map, 0 if it is not named there.
     """
+
+    uv_layers: Sequence[UvLayer] = ()
+    layer_of: Mapping[str, int] = MappingProxyType({})
+    normal_scale = 1.0
+    occlusion_strength = 1.0
 
     @property
     def baseColorFactor(self) -> NDArray[np.float64]:
@@ -60,25 +69,27 @@ class GltfMaterials:
 
     def _convert(self, source: Material) -> SurfaceMaterial:
         pbr = source.pbr_metallic_roughness
-        return _material(
+        layers, numbers = layers_of(source)
+        infos = texture_infos(source)
+        material = _material(
             name=source.name,
             baseColorFactor=pbr.base_color_factor,
-            baseColorTexture=self._texture(pbr.base_color_texture),
             metallicFactor=pbr.metallic_factor,
             roughnessFactor=pbr.roughness_factor,
-            metallicRoughnessTexture=self._texture(pbr.metallic_roughness_texture),
-            normalTexture=self._texture(source.normal_texture),
-            occlusionTexture=self._texture(source.occlusion_texture),
-            emissiveTexture=self._texture(source.emissive_texture),
             emissiveFactor=np.maximum(source.emissive_factor, 0.0),
             alphaMode=source.alpha_mode,
             alphaCutoff=source.alpha_cutoff,
             doubleSided=source.double_sided,
+            **{name: self._texture(infos[name]) for name in numbers},
         )
+        material.uv_layers, material.layer_of = layers, numbers
+        if source.normal_texture is not None:
+            material.normal_scale = source.normal_texture.scale
+        if source.occlusion_texture is not None:
+            material.occlusion_strength = source.occlusion_texture.strength
+        return material
 
-    def _texture(self, info: TextureInfo | None) -> Image.Image | None:
-        if info is None:
-            return None
+    def _texture(self, info: TextureInfo) -> Image.Image | None:
         texture = item_at(self._file.document.textures, info.index, "texture")
         index = _image_index(texture)
         if index is None:

@@ -11,7 +11,12 @@ from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.materials import SurfaceMaterial
 from vrut_lite.scene.normals import crease_normals, unit_or_none
 
-_WIDTHS = {"normals": (3,), "texture coordinates": (2,), "colours": (3, 4)}
+_WIDTHS = {
+    "normals": (3,),
+    "texture coordinates": (2,),
+    "second texture coordinates": (2,),
+    "colours": (3, 4),
+}
 
 
 def make_mesh(
@@ -22,6 +27,7 @@ def make_mesh(
     material: SurfaceMaterial,
     normals: NDArray[Any] | None = None,
     uv: NDArray[Any] | None = None,
+    second_uv: NDArray[Any] | None = None,
     colours: NDArray[Any] | None = None,
 ) -> trimesh.Trimesh | None:
     """A mesh with unit normals, a material, and vertices that are all in use.
@@ -32,7 +38,7 @@ def make_mesh(
         faces: (F, 3) vertex indices.
         material: of the whole mesh.
         normals: (V, 3) as authored; without them, or with a bad one among them, they are made.
-        uv: (V, 2) texture coordinates, v upwards.
+        uv, second_uv: (V, 2) texture coordinates, v upwards.
         colours: (V, 3) or (V, 4), linear, in [0, 1].
 
     Returns:
@@ -44,7 +50,12 @@ def make_mesh(
     """
     if len(faces) == 0:
         return None
-    attributes = {"normals": normals, "texture coordinates": uv, "colours": colours}
+    attributes = {
+        "normals": normals,
+        "texture coordinates": uv,
+        "second texture coordinates": second_uv,
+        "colours": colours,
+    }
     _check(name, positions, faces, attributes)
     used, faces = np.unique(faces, return_inverse=True)
     faces = faces.reshape(-1, 3)
@@ -57,8 +68,10 @@ def make_mesh(
     if unit is None:
         source, faces, unit = crease_normals(vertices, faces)
         vertices, used = vertices[source], used[source]
-    visual = TextureVisuals(uv=_finite(uv, used), material=material)
+    visual = TextureVisuals(uv=None if uv is None else _finite(uv)[used], material=material)
     mesh = trimesh.Trimesh(vertices, faces, vertex_normals=unit, visual=visual, process=False)
+    if second_uv is not None:
+        mesh.vertex_attributes["second_uv"] = _finite(second_uv)[used]
     if colours is not None:
         mesh.vertex_attributes["color"] = _rgba(colours[used])
     return mesh
@@ -107,8 +120,8 @@ def _check(
             )
 
 
-def _finite(uv: NDArray[Any] | None, used: NDArray[np.int64]) -> NDArray[np.float64] | None:
-    return None if uv is None else np.nan_to_num(uv[used].astype(np.float64), posinf=0, neginf=0)
+def _finite(uv: NDArray[Any]) -> NDArray[np.float64]:
+    return np.nan_to_num(uv.astype(np.float64), posinf=0, neginf=0)
 
 
 def _rgba(colours: NDArray[Any]) -> NDArray[np.float32]:

@@ -16,7 +16,8 @@ class PlacedMesh:
     """A mesh and the 4 x 4 matrix that takes its vertices to world axes, in metres.
 
     `mesh` may be shared with other places. Its visual is trimesh's TextureVisuals with a
-    `SurfaceMaterial`, and `uv` (V, 2), v upwards, or None; vertex colours, linear RGBA
+    `SurfaceMaterial`, and `uv` (V, 2), v upwards, or None; a second layer
+    of coordinates is in `vertex_attributes["second_uv"]`; vertex colours, linear RGBA
     (V, 4) in [0, 1] that multiply the base colour, are in `vertex_attributes["color"]`.
     Triangles are counter-clockwise seen from outside after the matrix, mirrored or not.
     """

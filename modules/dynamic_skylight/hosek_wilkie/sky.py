@@ -1,6 +1,7 @@
 """HosekWilkieSky: the sky and the sun's disc of one turbidity, ground and solar elevation."""
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
+
+if TYPE_CHECKING:
+    from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
 
 FloatArray = NDArray[np.float64]
 
@@ -127,26 +131,72 @@ class HosekWilkieSky:
         sun_azimuth_rad: float = 0.0,
         out: NDArray[np.float32] | None = None,
         faces: tuple[int, ...] = ALL_FACES,
+        rows: tuple[int, int] | None = None,
     ) -> NDArray[np.float32]:
         """Sky radiance as a cube map (6, size, size, 3) float32, the fast path of `radiance`.
 
         World axes and face order of `vrut_lite.geometry.cube_map`; the azimuth counts from
         -Z, clockwise seen from above. 0 below the horizon. Held to `radiance` within 1e-4 of
         the larger of value and 1 % of the map's maximum. `out` (C-contiguous) is written and
-        returned when given; faces not asked for are left alone in it and 0 in a new map.
+        returned when given; what is not asked for by `faces` and `rows` (the first, and the
+        one after the last, of each face) is left alone in it and 0 in a new map.
         """
         # Imported when first used: the compiler costs a moment that the exact model need not.
         from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
 
-        return fill_cube(
-            self.rgb_distribution,
-            self.rgb_mean_radiance,
-            sun_azimuth_rad,
-            self.sun_elevation_rad,
-            size,
-            out,
-            faces,
-        )
+        numbers = self.rgb_distribution, self.rgb_mean_radiance
+        return fill_cube(*numbers, sun_azimuth_rad, self.sun_elevation_rad, size, out, faces, rows)
+
+    def cube_map_float16(
+        self,
+        size: int = 256,
+        sun_azimuth_rad: float = 0.0,
+        scale: float = 1.0,
+        out: NDArray[np.float16] | None = None,
+        faces: tuple[int, ...] = ALL_FACES,
+    ) -> NDArray[np.float16]:
+        """`cube_map` over `scale`, in half precision straight from the kernel.
+
+        `half_scale` of `brightest` makes a good scale; beyond 65504 the values are cut.
+        """
+        from dynamic_skylight.hosek_wilkie.cube_encoded import fill_half
+
+        return fill_half(self._rows(size, sun_azimuth_rad, 1.0 / scale), faces, out)
+
+    def cube_map_u8(
+        self,
+        size: int = 256,
+        sun_azimuth_rad: float = 0.0,
+        exposure: float = 0.05,
+        out: NDArray[np.uint8] | None = None,
+        faces: tuple[int, ...] = ALL_FACES,
+    ) -> NDArray[np.uint8]:
+        """`cube_map` L as bytes 255 (1 - exp(-exposure L)), straight from the kernel.
+
+        The daylight thesis's tone curve: linear for dark values (not the display's gamma),
+        never clipped for bright ones. `exposure` is in m^2 sr W^-1.
+        """
+        from dynamic_skylight.hosek_wilkie.cube_encoded import fill_bytes
+
+        return fill_bytes(self._rows(size, sun_azimuth_rad, exposure / np.log(2.0)), faces, out)
+
+    @cached_property
+    def brightest(self) -> float:
+        """About the largest radiance of any channel, W m^-2 sr^-1.
+
+        The largest of sun, zenith and the horizon's ends: the map's maximum is between 1 and
+        2 times as much.
+        """
+        zenith_angle = np.pi / 2 - self.sun_elevation_rad
+        theta = np.array([zenith_angle, 0.0, np.pi / 2, np.pi / 2])
+        gamma = np.array([0.0, zenith_angle, self.sun_elevation_rad, np.pi / 2 + zenith_angle])
+        return float(self.radiance(theta, gamma).max())
+
+    def _rows(self, size: int, sun_azimuth_rad: float, factor: float) -> "SkyRows":
+        from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
+
+        mean = self.rgb_mean_radiance * factor
+        return SkyRows(self.rgb_distribution, mean, sun_azimuth_rad, self.sun_elevation_rad, size)
 
     def _distribution(self, quantity: Quantity) -> FloatArray:
         albedo = self._albedo_for(quantity)
@@ -168,6 +218,14 @@ class HosekWilkieSky:
                 f"{self.albedo.size}"
             )
         return np.broadcast_to(self.albedo, (count,))
+
+
+def half_scale(brightest: float) -> float:
+    """The power of two to divide by, so that this value lies in [2^13, 2^14) as a half.
+
+    A factor of four below the largest half is left for what is brighter still.
+    """
+    return float(2.0 ** (np.frexp(brightest)[1] - 14)) if brightest > 0.0 else 1.0
 
 
 def _sky(

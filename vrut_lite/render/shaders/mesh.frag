@@ -29,9 +29,15 @@ struct Material {
 };
 
 uniform Material material;
-uniform vec3 cam_pos;
 uniform float alpha_cutoff;          // below it a fragment is dropped; 0 for opaque and blended
 uniform float opaque;                // 1: alpha is ignored
+uniform int base_color_layer;        // of texture coordinates: 0 the first, 1 the second
+uniform int metallic_roughness_layer;
+uniform int normal_layer;
+uniform int occlusion_layer;
+uniform int emissive_layer;
+uniform float normal_scale;
+uniform float occlusion_strength;
 uniform float dielectric_f0;         // reflectance at normal incidence of what is no metal
 
 uniform vec3 sun_direction;          // towards the sun
@@ -40,15 +46,19 @@ uniform vec3 irradiance_sh[25];
 layout(binding = 8) uniform samplerCube sky;
 uniform float sky_scale;
 layout(binding = 9) uniform sampler2DShadow shadow_map;
-uniform mat4 shadow_matrix;
+uniform mat4 shadow_matrix;          // from positions relative to the eye
 uniform float shadow_texel_m;
 
-in vec3 world_position;
+in vec3 eye_to_point;                // at the pixel's centre, for derivatives
+centroid in vec3 eye_to_sample;      // inside the triangle, also at its edge
 #ifdef NORMAL_LOC
 in vec3 world_normal;
 #endif
 #ifdef TEXCOORD_0_LOC
-in vec2 uv;
+in vec2 first_uv;
+#endif
+#ifdef TEXCOORD_1_LOC
+in vec2 second_uv;
 #endif
 #ifdef COLOR_0_LOC
 in vec4 vertex_color;
@@ -56,16 +66,30 @@ in vec4 vertex_color;
 
 out vec4 frag_radiance;
 
+#ifdef TEXCOORD_0_LOC
+vec2 uv_of(int layer) {
+#ifdef TEXCOORD_1_LOC
+    return layer == 1 ? second_uv : first_uv;
+#else
+    return first_uv;
+#endif
+}
+#endif
+
 vec3 linear_from_srgb(vec3 c) {
     return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(vec3(0.04045), c));
 }
 
 // The normal of the triangle itself, on the side that is seen.
-vec3 face_normal() {
-    return normalize(cross(dFdx(world_position), dFdy(world_position)));
+vec3 face_normal(vec3 view) {
+    vec3 n = cross(dFdx(eye_to_point), dFdy(eye_to_point));
+    float squared = dot(n, n);
+    if (!(squared > 0.0)) return view;
+    n *= inversesqrt(squared);
+    return dot(n, view) < 0.0 ? -n : n;
 }
 
-vec3 shading_normal(vec3 face, vec3 view) {
+vec3 shading_normal(vec3 face) {
     vec3 n = face;
 #ifdef NORMAL_LOC
     float length_squared = dot(world_normal, world_normal);
@@ -77,7 +101,8 @@ vec3 shading_normal(vec3 face, vec3 view) {
 #ifdef TEXCOORD_0_LOC
     // Tangents from screen derivatives (Schueler, "Normal mapping without precomputed
     // tangents", ShaderX 5): right for any mesh, and needs no tangents in the file.
-    vec3 dpx = dFdx(world_position), dpy = dFdy(world_position);
+    vec3 dpx = dFdx(eye_to_point), dpy = dFdy(eye_to_point);
+    vec2 uv = uv_of(normal_layer);
     vec2 dux = dFdx(uv), duy = dFdy(uv);
     vec3 across_x = cross(n, dpx), across_y = cross(dpy, n);
     vec3 t = across_y * dux.x + across_x * duy.x;
@@ -85,6 +110,7 @@ vec3 shading_normal(vec3 face, vec3 view) {
     float longest = max(dot(t, t), dot(b, b));
     if (longest > 0.0) {
         vec3 m = 2.0 * texture(material.normal_texture, uv).rgb - 1.0;
+        m.xy *= normal_scale;
         n = normalize(mat3(t * inversesqrt(longest), b * inversesqrt(longest), n) * m);
     }
 #endif
@@ -123,7 +149,7 @@ float sun_visibility(vec3 face, float cos_face) {
     // The receiver is moved off its own surface by what one tap can span, more where the
     // light grazes it: acne-free at any scale, since it is measured in texels.
     float sin_face = sqrt(max(0.0, 1.0 - cos_face * cos_face));
-    vec3 p = world_position + face * (shadow_texel_m * (0.5 + 2.0 * sin_face));
+    vec3 p = eye_to_sample + face * (shadow_texel_m * (0.5 + 2.0 * sin_face));
     vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
     if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
     float depth = min(at.z, 1.0);
@@ -172,7 +198,7 @@ vec4 base_color() {
     vec4 base = material.base_color_factor;
 #ifdef HAS_BASE_COLOR_TEX
 #ifdef TEXCOORD_0_LOC
-    vec4 texel = texture(material.base_color_texture, uv);
+    vec4 texel = texture(material.base_color_texture, uv_of(base_color_layer));
     base *= vec4(linear_from_srgb(texel.rgb), texel.a);
 #endif
 #endif
@@ -190,15 +216,16 @@ void main() {
     float occlusion = 1.0;
 #ifdef TEXCOORD_0_LOC
 #ifdef HAS_METALLIC_ROUGHNESS_TEX
-    vec2 rough_metal = texture(material.metallic_roughness_texture, uv).rg;
+    vec2 rough_metal = texture(material.metallic_roughness_texture, uv_of(metallic_roughness_layer)).rg;
     roughness *= rough_metal.r;
     metallic *= rough_metal.g;
 #endif
 #ifdef HAS_OCCLUSION_TEX
-    occlusion = texture(material.occlusion_texture, uv).r;
+    float open = texture(material.occlusion_texture, uv_of(occlusion_layer)).r;
+    occlusion = mix(1.0, open, occlusion_strength);
 #endif
 #ifdef HAS_EMISSIVE_TEX
-    emission *= linear_from_srgb(texture(material.emissive_texture, uv).rgb);
+    emission *= linear_from_srgb(texture(material.emissive_texture, uv_of(emissive_layer)).rgb);
 #endif
 #endif
     roughness = clamp(roughness, 0.0, 1.0);
@@ -206,10 +233,9 @@ void main() {
     vec3 f0 = mix(vec3(dielectric_f0), base.rgb, metallic);
     vec3 albedo = base.rgb * (1.0 - metallic);
 
-    vec3 view = normalize(cam_pos - world_position);
-    vec3 face = face_normal();
-    if (dot(face, view) < 0.0) face = -face;
-    vec3 n = shading_normal(face, view);
+    vec3 view = normalize(-eye_to_sample);
+    vec3 face = face_normal(view);
+    vec3 n = shading_normal(face);
     float nv = max(dot(n, view), 1e-4);
     float nl = dot(n, sun_direction);
     float cos_face = dot(face, sun_direction);

@@ -5,6 +5,10 @@ layout(location = 0) in vec3 position;
 #ifdef TEXCOORD_0_LOC
 layout(location = TEXCOORD_0_LOC) in vec2 texcoord_0;
 #endif
+#ifdef TEXCOORD_1_LOC
+layout(location = TEXCOORD_1_LOC) in vec2 texcoord_1;
+uniform int alpha_layer;
+#endif
 layout(location = INST_M_LOC) in mat4 inst_m;
 
 uniform mat4 M;
@@ -19,5 +23,8 @@ void main() {
     gl_Position = P * V * M * inst_m * vec4(position, 1.0);
 #ifdef TEXCOORD_0_LOC
     uv = texcoord_0;
+#endif
+#ifdef TEXCOORD_1_LOC
+    if (alpha_layer == 1) uv = texcoord_1;
 #endif
 }

@@ -1,0 +1,87 @@
+"""Mitsuba's sunsky on as many directions as a cube map has sky texels, in a process of its own.
+
+    python -m vrut_lite_bench.hosek_wilkie_mitsuba SIZE...
+
+Prints JSON: the variant, and CPU seconds by size on one thread. llvm_ad_rgb needs an LLVM that
+drjit takes (Debian's libllvm19); with others it aborts the process, which is why it has its own.
+"""
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+import time
+from typing import Any
+
+ROUNDS = 60
+_LLVM_PLACES = ("/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1", "/usr/lib/libLLVM.so.19.1")
+
+
+def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
+    """The figures of a process that uses LLVM, or of one that does not if that one ends badly."""
+    command = [sys.executable, "-m", "vrut_lite_bench.hosek_wilkie_mitsuba", *map(str, sizes)]
+    for library in (*filter(os.path.exists, _LLVM_PLACES), ""):
+        environment = {**os.environ, "DRJIT_LIBLLVM_PATH": library}
+        answer = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=False
+        )
+        if answer.returncode == 0:
+            return dict(json.loads(answer.stdout.splitlines()[-1]))
+    return {"variant": "not installed", "seconds": {}}
+
+
+def _main(sizes: list[int]) -> dict[str, Any]:
+    from vrut_lite_bench.hosek_wilkie_paths import SKY, SUN, sky_directions
+
+    mitsuba: Any = importlib.import_module("mitsuba")
+    vectorised = bool(os.environ.get("DRJIT_LIBLLVM_PATH"))
+    mitsuba.set_variant("llvm_ad_rgb" if vectorised else "scalar_rgb")
+    emitter = mitsuba.load_dict(
+        {
+            "type": "sunsky",
+            "sun_direction": [SUN[0], -SUN[2], SUN[1]],
+            "turbidity": SKY.turbidity,
+            "albedo": float(SKY.albedo),
+            "sun_scale": 0.0,
+        }
+    )
+    run = _vectorised if vectorised else _one_by_one
+    seconds = {}
+    for size in sizes:
+        d = sky_directions(size)
+        towards = -d[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
+        seconds[size] = run(mitsuba, emitter, towards)
+    return {"variant": mitsuba.variant(), "seconds": seconds}
+
+
+def _vectorised(mitsuba: Any, emitter: Any, towards: Any) -> float:
+    drjit: Any = importlib.import_module("drjit")
+    drjit.set_thread_count(1)
+    interaction = drjit.zeros(mitsuba.SurfaceInteraction3f, len(towards))
+    interaction.wi = mitsuba.Vector3f(*towards.T.astype("f4"))
+    drjit.eval(interaction)
+    drjit.sync_thread()
+    least = float("inf")
+    for _ in range(ROUNDS):
+        start = time.process_time()
+        drjit.eval(emitter.eval(interaction))
+        drjit.sync_thread()
+        least = min(least, time.process_time() - start)
+    return least
+
+
+def _one_by_one(mitsuba: Any, emitter: Any, towards: Any) -> float:
+    """A sample of the directions, scaled up: the Python loop is part of it."""
+    sample = towards[:: max(1, len(towards) // 2000)]
+    interaction = mitsuba.SurfaceInteraction3f()
+    interaction.time = 0.0
+    start = time.process_time()
+    for direction in sample:
+        interaction.wi = mitsuba.Vector3f(*map(float, direction))
+        emitter.eval(interaction)
+    return (time.process_time() - start) / len(sample) * len(towards)
+
+
+if __name__ == "__main__":
+    print(json.dumps(_main([int(size) for size in sys.argv[1:]])))

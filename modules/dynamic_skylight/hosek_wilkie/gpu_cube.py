@@ -1,0 +1,81 @@
+"""The Hosek-Wilkie cube map as a job for the GPU: the formula's numbers go up as uniforms."""
+
+from functools import lru_cache
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamic_skylight.hosek_wilkie.fast_formula import (
+    ANGLE_POLYNOMIAL,
+    EXP2M1_POLYNOMIAL,
+    fold,
+)
+from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
+from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.kernel.gpu_job import GpuJob, UniformValue
+
+# In the order of `fold`, as the shader calls them.
+_NUMBERS = (
+    "zenith_base", "zenith_factor", "zenith_decay", "CD", "D", "E", "F", "G", "gap", "I", "H",
+)  # fmt: skip
+_GROUP = 8
+
+
+def gpu_cube_job(
+    module: str,
+    job: str,
+    sky: HosekWilkieSky,
+    sun_azimuth_rad: float,
+    ground_rgb: ArrayLike,
+    size: int,
+    scale: float,
+    wanted: tuple[int, ...] = ALL_FACES,
+    read_back: bool = False,
+) -> GpuJob:
+    """A job that writes sky and ground (3,) over `scale` as a cube texture in half precision.
+
+    Faces, axes and azimuth are those of `HosekWilkieSky.cube_map`. Of the faces that are not
+    wanted the texels are anyone's.
+    """
+    groups = -(-size // _GROUP)
+    return GpuJob(
+        module=module,
+        job=job,
+        compute_shader=_shader(),
+        uniforms=_uniforms(sky, sun_azimuth_rad, ground_rgb, scale, wanted),
+        output="cube",
+        size=size,
+        groups=(groups, groups, len(wanted)),
+        read_back=read_back,
+    )
+
+
+def _uniforms(
+    sky: HosekWilkieSky,
+    sun_azimuth_rad: float,
+    ground_rgb: ArrayLike,
+    scale: float,
+    wanted: tuple[int, ...],
+) -> dict[str, UniformValue]:
+    numbers = fold(sky.rgb_distribution, sky.rgb_mean_radiance / scale)
+    sun = world_from_enu(direction_from_angles(sun_azimuth_rad, sky.sun_elevation_rad))
+    return {
+        "faces": (*wanted, *(0,) * (len(ALL_FACES) - len(wanted))),
+        "sun": _floats(sun),
+        "ground": _floats(np.asarray(ground_rgb) / scale),
+        "angle_polynomial": _floats(np.array(ANGLE_POLYNOMIAL)),
+        "exp2m1_polynomial": _floats(np.array(EXP2M1_POLYNOMIAL)),
+        "horizon_offset": HORIZON_OFFSET,
+        **{name: _floats(column) for name, column in zip(_NUMBERS, numbers.T, strict=True)},
+    }
+
+
+def _floats(values: NDArray[np.floating]) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)
+
+
+@lru_cache(maxsize=1)
+def _shader() -> str:
+    return (files("dynamic_skylight") / "shaders" / "hosek_wilkie.comp").read_text("utf-8")

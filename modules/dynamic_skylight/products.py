@@ -1,0 +1,99 @@
+"""What DynamicSkyLight says, made from one hour's light."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamic_skylight.daylight import Daylight
+from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
+from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
+from dynamic_skylight.sun.position import Method, sun_position
+from vrut_lite.geometry.frames import world_from_enu
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    ClockMoved,
+    SetPlace,
+    SunLightChanged,
+    SunMoved,
+    Vector,
+)
+
+NAME = "dynamic_skylight"
+CUBE_JOB = "cube"
+
+
+def sun_moved(clock: ClockMoved, place: SetPlace, method: Method) -> SunMoved:
+    """Where the sun stands, in world axes."""
+    sun = sun_position(
+        clock.instant,
+        place.latitude_deg,
+        place.longitude_deg,
+        method,
+        altitude_m=place.altitude_m,
+    )
+    return SunMoved(
+        direction=_vector(world_from_enu(sun.direction, place.north_offset_rad)),
+        azimuth_rad=sun.azimuth_rad,
+        elevation_rad=sun.elevation_rad,
+        apparent_elevation_rad=sun.apparent_elevation_rad,
+        visible_disc_fraction=sun.visible_disc_fraction,
+    )
+
+
+def background(daylight: Daylight, size: int) -> BackgroundChanged:
+    """The sky as an array, computed here and now."""
+    values, scale = daylight.encoded_background(size)
+    return BackgroundChanged(
+        cube=Array(values),
+        radiance_scale=scale,
+        ground_radiance_rgb=_vector(daylight.ground_rgb),
+        source=NAME,
+    )
+
+
+def gpu_background(daylight: Daylight, size: int) -> tuple[GpuJob, BackgroundChanged]:
+    """The job that computes the sky, and what to say when it is done, but for the texture.
+
+    Only for an hour of the exact model.
+    """
+    assert daylight.model is not None
+    job = gpu_cube_job(
+        NAME,
+        CUBE_JOB,
+        daylight.model,
+        daylight.sun_azimuth_rad,
+        daylight.ground_rgb,
+        size,
+        daylight.half_scale,
+    )
+    awaited = BackgroundChanged(
+        cube=GpuTexture(size=size, format=job.format, recipe=job.recipe),
+        radiance_scale=daylight.half_scale,
+        ground_radiance_rgb=_vector(daylight.ground_rgb),
+        source=NAME,
+    )
+    return job, awaited
+
+
+def sun_light(daylight: Daylight, direction: Vector) -> SunLightChanged:
+    """The sun's direct light."""
+    return SunLightChanged(
+        direction=direction,
+        irradiance_rgb=_vector(daylight.sun.irradiance_rgb),
+        angular_radius_rad=MEAN_ANGULAR_RADIUS_RAD,
+        limb_darkening_rgb=daylight.sun.limb_darkening_rgb,
+        source=NAME,
+    )
+
+
+def ambient(daylight: Daylight) -> AmbientChanged:
+    """The light of sky and ground on surfaces."""
+    coefficients = daylight.ambient().astype(np.float32)
+    return AmbientChanged(irradiance_sh_rgb=Array(coefficients), source=NAME)
+
+
+def _vector(values: NDArray[np.float64]) -> Vector:
+    x, y, z = (float(v) for v in values)
+    return x, y, z

@@ -1,0 +1,165 @@
+"""When the sun rises, culminates and sets, and when its twilights begin and end.
+
+Found as roots of `sun_position` itself, by two conventions, both the almanacs':
+
+* Sunrise and sunset: the upper limb, refracted as its own elevation asks, stands on a level
+  horizon. (The lower the light the more it is lifted: a disc drawn round about its lifted
+  centre shows some seconds earlier.) The dip of the horizon seen from a height is not in it;
+  the thinner air there is.
+* Twilights: the geometric elevation of the centre is -6 (civil), -12 (nautical) or -18 deg
+  (astronomical).
+
+Any event may be missing: near the poles the sun stays up or down for months.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from datetime import UTC, date, datetime, time, timedelta, tzinfo
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+
+from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
+from dynamic_skylight.sun.position import Method, SunPosition, sun_position
+from dynamic_skylight.sun.refraction import pressure_at_altitude_pa, refraction_rad
+
+# Between two looks the sun turns 7.5 deg; extremes in between are searched for.
+_LOOK = timedelta(minutes=30)
+_PRECISION = timedelta(milliseconds=10)
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+_TWILIGHTS_DEG = {"civil": -6.0, "nautical": -12.0, "astronomical": -18.0}
+
+Height = Callable[[datetime], float]
+
+
+@dataclass(frozen=True)
+class SunEvents:
+    """The sun's events of one civil day in order, as aware datetimes; None where there is none."""
+
+    astronomical_dawn: datetime | None
+    nautical_dawn: datetime | None
+    civil_dawn: datetime | None
+    sunrise: datetime | None
+    noon: datetime | None
+    sunset: datetime | None
+    civil_dusk: datetime | None
+    nautical_dusk: datetime | None
+    astronomical_dusk: datetime | None
+
+
+def sun_events(
+    day: date,
+    latitude_deg: float,
+    longitude_deg: float,
+    *,
+    time_zone: tzinfo = UTC,
+    altitude_m: float = 0.0,
+    method: Method = "ephemeris",
+) -> SunEvents:
+    """The sun's events at a place from midnight to midnight of a civil day of a time zone.
+
+    Where an event happens twice in the day (a midsummer sunset just after one midnight and
+    again just before the next) the dawns and sunrise are the first, sunset and the dusks the
+    last. Noon is the upper transit of the meridian; at a pole, that of the longitude given.
+    Times are good to 0.01 s of this sun's own motion; refraction makes real sunrises differ by
+    a minute and more.
+
+    Raises:
+        ValueError: for a place out of range, in one sentence (see `sun_position`).
+    """
+
+    @cache
+    def look(when: datetime) -> SunPosition:
+        return sun_position(when, latitude_deg, longitude_deg, method, altitude_m=altitude_m)
+
+    start, end = _midnight(day, time_zone), _midnight(day + timedelta(days=1), time_zone)
+    instants = _with_extremes([*_looks(start, end), end], lambda when: look(when).elevation_rad)
+
+    def crossings(height: Height, rising: bool) -> list[datetime]:
+        return [when.astimezone(time_zone) for when in _roots(instants, height, rising)]
+
+    def upper_limb(when: datetime) -> float:
+        limb = look(when).elevation_rad + MEAN_ANGULAR_RADIUS_RAD
+        return limb + float(refraction_rad(limb, pressure_at_altitude_pa(altitude_m)))
+
+    def eastward(when: datetime) -> float:
+        return look(when).direction[0]
+
+    found = {
+        "sunrise": _first(crossings(upper_limb, rising=True)),
+        "noon": _first(crossings(eastward, rising=False)),
+        "sunset": _last(crossings(upper_limb, rising=False)),
+    }
+    for name, elevation_deg in _TWILIGHTS_DEG.items():
+        height = _above(look, float(np.radians(elevation_deg)))
+        found[f"{name}_dawn"] = _first(crossings(height, rising=True))
+        found[f"{name}_dusk"] = _last(crossings(height, rising=False))
+    return SunEvents(**found)
+
+
+def _above(look: Callable[[datetime], SunPosition], elevation_rad: float) -> Height:
+    return lambda when: look(when).elevation_rad - elevation_rad
+
+
+def _midnight(day: date, time_zone: tzinfo) -> datetime:
+    """The day's beginning in UTC, in which time passes evenly."""
+    return datetime.combine(day, time(), tzinfo=time_zone).astimezone(UTC)
+
+
+def _looks(start: datetime, end: datetime) -> Iterator[datetime]:
+    while start < end:
+        yield start
+        start += _LOOK
+
+
+def _with_extremes(instants: list[datetime], height: Height) -> list[datetime]:
+    """The instants and the height's extremes between them: in between it is monotone."""
+    heights = [height(when) for when in instants]
+    extremes = []
+    for i in range(1, len(instants) - 1):
+        before, here, after = heights[i - 1 : i + 2]
+        if (here - before) * (after - here) <= 0.0:
+            sign = 1.0 if here >= before else -1.0
+            extremes.append(_highest(instants[i - 1], instants[i + 1], height, sign))
+    return sorted({*instants, *extremes})
+
+
+def _highest(start: datetime, end: datetime, height: Height, sign: float) -> datetime:
+    """Where sign times height has its maximum, by golden sections."""
+    while end - start > timedelta(seconds=1):
+        width = _GOLDEN * (end - start)
+        left, right = end - width, start + width
+        if sign * height(left) < sign * height(right):
+            start = left
+        else:
+            end = right
+    return start + (end - start) / 2
+
+
+def _roots(instants: list[datetime], height: Height, rising: bool) -> Iterator[datetime]:
+    """Where the height passes zero upwards, or downwards."""
+    sign = 1.0 if rising else -1.0
+    heights = [sign * height(when) for when in instants]
+    for (start, end), (low, high) in zip(pairwise(instants), pairwise(heights), strict=True):
+        if low < 0.0 <= high:
+            yield _root(start, end, height, sign)
+
+
+def _root(start: datetime, end: datetime, height: Height, sign: float) -> datetime:
+    """Where sign times height becomes positive, by bisection."""
+    while end - start > _PRECISION:
+        middle = start + (end - start) / 2
+        if sign * height(middle) < 0.0:
+            start = middle
+        else:
+            end = middle
+    return end
+
+
+def _first(instants: list[datetime]) -> datetime | None:
+    return instants[0] if instants else None
+
+
+def _last(instants: list[datetime]) -> datetime | None:
+    return instants[-1] if instants else None

@@ -1,0 +1,183 @@
+"""Where the light of twilight stands in the sky: a table fitted to multiple scattering.
+
+The table (`data/twilight.npz`, made by tools/twilight_fit) holds the logarithm of the sky's
+radiance over the illuminance on level ground, for turbidities 2, 4 and 6, suns from 2 to -13 deg
+and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions, in which a
+look-up is bilinear: so few numbers that a shader can have them as a small texture.
+
+Directions have the coordinates v and a, both in [0, 1]:
+
+* v = sqrt(1 - sqrt(1 - z)) with z the sine of the elevation: its steps are fine at the horizon,
+  where the sky changes fastest, and even in angle at the zenith, where the azimuth ends.
+* a = sin(azimuth / 2), the azimuth from the sun's: a sky that is even about the plane of the sun
+  is smooth in it at both ends.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+
+FloatArray = NDArray[np.float64]
+MAP_SHAPE = (64, 32)
+_QUADRATURE = 512
+
+
+@dataclass(frozen=True)
+class TwilightTable:
+    """The fitted skies.
+
+    Attributes:
+        log_shape: ln of radiance over illuminance (T, S, V, A, 3), illuminance as CIE Y.
+        turbidity: (T,), rising.
+        first_sun_deg, sun_step_deg: elevations of the S suns, falling by even steps.
+    """
+
+    log_shape: FloatArray
+    turbidity: FloatArray
+    first_sun_deg: float
+    sun_step_deg: float
+
+    def directions(self, turbidity: float, sun_deg: float) -> FloatArray:
+        """Radiance per luminous irradiance (64, 32, 3) on the map's v and a, in sr^-1.
+
+        The logarithm is linear in turbidity between the table's, and below them; above them, and
+        for suns outside the table's, the sky of its ends is held.
+        """
+        suns = self.log_shape.shape[1]
+        position = (self.first_sun_deg - sun_deg) / self.sun_step_deg
+        of_sun = cubic_weights(np.array([position]), suns)[0]
+        of_haze = self._haze_weights(turbidity)
+        logarithm = np.einsum("t,s,tsvac->vac", of_haze, of_sun, self.log_shape, optimize=True)
+        fine_v = _refining(logarithm.shape[0], MAP_SHAPE[0])
+        fine_a = _refining(logarithm.shape[1], MAP_SHAPE[1])
+        shape = np.exp(np.einsum("iv,ja,vac->ijc", fine_v, fine_a, logarithm, optimize=True))
+        return shape / luminous_irradiance(shape)
+
+    def _haze_weights(self, turbidity: float) -> FloatArray:
+        """Weights (T,) of the table's turbidities."""
+        nodes = self.turbidity
+        i = int(np.clip(np.searchsorted(nodes, turbidity) - 1, 0, nodes.size - 2))
+        part = (min(turbidity, nodes[-1]) - nodes[i]) / (nodes[i + 1] - nodes[i])
+        weights = np.zeros(nodes.size)
+        weights[i : i + 2] = 1.0 - part, part
+        return weights
+
+
+@lru_cache(maxsize=1)
+def twilight_table() -> TwilightTable:
+    """The table that the package carries."""
+    source = files("dynamic_skylight") / "data" / "twilight.npz"
+    with source.open("rb") as file, np.load(file, allow_pickle=False) as data:
+        sun = data["sun_deg"]
+        return TwilightTable(
+            data["log_shape_steps"] * float(data["log_step"]),
+            data["turbidity"],
+            float(sun[0]),
+            float(sun[0] - sun[1]),
+        )
+
+
+def elevation_coordinate(sin_elevation: ArrayLike) -> FloatArray:
+    """v (...,) of the sine of an elevation; written so that nothing cancels at the horizon."""
+    z = np.clip(np.asarray(sin_elevation, dtype=float), 0.0, 1.0)
+    return np.asarray(np.sqrt(z / (1.0 + np.sqrt(1.0 - z))))
+
+
+def sin_elevation_of(v: ArrayLike) -> FloatArray:
+    """Inverse of `elevation_coordinate`."""
+    square = np.asarray(v, dtype=float) ** 2
+    return np.asarray(square * (2.0 - square))
+
+
+def azimuth_coordinate(cos_azimuth: ArrayLike) -> FloatArray:
+    """a (...,) of the cosine of the azimuth from the sun's."""
+    cosine = np.clip(np.asarray(cos_azimuth, dtype=float), -1.0, 1.0)
+    return np.asarray(np.sqrt(0.5 - 0.5 * cosine))
+
+
+def look_up(directions: FloatArray, v: ArrayLike, a: ArrayLike) -> FloatArray:
+    """A map (V, A, 3) at coordinates (...,) in [0, 1], bilinear: (..., 3)."""
+    rows, columns = directions.shape[:2]
+    row, i = _cell(np.asarray(v, dtype=float), rows)
+    column, j = _cell(np.asarray(a, dtype=float), columns)
+    row, column = row[..., None], column[..., None]
+    near = directions[i, j] * (1 - column) + directions[i, j + 1] * column
+    far = directions[i + 1, j] * (1 - column) + directions[i + 1, j + 1] * column
+    return np.asarray(near * (1 - row) + far * row)
+
+
+def luminous_irradiance(directions: FloatArray) -> float:
+    """CIE Y of the irradiance on level ground under a map (V, A, 3)."""
+    weights = _irradiance_weights(*directions.shape[:2])
+    return float(np.einsum("va,vac,c->", weights, directions, LUMINANCE_WEIGHTS))
+
+
+def cubic_weights(position: FloatArray, count: int) -> FloatArray:
+    """Weights (n, count) of evenly spaced nodes at positions (n,), counted in nodes.
+
+    Catmull and Rom 1974: through the nodes, once differentiable, linear where they are; held
+    beyond the ends.
+    """
+    x = np.clip(position, 0.0, count - 1.0)
+    i = np.minimum(x.astype(int), count - 2)
+    t = x - i
+    weights = [
+        -0.5 * t + t**2 - 0.5 * t**3,
+        1.0 - 2.5 * t**2 + 1.5 * t**3,
+        0.5 * t + 2.0 * t**2 - 1.5 * t**3,
+        -0.5 * t**2 + 0.5 * t**3,
+    ]
+    # One node more on either side, each on the line through the two next to it.
+    padded = np.zeros((x.size, count + 2))
+    for offset, weight in enumerate(weights):
+        padded[np.arange(x.size), i + offset] += weight
+    inner = padded[:, 1:-1].copy()
+    inner[:, 0] += 2.0 * padded[:, 0]
+    inner[:, 1] -= padded[:, 0]
+    inner[:, -1] += 2.0 * padded[:, -1]
+    inner[:, -2] -= padded[:, -1]
+    return inner
+
+
+def _cell(x: FloatArray, count: int) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Where in its cell a coordinate stands, and the cell's first node."""
+    scaled = x * (count - 1)
+    i = np.clip(scaled.astype(np.intp), 0, count - 2)
+    return scaled - i, i
+
+
+@lru_cache(maxsize=4)
+def _refining(count: int, fine: int) -> FloatArray:
+    """Matrix (fine, count) from nodes to finer nodes with the same ends."""
+    return cubic_weights(np.linspace(0.0, count - 1.0, fine), count)
+
+
+@lru_cache(maxsize=2)
+def _irradiance_weights(rows: int, columns: int) -> FloatArray:
+    """What each node (V, A) of a bilinear map adds to the irradiance on level ground, in sr.
+
+    The integral of z dz over v, with dz = 4 v (1 - v^2) dv, and of azimuth over a, both by the
+    midpoint rule; even about the sun's plane.
+    """
+    middle = (np.arange(_QUADRATURE) + 0.5) / _QUADRATURE
+    edges = sin_elevation_of(np.arange(_QUADRATURE + 1) / _QUADRATURE)
+    ring = np.array([0.5 * (high**2 - low**2) for low, high in pairwise(edges)])
+    azimuth = np.pi * middle
+    of_v = _spread(middle, ring, rows)
+    of_a = _spread(np.sin(0.5 * azimuth), np.full(_QUADRATURE, 2.0 * np.pi / _QUADRATURE), columns)
+    return of_v[:, None] * of_a
+
+
+def _spread(x: FloatArray, weight: FloatArray, count: int) -> FloatArray:
+    """Weights at coordinates (n,) handed to the nodes (count,) of a linear interpolation."""
+    part, i = _cell(x, count)
+    out = np.zeros(count)
+    np.add.at(out, i, weight * (1.0 - part))
+    np.add.at(out, i + 1, weight * part)
+    return out

@@ -1,0 +1,248 @@
+"""What was recorded live, with threads, jobs and faults, replays to the byte."""
+
+import hashlib
+import io
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from journal_toys import TOYS, Parrot, Poke, record_inputs, record_live, toy_kernel
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel import messages
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import (
+    Demand,
+    EnableModule,
+    Input,
+    JobResult,
+    SetClockRate,
+    SetPlace,
+    SetSetting,
+    Tick,
+)
+from vrut_lite.kernel.module import Manifest, handles
+from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.recording.recorder import Recorder
+from vrut_lite.kernel.recording.replay import Replay, rerecord
+
+LIVE_RUNS = 50
+HERE = Path(__file__).parent
+
+
+def saved(folder, data, name="journal.mcap"):
+    path = folder / name
+    path.write_bytes(data)
+    return path
+
+
+def replayed(path):
+    """The bytes of a journal's replay, recorded anew, and the outcome."""
+    stream = io.BytesIO()
+    outcome = rerecord(Journal(path), stream, TOYS)
+    return stream.getvalue(), outcome
+
+
+def test_live_runs_replay_to_the_byte(tmp_path):
+    """Three injecting threads, jobs on threads, seeded faults: 50 runs, full journals equal."""
+    seen = set()
+    for seed in range(LIVE_RUNS):
+        live = record_live(seed, full=True)
+        again, outcome = replayed(saved(tmp_path, live))
+        assert outcome.difference is None, (seed, outcome.difference)
+        assert again == live, seed
+        journal = Journal(tmp_path / "journal.mcap")
+        seen |= {entry.type_name for entry in journal.entries()}
+    assert {"Poke", "JobResult", "Echo", "Fault", "SlotChanged", "RestartModule"} <= seen
+
+
+def test_another_process_with_another_hash_seed_replays_to_the_byte(tmp_path):
+    """Sets and dictionaries of texts are ordered by the hash seed: none may reach a journal."""
+    live = record_live(1000, per_thread=40)
+    path = saved(tmp_path, live)
+    said = in_process(path, PYTHONHASHSEED="12345")
+    assert said == [hashlib.sha256(live).hexdigest(), "compared by digest: None"]
+
+
+def test_without_cpu_features_values_are_compared(tmp_path):
+    """numpy's exp differs in its last bit without AVX: the signature says so, values decide."""
+    found = np.show_config(mode="dicts")["SIMD Extensions"]["found"]
+    if not found:
+        pytest.skip("this processor has no features that numpy could do without")
+    path = saved(tmp_path, record_live(1001))
+    _, said = in_process(path, NPY_DISABLE_CPU_FEATURES=" ".join(found))
+    assert said == "compared by value: None"
+
+
+def in_process(path, **environment):
+    """What this file's main part says of a journal, in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, __file__, str(path)],
+        env=os.environ | {"PYTHONPATH": str(HERE)} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_a_whole_number_in_a_field_of_floats_is_what_will_be_read(tmp_path):
+    """A journal holds 1.0 where 1 was given, or its replay would not be equal to the byte."""
+    live = record_inputs([SetPlace(latitude_deg=50, longitude_deg=14), Tick(elapsed_s=1)])
+    again, _ = replayed(saved(tmp_path, live))
+    assert again == live
+
+
+FOREIGN = JobResult(module="parrot", job="gpu", value=Array(np.arange(3.0)))
+EMPTY = JobResult(module="parrot", job="gpu", value=Array(np.zeros((0, 3))))
+
+
+def test_a_result_from_elsewhere_is_read_from_a_full_journal(tmp_path):
+    """What the GPU's owner brought was no job of the kernel's: the journal has to hold it."""
+    live = record_inputs([FOREIGN, EMPTY, Poke(value=0.3)], full=True)
+    again, outcome = replayed(saved(tmp_path, live))
+    assert outcome.difference is None
+    assert again == live
+
+
+def test_a_light_journal_says_that_it_lacks_the_result(tmp_path):
+    """One sentence with the way out."""
+    path = saved(tmp_path, record_inputs([FOREIGN]))
+    with pytest.raises(UserError, match=r"message 0: JobResult: .* record it with --full"):
+        replayed(path)
+
+
+class Hoarse(Parrot):
+    """A parrot of a later version, that says something else above a value."""
+
+    @handles(Poke)
+    def on_poke(self, message):
+        super().on_poke(Poke(value=min(message.value, 0.25)))
+
+
+def test_the_first_message_that_differs_is_named(tmp_path):
+    """Number, cause, type, sender, and how: enough to look it up in a dump."""
+    path = saved(tmp_path, record_inputs([Poke(value=0.2), Poke(value=0.55), Poke(value=0.56)]))
+    modules = [Hoarse, *TOYS[1:]]
+    outcome = Replay(Journal(path), modules).run()
+    assert outcome.difference.startswith("message ")
+    assert "after input 1 (Poke), Echo from parrot: value is 0.25 here and 0.55 in the journal" in (
+        outcome.difference
+    )
+
+
+def test_a_message_that_is_missing_is_named(tmp_path):
+    """A module that says less than it did."""
+
+    class Mute(Parrot):
+        @handles(Poke)
+        def on_poke(self, message):
+            pass
+
+    off = EnableModule(module="other_sun", enabled=False)
+    path = saved(tmp_path, record_inputs([off, Poke(value=0.2)]))
+    outcome = Replay(Journal(path), [Mute, *TOYS[1:]]).run()
+    assert "Echo from parrot, is in the journal and not here" in outcome.difference
+
+
+def test_another_version_of_a_module_is_compared_by_value(tmp_path):
+    """Digests bind one set of versions; the outcome says which version was which."""
+
+    class Newer(Parrot):
+        manifest = Manifest(name="parrot", title="Parrot", version="2", provides=("sun",))
+
+    path = saved(tmp_path, record_inputs([Poke(value=0.2)]))
+    outcome = Replay(Journal(path), [Newer, *TOYS[1:]]).run()
+    assert outcome.signature_differences == ("module parrot 1 there, 2 here",)
+    assert outcome.difference is None
+
+
+def test_settings_and_slots_at_the_start_are_restored(tmp_path):
+    """A recording begins with what the user had set before."""
+    stream = io.BytesIO()
+    kernel = toy_kernel()
+    kernel.inject(SetSetting(module="parrot", name="volume", value=5))
+    kernel.pump()
+    recorder = Recorder(kernel, stream)
+    kernel.inject(Poke(value=0.4))
+    kernel.pump()
+    recorder.close()
+    journal = Journal(saved(tmp_path, stream.getvalue()))
+    assert journal.setup.modules[0].settings == {"volume": 5.0, "tone": "low"}
+    assert Replay(journal, TOYS).run().difference is None
+
+
+def test_a_module_that_is_missing_is_named(tmp_path):
+    """A journal of a module that is not installed cannot be replayed."""
+    path = saved(tmp_path, record_inputs([Poke(value=0.2)]))
+    with pytest.raises(UserError, match="needs the module other_sun 1: install it"):
+        Replay(Journal(path), TOYS[:2])
+
+
+def test_an_input_that_changed_names_message_and_field(tmp_path, monkeypatch):
+    """A journal of an older version tells what changed instead of a traceback."""
+    path = saved(tmp_path, record_inputs([SetPlace(latitude_deg=50, longitude_deg=14)]))
+    newer = msgspec.defstruct(
+        "SetPlace",
+        [("latitude_rad", float), ("longitude_rad", float)],
+        bases=(Input,),
+        frozen=True,
+        kw_only=True,
+    )
+    monkeypatch.setattr(messages, "SetPlace", newer)
+    replay = Replay(Journal(path), TOYS)
+    with pytest.raises(UserError, match="message 0: SetPlace has no field 'latitude_deg'") as told:
+        replay.run()
+    assert "written by vrut_lite 0.1.0" in str(told.value)
+
+
+def test_recording_begins_on_a_fresh_kernel():
+    """What a module remembers of earlier inputs cannot be written down."""
+    kernel = toy_kernel()
+    kernel.inject(SetClockRate(rate=2.0))
+    kernel.pump()
+    with pytest.raises(UserError, match="a SetClockRate has been admitted"):
+        Recorder(kernel, io.BytesIO())
+
+
+def test_what_cannot_be_recorded_ends_the_recording_and_not_the_session():
+    """A demand beyond all limits is told when the journal is closed; the kernel goes on."""
+    kernel = toy_kernel()
+    recorder = Recorder(kernel, io.BytesIO())
+    kernel.inject(Demand(consumer="c", message="Echo", size=10**7))
+    kernel.inject(Poke(value=0.5))
+    assert kernel.pump() == 2
+    with pytest.raises(UserError, match="could not be recorded at a Demand: Demand: size 10000000"):
+        recorder.close()
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_session():
+    """An error of the file is no error of the module whose message was to be written."""
+
+    class FullDisk(io.BytesIO):
+        full = False
+
+        def write(self, data):
+            if self.full:
+                raise OSError(28, "No space left on device")
+            return super().write(data)
+
+    kernel, disk = toy_kernel(), FullDisk()
+    recorder = Recorder(kernel, disk, full=True)
+    disk.full = True
+    kernel.inject(Poke(value=0.5))
+    assert kernel.pump() == 1
+    assert kernel.last_fault("parrot") is None
+    with pytest.raises(UserError, match="No space left on device"):
+        recorder.close()
+
+
+if __name__ == "__main__":
+    data, result = replayed(Path(sys.argv[1]))
+    print(hashlib.sha256(data).hexdigest())
+    print(f"compared by {'value' if result.by_value else 'digest'}: {result.difference}")

@@ -1,0 +1,90 @@
+"""Slots: one speaker at a time, and never a mixture of two."""
+
+from probe_messages import Halo, Poke, Sun, act, collect, faults_of
+
+from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, Kernel
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, SlotChanged
+from vrut_lite.kernel.module import Manifest, Module, handles
+
+
+def provider(name):
+    """A module class that says sun and halo on a poke, and after a switch the sun alone."""
+
+    class Provider(Module):
+        manifest = Manifest(name=name, title=name, version="1", provides=("sun",))
+
+        @handles(Poke)
+        def on_poke(self, message: Poke) -> None:
+            self.link.post(Sun(source=name))
+            if name in message.fails:
+                raise ValueError("as told")
+            self.link.post(Halo(source=name))
+
+        @handles(SlotChanged)
+        def on_slot(self, message: SlotChanged) -> None:
+            self.link.post(Sun(source=name))
+
+    return Provider
+
+
+def kernel_with(*names):
+    kernel = Kernel()
+    for name in names:
+        kernel.add_module(provider(name))
+    kernel.pump()
+    return kernel
+
+
+def sources(kernel):
+    """Who said the last sun and the last halo."""
+    return [last and last.source for last in (kernel.last(Sun), kernel.last(Halo))]
+
+
+def test_a_switch_never_shows_a_sun_of_one_with_the_halo_of_another():
+    """At every single delivery, what `last` tells of a slot comes from one holder."""
+    kernel = kernel_with("a", "b", "c")
+    mixtures = []
+
+    def look(message, sender):
+        said = {source for source in sources(kernel) if source}
+        if len(said) > 1:
+            mixtures.append((message, said))
+
+    kernel.tap(look)
+    act(kernel, Poke())
+    assert sources(kernel) == ["a", "a"]
+    act(kernel, ChooseSlot(slot="sun", module="b"))
+    assert sources(kernel) == ["b", None]
+    act(kernel, Poke())
+    assert sources(kernel) == ["b", "b"]
+    # In one transaction b is suspended and hands to a, who is suspended and hands to c.
+    act(kernel, *[Poke(fails=("a", "b"))] * FAULTS_UNTIL_SUSPENSION)
+    assert kernel.slots.holder("sun") == "c"
+    assert sources(kernel)[0] == "c"
+    assert mixtures == []
+
+
+def test_what_a_former_holder_left_in_the_queue_is_not_delivered():
+    """A message posted before its maker lost the slot would arrive after the new holder's."""
+    kernel = kernel_with("a", "b")
+    suns = collect(kernel, Sun)
+    act(kernel, *[Poke(fails=("a",))] * FAULTS_UNTIL_SUSPENSION)
+    # Of the third poke, only what the new holder said of it is heard.
+    assert [sun.source for sun in suns] == ["a"] * (FAULTS_UNTIL_SUSPENSION - 1) + ["b"]
+
+
+def test_without_another_the_last_sun_stays():
+    """The sun must not go out because nobody is left to move it."""
+    kernel = kernel_with("a")
+    act(kernel, Poke(), EnableModule(module="a", enabled=False))
+    assert kernel.slots.holder("sun") == ""
+    assert sources(kernel) == ["a", "a"]
+
+
+def test_who_does_not_run_cannot_be_chosen():
+    """A choice that can have no effect is told, not swallowed."""
+    kernel = kernel_with("a", "b")
+    faults = faults_of(kernel)
+    act(kernel, EnableModule(module="b", enabled=False), ChooseSlot(slot="sun", module="b"))
+    assert kernel.slots.holder("sun") == "a"
+    assert "module b is disabled" in faults[0].error

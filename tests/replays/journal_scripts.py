@@ -1,0 +1,152 @@
+"""The sessions behind the journals of this folder; run as a program it records them anew.
+
+`pytest --update-journals` is enough when modules say something else to the same inputs; this
+program is for a script that changed:
+
+    python tests/replays/journal_scripts.py
+"""
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    ChooseSlot,
+    ClockMoved,
+    Demand,
+    RestartModule,
+    SetClock,
+    SetClockRate,
+    SetPlace,
+    SetSetting,
+    SunLightChanged,
+    SunMoved,
+    Tick,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.kernel.recording.recorder import Recorder
+from vrut_lite.render.write_atomic import atomic_output
+
+HERE = Path(__file__).parent
+NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
+PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
+CUBE_SIZE = 8
+LIGHT = (BackgroundChanged, SunLightChanged, AmbientChanged)
+
+
+class FailingSun(Module):
+    """Holds the sun and fails each afternoon; the third time suspends it."""
+
+    manifest = Manifest(name="failing_sun", title="Failing sun", version="1", provides=("sun",))
+
+    @handles(ClockMoved)
+    def on_clock(self, message):
+        if message.instant > NOON:
+            raise ArithmeticError(f"no sun after noon at {message.instant:%H:%M}")
+        if self.link.holds("sun"):
+            self.link.post(
+                SunMoved(
+                    direction=(0.0, 0.6, 0.8),
+                    azimuth_rad=3.141592653589793,
+                    elevation_rad=0.6435011087932844,
+                    apparent_elevation_rad=0.6435011087932844,
+                    visible_disc_fraction=1.0,
+                )
+            )
+
+
+def modules(script):
+    """The modules of a script, in load order."""
+    return [*discover()[0], *([FailingSun] if script in WITH_FAILING_SUN else [])]
+
+
+def demands():
+    return [Demand(consumer="test", message=kind.__name__, size=CUBE_SIZE) for kind in LIGHT]
+
+
+def clock(hours):
+    """The clock's input, so many hours after noon."""
+    return SetClock(instant=NOON + timedelta(hours=hours))
+
+
+def setting(name, value, module="dynamic_skylight"):
+    return SetSetting(module=module, name=name, value=value)
+
+
+START = [
+    ChooseSlot(slot="sun", module="dynamic_skylight"),
+    ChooseSlot(slot="sky", module="dynamic_skylight"),
+    *demands(),
+    PRAGUE,
+    clock(0),
+]
+SCRIPTS = {
+    "day_passing": [*START, *(clock(h) for h in range(-10, 11, 2)), SetClockRate(rate=3600.0),
+                    Tick(elapsed_s=0.5), Tick(elapsed_s=0.25)],
+    "place_changing": [
+        *START,
+        SetPlace(latitude_deg=-33.87, longitude_deg=151.21),
+        SetPlace(latitude_deg=78.22, longitude_deg=15.65, altitude_m=5.0, north_offset_rad=0.5),
+        SetPlace(latitude_deg=27.99, longitude_deg=86.93, altitude_m=8849.0),
+    ],
+    "module_failing": [
+        *START,
+        ChooseSlot(slot="sun", module="failing_sun"),
+        clock(-1),
+        clock(1),
+        clock(2),
+        clock(3),
+        clock(4),
+        RestartModule(module="failing_sun"),
+        ChooseSlot(slot="sun", module="failing_sun"),
+        clock(-2),
+    ],
+    "settings_dragged": [
+        *START,
+        *(setting("turbidity", 2.0 + 0.5 * i) for i in range(5)),
+        *(setting("albedo", 0.1 * i) for i in range(4)),
+        setting("turbidity", 99),
+        setting("haze", 1),
+    ],
+    "slots_switched": [
+        *START,
+        ChooseSlot(slot="sky", module="bruneton_sky"),
+        clock(2),
+        ChooseSlot(slot="sky", module="dynamic_skylight"),
+        ChooseSlot(slot="sky", module="failing_sun"),
+        ChooseSlot(slot="sun", module="failing_sun"),
+        ChooseSlot(slot="sun", module="dynamic_skylight"),
+        ChooseSlot(slot="sky", module="bruneton_sky"),
+        clock(9),
+    ],
+}  # fmt: skip
+
+
+WITH_FAILING_SUN = ("module_failing", "slots_switched")
+
+
+def record_script(name, stream):
+    """Play a script on a fresh kernel, input by input, and record it."""
+    kernel = Kernel()
+    for module in modules(name):
+        kernel.add_module(module)
+    recorder = Recorder(kernel, stream)
+    for message in SCRIPTS[name]:
+        kernel.inject(message)
+        kernel.pump_until_idle()
+    recorder.close()
+    kernel.close()
+
+
+def journal_path(name):
+    return HERE / f"{name}.mcap"
+
+
+if __name__ == "__main__":
+    for script in SCRIPTS:
+        with atomic_output(journal_path(script)) as beside, beside.open("wb") as output:
+            record_script(script, output)
+        print(journal_path(script))

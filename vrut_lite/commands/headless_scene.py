@@ -1,0 +1,34 @@
+"""The host's own modules for sessions without a window: a scene that is opened, never drawn."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.module import Module
+from vrut_lite.kernel.recording.entry import Setup
+
+Services = Mapping[str, Mapping[str, Any]]
+
+
+def add_headless_scene(kernel: Kernel) -> None:
+    """Load the scene manager, on a backend that draws nothing."""
+    module, services = _scene()
+    kernel.add_module(module, **services)
+
+
+def modules_for(setup: Setup) -> tuple[list[type[Module]], Services]:
+    """What a replay of this setup may load: installed modules, the scene manager if it needs it."""
+    modules = discover()[0]
+    if all(wanted.name != "scene" for wanted in setup.modules):
+        return modules, {}
+    scene, services = _scene()
+    return [*modules, scene], {scene.manifest.name: services}
+
+
+def _scene() -> tuple[type[Module], Mapping[str, Any]]:
+    # Loading scenes takes libraries that a session without one need not wait for.
+    from vrut_lite.scene.manager import SceneManager
+    from vrut_lite.scene.recording_backend import RecordingBackend
+
+    return SceneManager, {"backend": RecordingBackend()}

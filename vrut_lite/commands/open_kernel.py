@@ -1,0 +1,81 @@
+"""Kernels for commands: modules that failed to load are told, and a missing light is an error."""
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import click
+
+from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.errors import ModuleFailed
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import BackgroundChanged, SunMoved
+
+if TYPE_CHECKING:
+    from vrut_lite.host import Host
+
+
+def open_kernel() -> Kernel:
+    """A kernel with all installed modules; one line on standard error for each that is broken."""
+    kernel, failures = daylight_kernel()
+    tell(failures)
+    return kernel
+
+
+def open_host() -> "Host":
+    """A host, and one line on standard error for each module that is broken."""
+    with interrupts_held():
+        from vrut_lite.host import Host
+
+        host = Host()
+    tell(host.failures)
+    return host
+
+
+def tell(failures: list[str]) -> None:
+    """Say on standard error which modules failed to load."""
+    for failure in failures:
+        click.echo(f"vrut-lite: {failure}", err=True)
+
+
+def require_sun(kernel: Kernel) -> SunMoved:
+    """Where the sun stands.
+
+    Raises:
+        ModuleFailed: no module holds the sun.
+    """
+    sun = kernel.last(SunMoved)
+    if sun is None:
+        raise ModuleFailed("no module tells where the sun stands: see `vrut-lite modules`")
+    return sun
+
+
+def require_sky(kernel: Kernel) -> BackgroundChanged:
+    """The sky that is shown.
+
+    Raises:
+        ModuleFailed: no module holds the sun, or none the sky.
+    """
+    require_sun(kernel)
+    background = kernel.last(BackgroundChanged)
+    if background is None:
+        raise ModuleFailed("no module makes a sky: see `vrut-lite modules`")
+    return background
+
+
+@contextmanager
+def interrupts_held() -> Iterator[None]:
+    """Deliver Ctrl-C only afterwards.
+
+    Libraries that try optional imports with a bare `except` swallow an interrupt that arrives
+    while they are loaded, and the command would run on.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)

@@ -1,0 +1,61 @@
+"""`vrut-lite replay`: give a journal's inputs to the modules again, and compare the answers."""
+
+import json
+
+import click
+
+from vrut_lite.commands.headless_scene import modules_for
+from vrut_lite.errors import ModuleFailed
+from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.recording.replay import Outcome, Replay
+from vrut_lite.kernel.trace import export_chrome
+from vrut_lite.render.write_atomic import atomic_output, check_writable
+
+
+@click.command(name="replay")
+@click.argument("journal")
+@click.option("--check", is_flag=True, help="Exit with 1 at the first message that differs.")
+@click.option(
+    "--trace",
+    metavar="FILE",
+    help="Write what caused what, and how long it took (Chrome trace JSON; Perfetto opens it).",
+)
+def replay(journal: str, check: bool, trace: str | None) -> None:
+    """Replay JOURNAL with the installed modules and tell whether they still say the same.
+
+    On the machine and the versions of the recording digests must be equal; elsewhere scalars
+    are compared to 1e-12 and sampled values of arrays to 1e-3, and the output says so.
+
+    Example: vrut-lite replay day.mcap --check
+    """
+    if trace is not None:
+        check_writable(trace)
+    recorded = Journal(journal)
+    rerun = Replay(recorded, *modules_for(recorded.setup))
+    outcome = rerun.run(to_the_end=not check)
+    if trace is not None:
+        _write_trace(rerun, trace)
+    if outcome.difference is None:
+        click.echo(f"{journal}: {_counts(outcome)} are equal, {_comparison(outcome)}")
+    elif check:
+        raise ModuleFailed(f"{journal}: {outcome.difference} ({_comparison(outcome)})")
+    else:
+        click.echo(f"{journal}: {_counts(outcome)} replayed; the first that differs: "
+                   f"{outcome.difference} ({_comparison(outcome)})")  # fmt: skip
+
+
+def _write_trace(rerun: Replay, path: str) -> None:
+    trace = rerun.kernel.trace
+    content = json.dumps(export_chrome(trace.entries(), trace.remarks()))
+    with atomic_output(path) as beside:
+        beside.write_text(content, encoding="utf-8")
+
+
+def _counts(outcome: Outcome) -> str:
+    return f"{outcome.inputs} inputs and {outcome.messages} messages"
+
+
+def _comparison(outcome: Outcome) -> str:
+    if not outcome.by_value:
+        return "compared by digest"
+    return f"compared by value, as the recording had {'; '.join(outcome.signature_differences)}"

@@ -1,0 +1,64 @@
+"""A kernel with the installed modules, and light demanded of it: all that needs no GL."""
+
+from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    ChooseSlot,
+    Demand,
+    Fault,
+    Message,
+    SunLightChanged,
+)
+
+# Who holds which slot unless someone chooses; a missing one falls back to load order.
+DEFAULT_HOLDERS = {"sun": "dynamic_skylight", "sky": "dynamic_skylight"}
+LIGHT = (BackgroundChanged, SunLightChanged, AmbientChanged)
+
+
+def daylight_kernel() -> tuple[Kernel, list[str]]:
+    """A kernel with every installed module, and a sentence for each that failed to load."""
+    kernel = Kernel()
+    modules, failures = discover()
+    for module in modules:
+        kernel.add_module(module)
+    for slot, holder in DEFAULT_HOLDERS.items():
+        if holder in kernel.slots.providers(slot):
+            kernel.inject(ChooseSlot(slot=slot, module=holder))
+    kernel.pump()
+    return kernel, failures
+
+
+def demand_light(kernel: Kernel, consumer: str, cube_size: int) -> None:
+    """Ask for background, sun light and ambient, with a cube map of this size."""
+    for message_type in LIGHT:
+        kernel.inject(Demand(consumer=consumer, message=message_type.__name__, size=cube_size))
+
+
+class FaultCollector:
+    """Remembers the faults of a kernel, for those who must answer for them."""
+
+    def __init__(self, kernel: Kernel):
+        self.faults: list[Fault] = []
+        kernel.tap(self._note)
+
+    def _note(self, message: Message, sender: str) -> None:
+        if isinstance(message, Fault):
+            self.faults.append(message)
+
+    def raise_first(self) -> None:
+        """Raise the first fault and forget the others, which are often its consequences.
+
+        Raises:
+            UserError: its maker meant the user.
+            ModuleFailed: a module raised something else.
+        """
+        if not self.faults:
+            return
+        fault = self.faults[0]
+        self.faults.clear()
+        if fault.for_user:
+            raise UserError(fault.error)
+        raise ModuleFailed(f"module {fault.module} failed in {fault.where}: {fault.error}")

@@ -1,0 +1,52 @@
+"""Who wants which message, how large and how exact."""
+
+from collections.abc import Callable
+from typing import get_args
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.messages import Demand, Encoding
+
+_PRECEDENCE = get_args(Encoding)
+
+
+class Demands:
+    """The demands of all consumers, merged by type of message."""
+
+    def __init__(self, is_stopped: Callable[[str], bool]):
+        self._is_stopped = is_stopped
+        self._of: dict[str, dict[str, Demand]] = {}
+        self.merged: dict[str, Demand] = {}
+
+    def note(self, demand: Demand) -> None:
+        """Take in a demand, or take it back at size 0; UserError for an unknown encoding."""
+        if demand.encoding not in _PRECEDENCE:
+            raise UserError(
+                f"{demand.consumer} wants {demand.message} as '{demand.encoding}': "
+                f"it can be {', '.join(filter(None, _PRECEDENCE))}"
+            )
+        consumers = self._of.setdefault(demand.message, {})
+        consumers.pop(demand.consumer, None)
+        if demand.size > 0:
+            consumers[demand.consumer] = demand
+        self._merge(demand.message)
+
+    def of_consumer(self, consumer: str) -> list[Demand]:
+        """What a consumer wants."""
+        return [wishes[consumer] for wishes in self._of.values() if consumer in wishes]
+
+    def refresh(self) -> None:
+        """Merge anew: a consumer has started or stopped."""
+        for message in self._of:
+            self._merge(message)
+
+    def _merge(self, message: str) -> None:
+        wishes = [w for w in self._of[message].values() if not self._is_stopped(w.consumer)]
+        if not wishes:
+            self.merged.pop(message, None)
+            return
+        self.merged[message] = Demand(
+            consumer=", ".join(wish.consumer for wish in wishes),
+            message=message,
+            size=max(wish.size for wish in wishes),
+            encoding=max((wish.encoding for wish in wishes), key=_PRECEDENCE.index),
+        )

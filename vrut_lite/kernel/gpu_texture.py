@@ -1,0 +1,47 @@
+"""A texture that stays on the GPU, as messages carry it."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import msgspec
+
+
+@dataclass(frozen=True)
+class GpuTexture:
+    """What a texture is and how it was made; its texels stay where they are.
+
+    Who holds this object holds the texels: nothing else is written over them before the last
+    holder has let go. Equal are textures of one size, format and recipe, so that messages
+    compare and journals digest alike on every machine.
+
+    Attributes:
+        size: edge in texels.
+        format: "rgba16f" or "rgba32f".
+        recipe: digest of the shader, its uniforms and the output (`GpuJob.recipe`).
+    """
+
+    size: int
+    format: str
+    recipe: str
+
+    # The GL owner's reference: no field, for it is neither compared nor recorded.
+    _texture = None
+
+    @property
+    def opaque(self) -> Any:
+        """The GL owner's reference; None in a texture that was read from a journal."""
+        return self._texture
+
+    def holding(self, texture: Any) -> Self:
+        """This description, with the texture itself."""
+        object.__setattr__(self, "_texture", texture)
+        return self
+
+    @classmethod
+    def of(cls, value: Any) -> Self:
+        """The texture of a job's result, which a journal gives back as its plain fields.
+
+        Raises:
+            msgspec.ValidationError: the value is neither.
+        """
+        return value if isinstance(value, cls) else msgspec.convert(value, cls)

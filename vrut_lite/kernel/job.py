@@ -1,0 +1,66 @@
+"""A background job: a plain function of its arguments, run once, somewhere else."""
+
+import inspect
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from vrut_lite.kernel.faults import described
+from vrut_lite.kernel.messages import JobResult
+from vrut_lite.kernel.trace import Trace
+
+Key = tuple[str, str]
+Work = Callable[..., Any]
+
+
+class JobControl:
+    """What work may say and ask while it runs, if it has a parameter named `control`."""
+
+    def __init__(self, tell: Callable[[str], None]):
+        self._tell = tell
+        self._cancelled = threading.Event()
+
+    def progress(self, fraction: float, text: str = "") -> None:
+        """Say how far the work is, from 0 to 1; shown in the trace, heard by no module."""
+        self._tell(f"{fraction:.0%} {text}".rstrip())
+
+    def cancelled(self) -> bool:
+        """Whether nobody waits for the result any more."""
+        return self._cancelled.is_set()
+
+    def cancel(self) -> None:
+        """Let `cancelled` answer yes."""
+        self._cancelled.set()
+
+
+class Job:
+    """One start of a module's work, under the module's name and the job's."""
+
+    def __init__(self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace):
+        self.key = key
+        self.result: JobResult | None = None
+        module, name = key
+        self.control = JobControl(lambda text: trace.remark("progress", module, f"{name}: {text}"))
+        self._work = work
+        self._arguments = arguments
+        self._trace = trace
+
+    def run(self) -> JobResult:
+        """Do the work; what it raises is a result too."""
+        module, name = self.key
+        start_ns = time.perf_counter_ns()
+        options = {"control": self.control} if _takes_control(self._work) else {}
+        try:
+            outcome = {"value": self._work(*self._arguments, **options)}
+        except Exception as error:
+            outcome = described(error)
+        self._trace.remark("job", module, name, start_ns)
+        return JobResult(module=module, job=name, **outcome)
+
+
+def _takes_control(work: Work) -> bool:
+    try:
+        return "control" in inspect.signature(work).parameters
+    except ValueError:  # A builtin that does not tell its parameters.
+        return False

@@ -1,0 +1,76 @@
+"""Which background job runs and which waits.
+
+Both change only in transactions, so that a replay finds them the same: a result frees its
+place when it is admitted, not when the work happens to end.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from vrut_lite.kernel.job import Job, Key, Work
+from vrut_lite.kernel.jobs import JobRunner
+from vrut_lite.kernel.messages import Input, JobResult
+from vrut_lite.kernel.trace import Trace
+
+
+class JobDesk:
+    """One running and one pending job for each module and name; the latest pending wins."""
+
+    def __init__(self, runner: JobRunner, inject: Callable[[Input], None], trace: Trace):
+        self._runner = runner
+        self._inject = inject
+        self._trace = trace
+        self._running: dict[Key, Job] = {}
+        self._pending: dict[Key, Job] = {}
+        self._sent: set[int] = set()
+
+    @property
+    def busy(self) -> bool:
+        """Whether a module waits for a result."""
+        return bool(self._running)
+
+    def start(self, key: Key, work: Work, arguments: tuple[Any, ...]) -> None:
+        """Run the work now, or when the job of this key that runs is done."""
+        job = Job(key, work, arguments, self._trace)
+        if key in self._running:
+            self._pending[key] = job
+        else:
+            self._run(job)
+
+    def cancel(self, key: Key) -> None:
+        """Drop what waits, and the result of what runs."""
+        self._pending.pop(key, None)
+        running = self._running.pop(key, None)
+        if running is not None:
+            running.control.cancel()
+
+    def cancel_all(self, module: str | None = None) -> None:
+        """Cancel every job, of one module or of all."""
+        for key in [key for key in self._running if module in (None, key[0])]:
+            self.cancel(key)
+
+    def admit(self, result: JobResult) -> bool:
+        """Whether someone still waits for a result; if so, what waited for it may run.
+
+        A result that comes from elsewhere (the owner of the GPU, a test) is always let in.
+        """
+        key = (result.module, result.job)
+        job = self._running.get(key)
+        if id(result) in self._sent:
+            self._sent.remove(id(result))
+            if job is None or job.result is not result:
+                return False
+        self._running.pop(key, None)
+        if key in self._pending:
+            self._run(self._pending.pop(key))
+        return True
+
+    def _run(self, job: Job) -> None:
+        self._runner.start(job, self._finish)
+        self._running[job.key] = job
+
+    def _finish(self, job: Job, result: JobResult) -> None:
+        """Bring in a result, from any thread; until it is admitted the inbox keeps it alive."""
+        job.result = result
+        self._sent.add(id(result))
+        self._inject(result)

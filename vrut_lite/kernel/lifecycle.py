@@ -1,0 +1,155 @@
+"""How modules start, stop, fail and are replaced; slots, demands and jobs follow."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import msgspec
+
+from vrut_lite.kernel import settings as setting_rules
+from vrut_lite.kernel.demands import Demands
+from vrut_lite.kernel.dispatch import HOST, Dispatcher
+from vrut_lite.kernel.faults import described
+from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.link import ModuleLink
+from vrut_lite.kernel.messages import Derived, Fault, SlotChanged
+from vrut_lite.kernel.reload import import_afresh, root_package
+from vrut_lite.kernel.seat import Seat, State
+from vrut_lite.kernel.slots import Slots
+
+FAULTS_UNTIL_SUSPENSION = 3
+
+
+class Lifecycle:
+    """Moves seats from state to state and tells everyone concerned."""
+
+    def __init__(
+        self,
+        seats: Mapping[str, Seat],
+        dispatcher: Dispatcher,
+        slots: Slots,
+        jobs: JobDesk,
+        make_link: Callable[[Seat], ModuleLink],
+    ):
+        self.demands = Demands(lambda name: name in seats and not seats[name].running)
+        self._dispatcher = dispatcher
+        self._slots = slots
+        self._jobs = jobs
+        self._make_link = make_link
+
+    def say(self, message: Derived | None) -> None:
+        """Queue what the host has to say, if anything."""
+        if message is not None:
+            self._dispatcher.put(message, HOST)
+
+    # --- faults ----------------------------------------------------------------------
+
+    def failed(self, seat: Seat, where: str, error: Exception) -> None:
+        """What a module raised becomes a Fault and stays its own affair."""
+        self.count(seat, Fault(module=seat.name, where=where, **described(error)))
+
+    def count(self, seat: Seat, fault: Fault) -> None:
+        """Tell a fault and count it, but for a UserError, which is the user's to mend."""
+        if not fault.for_user:
+            seat.faults += 1
+            if seat.running and seat.faults >= FAULTS_UNTIL_SUSPENSION:
+                fault = msgspec.structs.replace(fault, suspended=True)
+        self._tell(seat, fault)
+
+    def suspend(self, seat: Seat, where: str, error: Exception) -> None:
+        """Stop a module at once for what it did, and tell why."""
+        self._tell(seat, Fault(module=seat.name, where=where, suspended=True, **described(error)))
+
+    def refuse(self, module: str, where: str, error: str) -> None:
+        """Tell the user that an input was not as it should be."""
+        self.say(Fault(module=module, where=where, error=error, for_user=True))
+
+    def _tell(self, seat: Seat, fault: Fault) -> None:
+        if fault.suspended:
+            self.stop(seat, "suspended")
+        seat.last_fault = fault
+        self.say(fault)
+
+    # --- starting and stopping -------------------------------------------------------
+
+    def start(self, seat: Seat) -> None:
+        """Make a fresh instance and tell it the last value of everything it listens to."""
+        self._jobs.cancel_all(seat.name)
+        try:
+            seat.start(self._make_link(seat))
+        except Exception as error:
+            self.suspend(seat, "start", error)
+        else:
+            self._welcome(seat)
+
+    def stop(self, seat: Seat, state: State) -> None:
+        """Drop the instance, its jobs and its slots."""
+        self._jobs.cancel_all(seat.name)
+        seat.stop(state)
+        self._changed_state()
+        self._fill(self._slots.held_by(seat.name))
+
+    def switched(self, change: SlotChanged | None) -> None:
+        """Tell of a new holder; what others said of its slot is not to be mixed with its own."""
+        if change is not None and change.holder:
+            self._dispatcher.memory.keep_only(change.name, change.holder)
+        self.say(change)
+
+    def _welcome(self, seat: Seat) -> None:
+        """Let a fresh instance have its slots, its demands and the last values."""
+        self._changed_state()
+        self._fill(seat.manifest.provides)
+        for demand in self.demands.of_consumer(seat.name):
+            self._dispatcher.put(demand, HOST)
+        if seat.link is not None:
+            for message, sender in self._dispatcher.memory.recall(seat.methods):
+                self._dispatcher.put_again(message, sender, seat.link)
+
+    def _changed_state(self) -> None:
+        self._dispatcher.reroute()
+        self.demands.refresh()
+
+    def _fill(self, slots: Iterable[str]) -> None:
+        for slot in slots:
+            self.switched(self._slots.fill(slot))
+
+    # --- reloading -------------------------------------------------------------------
+
+    def reload(self, seat: Seat) -> None:
+        """Put the newest version in the old one's place; a broken one leaves the old running."""
+        old_type, old_settings = seat.module_type, seat.settings
+        state = self._snapshot(seat)
+        undo = None
+        try:
+            new_type, undo = import_afresh(old_type)
+            settings, losses = setting_rules.carry_over(
+                old_settings, new_type.settings_type, seat.name
+            )
+            seat.take_type(new_type, settings)
+            self._jobs.cancel_all(seat.name)
+            if seat.state != "disabled":
+                seat.start(self._make_link(seat))
+        except Exception as error:
+            seat.take_type(old_type, old_settings)
+            if undo is not None:
+                undo()
+            self._tell(seat, Fault(module=seat.name, where="reload", **described(error)))
+            return
+        for loss in losses:
+            self.refuse(seat.name, "reload", loss)
+        # The old version's own types of message are not those that the new one handles.
+        self._dispatcher.memory.forget_types_of(root_package(old_type))
+        self._fill(old_type.manifest.provides)
+        self._welcome(seat)
+        if state is not None and seat.running:
+            self._dispatcher.call(seat, "restore", state)
+
+    def _snapshot(self, seat: Seat) -> Any:
+        """A module's state as built-in types, so that nothing of the old version lives on."""
+        if seat.module is None:
+            return None
+        state = self._dispatcher.call(seat, "snapshot")
+        try:
+            return msgspec.to_builtins(state)
+        except Exception as error:
+            self.failed(seat, "snapshot", error)
+            return None

@@ -1,0 +1,72 @@
+"""A module instance's side of the kernel, which the host owns and can cut."""
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from vrut_lite.kernel.job import Work
+from vrut_lite.kernel.messages import Demand, Derived, Encoding, Message
+from vrut_lite.kernel.seat import Seat
+
+if TYPE_CHECKING:
+    from vrut_lite.kernel.bus import Kernel
+
+M = TypeVar("M", bound=Message)
+
+POSTS_PER_TRANSACTION = 10_000
+
+
+class ModuleLink:
+    """See `vrut_lite.kernel.module.Link`; once `alive` is false, the instance is not heard."""
+
+    def __init__(self, kernel: "Kernel", seat: Seat):
+        self.alive = True
+        self.name = seat.name
+        self.posts = 0
+        self.seat = seat
+        self._kernel = kernel
+        self._put = kernel.dispatcher.put
+
+    def post(self, message: Derived) -> None:
+        """Queue what a module says; a storm is cut by count, and its maker named."""
+        if not self.alive:
+            return
+        if message.slot is not None and not self.holds(message.slot):
+            self.seat.ledger.skip(f"post {type(message).__name__} without slot")
+            return
+        if not self.posts:
+            self._kernel.dispatcher.posters.append(self)
+        elif self.posts >= POSTS_PER_TRANSACTION:
+            storm = f"posted over {POSTS_PER_TRANSACTION} messages after one input"
+            where = f"post {type(message).__name__}"
+            self._kernel.lifecycle.suspend(self.seat, where, RuntimeError(storm))
+            return
+        self.posts += 1
+        self._put(message, self.name)
+
+    def wanted(self, message_type: type[Message]) -> Demand | None:
+        """See `Link`."""
+        return self._kernel.wanted(message_type)
+
+    def demand(self, message_type: type[Message], size: int = 1, encoding: Encoding = "") -> None:
+        """Ask for messages of a type; see `Link`."""
+        if self.alive:
+            name = message_type.__name__
+            wish = Demand(consumer=self.name, message=name, size=size, encoding=encoding)
+            self._put(wish, self.name)
+
+    def holds(self, slot: str) -> bool:
+        """See `Link`."""
+        return self._kernel.slots.holder(slot) == self.name
+
+    def last(self, message_type: type[M]) -> M | None:
+        """See `Link`."""
+        return self._kernel.last(message_type)
+
+    def start_job(self, name: str, work: Work, *arguments: Any) -> None:
+        """See `Link`."""
+        if self.alive:
+            self._kernel.jobs.start((self.name, name), work, arguments)
+
+    def cancel_job(self, name: str) -> None:
+        """See `Link`."""
+        if self.alive:
+            self._kernel.jobs.cancel((self.name, name))

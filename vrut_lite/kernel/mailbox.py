@@ -1,0 +1,34 @@
+"""The hand-off from the kernel's thread to another: latest values and one wake-up."""
+
+import threading
+from collections.abc import Callable, Hashable
+from typing import Any
+
+
+class Mailbox:
+    """Keeps the latest value of each key; wakes its reader once until it has read.
+
+    However many values are put while the reader is busy, it finds one of each key. `wake` is
+    called on the thread that puts and must only tell the reader to come (post an event).
+    """
+
+    def __init__(self, wake: Callable[[], None]):
+        self._wake = wake
+        self._values: dict[Hashable, Any] = {}
+        self._lock = threading.Lock()
+
+    def put(self, key: Hashable, value: Any) -> None:
+        """Leave a value, in place of an unread one of the same key; from any thread."""
+        with self._lock:
+            was_empty = not self._values
+            # Taken out first: values are read in the order in which they became what they are.
+            self._values.pop(key, None)
+            self._values[key] = value
+        if was_empty:
+            self._wake()
+
+    def take_all(self) -> dict[Hashable, Any]:
+        """The unread values by key; the next put wakes again."""
+        with self._lock:
+            values, self._values = self._values, {}
+        return values

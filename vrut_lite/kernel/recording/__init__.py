@@ -1,0 +1,1 @@
+"""Journals: what was said to the kernel, what it answered, and whether it still does."""

@@ -1,0 +1,36 @@
+"""What a journal is made of."""
+
+from typing import Any, Literal
+
+import msgspec
+
+Kind = Literal["input", "derived"]
+
+
+class Entry(msgspec.Struct, frozen=True, kw_only=True):
+    """One message: an admitted input, or what a handler or the kernel said about one.
+
+    `message` is its plain form (see codec); `digest` that of the type's name and the form.
+    """
+
+    kind: Kind
+    type_name: str
+    sender: str
+    digest: str
+    message: dict[str, Any]
+
+
+class ModuleSetup(msgspec.Struct, frozen=True, kw_only=True):
+    """A module as it was when the recording began."""
+
+    name: str
+    version: str
+    state: str
+    settings: dict[str, Any]
+
+
+class Setup(msgspec.Struct, frozen=True, kw_only=True):
+    """The modules in load order, and who held which slot, when the recording began."""
+
+    modules: list[ModuleSetup]
+    slots: dict[str, str]

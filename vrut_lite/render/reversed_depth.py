@@ -1,0 +1,65 @@
+"""A depth buffer that holds a street and a mountain range at once.
+
+Depth is near / distance in 32-bit floats, 1 at the near plane and 0 at infinity: the float's
+own exponent then gives a nearly constant relative precision (Reed 2015, "Depth Precision
+Visualized"), so that the near plane can be a finger's breadth away in a scene of any size.
+"""
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any
+
+from OpenGL import GL
+from OpenGL.platform import PLATFORM
+
+# glClipControl is of OpenGL 4.5 (ARB_clip_control), which PyOpenGL 3.1.0 does not list.
+_ZERO_TO_ONE, _NEGATIVE_ONE_TO_ONE = 0x935F, 0x935E
+
+
+@lru_cache(maxsize=1)
+def _clip_control() -> Any:
+    address = PLATFORM.getExtensionProcedure(b"glClipControl")
+    if not address:
+        raise RuntimeError("this OpenGL has no glClipControl: version 4.5 or newer is needed")
+    return ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(address)
+
+
+@contextmanager
+def reversed_depth() -> Iterator[None]:
+    """Draw with reversed depth into the framebuffer that is bound, its depth cleared."""
+    _clip_control()(GL.GL_LOWER_LEFT, _ZERO_TO_ONE)
+    GL.glDepthMask(GL.GL_TRUE)
+    GL.glClearDepth(0.0)
+    GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+    GL.glDepthFunc(GL.GL_GREATER)
+    try:
+        yield
+    finally:
+        # moderngl and pyrender both count on the defaults.
+        GL.glClearDepth(1.0)
+        GL.glDepthFunc(GL.GL_LESS)
+        _clip_control()(GL.GL_LOWER_LEFT, _NEGATIVE_ONE_TO_ONE)
+
+
+class FloatDepth:
+    """A multisampled 32-bit depth attachment of a moderngl framebuffer, which has none yet."""
+
+    def __init__(self, framebuffer: Any, size: tuple[int, int], samples: int):
+        self._name = int(GL.glGenRenderbuffers(1))
+        GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, self._name)
+        GL.glRenderbufferStorageMultisample(
+            GL.GL_RENDERBUFFER, samples, GL.GL_DEPTH_COMPONENT32F, *size
+        )
+        framebuffer.use()
+        GL.glFramebufferRenderbuffer(
+            GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, self._name
+        )
+        status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
+        if status != GL.GL_FRAMEBUFFER_COMPLETE:
+            raise RuntimeError(f"the framebuffer with float depth is incomplete ({int(status)})")
+
+    def release(self) -> None:
+        """Free the renderbuffer."""
+        GL.glDeleteRenderbuffers(1, [self._name])

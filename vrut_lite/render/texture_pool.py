@@ -1,0 +1,50 @@
+"""Textures for the results of GPU jobs, used again when nobody holds them any more."""
+
+import weakref
+from typing import Any, NamedTuple
+
+from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.kernel.gpu_texture import GpuTexture
+
+NUMPY_TYPES = {"rgba16f": "f2", "rgba32f": "f4"}
+Kind = tuple[str, int, str]
+
+
+class _Lent(NamedTuple):
+    kind: Kind
+    texture: Any
+    handle: "weakref.ref[GpuTexture]"
+
+
+class TexturePool:
+    """Lends textures, on the GL thread only.
+
+    A shown texture must not be written while the next is made: two of a kind take turns, and a
+    third comes in while someone lags behind. Free ones of another kind are released.
+    """
+
+    def __init__(self) -> None:
+        self._lent: list[_Lent] = []
+
+    def take(self, context: Any, job: GpuJob) -> GpuTexture:
+        """The handle of a texture of the job's size and format that nobody else holds."""
+        kind = (job.output, job.size, job.format)
+        texture = self._free_one(kind) or _make(context, job)
+        handle = GpuTexture(size=job.size, format=job.format, recipe=job.recipe).holding(texture)
+        self._lent.append(_Lent(kind, texture, weakref.ref(handle)))
+        return handle
+
+    def _free_one(self, kind: Kind) -> Any:
+        """A texture of this kind whose holders have let go, or None."""
+        free = [lent for lent in self._lent if lent.handle() is None]
+        self._lent = [lent for lent in self._lent if lent.handle() is not None]
+        fitting = [lent.texture for lent in free if lent.kind == kind]
+        for lent in free:
+            if lent.texture not in fitting[:1]:
+                lent.texture.release()
+        return fitting[0] if fitting else None
+
+
+def _make(context: Any, job: GpuJob) -> Any:
+    make = context.texture_cube if job.output == "cube" else context.texture
+    return make((job.size, job.size), 4, dtype=NUMPY_TYPES[job.format])

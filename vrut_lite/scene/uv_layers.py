@@ -1,0 +1,64 @@
+"""Texture coordinates: with which of a mesh's layers each map of a material is looked up.
+
+A layer is a set of coordinates under a transform. A mesh carries two, which serves the usual
+export (a tiled surface and a baked occlusion map); a map on a third one is left out.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.scene.gltf_schema import Material, TextureInfo, TextureTransform
+
+MOST_LAYERS = 2
+
+
+class UvLayer(NamedTuple):
+    """A vertex attribute's name, and what is done to its values."""
+
+    attribute: str
+    transform: TextureTransform | None
+
+    def coordinates(self, values: NDArray[Any]) -> NDArray[np.float64]:
+        """Texture coordinates (V, 2), v upwards as trimesh has it, of glTF's (V, 2)."""
+        uv = values.astype(np.float64)
+        if self.transform is not None and uv.shape[1] == 2:
+            c, s = np.cos(self.transform.rotation), np.sin(self.transform.rotation)
+            uv = (uv * self.transform.scale) @ np.array([[c, -s], [s, c]]) + self.transform.offset
+        return np.concatenate([uv[:, :1], 1.0 - uv[:, 1:]], axis=1)
+
+
+def texture_infos(source: Material) -> dict[str, TextureInfo]:
+    """The textures that a material names, by trimesh's names, the base colour's first."""
+    pbr = source.pbr_metallic_roughness
+    named = {
+        "baseColorTexture": pbr.base_color_texture,
+        "metallicRoughnessTexture": pbr.metallic_roughness_texture,
+        "normalTexture": source.normal_texture,
+        "occlusionTexture": source.occlusion_texture,
+        "emissiveTexture": source.emissive_texture,
+    }
+    return {name: info for name, info in named.items() if info is not None}
+
+
+def layers_of(source: Material) -> tuple[list[UvLayer], dict[str, int]]:
+    """The layers that a material needs, and the layer's number for each map that has one."""
+    layers: list[UvLayer] = []
+    numbers: dict[str, int] = {}
+    for name, info in texture_infos(source).items():
+        layer = _layer(info)
+        if layer not in layers:
+            if len(layers) == MOST_LAYERS:
+                continue
+            layers.append(layer)
+        numbers[name] = layers.index(layer)
+    return layers, numbers
+
+
+def _layer(info: TextureInfo) -> UvLayer:
+    transform = info.extensions.transform
+    number = info.tex_coord
+    if transform is not None and transform.tex_coord is not None:
+        number = transform.tex_coord
+    return UvLayer(f"TEXCOORD_{number}", transform)
