@@ -15,6 +15,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 PACKAGES = {
     "vrut_lite": ROOT / "vrut_lite",
     "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
+    "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
     "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
     "bruneton_sky": ROOT / "modules" / "bruneton_sky",
 }

@@ -23,7 +23,8 @@ def daylight_kernel() -> tuple[Kernel, list[str]]:
     kernel = Kernel()
     modules, failures = discover()
     for module in modules:
-        kernel.add_module(module)
+        services = {"inject": kernel.inject} if module.brings else {}
+        kernel.add_module(module, **services)
     for slot, holder in DEFAULT_HOLDERS.items():
         if holder in kernel.slots.providers(slot):
             kernel.inject(ChooseSlot(slot=slot, module=holder))

@@ -7,11 +7,13 @@ from vrut_lite.kernel.messages import ChooseSlot, EnableModule, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 
-def provider(name):
+def provider(name, stand_in=True):
     """A module class that says sun and halo on a poke, and after a switch the sun alone."""
 
     class Provider(Module):
-        manifest = Manifest(name=name, title=name, version="1", provides=("sun",))
+        manifest = Manifest(
+            name=name, title=name, version="1", provides=("sun",), stand_in=stand_in
+        )
 
         @handles(Poke)
         def on_poke(self, message: Poke) -> None:
@@ -88,3 +90,21 @@ def test_who_does_not_run_cannot_be_chosen():
     act(kernel, EnableModule(module="b", enabled=False), ChooseSlot(slot="sun", module="b"))
     assert kernel.slots.holder("sun") == "a"
     assert "module b is disabled" in faults[0].error
+
+
+def test_who_does_not_stand_in_holds_a_slot_only_when_chosen():
+    """A bridge to elsewhere may be the sun if someone says so, never by another's failure."""
+    kernel = Kernel()
+    kernel.add_module(provider("bridge", stand_in=False))
+    kernel.pump()
+    assert kernel.slots.holder("sun") == ""
+    kernel.add_module(provider("a"))
+    kernel.pump()
+    assert kernel.slots.holder("sun") == "a"
+    act(kernel, EnableModule(module="a", enabled=False))
+    assert kernel.slots.holder("sun") == ""
+    act(kernel, ChooseSlot(slot="sun", module="bridge"))
+    act(kernel, EnableModule(module="a"))
+    assert kernel.slots.holder("sun") == "bridge"
+    act(kernel, EnableModule(module="bridge", enabled=False))
+    assert kernel.slots.holder("sun") == "a"

@@ -80,7 +80,9 @@ def _checked(project: Project) -> Project:
 def _settings_by_name() -> dict[str, tuple[SettingSpec, list[str]]]:
     """Every setting name of the installed modules, and the modules that have it."""
     found: dict[str, tuple[SettingSpec, list[str]]] = {}
-    for module in discover()[0]:
+    # What a bridge to the outside needs is no matter of daylight: --set reaches it.
+    modules = [module for module in discover()[0] if not module.brings]
+    for module in modules:
         for name, spec in describe(module.settings_type).items():
             found.setdefault(name, (spec, []))[1].append(module.manifest.name)
     return found

@@ -6,20 +6,24 @@ from typing import Any, ClassVar, Protocol, TypeVar
 import msgspec
 
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import Demand, Derived, Encoding, Message
+from vrut_lite.kernel.messages import Demand, Derived, Encoding, Input, Message
 
 M = TypeVar("M", bound=Message)
 Handler = Callable[[Any, Any], None]
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
-    """What a module is called, which slots it can hold and which it needs filled."""
+    """What a module is called, which slots it can hold and which it needs filled.
+
+    One that does not `stand_in` holds a slot only when it is chosen, never as a replacement.
+    """
 
     name: str
     title: str
     version: str
     provides: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
+    stand_in: bool = True
 
 
 class NoSettings(msgspec.Struct, frozen=True):
@@ -80,6 +84,8 @@ class Module:
 
     manifest: ClassVar[Manifest]
     settings_type: ClassVar[type[msgspec.Struct]] = NoSettings
+    # Inputs that it brings from outside; a live host hands its maker `inject`, a replay does not.
+    brings: ClassVar[tuple[type[Input], ...]] = ()
 
     def __init__(self, link: Link, settings: Any):
         self.link = link

@@ -30,10 +30,11 @@ class Slots:
         return [name for name, seat in self._seats.items() if slot in seat.manifest.provides]
 
     def fill(self, slot: str) -> SlotChanged | None:
-        """Give the slot to the first running provider unless its holder runs."""
-        able = [name for name in self.providers(slot) if self._seats[name].running]
-        if self.holder(slot) in able:
+        """Give the slot to the first running provider that stands in, unless its holder runs."""
+        running = [name for name in self.providers(slot) if self._seats[name].running]
+        if self.holder(slot) in running:
             return None
+        able = [name for name in running if self._seats[name].manifest.stand_in]
         return self._hand_to(slot, able[0] if able else "")
 
     def choose(self, slot: str, module: str) -> SlotChanged | None:

@@ -21,6 +21,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.messages import Message, SetSetting
 from vrut_lite.kernel.recording.limits import check_limits
+from vrut_lite.kernel.recording.wire import convert
 
 SAMPLES = 32
 # A traceback names files and lines: it differs between two checkouts of the same program.
@@ -93,7 +94,7 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
             if name not in kind.__struct_fields__:
                 raise UserError(f"{kind.__name__} has no field {name!r}")
     try:
-        message = msgspec.convert(from_plain(plain, find_array), kind)
+        message = convert(from_plain(plain, find_array), kind)
     except UserError as error:
         raise UserError(f"{kind.__name__}: {error}") from None
     except (msgspec.ValidationError, OverflowError) as error:

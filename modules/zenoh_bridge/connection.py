@@ -1,0 +1,263 @@
+"""One joining of processes: from its opening to its close, all of it off the kernel's thread.
+
+The sender's thread opens the session, says what is said here, answers for arrays and shows
+what is wanted here. The reader's thread fetches the arrays of what came in and injects it.
+Both keep only the latest of each type, so that a slow line falls behind in number alone.
+"""
+
+import atexit
+import itertools
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import Demand, Derived, Input
+from vrut_lite.kernel.recording.codec import Handle, arrays_of
+from zenoh_bridge.array_store import ArrayStore, check_handle, unpacked
+from zenoh_bridge.frames import Frame, encode_frame, read_frame, remote_message
+from zenoh_bridge.inputs import BridgeState, BridgeTrouble
+from zenoh_bridge.paced import Paced
+from zenoh_bridge.plan import Plan
+from zenoh_bridge.session import Session
+from zenoh_bridge.wants import RemoteWants, Wishes, token_key
+from zenoh_bridge.worker import Worker
+
+NAME = "zenoh_bridge"
+
+# Queries that may wait for their answer, and answers to one that are looked at.
+_MOST_QUERIES = 64
+_MOST_REPLIES = 4
+# Processes that are counted; a stranger could pretend to be any number.
+_MOST_PEERS = 1024
+# As many of the largest arrays are held for others to fetch.
+_STORE_IN_LARGEST = 4
+_CLOSE_TIMEOUT_S = 5.0
+
+
+class Connection:
+    """Joins other processes from `start` to `close`; what it learns it injects."""
+
+    def __init__(self, plan: Plan, inject: Callable[[Input], None]):
+        self._plan = plan
+        self._inject_into_kernel = inject
+        self._closed = False
+        self._session: Session | None = None
+        self._arrays = ArrayStore(_STORE_IN_LARGEST * plan.max_array)
+        self._wants = RemoteWants()
+        self._last: dict[str, Derived] = {}
+        self._tokens: dict[str, Any] = {}
+        self._presence: Any = None  # A token lives as long as its object.
+        self._peers: set[str] = set()
+        self._serial = itertools.count()
+        # Held from looking what is wanted to saying so: the last that is said is true.
+        self._telling = threading.Lock()
+        self._shared = {kind.__name__ for kind in plan.share}
+        self.states = Paced(self._inject)
+        self.troubles = Paced(self._inject)
+        self._sender = Worker("sender", self._do, self._open, self._end)
+        self._reader = Worker("reader", self._complete)
+
+    # --- from the kernel's thread ----------------------------------------------------
+
+    def start(self) -> None:
+        """Open in the background; an endpoint that was just let go is waited for."""
+        atexit.register(self.close_now)
+        self._reader.start()
+        self._sender.start()
+
+    def say(self, message: Derived) -> bool:
+        """Send a message to whoever wants it; false if nobody does, or if it is not shared."""
+        name = type(message).__name__
+        if name not in self._shared:
+            return False
+        self._last[name] = message
+        if self._wants.wanted(name) is None:
+            return False
+        self._sender.put(("say", name), message)
+        return True
+
+    def forget(self, type_name: str) -> None:
+        """Do not send the last message of a type to late joiners: its sender lost the slot."""
+        self._last.pop(type_name, None)
+
+    def want(self, wishes: Wishes) -> None:
+        """Let the others know all that is wanted here."""
+        self._sender.put("want", dict(wishes))
+
+    def check(self, demand: Demand) -> None:
+        """Correct what this kernel takes for the others' demand: it may be of a former session."""
+        with self._telling:
+            truth = self._demand(demand.message)
+            if truth != demand:
+                self._inject(truth)
+
+    def close(self) -> None:
+        """Inject no more of what comes in, and end in the background.
+
+        Also called when a garbage collector finds that nobody needs the connection, on any
+        thread at any time: it sets flags, and takes no lock that its caller could hold.
+        """
+        self._closed = True
+        self._sender.close()
+        self._reader.close()
+
+    def close_now(self) -> None:
+        """Close, and wait until the endpoint is free."""
+        self.close()
+        self._sender.join(_CLOSE_TIMEOUT_S)
+
+    # --- on the sender's thread ------------------------------------------------------
+
+    def _open(self) -> None:
+        if self._closed:
+            return
+        try:
+            session = self._session = Session(self._plan.config)
+            prefix = self._plan.prefix
+            for kind in self._plan.accept:
+                session.listen(f"{prefix}/say/{kind.__name__}", self._guarded(self._heard))
+            session.serve(f"{prefix}/array/*", self._guarded(self._asked))
+            session.watch(f"{prefix}/want/**", self._guarded(self._token))
+            session.watch(f"{prefix}/peer/*", self._guarded(self._peer))
+            self._presence = session.show(f"{prefix}/peer/{session.peer}")
+        except Exception as error:
+            self.states.put(BridgeState(sentence=_told(error), failed=True))
+            return
+        self._tell_state()
+
+    def _end(self) -> None:
+        atexit.unregister(self.close_now)
+        if self._session is not None:
+            self._session.close()
+
+    def _do(self, key: Any, item: Any) -> None:
+        if self._session is None:
+            return
+        try:
+            if key == "want":
+                self._show(self._session, item)
+            elif key[0] == "say":
+                self._send(self._session, item)
+            else:
+                array = self._arrays.find(str(item.key_expr).rpartition("/")[2])
+                self._session.answer(item, None if array is None else array.values.tobytes())
+        except Exception as error:
+            self._trouble(error)
+
+    def _send(self, session: Session, message: Derived) -> None:
+        for array in arrays_of(message):
+            if array.values.nbytes > self._plan.max_array:
+                name = type(message).__name__
+                raise UserError(
+                    f"{name} holds an array of {array.values.nbytes} bytes, which cannot cross: "
+                    "raise max_array_mib on both sides"
+                )
+            self._arrays.keep(array)
+        frame = encode_frame(message, self._plan.max_message)
+        session.put(f"{self._plan.prefix}/say/{type(message).__name__}", frame)
+
+    def _show(self, session: Session, wishes: Wishes) -> None:
+        prefix, peer = self._plan.prefix, session.peer
+        keys = {token_key(prefix, peer, name, *wish) for name, wish in wishes.items()}
+        for key in keys - self._tokens.keys():
+            self._tokens[key] = session.show(key)
+        for key in self._tokens.keys() - keys:
+            session.hide(self._tokens.pop(key))
+
+    # --- on Zenoh's threads: take note, and no more ----------------------------------
+
+    def _heard(self, key: str, data: bytes) -> None:
+        name = key.rpartition("/")[2]
+        frame = read_frame(data, name, self._plan.max_message, self._plan.max_array)
+        self._reader.put(name, frame)
+
+    def _asked(self, query: Any) -> None:
+        # A ring: of too many questions at a time the oldest get no answer.
+        self._sender.put(("query", next(self._serial) % _MOST_QUERIES), query)
+
+    def _token(self, key: str, alive: bool) -> None:
+        if self._is_own(key.removeprefix(f"{self._plan.prefix}/want/")):
+            return
+        name = self._wants.note(key, alive)
+        if name is None or name not in self._shared:
+            return
+        with self._telling:
+            self._inject(self._demand(name))
+        last = self._last.get(name)
+        if alive and last is not None:
+            self._sender.put(("say", name), last)
+
+    def _peer(self, key: str, alive: bool) -> None:
+        peer = key.rpartition("/")[2]
+        if not self._is_own(peer) and (len(self._peers) < _MOST_PEERS or not alive):
+            (self._peers.add if alive else self._peers.discard)(peer)
+            self._tell_state()
+
+    def _is_own(self, key: str) -> bool:
+        return self._session is not None and key.partition("/")[0] == self._session.peer
+
+    def _guarded(self, note: Callable[..., None]) -> Callable[..., None]:
+        def guarded(*arguments: Any) -> None:
+            try:
+                note(*arguments)
+            except Exception as error:
+                self._trouble(error)
+
+        return guarded
+
+    # --- on the reader's thread ------------------------------------------------------
+
+    def _complete(self, name: str, frame: Frame) -> None:
+        try:
+            self._inject(remote_message(frame, self._fetch))
+        except Exception as error:
+            self._trouble(error)
+
+    def _fetch(self, handle: Handle) -> Array:
+        digest, _, _ = check_handle(handle, self._plan.max_array)
+        known = self._arrays.find(digest)
+        if known is not None:
+            return known
+        assert self._session is not None
+        replies = self._session.fetch(f"{self._plan.prefix}/array/{digest}")
+        refusal = UserError(f"nobody had the array {digest} any more")
+        for data in itertools.islice(replies, _MOST_REPLIES):
+            try:
+                array = unpacked(data, handle, self._plan.max_array)
+            except UserError as error:
+                refusal = error
+                continue
+            self._arrays.keep(array)
+            return array
+        raise refusal
+
+    def _demand(self, name: str) -> Demand:
+        """All that the others want of a type, as this bridge's own demand."""
+        merged = self._wants.wanted(name) if name in self._shared else None
+        if merged is None:
+            return Demand(consumer=NAME, message=name, size=0)
+        return msgspec.structs.replace(merged, consumer=NAME)
+
+    # --- into the kernel -------------------------------------------------------------
+
+    def _inject(self, message: Input) -> None:
+        if not self._closed:
+            self._inject_into_kernel(message)
+
+    def _tell_state(self) -> None:
+        count = len(self._peers)
+        joined = "1 process has joined" if count == 1 else f"{count or 'no'} processes have joined"
+        self.states.put(BridgeState(sentence=f"{self._plan.place}: {joined}", peers=count))
+
+    def _trouble(self, error: Exception) -> None:
+        self.troubles.put(BridgeTrouble(sentence=_told(error)))
+
+
+def _told(error: Exception) -> str:
+    if isinstance(error, UserError):
+        return str(error)
+    return " ".join(f"{type(error).__name__}: {error}".split())

@@ -1,0 +1,103 @@
+"""A message as bytes and back; nothing in a frame can run code, and its size is bounded."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.kernel.recording.codec import Handle, from_plain, to_plain
+from zenoh_bridge.array_store import check_handle
+from zenoh_bridge.inputs import RemoteMessage
+from zenoh_bridge.shareable import revive, texture_in
+
+VERSION = 1
+# The shareable messages hold one array at most; a forged one could ask for many.
+_MOST_ARRAYS = 4
+
+FetchArray = Callable[[Handle], Array]
+
+
+class Frame(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What goes over the wire as JSON; `message` is the plain form of codec.to_plain."""
+
+    version: int
+    type_name: str
+    message: dict[str, Any]
+
+
+def encode_frame(message: Derived, max_bytes: int) -> bytes:
+    """A message as a frame, its arrays by digest.
+
+    Raises:
+        UserError: it is too large, or holds what lives on a GPU.
+    """
+    name = type(message).__name__
+    if texture_in(message):
+        raise UserError(f"{name} stays on the GPU and cannot cross: make it on the CPU")
+    data = msgspec.json.encode(Frame(VERSION, name, to_plain(message)))
+    if len(data) > max_bytes:
+        raise UserError(f"{name} takes {len(data)} bytes: raise max_message_kib on both sides")
+    return data
+
+
+def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) -> Frame:
+    """The frame in these bytes, all of it checked but for the arrays, which it only names.
+
+    Raises:
+        UserError: the frame is too large, damaged, of another version or type than
+            `type_name`, or its content is not as it must be.
+    """
+    with _refusing(type_name):
+        if len(data) > max_message:
+            raise UserError(f"it has {len(data)} bytes: raise max_message_kib")
+        frame = msgspec.json.decode(data, type=Frame)
+        if frame.version != VERSION:
+            raise UserError(f"it is of version {frame.version}, not {VERSION}: update one side")
+        if frame.type_name != type_name:
+            raise UserError(f"it holds a {frame.type_name[:40]!r}")
+        revive(type_name, frame.message, _Dummies(max_array))
+    return frame
+
+
+def remote_message(frame: Frame, fetch: FetchArray) -> RemoteMessage:
+    """The input that a frame stands for, with its arrays.
+
+    Raises:
+        UserError: an array cannot be had, or does not fit.
+    """
+    with _refusing(frame.type_name):
+        fields = from_plain(frame.message, fetch)
+        revive(frame.type_name, fields)
+    return RemoteMessage(type_name=frame.type_name, fields=fields)
+
+
+@contextmanager
+def _refusing(type_name: str) -> Iterator[None]:
+    """Tell whatever a stranger's frame leads to in one clear line."""
+    try:
+        yield
+    except (UserError, msgspec.MsgspecError, ValueError, RecursionError) as error:
+        text = str(error) or type(error).__name__
+        # Part of it may be the stranger's.
+        clear = "".join(c if c.isprintable() else "?" for c in text)[:300]
+        raise UserError(f"a frame of {type_name} was refused: {clear}") from None
+
+
+class _Dummies:
+    """Stands in for fetching: arrays of the promised shape that take no memory."""
+
+    def __init__(self, max_array: int):
+        self._max_array = max_array
+        self._seen = 0
+
+    def __call__(self, handle: Handle) -> Array:
+        self._seen += 1
+        if self._seen > _MOST_ARRAYS:
+            raise UserError(f"it holds more than {_MOST_ARRAYS} arrays")
+        _, dtype, shape = check_handle(handle, self._max_array)
+        return Array(np.broadcast_to(np.zeros((), dtype), shape))

@@ -1,0 +1,81 @@
+"""Demands as they cross: a key that lives as long as the process that wants something.
+
+A demand is a Zenoh liveliness token `PREFIX/want/PEER/TYPE/SIZE/ENCODING`. Zenoh tells it to
+everyone who joins later, and withdraws it when its process ends, however that ends.
+"""
+
+import threading
+from collections.abc import Mapping
+from typing import get_args
+
+import msgspec
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.demands import Demands
+from vrut_lite.kernel.messages import Demand, Encoding
+from vrut_lite.kernel.recording.limits import check_limits
+from zenoh_bridge.shareable import BY_NAME
+
+# How much is wanted: edge in texels and encoding, by type of message.
+Wishes = Mapping[str, tuple[int, str]]
+
+_ANY = "any"
+# One process has a token for each type; a stranger could declare them without end.
+_MOST_TOKENS = 1024
+
+
+def token_key(prefix: str, peer: str, type_name: str, size: int, encoding: str) -> str:
+    """The token's key that stands for a demand."""
+    return f"{prefix}/want/{peer}/{type_name}/{size}/{encoding or _ANY}"
+
+
+def demand_of(key: str) -> Demand:
+    """The demand that a token's key stands for; its consumer is unique to the token.
+
+    Raises:
+        UserError: the key is no token's, or wants what there is not.
+    """
+    peer, type_name, size, encoding = [*key.rsplit("/", 4), "", "", "", ""][1:5]
+    encodings = {name or _ANY: name for name in get_args(Encoding)}
+    if type_name not in BY_NAME or encoding not in encodings:
+        raise UserError(f"a demand for {type_name[:40]!r} as {encoding[:40]!r} was refused")
+    if not (size.isascii() and size.isdigit() and 0 < len(size) <= 9 and int(size)):
+        raise UserError(f"a demand for {type_name} in size {size[:40]!r} was refused")
+    demand = Demand(
+        consumer=f"{peer}/{size}/{encoding}",
+        message=type_name,
+        size=int(size),
+        encoding=encodings[encoding],
+    )
+    check_limits(demand)
+    return demand
+
+
+class RemoteWants:
+    """What all processes on the other side want, merged by type; from any thread."""
+
+    def __init__(self) -> None:
+        self._demands = Demands(lambda consumer: False)
+        self._tokens: set[str] = set()
+        self._lock = threading.Lock()
+
+    def wanted(self, type_name: str) -> Demand | None:
+        """The merged demand for a type, or None."""
+        return self._demands.merged.get(type_name)
+
+    def note(self, key: str, alive: bool) -> str | None:
+        """Take in that a token appeared or went; the type whose demand changed by it, if one.
+
+        Raises:
+            UserError: the token's key is not as it must be, or there are too many.
+        """
+        demand = demand_of(key)
+        with self._lock:
+            if (key in self._tokens) == alive:
+                return None
+            if alive and len(self._tokens) >= _MOST_TOKENS:
+                raise UserError(f"more than {_MOST_TOKENS} demands are on the bridge")
+            (self._tokens.add if alive else self._tokens.discard)(key)
+            change = {} if alive else {"size": 0}
+            self._demands.note(msgspec.structs.replace(demand, **change))
+        return demand.message

@@ -1,0 +1,226 @@
+"""The module on a kernel of its own: idle unless told, slots, late joiners, replay."""
+
+import gc
+import sys
+import weakref
+
+import pytest
+from bridge_ends import until
+from bridge_samples import AMBIENT, BACKGROUND, SAMPLES, SUN, known_array
+from bridged_sky import enabling
+from zenoh_bridge.connection import Connection
+from zenoh_bridge.frames import encode_frame, read_frame, remote_message
+from zenoh_bridge.inputs import BridgeState, BridgeTrouble, RemoteMessage
+from zenoh_bridge.module import ALONE, NAME, OFF, ZenohBridge
+from zenoh_bridge.paced import Paced
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    BackgroundChanged,
+    ChooseSlot,
+    Demand,
+    Fault,
+    RestartModule,
+    SetSetting,
+    SunMoved,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.recording.recorder import Recorder
+from vrut_lite.kernel.recording.replay import Replay
+
+
+class Sun(Module):
+    """Another that can hold both slots, and holds them first."""
+
+    manifest = Manifest(name="sun", title="Sun", version="1", provides=("sun", "sky"))
+
+
+class Viewer(Module):
+    """Remembers the suns that it was shown."""
+
+    manifest = Manifest(name="viewer", title="Viewer", version="1")
+
+    def __init__(self, link, settings):
+        super().__init__(link, settings)
+        self.suns = []
+
+    @handles(SunMoved)
+    def on_sun(self, message):
+        self.suns.append(message)
+
+
+@pytest.fixture
+def kernel():
+    """A kernel with a bridge that is enabled and joined to nobody, as in a replay."""
+    kernel = Kernel()
+    for module in (Sun, Viewer, ZenohBridge):
+        kernel.add_module(module)
+    kernel.faults = []
+    kernel.tap(lambda m, _: kernel.faults.append(m) if isinstance(m, Fault) else None)
+    tell(kernel, SetSetting(module=NAME, name="enabled", value=True))
+    yield kernel
+    kernel.close()
+
+
+def tell(kernel, *messages):
+    for message in messages:
+        kernel.inject(message)
+        kernel.pump()
+
+
+def from_afar(message):
+    """The input that a message of another process becomes."""
+    name = type(message).__name__
+    return remote_message(read_frame(encode_frame(message, 2**16), name, 2**16, 2**20), known_array)
+
+
+def test_it_loads_and_stays_idle():
+    """Whoever never asked for a bridge gets no session, no thread and no fault."""
+    kernel = Kernel()
+    kernel.add_module(ZenohBridge, inject=kernel.inject)
+    tell(kernel, SetSetting(module=NAME, name="share", value="SunMoved"))
+    bridge = kernel.seats[NAME].module
+    assert bridge.state == OFF
+    assert bridge._connection is None
+    assert kernel.last(Fault) is None
+    assert kernel.last_fault(NAME) is None
+
+
+def test_a_missing_library_is_told_and_not_a_failure(monkeypatch):
+    """The extra is optional: one sentence says how to get it, and the module keeps running."""
+    monkeypatch.setitem(sys.modules, "zenoh", None)
+    kernel = Kernel()
+    kernel.add_module(ZenohBridge, inject=kernel.inject)
+    for message in enabling("listen", 7447):
+        kernel.inject(message)
+    until(lambda: kernel.pump() and kernel.last_fault(NAME), "the sentence")
+    fault = kernel.last_fault(NAME)
+    assert fault.for_user
+    assert "pip install 'vrut-lite[bridge]'" in fault.error
+    assert kernel.seats[NAME].running
+    assert kernel.seats[NAME].module.state == fault.error
+
+
+def test_settings_that_cannot_be_are_told(monkeypatch):
+    """A host elsewhere is refused before a session is made."""
+    monkeypatch.setattr(Connection, "start", lambda *_: pytest.fail("a session was made"))
+    kernel = Kernel()
+    kernel.add_module(ZenohBridge, inject=kernel.inject)
+    tell(
+        kernel,
+        SetSetting(module=NAME, name="endpoint", value="tcp/0.0.0.0:7447"),
+        SetSetting(module=NAME, name="enabled", value=True),
+    )
+    assert "set allow_remote to true" in kernel.last_fault(NAME).error
+    assert kernel.seats[NAME].running
+
+
+def test_without_a_slot_the_latest_is_kept_until_it_comes(kernel):
+    """A slot's products are its holder's alone; a switch shows what is known at once."""
+    tell(kernel, from_afar(SUN), from_afar(BACKGROUND))
+    assert kernel.seats["viewer"].module.suns == []
+    assert kernel.seats[NAME].ledger.skipped["SunMoved without slot"] == 1
+    tell(kernel, ChooseSlot(slot="sun", module=NAME))
+    assert kernel.seats["viewer"].module.suns == [SUN]
+    assert kernel.last(BackgroundChanged) is None
+    tell(kernel, ChooseSlot(slot="sky", module=NAME))
+    assert kernel.last(BackgroundChanged) == BACKGROUND
+    assert not kernel.faults
+
+
+def test_what_has_no_slot_is_said_at_once(kernel):
+    """The needs of a scene elsewhere steer the sky that is made here, if they are accepted."""
+    needs = SAMPLES[4]
+    tell(kernel, from_afar(needs))
+    assert kernel.seats[NAME].ledger.skipped["SceneNeeds not accepted"] == 1
+    tell(kernel, SetSetting(module=NAME, name="accept", value="SceneNeeds"), from_afar(needs))
+    assert kernel.last(type(needs)) == needs
+
+
+def test_a_restart_loses_nothing(kernel):
+    """The kernel tells a fresh instance the latest inputs."""
+    tell(kernel, ChooseSlot(slot="sun", module=NAME), from_afar(SUN), RestartModule(module=NAME))
+    tell(kernel, ChooseSlot(slot="sun", module=NAME))
+    assert kernel.last(SunMoved) == SUN
+    assert not kernel.faults
+
+
+def test_troubles_are_counted_and_told(kernel):
+    """One readable fault, which never suspends: strangers must not switch a module off."""
+    for _ in range(5):
+        tell(kernel, BridgeTrouble(sentence="a frame was refused", count=3))
+    assert kernel.seats[NAME].ledger.skipped["bridge trouble"] == 15
+    assert kernel.faults[-1].error == "a frame was refused (and 2 more)"
+    assert kernel.seats[NAME].running
+
+
+def test_a_flood_waits_for_its_listener():
+    """However much is amiss outside, one input waits in the kernel, and no count is lost."""
+    told = []
+    paced = Paced(told.append)
+    for number in range(1000):
+        paced.put(BridgeTrouble(sentence=f"trouble {number}"))
+    assert len(told) == 1
+    paced.heard()
+    paced.heard()
+    assert [(m.sentence, m.count) for m in told] == [("trouble 0", 1), ("trouble 999", 999)]
+    paced.put(BridgeTrouble(sentence="once more"))
+    assert told[-1].count == 1
+
+
+def test_what_is_off_takes_nothing(kernel):
+    """Inputs that were under way when someone switched the bridge off change nothing."""
+    tell(kernel, ChooseSlot(slot="sun", module=NAME))
+    tell(kernel, SetSetting(module=NAME, name="enabled", value=False))
+    tell(kernel, from_afar(SUN), BridgeState(sentence="late", failed=True))
+    assert kernel.last(SunMoved) is None
+    assert kernel.seats[NAME].module.state == OFF
+    assert not kernel.faults
+
+
+def test_a_journal_with_remote_messages_replays(tmp_path):
+    """What came from outside is in the journal: the replay joins nobody and says the same."""
+    kernel = Kernel()
+    for module in (Sun, Viewer, ZenohBridge):
+        kernel.add_module(module)
+    path = tmp_path / "session.mcap"
+    with path.open("wb") as stream:
+        recorder = Recorder(kernel, stream, full=True)
+        tell(kernel, SetSetting(module=NAME, name="enabled", value=True))
+        tell(kernel, BridgeState(sentence="listening", peers=1))
+        tell(kernel, Demand(consumer=NAME, message="SunMoved", size=4))
+        tell(kernel, ChooseSlot(slot="sky", module=NAME))
+        tell(kernel, *map(from_afar, (SUN, BACKGROUND, AMBIENT)))
+        tell(kernel, BridgeTrouble(sentence="a frame was refused", count=2))
+        tell(kernel, ChooseSlot(slot="sun", module=NAME))
+        recorder.close()
+    replay = Replay(Journal(path), [Sun, Viewer, ZenohBridge])
+    outcome = replay.run()
+    assert outcome.difference is None
+    assert not outcome.by_value
+    assert replay.kernel.last(BackgroundChanged) == BACKGROUND
+    assert replay.kernel.seats[NAME].module.state == "listening"
+    assert replay.kernel.seats[NAME].module._connection is None
+
+
+def test_a_forged_journal_is_one_clear_line(kernel):
+    """An input that no bridge would have made is refused by the same checks as a frame."""
+    tell(kernel, ChooseSlot(slot="sky", module=NAME))
+    tell(kernel, RemoteMessage(type_name="BackgroundChanged", fields={"cube": "parrot"}))
+    tell(kernel, RemoteMessage(type_name="SetSetting", fields={}))
+    assert [fault.for_user for fault in kernel.faults] == [True]
+    assert "BackgroundChanged" in kernel.faults[0].error
+
+
+def test_alone_is_a_state(kernel):
+    """Enabled where nothing can come from outside: one sentence says so."""
+    assert kernel.seats[NAME].module.state == ALONE
+
+
+def test_nothing_is_left_of_an_instance_that_was_dropped(kernel):
+    """A reload must not leave an old instance that still hears a session."""
+    old = weakref.ref(kernel.seats[NAME].module)
+    tell(kernel, RestartModule(module=NAME))
+    gc.collect()
+    assert old() is None
