@@ -5,6 +5,12 @@ import pytest
 from vrut_lite.render.gl_environment import probe_gl
 
 
+def pytest_addoption(parser):
+    """The long versions of tests that CI runs short."""
+    parser.addoption("--live-runs", type=int, default=50, help="recorded runs to replay")
+    parser.addoption("--soak-minutes", type=float, default=0.25, help="minutes of play at 60 Hz")
+
+
 def pytest_collection_modifyitems(config, items):
     """Skip what needs OpenGL, and say why, where there is none."""
     needing = [item for item in items if "gl" in item.keywords]

@@ -44,7 +44,11 @@ class BrunetonSky(Module):
     """Single scattering of a spherical atmosphere, for the sun that SunMoved tells of."""
 
     manifest: ClassVar[Manifest] = Manifest(
-        name="bruneton_sky", title="Bruneton sky", version="0.1.0", provides=("sky",)
+        name="bruneton_sky",
+        title="Bruneton sky",
+        version="0.1.0",
+        provides=("sky",),
+        requires=("sun",),
     )
     settings_type: ClassVar[type[msgspec.Struct]] = BrunetonSkySettings
 

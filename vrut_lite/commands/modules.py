@@ -22,6 +22,9 @@ def modules() -> None:
         ]
         click.echo(f"{manifest.name} {manifest.version}: {manifest.title}; {seat.state}")
         click.echo(f"  slots: {', '.join(slots) or 'none'}")
+        for slot in manifest.requires:
+            holder = kernel.slots.holder(slot) or "nobody holds it"
+            click.echo(f"  needs: {slot} ({holder})")
         for name, spec in describe(seat.module_type.settings_type).items():
             click.echo(f"  {name} = {spec.default}: {spec.help.rstrip('.')} ({spec.range_text()})")
         if seat.last_fault is not None:

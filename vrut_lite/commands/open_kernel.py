@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.kernel.bus import Kernel
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 def open_kernel() -> Kernel:
     """A kernel with all installed modules; one line on standard error for each that is broken."""
+    with interrupts_held():
+        tell_of_compilation()
     kernel, failures = daylight_kernel()
     tell(failures)
     return kernel
@@ -28,6 +31,7 @@ def open_host() -> "Host":
     with interrupts_held():
         from vrut_lite.host import Host
 
+        tell_of_compilation()
         host = Host()
     tell(host.failures)
     return host

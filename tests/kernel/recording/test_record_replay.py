@@ -30,7 +30,6 @@ from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.recorder import Recorder
 from vrut_lite.kernel.recording.replay import Replay, rerecord
 
-LIVE_RUNS = 50
 HERE = Path(__file__).parent
 
 
@@ -47,10 +46,13 @@ def replayed(path):
     return stream.getvalue(), outcome
 
 
-def test_live_runs_replay_to_the_byte(tmp_path):
-    """Three injecting threads, jobs on threads, seeded faults: 50 runs, full journals equal."""
+def test_live_runs_replay_to_the_byte(tmp_path, request):
+    """Three injecting threads, jobs on threads, seeded faults: full journals equal, run by run.
+
+    50 runs by default, as many as --live-runs says.
+    """
     seen = set()
-    for seed in range(LIVE_RUNS):
+    for seed in range(request.config.getoption("--live-runs")):
         live = record_live(seed, full=True)
         again, outcome = replayed(saved(tmp_path, live))
         assert outcome.difference is None, (seed, outcome.difference)

@@ -1,0 +1,21 @@
+"""Says that numerical kernels are being compiled, which takes seconds once on a machine."""
+
+import click
+
+
+def tell_of_compilation() -> None:
+    """Let one line on standard error tell when numba begins to compile, if it does."""
+    from numba.core import event
+
+    class Teller(event.Listener):
+        def on_start(self, _event: event.Event) -> None:
+            if not self.told:
+                click.echo("vrut-lite: compiling the numerical kernels, once ...", err=True)
+                self.told = True
+
+        def on_end(self, _event: event.Event) -> None:
+            """Nothing to say."""
+
+        told = False
+
+    event.register("numba:compile", Teller())
