@@ -61,8 +61,9 @@ def measure(budget_s: float = 1.5) -> dict[str, Row]:
     gpu = hosek_wilkie_gpu.measure(GPU_SIZES)
     rows[f"GPU shader, float16 ({gpu.renderer}, {gpu.clock})"] = Row(gpu.seconds, gpu.error)
     mitsuba = hosek_wilkie_mitsuba.measure(MITSUBA_SIZES)
-    seconds = {int(size): spent for size, spent in mitsuba["seconds"].items()}
-    rows[f"mitsuba {mitsuba['variant']}, sky texels"] = Row(seconds, None)
+    for texels in ("sky", "all"):
+        seconds = {int(size): spent for size, spent in mitsuba[texels].items()}
+        rows[f"mitsuba {mitsuba['variant']}, {texels} texels"] = Row(seconds, None)
     for name, figures in THESIS_MS.items():
         rows[name] = Row({size: ms * 1e-3 for size, ms in figures.items()}, None)
     return rows

@@ -1,8 +1,9 @@
-"""Mitsuba's sunsky on as many directions as a cube map has sky texels, in a process of its own.
+"""Mitsuba's sunsky on the directions of a cube map, of its sky or all, in a process of its own.
 
     python -m vrut_lite_bench.hosek_wilkie_mitsuba SIZE...
 
-Prints JSON: the variant, and CPU seconds by size on one thread. llvm_ad_rgb needs an LLVM that
+Prints JSON: the variant, and CPU seconds by size on one thread, for the sky texels and for every
+texel. llvm_ad_rgb needs an LLVM that
 drjit takes (Debian's libllvm19); with others it aborts the process, which is why it has its own.
 """
 
@@ -28,10 +29,11 @@ def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
         )
         if answer.returncode == 0:
             return dict(json.loads(answer.stdout.splitlines()[-1]))
-    return {"variant": "not installed", "seconds": {}}
+    return {"variant": "not installed", "sky": {}, "all": {}}
 
 
 def _main(sizes: list[int]) -> dict[str, Any]:
+    from vrut_lite.geometry.cube_map import texel_directions
     from vrut_lite_bench.hosek_wilkie_paths import SKY, SUN, sky_directions
 
     mitsuba: Any = importlib.import_module("mitsuba")
@@ -47,12 +49,15 @@ def _main(sizes: list[int]) -> dict[str, Any]:
         }
     )
     run = _vectorised if vectorised else _one_by_one
-    seconds = {}
-    for size in sizes:
-        d = sky_directions(size)
-        towards = -d[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
-        seconds[size] = run(mitsuba, emitter, towards)
-    return {"variant": mitsuba.variant(), "seconds": seconds}
+
+    def spent(d: Any) -> float:
+        return run(mitsuba, emitter, -d[:, [0, 2, 1]] * (1.0, -1.0, 1.0))
+
+    return {
+        "variant": mitsuba.variant(),
+        "sky": {size: spent(sky_directions(size)) for size in sizes},
+        "all": {size: spent(texel_directions(size).reshape(-1, 3)) for size in sizes},
+    }
 
 
 def _vectorised(mitsuba: Any, emitter: Any, towards: Any) -> float:
