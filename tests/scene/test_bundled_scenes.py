@@ -54,7 +54,7 @@ def test_files_are_small() -> None:
 
 def test_scene_stands_on_level_zero(scene: LoadedScene) -> None:
     """The floor people stand on is at height 0; foundations reach at most 25 cm below."""
-    assert -0.25 < scene.base_height_m <= 0.0
+    assert -0.25 < scene.lower_m[1] <= 0.0
     assert scene.upper_m[1] > 0.9
 
 

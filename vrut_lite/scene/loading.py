@@ -34,11 +34,6 @@ class LoadedScene:
     triangles: int
     camera: SceneCamera | None
 
-    @property
-    def base_height_m(self) -> float:
-        """The height of the lowest point, on which a ground to the horizon can lie."""
-        return float(self.lower_m[1])
-
 
 def load_scene(path: str | os.PathLike[str]) -> LoadedScene:
     """Read a scene file with the materials, textures and camera it brings.

@@ -1,0 +1,115 @@
+"""OBJ and MTL."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from loaded_scenes import WriteScene, material_of
+from PIL import Image
+from scene_files import png_bytes
+
+from vrut_lite.scene.loading import load_scene
+
+
+def test_obj_material(write_obj: WriteScene) -> None:
+    """Kd is the base colour, d the alpha, Ns the roughness: r^4 = 2 / (Ns + 2), 30 gives 0.5."""
+    mtl = "newmtl paint\nKa 1 1 1\nKd 0.1 0.2 0.3\nKs 1 1 1\nNs 30\nd 0.25\nillum 2\n"
+    material = material_of(load_scene(write_obj(mtl)))
+    np.testing.assert_allclose(material.baseColorFactor, [0.1, 0.2, 0.3, 0.25])
+    assert material.roughnessFactor == pytest.approx(0.5)
+    assert (material.metallicFactor, material.alphaMode) == (0.0, "BLEND")
+
+
+def test_obj_transparency_and_pbr_words(write_obj: WriteScene) -> None:
+    """Tr is the opposite of d; Pm, Pr and Ke are the physically based extension's."""
+    mtl = "newmtl paint\nTr 0.4\nPm 1\nPr 0.3\nNs 500\nKe 2 1 0\n"
+    material = material_of(load_scene(write_obj(mtl)))
+    assert material.baseColorFactor[3] == pytest.approx(0.6)
+    assert (material.metallicFactor, material.roughnessFactor) == (1.0, 0.3)
+    np.testing.assert_allclose(material.emissiveFactor, [2, 1, 0])
+
+
+@pytest.mark.parametrize(
+    "name", ["wall.png", "a wall.png", "-s 2 2 1 wall.png", "-clamp on -bm 0.5 wall.png"]
+)
+def test_obj_texture(write_obj: WriteScene, name: str) -> None:
+    """map_Kd is the base colour's picture, whatever options stand before its name."""
+    path = write_obj(f"newmtl paint\nKd 1 1 1\nmap_Kd {name}\n")
+    file = "a wall.png" if name.startswith("a ") else "wall.png"
+    (path.parent / file).write_bytes(png_bytes((16, 8)))
+    scene = load_scene(path)
+    assert material_of(scene).baseColorTexture.size == (16, 8)
+    np.testing.assert_allclose(scene.meshes[0].mesh.visual.uv, [[0, 0], [1, 0], [1, 1], [0, 1]])
+
+
+def test_obj_cut_out(write_obj: WriteScene) -> None:
+    """A picture with an alpha channel cuts out: leaves, fences."""
+    path = write_obj("newmtl paint\nmap_Kd leaf.png\n")
+    (path.parent / "leaf.png").write_bytes(png_bytes((4, 4), "RGBA"))
+    assert material_of(load_scene(path)).alphaMode == "MASK"
+
+
+def test_obj_without_materials(write_obj: WriteScene) -> None:
+    """Bare OBJ geometry is matt mid-grey."""
+    material = material_of(load_scene(write_obj()))
+    np.testing.assert_array_equal(material.baseColorFactor, [0.5, 0.5, 0.5, 1.0])
+
+
+def test_obj_meshes_keep_their_own_material(write_obj: WriteScene) -> None:
+    """Faces go to the material named last before them."""
+    mtl = "newmtl paint\nKd 1 0 0\nnewmtl other\nKd 0 1 0\n"
+    faces = "f 1/1 2/2 3/3\nusemtl other\nf 1/1 3/3 4/4"
+    scene = load_scene(write_obj(mtl, faces))
+    colours = {p.mesh.visual.material.name: p.mesh.visual.material for p in scene.meshes}
+    np.testing.assert_array_equal(colours["paint"].baseColorFactor, [1, 0, 0, 1])
+    np.testing.assert_array_equal(colours["other"].baseColorFactor, [0, 1, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("faces", "triangles"),
+    [
+        ("f 1 2 3 4", 2),
+        ("f 1/1 2/2 3/3 4/4", 2),
+        ("f 1/1/1 2/2/1 3/3/1 4/4/1", 2),
+        ("f 1//1 2//1 3//1 4//1", 2),
+        ("f 1 2 3\nf 1 3 4", 2),
+        ("f -4 -3 -2 -1", 2),
+        ("f -4/-4 -3/-3 -2/-2 -1/-1", 2),
+        ("f\t1  2\t3 4 ", 2),
+        ("f 1 2 3\nf 1 2 3 4", 3),
+        ("v 0.5 1.5 0\nf 1 2 3 5 4", 3),
+    ],
+)
+def test_obj_faces(write_obj: WriteScene, faces: str, triangles: int) -> None:
+    """Polygons are cut into fans; every way to write a corner is read."""
+    scene = load_scene(write_obj(faces=f"vn 0 0 1\n{faces}"))
+    assert scene.triangles == triangles
+    np.testing.assert_allclose(scene.meshes[0].mesh.vertex_normals[:, 2], 1.0)
+
+
+def test_obj_counts_back_from_the_present_line(write_obj: WriteScene) -> None:
+    """-1 is the last vertex so far, not the last of the file."""
+    faces = "f -4 -3 -2 -1\nv 50 50 50\nv 60 60 60"
+    np.testing.assert_array_equal(load_scene(write_obj(faces=faces)).upper_m, [1, 1, 0])
+
+
+def test_obj_normals_stay(write_obj: WriteScene) -> None:
+    """vn is kept, also where it is not the triangle's normal."""
+    faces = "vn 0 0.6 0.8\nf 1//1 2//1 3//1"
+    mesh = load_scene(write_obj(faces=faces)).meshes[0].mesh
+    np.testing.assert_allclose(mesh.vertex_normals, [[0, 0.6, 0.8]] * 3)
+
+
+def test_obj_of_trimesh(tmp_path: Path) -> None:
+    """A file of another writer: trimesh's own export of a textured box."""
+    box = trimesh.creation.box((1, 2, 3))
+    image = Image.new("RGB", (5, 5), (255, 0, 0))
+    material = trimesh.visual.material.SimpleMaterial(image=image, glossiness=1.0)
+    uv = box.vertices[:, :2] - box.vertices[:, :2].min(axis=0)
+    box.visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    box.export(tmp_path / "box.obj")
+    scene = load_scene(tmp_path / "box.obj")
+    assert scene.triangles == 12
+    assert material_of(scene).baseColorTexture.size == (5, 5)
+    np.testing.assert_allclose(scene.upper_m, [0.5, 1.0, 1.5])
