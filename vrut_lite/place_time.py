@@ -14,12 +14,11 @@ from zoneinfo import ZoneInfo
 import tzfpy
 
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.places import HIGHEST_M, LOWEST_M
 
 # Civil dates before 1583 were Julian. At both ends the ephemeris of astronomy-engine and NREL's SPA
 # still agree to 0.004 degrees on where the sun stands; further out they part.
 FIRST_YEAR, LAST_YEAR = 1600, 2600
-# No ground is lower; geostationary orbit is higher than any observer of an atmosphere needs.
-LOWEST_M, HIGHEST_M = -11_000.0, 36_000_000.0
 
 _PLACE_EXAMPLE = "write latitude,longitude in degrees, north and east positive, as 50.0755,14.4378"
 _TIME_EXAMPLE = "write 2026-06-21T18:30 for local time, or 2026-06-21T18:30+02:00"

@@ -186,3 +186,20 @@ def test_a_place_off_the_earth_is_refused():
     """In one sentence, as by sun_position."""
     with pytest.raises(ValueError, match="latitude must lie between"):
         sun_events(date(2026, 5, 1), 91.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("latitude", "longitude", "sunset", "sunrise"),
+    [(65.72, -2.0, "00:06", "00:12")],
+)
+def test_an_event_minutes_after_midnight_is_found(latitude, longitude, sunset, sunrise):
+    """The sun dips for six minutes around solar midnight, which falls just after the day's start.
+
+    Instants to the minute from a scan of `sun_position` every ten seconds.
+    """
+    events = sun_events(date(2026, 6, 21), latitude, longitude)
+    assert events.sunrise.strftime("%H:%M") == sunrise
+    first_dip = sun_position(datetime(2026, 6, 21, 0, 9, tzinfo=UTC), latitude, longitude)
+    limb = first_dip.elevation_rad + MEAN_ANGULAR_RADIUS_RAD
+    assert limb + refraction_rad(limb) < 0.0
+    assert events.sunset is not None

@@ -1,6 +1,6 @@
 """The kernel's promises: order, one transaction per input, isolation, slots."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import msgspec
 import pytest
@@ -18,6 +18,7 @@ from vrut_lite.kernel.messages import (
     Input,
     Message,
     RestartModule,
+    SetPlace,
     SetSetting,
     SlotChanged,
     SunMoved,
@@ -357,3 +358,36 @@ def test_a_module_that_cannot_start_does_not_stop_the_host():
     kernel.inject(Poke(value=1))
     kernel.pump()
     assert len(heard) == 1
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"latitude_deg": 91.0},
+        {"longitude_deg": float("nan")},
+        {"altitude_m": -1e7},
+        {"north_offset_rad": 1e9},
+    ],
+)
+def test_a_place_that_is_none_reaches_no_module(wrong):
+    """One bad number must not suspend whoever computes the sun from it."""
+
+    class Placed(Module):
+        manifest = Manifest(name="placed", title="Placed", version="1")
+        places: ClassVar[list] = []
+
+        @handles(SetPlace)
+        def on_place(self, message: SetPlace) -> None:
+            self.places.append(message)
+
+    Placed.places.clear()
+    kernel = kernel_with(Placed)
+    faults = faults_of(kernel)
+    good = SetPlace(latitude_deg=50.0, longitude_deg=14.0)
+    for place in (good, msgspec.structs.replace(good, **wrong)):
+        kernel.inject(place)
+        kernel.pump()
+    assert Placed.places == [good]
+    assert kernel.last(SetPlace) == good
+    assert faults[0].for_user
+    assert next(iter(wrong)) in faults[0].error

@@ -106,3 +106,25 @@ def test_a_time_that_makes_no_sense_is_refused_in_one_sentence(refused, reason):
     assert [(fault.where, fault.for_user) for fault in faults] == [("clock", True)]
     assert reason in faults[0].error
     assert kernel.last(ClockMoved).instant == NOON
+
+
+@given(
+    st.lists(
+        st.one_of(
+            st.floats(0, 100).map(lambda s: Tick(elapsed_s=s)),
+            st.sampled_from([0.0, 1.0, 1000.0]).map(lambda r: SetClockRate(rate=r)),
+            st.integers(0, 3).map(lambda h: SetClock(instant=NOON + timedelta(hours=h))),
+        ),
+        max_size=12,
+    )
+)
+@settings(deadline=None, max_examples=60)
+def test_inputs_that_wait_move_the_clock_as_they_would_one_by_one(inputs):
+    """A kernel that is behind must not count time at a speed that was set after it went by."""
+    kernel = Kernel()
+    for message in (SetClock(instant=NOON), SetClockRate(rate=1.0), *inputs):
+        kernel.inject(message)
+    kernel.pump()
+    apart = kernel.last(ClockMoved).instant - clock_after(SetClockRate(rate=1.0), *inputs)
+    # Merged ticks round once where single ones round each to the microsecond.
+    assert abs(apart) < timedelta(milliseconds=1)

@@ -3,11 +3,13 @@
 import sys
 import threading
 
+import pytest
 from probe_messages import Heard, Poke, Slide, act, collect, faults_of
 
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.jobs import HeldRunner
-from vrut_lite.kernel.messages import JobResult
+from vrut_lite.kernel.messages import Demand, Fault, JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.kernel.thread import KernelThread
 
@@ -131,3 +133,48 @@ def test_posts_are_counted_anew_in_each_transaction():
     act(kernel, Poke(), Poke())
     assert len(heard) == 2 * POSTS_PER_TRANSACTION
     assert kernel.seats["busy"].running
+
+
+@pytest.mark.parametrize("answer", ["demand", "user_error"])
+def test_a_storm_of_demands_or_of_refusals_is_cut_too(answer):
+    """Whatever a handler answers with, it ends by count: wishes, and sentences for the user."""
+
+    class Stormy(Module):
+        manifest = Manifest(name="stormy", title="Stormy", version="1")
+
+        @handles(Poke)
+        @handles(Demand)
+        @handles(Fault)
+        def on_any(self, message: Poke | Demand | Fault) -> None:
+            if answer == "demand":
+                self.link.demand(Heard)
+            else:
+                raise UserError("mend this")
+
+    kernel = Kernel()
+    kernel.add_module(Stormy)
+    kernel.pump()
+    faults = faults_of(kernel)
+    act(kernel, Poke())
+    assert kernel.seats["stormy"].state == "suspended"
+    assert f"over {POSTS_PER_TRANSACTION} messages" in faults[-1].error
+
+
+def test_an_exit_of_a_module_is_a_fault():
+    """sys.exit in a handler or in a job must not end the host, nor leave it waiting."""
+
+    class Quitter(Module):
+        manifest = Manifest(name="quitter", title="Quitter", version="1")
+
+        @handles(Poke)
+        def on_poke(self, message: Poke) -> None:
+            self.link.start_job("quit", sys.exit, 3)
+            sys.exit(4)
+
+    kernel = Kernel()
+    kernel.add_module(Quitter)
+    kernel.pump()
+    faults = faults_of(kernel)
+    kernel.inject(Poke())
+    kernel.pump_until_idle()
+    assert [fault.error for fault in faults] == ["SystemExit: 4", "SystemExit: 3"]

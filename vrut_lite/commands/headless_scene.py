@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from vrut_lite.commands.open_kernel import tell
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.module import Module
@@ -19,7 +20,8 @@ def add_headless_scene(kernel: Kernel) -> None:
 
 def modules_for(setup: Setup) -> tuple[list[type[Module]], Services]:
     """What a replay of this setup may load: installed modules, the scene manager if it needs it."""
-    modules = discover()[0]
+    modules, failures = discover()
+    tell(failures)
     if all(wanted.name != "scene" for wanted in setup.modules):
         return modules, {}
     scene, services = _scene()

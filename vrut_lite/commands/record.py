@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import track
 
 from vrut_lite.commands.headless_scene import add_headless_scene
+from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -78,9 +79,9 @@ def record(
     check_writable(output)
     plan = with_options(_project(scene), options)
     passing = _passing(plan, start, end, step_minutes)
-    from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+    from vrut_lite.daylight_kernel import demand_light
 
-    kernel, _ = daylight_kernel()
+    kernel = open_kernel()
     script: list[Input] = [*setting_inputs(plan, kernel), *daylight_inputs(plan)]
     if plan.scene:
         add_headless_scene(kernel)

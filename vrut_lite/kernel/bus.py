@@ -24,6 +24,7 @@ from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION, Lifecycle
 from vrut_lite.kernel.link import POSTS_PER_TRANSACTION, ModuleLink
 from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, Message
 from vrut_lite.kernel.module import Module
+from vrut_lite.kernel.places import check_place
 from vrut_lite.kernel.seat import Seat
 from vrut_lite.kernel.slots import Slots
 from vrut_lite.kernel.trace import Trace
@@ -178,6 +179,7 @@ class Kernel:
             messages.ChooseSlot: ("slots", self._choose),
             Demand: ("demand", self.lifecycle.demands.note),
             JobResult: ("job", self._job_done),
+            messages.SetPlace: ("place", check_place),
             messages.SetClock: ("clock", lambda m: self.lifecycle.say(self._clock.set(m))),
             messages.SetClockRate: ("clock", self._clock.set_rate),
             messages.Tick: ("clock", lambda m: self.lifecycle.say(self._clock.tick(m))),
@@ -187,11 +189,13 @@ class Kernel:
     def _guarded(self, where: str, act: Act) -> Act:
         """The act, with a refused input told as a Fault for the user."""
 
-        def guarded(message: Any) -> None:
+        def guarded(message: Any) -> bool:
             try:
                 act(message)
             except UserError as error:
                 self.lifecycle.refuse(getattr(message, "module", HOST), where, str(error))
+                return True
+            return False
 
         return guarded
 

@@ -42,7 +42,7 @@ def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Mod
             if name in found:
                 raise UserError(f"another module is called '{name}' too: rename one")
             found[name] = module_type
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             failures.append(f"module {title} failed to load: {error}")
     return list(found.values()), failures
 

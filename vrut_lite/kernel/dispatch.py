@@ -20,7 +20,8 @@ from vrut_lite.kernel.trace import SLOW_NS, Trace
 
 HOST = "host"
 Tap = Callable[[Message, str], None]
-Act = Callable[[Any], None]
+# What the kernel does itself; true if it refused the message.
+Act = Callable[[Any], bool | None]
 Handler = Callable[[Any], None]
 
 
@@ -46,7 +47,7 @@ class Dispatcher:
     """
 
     acts: Mapping[type[Message], Act]
-    fail: Callable[[Seat, str, Exception], None]
+    fail: Callable[[Seat, str, BaseException], None]
 
     def __init__(self, seats: Mapping[str, Seat], slots: Slots, trace: Trace):
         self.memory = Memory()
@@ -106,17 +107,20 @@ class Dispatcher:
                     continue
                 sequence += 1
                 self._cause = sequence
+                if taps or not plain or only is not None:
+                    prepared = self._prepare(message, sender, cause, route, only)
+                    start_ns = perf_counter_ns()
+                    if prepared is None:  # The kernel refused it: it never was.
+                        continue
+                    receivers = prepared
                 if place is not None:
                     keep(place, sequence, message)
-                if taps or not plain or only is not None:
-                    receivers = self._prepare(message, sender, cause, route, only)
-                    start_ns = perf_counter_ns()
                 for call, link, receiver in receivers:
                     if not link.alive:
                         continue
                     try:
                         call(message)
-                    except Exception as error:
+                    except (Exception, SystemExit) as error:
                         self.fail(link.seat, call.__name__, error)
                     end_ns = perf_counter_ns()
                     record((sequence, cause, sender, name, receiver, start_ns, end_ns))
@@ -135,7 +139,7 @@ class Dispatcher:
         start_ns = perf_counter_ns()
         try:
             return getattr(seat.module, method)(*arguments)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             self.fail(seat, method, error)
             return None
         finally:
@@ -145,13 +149,15 @@ class Dispatcher:
 
     def _prepare(
         self, message: Message, sender: str, cause: int, route: Route, only: ModuleLink | None
-    ) -> list[Receiver]:
-        """What happens before delivery where there is more to do than deliver; who receives."""
+    ) -> list[Receiver] | None:
+        """What happens before delivery where there is more to do than deliver; who receives.
+
+        None if the kernel refused the message.
+        """
         if only is not None:
             return [receiver for receiver in route.receivers if receiver[1] is only]
         start_ns = perf_counter_ns()
-        if route.act is not None:
-            route.act(message)
+        refused = route.act is not None and route.act(message)
         for tap in tuple(self.taps):
             tap(message, sender)
         # The act may have started or stopped modules.
@@ -164,7 +170,7 @@ class Dispatcher:
             self._trace.deliveries.append(
                 (self._cause, cause, sender, route.name, actor, start_ns, end_ns)
             )
-        return receivers
+        return None if refused else receivers
 
     def _route(self, kind: type[Message]) -> Route:
         """Where messages of a type go now, in load order, then in order of declaration."""

@@ -10,12 +10,15 @@ from vrut_lite.kernel.messages import Input
 class Inbox:
     """First in, first out; an input of equal type and key merges with the one that waits.
 
-    What they make goes to the end: nothing that came between is overtaken by newer news.
+    What they make goes to the end: nothing that came between is overtaken by newer news. Of
+    inputs of one line (the clock's) only neighbours merge: time that went by at one speed
+    must not be counted at another.
     """
 
     def __init__(self) -> None:
         self._entries: OrderedDict[Any, Input] = OrderedDict()
         self._serial = 0
+        self._last_of_line: dict[str, Any] = {}
         self._lock = threading.Lock()
 
     def put(self, message: Input) -> None:
@@ -26,9 +29,20 @@ class Inbox:
                 self._serial += 1
                 self._entries[self._serial] = message
                 return
-            place = (type(message), key)
+            place: Any = (type(message), key)
+            if message.line is not None:
+                place = self._place_in_line(message.line, place)
             older = self._entries.pop(place, None)
             self._entries[place] = message if older is None else message.merged(older)
+
+    def _place_in_line(self, line: str, place: Any) -> Any:
+        """The place of the line's last input, if that is of this kind, or a new one."""
+        last = self._last_of_line.get(line)
+        if last is None or last[0] != place:
+            self._serial += 1
+            last = (place, self._serial)
+            self._last_of_line[line] = last
+        return last
 
     def take(self) -> Input | None:
         """The first input, or None when none waits."""

@@ -53,7 +53,7 @@ class Job:
         options = {"control": self.control} if _takes_control(self._work) else {}
         try:
             outcome = {"value": self._work(*self._arguments, **options)}
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             outcome = described(error)
         self._trace.remark("job", module, name, start_ns)
         return JobResult(module=module, job=name, **outcome)

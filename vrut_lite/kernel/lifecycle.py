@@ -43,19 +43,22 @@ class Lifecycle:
 
     # --- faults ----------------------------------------------------------------------
 
-    def failed(self, seat: Seat, where: str, error: Exception) -> None:
+    def failed(self, seat: Seat, where: str, error: BaseException) -> None:
         """What a module raised becomes a Fault and stays its own affair."""
         self.count(seat, Fault(module=seat.name, where=where, **described(error)))
 
     def count(self, seat: Seat, fault: Fault) -> None:
-        """Tell a fault and count it, but for a UserError, which is the user's to mend."""
-        if not fault.for_user:
+        """Tell a fault and count it; a UserError, the user's to mend, only against storms."""
+        if fault.for_user:
+            if seat.link is not None and not seat.link.counts(fault):
+                return
+        else:
             seat.faults += 1
             if seat.running and seat.faults >= FAULTS_UNTIL_SUSPENSION:
                 fault = msgspec.structs.replace(fault, suspended=True)
         self._tell(seat, fault)
 
-    def suspend(self, seat: Seat, where: str, error: Exception) -> None:
+    def suspend(self, seat: Seat, where: str, error: BaseException) -> None:
         """Stop a module at once for what it did, and tell why."""
         self._tell(seat, Fault(module=seat.name, where=where, suspended=True, **described(error)))
 
@@ -76,7 +79,7 @@ class Lifecycle:
         self._jobs.cancel_all(seat.name)
         try:
             seat.start(self._make_link(seat))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             self.suspend(seat, "start", error)
         else:
             self._welcome(seat)
@@ -128,7 +131,7 @@ class Lifecycle:
             self._jobs.cancel_all(seat.name)
             if seat.state != "disabled":
                 seat.start(self._make_link(seat))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             seat.take_type(old_type, old_settings)
             if undo is not None:
                 undo()
@@ -150,6 +153,6 @@ class Lifecycle:
         state = self._dispatcher.call(seat, "snapshot")
         try:
             return msgspec.to_builtins(state)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             self.failed(seat, "snapshot", error)
             return None

@@ -32,6 +32,9 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 class Input(Message, frozen=True, kw_only=True):
     """A fact from outside; each opens a transaction of its own."""
 
+    # Inputs of one line merge only with the last of their line: their order matters.
+    line: ClassVar[str | None] = None
+
     def merged(self, older: Self) -> Self:
         """What takes the place of this input and of an older one of its key that still waits."""
         return self
@@ -182,17 +185,23 @@ class ClockMoved(Derived, frozen=True, kw_only=True):
 class SetClock(Input, frozen=True, kw_only=True):
     """The host's clock stands at this aware instant; modules listen to `ClockMoved`."""
 
+    line: ClassVar[str | None] = "clock"
+
     instant: datetime
 
 
 class SetClockRate(Input, frozen=True, kw_only=True):
     """Play: so many seconds of the host's clock pass in one of the tick's; 0 pauses."""
 
+    line: ClassVar[str | None] = "clock"
+
     rate: float
 
 
 class Tick(Input, frozen=True, kw_only=True):
     """So much time went by outside."""
+
+    line: ClassVar[str | None] = "clock"
 
     elapsed_s: float
 

@@ -61,7 +61,7 @@ class Seat:
         """
         try:
             module = self.module_type(link, self.settings, **self._services)
-        except Exception:
+        except (Exception, SystemExit):
             link.alive = False
             raise
         self._cut()

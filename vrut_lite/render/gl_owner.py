@@ -51,6 +51,9 @@ def _create_context() -> Any:
 
     # moderngl's annotation of `backend` is wrong: its own documentation passes a text.
     context = moderngl.create_context(standalone=True, require=430, backend="egl")  # type: ignore[arg-type]
+    if context.version_code < 450 and "GL_ARB_clip_control" not in context.extensions:
+        context.release()
+        raise UserError("this OpenGL has no clip control: version 4.5 or newer is needed")
     context.extra = context.simple_framebuffer((1, 1))
     return context
 

@@ -74,7 +74,10 @@ def sun_events(
         return sun_position(when, latitude_deg, longitude_deg, method, altitude_m=altitude_m)
 
     start, end = _midnight(day, time_zone), _midnight(day + timedelta(days=1), time_zone)
-    instants = _with_extremes([*_looks(start, end), end], lambda when: look(when).elevation_rad)
+    # An extreme in the day's first or last minutes shows only to who looks beyond its ends.
+    looks = [start - _LOOK, *_looks(start, end), end, end + _LOOK]
+    turning = _with_extremes(looks, lambda when: look(when).elevation_rad)
+    instants = [when for when in turning if start <= when <= end]
 
     def crossings(height: Height, rising: bool) -> list[datetime]:
         return [when.astimezone(time_zone) for when in _roots(instants, height, rising)]
