@@ -8,6 +8,7 @@ import click
 
 from vrut_lite import __version__
 from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.interrupts import interrupts_held
 
 GROUP = "vrut_lite.commands"
 
@@ -28,7 +29,8 @@ class EntryPointGroup(click.Group):
         if point is None:
             return None
         try:
-            return point.load()
+            with interrupts_held():
+                return point.load()
         except Exception as error:
             return _broken(name, f"the command {name} failed to load: {error}")
 

@@ -1,8 +1,5 @@
 """Kernels for commands: modules that failed to load are told, and a missing light is an error."""
 
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -10,6 +7,7 @@ import click
 from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.daylight_kernel import daylight_kernel
 from vrut_lite.errors import ModuleFailed
+from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import BackgroundChanged, SunMoved
 
@@ -66,20 +64,3 @@ def require_sky(kernel: Kernel) -> BackgroundChanged:
     if background is None:
         raise ModuleFailed("no module makes a sky: see `vrut-lite modules`")
     return background
-
-
-@contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Deliver Ctrl-C only afterwards.
-
-    Libraries that try optional imports with a bare `except` swallow an interrupt that arrives
-    while they are loaded, and the command would run on.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, held)

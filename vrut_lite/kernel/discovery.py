@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from vrut_lite.errors import UserError
+from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.module import Module
 
 GROUP = "vrut_lite.modules"
@@ -37,7 +38,8 @@ def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Mod
         *_by_folders(module_folders() if folders is None else folders),
     ):
         try:
-            module_type = _checked(load())
+            with interrupts_held():
+                module_type = _checked(load())
             name = module_type.manifest.name
             if name in found:
                 raise UserError(f"another module is called '{name}' too: rename one")

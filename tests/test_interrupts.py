@@ -1,0 +1,40 @@
+"""Ctrl-C must end a command also when it comes while libraries are being loaded."""
+
+import signal
+import threading
+
+import pytest
+
+from vrut_lite.interrupts import interrupts_held
+
+
+def test_an_interrupt_that_would_be_swallowed_comes_afterwards():
+    """A bare except inside sees nothing; whoever loaded gets the KeyboardInterrupt."""
+    swallowed, went_on = [], []
+
+    def load():
+        with interrupts_held(), interrupts_held():
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except BaseException as error:
+                swallowed.append(error)
+            went_on.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        load()
+    assert (swallowed, went_on) == ([], [True])
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_other_threads_load_as_ever():
+    """Only the main thread may set handlers."""
+    done = []
+
+    def load():
+        with interrupts_held():
+            done.append(True)
+
+    thread = threading.Thread(target=load)
+    thread.start()
+    thread.join()
+    assert done
