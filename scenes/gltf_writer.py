@@ -33,6 +33,7 @@ class GltfWriter:
         roughness: float = 1.0,
         metallic: float = 0.0,
         texture: str | None = None,
+        emissive: ArrayLike | None = None,
     ) -> int:
         """A material of linear base colour (3,); a texture is a file beside the scene."""
         pbr: dict[str, Any] = {
@@ -43,7 +44,10 @@ class GltfWriter:
         if texture is not None:
             image = self._add("images", {"uri": texture})
             pbr["baseColorTexture"] = {"index": self._add("textures", {"source": image})}
-        return self._add("materials", {"name": name, "pbrMetallicRoughness": pbr})
+        material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": pbr}
+        if emissive is not None:
+            material["emissiveFactor"] = [float(value) for value in np.asarray(emissive)]
+        return self._add("materials", material)
 
     def mesh(self, name: str, parts: list[tuple[Shape, int]]) -> int:
         """A mesh of shapes with their materials."""

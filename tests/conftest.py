@@ -8,6 +8,7 @@ from vrut_lite.render.gl_environment import probe_gl
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
     parser.addoption("--live-runs", type=int, default=50, help="recorded runs to replay")
+    parser.addoption("--scene-cycles", type=int, default=36, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.25, help="minutes of play at 60 Hz")
 
 

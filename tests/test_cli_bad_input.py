@@ -170,7 +170,7 @@ def test_an_impossible_place(refused, good_scene, place):
 def test_an_impossible_turbidity(refused, good_scene, turbidity):
     """The model was fitted from 1 to 10 and has no meaning outside."""
     arguments = ["render", good_scene, *GOOD_TIME, "--turbidity", turbidity]
-    refused(*arguments, says=f"must be between 1 and 10, not {turbidity}")
+    refused(*arguments, says=f"must be between 1 and 10, or none, not {turbidity}")
 
 
 def test_an_unknown_sky_module(refused, good_scene):

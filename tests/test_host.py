@@ -35,7 +35,7 @@ def kernel():
 def play(kernel, *inputs):
     for message in inputs:
         kernel.inject(message)
-    kernel.pump()
+    kernel.pump_until_idle()
 
 
 def at_noon(kernel, size=32, place="50.0755,14.4378"):
@@ -113,7 +113,7 @@ def test_a_demand_of_another_size_gets_it(kernel):
     """The largest size that anyone asked for is delivered."""
     at_noon(kernel, size=16)
     demand_light(kernel, "someone else", 48)
-    kernel.pump()
+    kernel.pump_until_idle()
     assert kernel.last(BackgroundChanged).cube.shape == (6, 48, 48, 3)
 
 

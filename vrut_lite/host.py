@@ -2,11 +2,17 @@
 
 from concurrent.futures import Future, wait
 
+from numpy.typing import ArrayLike
+
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input, LoadScene
+from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.render.skips import FrameSkips
 from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.manager import SceneManager
 
@@ -58,10 +64,45 @@ class Host:
         self.inject(LoadScene(path=path))
         self.settle()
 
-    def draw(self) -> Picture:
-        """Act on all inputs and draw a frame."""
+    def draw(self, still: bool = True) -> Picture:
+        """Act on all inputs and draw a frame.
+
+        A still is finished; in a frame of many, blurred reflections may lag behind the sky.
+        """
         self.settle()
-        return self._backend.draw()
+        return self._backend.draw(still)
+
+    @property
+    def frame_ledger(self) -> Ledger:
+        """What frames did and what they skipped, since the host was made."""
+        return self._backend.ledger
+
+    @property
+    def frame_skips(self) -> FrameSkips:
+        """Which work frames leave out; set another to see that the picture stays."""
+        return self._backend.skips
+
+    @frame_skips.setter
+    def frame_skips(self, skips: FrameSkips) -> None:
+        self._backend.skips = skips
+
+    def measure_passes(self, measure: Measure) -> None:
+        """Enter `measure(name)` around each pass of a frame, on the GL thread."""
+        self._backend.measure_passes(measure)
+
+    def illuminance(self, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
+        """Lux by sun and by sky on a plane with this normal (3,) at a point (3,), world axes."""
+        self.settle()
+        return self._backend.illuminance(point_m, normal)
+
+    def illuminance_at_pixel(self, x: int, y: int) -> Illuminance | None:
+        """Lux on the surface that a pixel shows, None for the sky; y counts from the top.
+
+        Its luminance is the picture's own: `draw().luminance_cd_m2(x, y)`.
+        """
+        self.settle()
+        hit = self._backend.surface_at(x, y)
+        return None if hit is None else self._backend.illuminance(hit.point_m, hit.normal)
 
     def close(self) -> None:
         """End background jobs, free the GPU's resources and end its thread."""

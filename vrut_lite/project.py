@@ -21,6 +21,7 @@ from vrut_lite.kernel.messages import (
     SetExposure,
     SetPlace,
     SetSetting,
+    ToneMap,
 )
 from vrut_lite.place_time import Place, parse_instant, parse_place
 
@@ -41,11 +42,14 @@ class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Automatic exposure, or a fixed EV100; compensation brightens by so many stops."""
+    """How radiance becomes a picture: the fields of `SetExposure`, with their bounds."""
 
     mode: Literal["auto", "manual"] = "auto"
     ev100: Annotated[float, msgspec.Meta(ge=-20, le=40)] = 15.0
     compensation_ev: Annotated[float, msgspec.Meta(ge=-20, le=20)] = 0.0
+    tone_map: ToneMap = "agx"
+    white_temperature_k: Annotated[float, msgspec.Meta(ge=1700, le=25000)] = 6504.0
+    white_duv: Annotated[float, msgspec.Meta(ge=-0.05, le=0.05)] = 0.0
 
 
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

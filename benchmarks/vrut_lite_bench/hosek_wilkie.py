@@ -16,15 +16,10 @@ from typing import Any, NamedTuple
 
 from vrut_lite_bench import hosek_wilkie_gpu, hosek_wilkie_mitsuba
 from vrut_lite_bench.hosek_wilkie_paths import PATHS, exact_cube
+from vrut_lite_bench.hosek_wilkie_published import THESIS_MS
 
 SIZES = (64, 128, 256, 512, 1024, 2048, 4096)
-GPU_SIZES = (64, 128, 256, 512, 1024)
 MITSUBA_SIZES = (64, 256, 1024)
-# Table 5.1 of the daylight thesis (Hvezda 2020): milliseconds on an i7-8750H and a GTX 1060.
-THESIS_MS = {
-    "thesis, CPU": {256: 108.5, 512: 383.65, 1024: 1564.39, 2048: 6360.62, 4096: 26079.375},
-    "thesis, GPU": {256: 1.74, 512: 3.07, 1024: 6.96, 2048: 6.01, 4096: 9.65},
-}
 # numba itself takes its time to start, once in a process, whatever it is asked first.
 _FIRST_CALL = """
 import time
@@ -58,7 +53,7 @@ def measure(budget_s: float = 1.5) -> dict[str, Row]:
         runs = {path.name: path.make(size) for path in PATHS if size <= path.largest}
         for name, spent in _take_turns(runs, budget_s * len(runs)).items():
             rows[name].seconds[size] = spent
-    gpu = hosek_wilkie_gpu.measure(GPU_SIZES)
+    gpu = hosek_wilkie_gpu.measure(SIZES)
     rows[f"GPU shader, float16 ({gpu.renderer}, {gpu.clock})"] = Row(gpu.seconds, gpu.error)
     mitsuba = hosek_wilkie_mitsuba.measure(MITSUBA_SIZES)
     for texels in ("sky", "all"):

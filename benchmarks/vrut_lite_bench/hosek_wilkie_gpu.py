@@ -1,6 +1,9 @@
-"""The GPU's cube map, timed on whatever OpenGL there is."""
+"""The GPU's cube map, timed on whatever OpenGL there is, beside what its memory could write.
 
-import time
+python -m vrut_lite_bench.hosek_wilkie_gpu
+"""
+
+from collections.abc import Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -10,34 +13,57 @@ from dynamic_skylight.hosek_wilkie.sky import half_scale
 
 from vrut_lite.kernel.gpu_job import GpuJob
 from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite_bench.gpu_clock import Bandwidth, bandwidth, clock_name, least_s
 from vrut_lite_bench.hosek_wilkie_paths import AZIMUTH_RAD, SKY, error_of, exact_cube
+from vrut_lite_bench.hosek_wilkie_published import THESIS_MS
 
-ROUNDS = 7
+SIZES = (256, 512, 1024, 2048, 4096)
 GROUND = (0.0, 0.0, 0.0)
+_TEXEL_BYTES = 8
+# As many stores, to the same texels, of what costs nothing to compute.
+_STORE_ONLY = """#version 430
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba16f, binding = 0) writeonly uniform imageCube sky;
+void main() {
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    imageStore(sky, at, vec4(at & 1023, 1.0));
+}
+"""
 
 
 class GpuTimes(NamedTuple):
-    """The renderer, how it was timed, seconds by size, and the error at 256 texels."""
+    """The renderer, how it was timed, seconds by size of map and of mere stores, and the error.
+
+    The error is that of 256 texels; bandwidth is that of a buffer as large as the largest map.
+    """
 
     renderer: str
     clock: str
     seconds: dict[int, float]
+    stores: dict[int, float]
     error: float
+    bandwidth: Bandwidth
 
 
-def measure(sizes: tuple[int, ...]) -> GpuTimes:
-    """The job's shader into a texture that is kept; without the transfer of anything.
-
-    By timer query; llvmpipe's does not see compute shaders, so there it is the CPU time of all
-    its threads until everything is finished.
-    """
+def measure(sizes: tuple[int, ...] = SIZES) -> GpuTimes:
+    """The job's shader into a texture that is kept; without the transfer of anything."""
     owner = GlOwner()
-    by_query = not owner.renderer.startswith("llvmpipe")
-    seconds = {size: owner.call(partial(_least, size=size, by_query=by_query)) for size in sizes}
-    error = owner.call(_error)
+    pairs = {size: owner.call(partial(_map_and_stores, size=size)) for size in sizes}
+    largest = _bytes_of(max(sizes))
+    times = GpuTimes(
+        renderer=owner.renderer.split(" (")[0],
+        clock=clock_name(owner.renderer),
+        seconds={size: pair[0] for size, pair in pairs.items()},
+        stores={size: pair[1] for size, pair in pairs.items()},
+        error=owner.call(_error),
+        bandwidth=owner.call(partial(bandwidth, size_bytes=largest)),
+    )
     owner.close()
-    clock = "timer query" if by_query else "CPU time of all threads"
-    return GpuTimes(owner.renderer.split(" (")[0], clock, seconds, error)
+    return times
+
+
+def _bytes_of(size: int) -> int:
+    return 6 * size * size * _TEXEL_BYTES
 
 
 def _prepared(context: Any, size: int) -> tuple[Any, Any, GpuJob]:
@@ -51,19 +77,12 @@ def _prepared(context: Any, size: int) -> tuple[Any, Any, GpuJob]:
     return program, texture, job
 
 
-def _least(context: Any, size: int, by_query: bool) -> float:
+def _map_and_stores(context: Any, size: int) -> tuple[float, float]:
     program, texture, job = _prepared(context, size)
-    spent = []
-    for _ in range(ROUNDS):
-        query = context.query(time=True)
-        start = time.process_time()
-        with query:
-            program.run(*job.groups)
-        context.finish()
-        elapsed = query.elapsed * 1e-9
-        spent.append(elapsed if by_query else time.process_time() - start)
+    stores = context.compute_shader(_STORE_ONLY)
+    spent = [least_s(context, partial(run, *job.groups)) for run in (program.run, stores.run)]
     texture.release()
-    return min(spent)
+    return spent[0], spent[1]
 
 
 def _error(context: Any) -> float:
@@ -74,3 +93,24 @@ def _error(context: Any) -> float:
     cube = np.stack(faces).reshape(6, 256, 256, 4)[..., :3].astype(float)
     texture.release()
     return error_of(cube * half_scale(SKY.brightest), exact_cube(256))
+
+
+def report(times: GpuTimes) -> Iterator[str]:
+    """A Markdown table of the maps beside what the memory could write and the thesis's GPU."""
+    fill, copy = times.bandwidth
+    yield f"{times.renderer}, {times.clock}; largest error {times.error:.1e}"
+    yield f"bandwidth: fill {fill / 1e9:.4g} GB/s, copy {copy / 1e9:.4g} GB/s read and written"
+    yield "| map | MB written | ms | GB/s | of the fill's rate | of mere stores' | thesis, ms |"
+    yield "|---:|---:|---:|---:|---:|---:|---:|"
+    for size, seconds in times.seconds.items():
+        rate = _bytes_of(size) / seconds
+        yield (
+            f"| {size}² | {_bytes_of(size) / 1e6:.3g} | {seconds * 1e3:.3g} | {rate / 1e9:.3g} "
+            f"| {rate / fill:.0%} | {times.stores[size] / seconds:.0%} "
+            f"| {THESIS_MS['thesis, GPU'].get(size, '')} |"
+        )
+
+
+if __name__ == "__main__":
+    for text in report(measure()):
+        print(text, flush=True)

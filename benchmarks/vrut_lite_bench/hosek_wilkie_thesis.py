@@ -45,7 +45,7 @@ FIGURES = (
 )
 
 
-def draw(figure: Figure) -> NDArray[np.uint8]:
+def draw(figure: Figure) -> NDArray[np.integer]:
     """The figure (HEIGHT, WIDTH, 3), without the disc."""
     elevation = np.radians(figure.sun_elevation_deg)
     light = Daylight(

@@ -1,10 +1,23 @@
-"""The sky of a spherical atmosphere: Rayleigh and Mie scattering, ozone, one observer.
+"""The sky of a spherical atmosphere: Rayleigh and Mie scattering, ozone, ground to space.
 
-Single scattering, after Bruneton and Neyret 2008 and Bruneton 2017, for any number of
-wavelengths and any sun, from the ground to the top of the atmosphere.
+After Bruneton and Neyret 2008 and Bruneton 2017, for any number of wavelengths and any sun:
+`single_scattering` for one observer without preparation, `precompute` for tables of all orders
+that serve every observer.
 """
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.precompute import precompute
+from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.single_scattering import single_scattering
+from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.tables import Tables
 
-__all__ = ["Atmosphere", "single_scattering"]
+__all__ = [
+    "Atmosphere",
+    "TableSizes",
+    "Tables",
+    "earth_spectral",
+    "precompute",
+    "preset",
+    "single_scattering",
+]

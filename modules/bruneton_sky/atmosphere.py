@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +22,9 @@ _POSITIVE = (
     "mie_scale_height_m",
     "sun_angular_radius_rad",
 )
+_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
+MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,8 +39,9 @@ class Atmosphere:
         solar_irradiance: above the atmosphere, W m^-2 nm^-1.
         absorber_altitude_m, absorber_density: nodes between which the absorber's relative
             density is linear; it is zero below the first and above the last.
-        mie_g: asymmetry of the Cornette-Shanks phase function.
+        mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
+        mie_phase: the form of the aerosol's phase function.
 
     Raises:
         ValueError: a value is outside what it can physically be; the sentence names it.
@@ -60,10 +63,11 @@ class Atmosphere:
     ground_albedo: tuple[float, ...]
     sun_angular_radius_rad: float
     mu_s_min: float
+    mie_phase: MiePhaseForm = "cornette-shanks"
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            object.__setattr__(self, field.name, _as_numbers(getattr(self, field.name)))
+        for name in self._numeric():
+            object.__setattr__(self, name, _as_numbers(name, getattr(self, name)))
         count = len(_as_tuple(self.wavelength_nm))
         object.__setattr__(self, "wavelength_nm", _as_tuple(self.wavelength_nm))
         for name in _SPECTRAL:
@@ -123,14 +127,24 @@ class Atmosphere:
             height, self.absorber_altitude_m, self.absorber_density, left=0.0, right=0.0
         )
 
+    @classmethod
+    def _numeric(cls) -> list[str]:
+        return [field.name for field in fields(cls) if field.name != "mie_phase"]
+
     def _check(self) -> None:
-        for field in fields(self):
-            finite = np.all(np.isfinite(getattr(self, field.name)))
-            _require(bool(finite), field.name, "must be finite")
+        forms = get_args(MiePhaseForm)
+        _require(self.mie_phase in forms, "mie_phase", f"must be one of {', '.join(forms)}")
+        for name in self._numeric():
+            _require(bool(np.all(np.isfinite(getattr(self, name)))), name, "must be finite")
+        for name in _SCALAR:
+            _require(isinstance(getattr(self, name), float), name, "must be a single number")
         for name in _POSITIVE:
             _require(getattr(self, name) > 0, name, "must be positive")
         for name in ("wavelength_nm", *_SPECTRAL, "absorber_density"):
             _require(min(getattr(self, name)) >= 0, name, "must not be negative")
+        steps = np.diff(self.wavelength_nm)
+        ordered = bool(np.all(steps > 0) or np.all(steps < 0))
+        _require(ordered, "wavelength_nm", "must increase or decrease throughout")
         _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
         _require(max(self.ground_albedo) <= 1, "ground_albedo", "must not exceed 1")
         _require(-1 < self.mie_g < 1, "mie_g", "must lie between -1 and 1")
@@ -150,9 +164,13 @@ def _as_tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else (value,)
 
 
-def _as_numbers(value: ArrayLike) -> float | tuple[float, ...]:
+def _as_numbers(name: str, value: ArrayLike) -> float | tuple[float, ...]:
     """A float, or a tuple of floats: hashable, so that an atmosphere can key a cache."""
-    array = np.asarray(value, dtype=float)
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} of the atmosphere must be a number or numbers") from None
+    _require(array.size > 0, name, "must not be empty")
     return float(array) if array.ndim == 0 else tuple(float(v) for v in array.ravel())
 
 

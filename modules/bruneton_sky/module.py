@@ -1,24 +1,32 @@
-"""The module: answers the sun's moves with a background, a sun light and an ambient light."""
+"""The module: answers the sun's moves with a background, a sun light and an ambient light.
+
+A changed atmosphere is solved by a background job; until its result is there the sky is that
+of the one before. A moved sun or camera needs no such job: the sky-view table is made on the
+spot. No 4-D table is ever made here, since one observer's altitude is shown.
+
+With the setting `cube_device` on "gpu" the table is laid onto the cube map by a `GpuJob`, and the
+background follows with its result; where nobody runs such jobs, or one has failed, the CPU does.
+"""
 
 from typing import ClassVar
 
 import msgspec
 
-from bruneton_sky.background import (
-    Surroundings,
-    ambient_coefficients,
-    background_cube,
-    surroundings,
-)
-from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from bruneton_sky.sun_light import limb_darkening_rgb
-from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.kernel.array import Array
+from bruneton_sky import products
+from bruneton_sky.background import Surroundings, surroundings
+from bruneton_sky.observer import altitude_step_m, same_to_the_eye
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
+from bruneton_sky.solver import SourceField
+from bruneton_sky.solver_job import ORDER_TOLERANCE, solve_air
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
     Demand,
     Derived,
+    JobResult,
+    MoveCamera,
     SetPlace,
     SlotChanged,
     SunLightChanged,
@@ -27,40 +35,58 @@ from vrut_lite.kernel.messages import (
 )
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
-DEFAULT_SIZE = 256
+# Edge of the cube map for who names no size.
+DEFAULT_SIZES = {"cpu": 256, "gpu": 1024}
+SOLVE = "solve"
 PRODUCTS: tuple[type[Derived], ...] = (BackgroundChanged, SunLightChanged, AmbientChanged)
+# Settings that say where a sky is computed, not what it is.
+_NOT_AIR = {"cube_device": "cpu"}
+
+
+class AirKey(msgspec.Struct, frozen=True):
+    """All that the scattered light depends on, for any sun and observer."""
+
+    settings: BrunetonSkySettings
+    ground_altitude_m: float
 
 
 class Recipe(msgspec.Struct, frozen=True):
     """All that the light depends on: equal recipes make equal light."""
 
-    settings: BrunetonSkySettings
+    air: AirKey
     sun_direction: Vector
     visible_disc_fraction: float
     altitude_m: float
 
 
 class BrunetonSky(Module):
-    """Single scattering of a spherical atmosphere, for the sun that SunMoved tells of."""
+    """Multiple scattering in a spherical atmosphere, for the sun that SunMoved tells of."""
 
     manifest: ClassVar[Manifest] = Manifest(
-        name="bruneton_sky",
+        name=products.NAME,
         title="Bruneton sky",
-        version="0.1.0",
+        version="0.2.0",
         provides=("sky",),
         requires=("sun",),
     )
     settings_type: ClassVar[type[msgspec.Struct]] = BrunetonSkySettings
+    settings: BrunetonSkySettings
 
     def __init__(self, link: Link, settings: BrunetonSkySettings):
         super().__init__(link, settings)
-        self._posted: dict[type[Derived], tuple[Recipe, int]] = {}
+        self._posted: dict[type[Derived], tuple[Recipe, int, bool]] = {}
         self._made: tuple[Recipe, Surroundings] | None = None
+        self._solved: tuple[AirKey, SourceField] | None = None
+        self._asked: AirKey | None = None
+        self._refused: AirKey | None = None
+        self._awaited: dict[str, BackgroundChanged] = {}
+        self._gpu_failed = False
 
     @handles(SunMoved)
     @handles(SetPlace)
+    @handles(MoveCamera)
     @handles(Demand)
-    def light_changed(self, _message: SunMoved | SetPlace | Demand) -> None:
+    def light_changed(self, _message: SunMoved | SetPlace | MoveCamera | Demand) -> None:
         """Post what is wanted and new."""
         self._update()
 
@@ -72,8 +98,55 @@ class BrunetonSky(Module):
         self._posted.clear()
         self._update()
 
+    @handles(JobResult)
+    def job_done(self, result: JobResult) -> None:
+        """An atmosphere is solved, or a cube map made.
+
+        Raises:
+            UserError: the GPU could not make the cube map; from now on the CPU does.
+        """
+        if result.job == SOLVE:
+            self._air_solved(result)
+        else:
+            self._cube_made(result)
+
+    def _air_solved(self, result: JobResult) -> None:
+        """Swap the new atmosphere in whole; after an error the old one stays."""
+        asked, self._asked = self._asked, None
+        assert asked is not None
+        if result.error:
+            self._refused = asked
+            return
+        field: SourceField = result.value
+        self._solved = (asked, field)
+        self.ledger.did("atmosphere solved")
+        for what, count in field.skipped.items():
+            if count:
+                self.ledger.skip(f"{what} of the atmosphere: zero or below {ORDER_TOLERANCE:g}")
+        self._update()
+
+    def _cube_made(self, result: JobResult) -> None:
+        if result.error:
+            self._gpu_failed = True
+            self._posted.pop(BackgroundChanged, None)
+            self._update()
+            raise UserError(
+                f"the GPU could not make the sky ({result.error}): set cube_device to cpu"
+            )
+        texture = GpuTexture.of(result.value)
+        if texture.recipe not in self._awaited:
+            self.ledger.skip("GpuJob outdated")
+            return
+        for recipe in tuple(self._awaited):
+            background = self._awaited.pop(recipe)
+            if recipe == texture.recipe:
+                self._post(msgspec.structs.replace(background, cube=texture))
+                return
+
     def settings_changed(self, name: str) -> None:
         """Post the sky of the new settings."""
+        if name == "cube_device":
+            self._gpu_failed = False
         self._update()
 
     def _update(self) -> None:
@@ -81,66 +154,116 @@ class BrunetonSky(Module):
         if sun is None or not self.link.holds("sky"):
             self.ledger.skip("sky: no sun, or another sky is shown")
             return
-        recipe = self._recipe(sun)
-        for product in PRODUCTS:
-            demand = self.link.wanted(product)
-            if demand is None:
-                self.ledger.skip(f"{product.__name__}: nobody wants it")
-                continue
-            wish = (recipe, self._size(product, demand))
+        wishes = {product: self.link.wanted(product) for product in PRODUCTS}
+        for product in (product for product, demand in wishes.items() if demand is None):
+            self.ledger.skip(f"{product.__name__}: nobody wants it")
+        wanted = {product: demand for product, demand in wishes.items() if demand is not None}
+        if wanted:
+            self._solve_if_new()
+        if wanted and self._solved is not None:
+            self._show(self._recipe(sun, self._solved[0]), wanted)
+
+    def _show(self, recipe: Recipe, wanted: dict[type[Derived], Demand]) -> None:
+        for product, demand in wanted.items():
+            paints = product is BackgroundChanged
+            on_gpu = paints and self._gpu_serves()
+            size = self._size(demand) if paints else 0
+            wish = (recipe, size, on_gpu)
             if self._posted.get(product) == wish:
                 self.ledger.skip(f"{product.__name__}: nothing changed")
                 continue
-            self.link.post(self._make(product, *wish))
+            self._post(self._make(product, *wish))
             self._posted[product] = wish
-            self.ledger.did(product.__name__)
 
-    def _recipe(self, sun: SunMoved) -> Recipe:
+    def _post(self, message: Derived) -> None:
+        self.link.post(message)
+        self.ledger.did(type(message).__name__)
+
+    def _gpu_serves(self) -> bool:
+        if self.settings.cube_device == "cpu":
+            return False
+        hindrances = {
+            "nobody runs GPU jobs": self.link.wanted(GpuJob) is None,
+            "the GPU failed": self._gpu_failed,
+        }
+        hindrance = next((name for name, hinders in hindrances.items() if hinders), None)
+        if hindrance is not None:
+            self.ledger.skip(f"GpuJob: {hindrance}")
+        return hindrance is None
+
+    def _solve_if_new(self) -> None:
+        """Have the atmosphere of today's settings solved; the latest wish replaces an older."""
         place = self.link.last(SetPlace)
-        altitude_m = place.altitude_m if place is not None else 0.0
-        top_m = atmosphere_of(self.settings).top_altitude_m
-        # Land below sea level has no place in a sphere of air above the sea.
-        altitude_m = min(max(altitude_m, 0.0), top_m)
-        return Recipe(self.settings, sun.direction, sun.visible_disc_fraction, altitude_m)
-
-    def _size(self, product: type[Derived], demand: Demand) -> int:
-        if product is not BackgroundChanged:
-            return 0
-        # A demand of 1 is the default of a consumer that leaves the size to the sky.
-        return demand.size if demand.size > 1 else DEFAULT_SIZE
-
-    def _make(self, product: type[Derived], recipe: Recipe, size: int) -> Derived:
-        around = self._surroundings(recipe)
-        source = self.manifest.name
-        if product is BackgroundChanged:
-            values, scale = encode_float16(background_cube(around, size))
-            ground_red, ground_green, ground_blue = around.ground_radiance_rgb.tolist()
-            return BackgroundChanged(
-                cube=Array(values),
-                radiance_scale=scale,
-                ground_radiance_rgb=(ground_red, ground_green, ground_blue),
-                source=source,
-            )
-        if product is AmbientChanged:
-            harmonics = Array(ambient_coefficients(around))
-            return AmbientChanged(irradiance_sh_rgb=harmonics, source=source)
-        red, green, blue = around.sun_irradiance_rgb.tolist()
-        return SunLightChanged(
-            direction=recipe.sun_direction,
-            irradiance_rgb=(red, green, blue),
-            angular_radius_rad=atmosphere_of(recipe.settings).sun_angular_radius_rad,
-            limb_darkening_rgb=limb_darkening_rgb(),
-            source=source,
+        air = AirKey(
+            settings=msgspec.structs.replace(self.settings, **_NOT_AIR),
+            ground_altitude_m=place.altitude_m if place is not None else 0.0,
         )
+        if air in (self._asked, self._refused):
+            return
+        if self._asked is not None:
+            self.ledger.skip("atmosphere overtaken by a newer one")
+            self._asked = None
+            self.link.cancel_job(SOLVE)
+        if self._solved is not None and air == self._solved[0]:
+            return
+        try:
+            atmosphere = atmosphere_of(air.settings, air.ground_altitude_m)
+        except ValueError as error:
+            self._refused = air
+            raise UserError(f"bruneton_sky has no such atmosphere: {error}") from error
+        self._asked = air
+        self.link.start_job(SOLVE, solve_air, atmosphere, air.settings.orders)
+
+    def _recipe(self, sun: SunMoved, air: AirKey) -> Recipe:
+        """What is to be shown: that of before if nobody would see a difference."""
+        camera = self.link.last(MoveCamera)
+        height_m = max(camera.eye_m[1], 0.0) if camera is not None else 0.0
+        now = Recipe(air, sun.direction, sun.visible_disc_fraction, height_m)
+        if self._made is None or now == self._made[0]:
+            return now
+        shown = self._made[0]
+        stays = abs(height_m - shown.altitude_m) <= altitude_step_m(shown.altitude_m)
+        kept = msgspec.structs.replace(
+            now,
+            altitude_m=shown.altitude_m if stays else height_m,
+            sun_direction=shown.sun_direction
+            if same_to_the_eye(shown.sun_direction, sun.direction)
+            else sun.direction,
+        )
+        if kept != now:
+            self.ledger.skip("sun or observer moved unseen")
+        return kept
+
+    def _size(self, demand: Demand) -> int:
+        # A demand of 1 is the default of a consumer that leaves the size to the sky.
+        return demand.size if demand.size > 1 else DEFAULT_SIZES[self.settings.cube_device]
+
+    def _make(self, product: type[Derived], recipe: Recipe, size: int, on_gpu: bool) -> Derived:
+        around = self._surroundings(recipe)
+        if product is AmbientChanged:
+            return products.ambient(around)
+        if product is SunLightChanged:
+            radius_rad = atmosphere_of(recipe.air.settings).sun_angular_radius_rad
+            return products.sun_light(around, recipe.sun_direction, radius_rad)
+        if not on_gpu:
+            # What the GPU still works on would come too late.
+            self._awaited.clear()
+            return products.background(around, size)
+        job, background = products.gpu_background(around, size)
+        self._awaited.pop(job.recipe, None)
+        self._awaited[job.recipe] = background
+        return job
 
     def _surroundings(self, recipe: Recipe) -> Surroundings:
         if self._made is not None and self._made[0] == recipe:
             return self._made[1]
+        assert self._solved is not None
         made = surroundings(
-            atmosphere_of(recipe.settings),
+            self._solved[1],
             recipe.altitude_m,
             recipe.sun_direction,
             recipe.visible_disc_fraction,
+            spectral_atmosphere_of(recipe.air.settings, recipe.air.ground_altitude_m),
         )
         self._made = (recipe, made)
         self.ledger.did("sky-view table")

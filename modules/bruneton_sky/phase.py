@@ -1,7 +1,38 @@
 """Phase functions per steradian: how scattered light spreads over directions."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+
+
+class MiePhase(NamedTuple):
+    """Numbers of either phase function of aerosols, for kernels and shaders without a branch.
+
+    P = factor (1 + form nu^2) / ((1 - g)^2 + 2 g (1 - nu))^1.5 in sr^-1, with form 1 for
+    Cornette-Shanks and 0 for Henyey-Greenstein.
+    """
+
+    g: float
+    factor: float
+    form: float
+
+
+def mie_phase_parameters(atmosphere: Atmosphere) -> MiePhase:
+    """The numbers of the atmosphere's aerosol."""
+    g = atmosphere.mie_g
+    if atmosphere.mie_phase == "henyey-greenstein":
+        return MiePhase(g, henyey_greenstein_factor(g), 0.0)
+    return MiePhase(g, cornette_shanks_factor(g), 1.0)
+
+
+def mie_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
+    """Phase function (...,) in sr^-1 of the atmosphere's aerosol, of the cosine nu."""
+    cosine = np.asarray(nu, dtype=float)
+    g, factor, form = mie_phase_parameters(atmosphere)
+    return np.asarray(factor * (1.0 + form * cosine * cosine) / _spread(cosine, g) ** 1.5)
 
 
 def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:
@@ -11,16 +42,30 @@ def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:
 
 
 def cornette_shanks_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:
-    """Cornette and Shanks' 1992 phase function (...,) in sr^-1, asymmetry g in (-1, 1).
+    """Cornette and Shanks' 1992 phase function (...,) in sr^-1, g in (-1, 1).
 
-    The denominator is (1 - g)^2 + 2 g (1 - nu): it stays positive where 1 + g^2 - 2 g nu
-    would cancel, toward the sun at g near 1.
+    Its mean cosine is 3 g (4 + g^2) / (5 (2 + g^2)), which exceeds g by 5 % at g = 0.8.
     """
     cosine = np.asarray(nu, dtype=float)
-    spread = (1.0 - g) ** 2 + 2.0 * g * (1.0 - cosine)
-    return np.asarray(cornette_shanks_factor(g) * (1.0 + cosine * cosine) / spread**1.5)
+    factor = cornette_shanks_factor(g)
+    return np.asarray(factor * (1.0 + cosine * cosine) / _spread(cosine, g) ** 1.5)
+
+
+def henyey_greenstein_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:
+    """Henyey and Greenstein's 1941 phase function (...,) in sr^-1, mean cosine g in (-1, 1)."""
+    return np.asarray(henyey_greenstein_factor(g) / _spread(np.asarray(nu, dtype=float), g) ** 1.5)
 
 
 def cornette_shanks_factor(g: float) -> float:
     """What (1 + nu^2) / (1 + g^2 - 2 g nu)^1.5 is multiplied by, in sr^-1."""
     return float(3.0 / (8.0 * np.pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g))
+
+
+def henyey_greenstein_factor(g: float) -> float:
+    """What 1 / (1 + g^2 - 2 g nu)^1.5 is multiplied by, in sr^-1."""
+    return float((1.0 - g) * (1.0 + g) / (4.0 * np.pi))
+
+
+def _spread(nu: NDArray[np.float64], g: float) -> NDArray[np.float64]:
+    """1 + g^2 - 2 g nu, written so that it stays positive toward the sun at g near 1."""
+    return np.asarray((1.0 - g) ** 2 + 2.0 * g * (1.0 - nu))

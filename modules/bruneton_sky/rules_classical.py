@@ -35,7 +35,7 @@ def classical_integrals(
     Raises:
         ValueError: the rule is unknown, or the intervals do not suit it.
     """
-    view, light = _intervals(rule, samples)
+    view, light = checked_intervals(rule, samples)
     length = _length(atmosphere, altitude_m, mu)
     fraction, weight = rule_nodes(rule, view)
     radius = atmosphere.ground_radius_m
@@ -94,7 +94,12 @@ def accumulate(rule: str, values: FloatArray, step: FloatArray) -> FloatArray:
     return integral * step
 
 
-def _intervals(rule: str, samples: int | tuple[int, int]) -> tuple[int, int]:
+def checked_intervals(rule: str, samples: int | tuple[int, int]) -> tuple[int, int]:
+    """The intervals (view, light) if they suit the rule.
+
+    Raises:
+        ValueError: they do not, or there is no such rule.
+    """
     if rule not in RULES:
         raise ValueError(f"rule must be gauss-legendre or one of {', '.join(RULES)}, not {rule!r}")
     if not isinstance(samples, tuple) or len(samples) != 2 or min(samples) < 1:

@@ -2,42 +2,174 @@
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
+import numpy as np
+from msgspec import Meta
 
 from bruneton_sky.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
-from bruneton_sky.atmosphere import Atmosphere
-from vrut_lite.geometry.colour import solar_irradiance
+from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm
+from bruneton_sky.ozone import ozone_absorption
+from bruneton_sky.presets import earth_spectral, preset
+from bruneton_sky.raised_ground import raise_ground
+from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
+
+PresetName = Literal[
+    "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"
+]
+DEFAULT_TURBIDITY = 3.0
 
 
 class BrunetonSkySettings(msgspec.Struct, frozen=True):
-    """Settings of the Bruneton sky."""
+    """Settings of the Bruneton sky; what is none stays as the preset has it."""
 
-    turbidity: Annotated[
-        float,
-        msgspec.Meta(ge=1, le=10, description="haze, on Preetham's scale; 3 is AOD(550) = 0.20"),
-    ] = 3.0
-    albedo: Annotated[
-        float, msgspec.Meta(ge=0, le=1, description="part of the light that the ground reflects")
-    ] = 0.1
-    ozone: Annotated[bool, msgspec.Meta(description="an ozone layer from 10 to 40 km")] = True
-    mie_g: Annotated[
-        float, msgspec.Meta(ge=0, le=0.95, description="how far haze scatters forward")
-    ] = 0.8
+    preset: Annotated[
+        PresetName,
+        Meta(description="The atmosphere to start from; earth has the haze of turbidity 3"),
+    ] = "earth"
+    turbidity: (
+        Annotated[float, Meta(ge=1, le=10, description="Haze on Preetham's scale; 3 is AOD 0.20")]
+        | None
+    ) = None
+    albedo: (
+        Annotated[float, Meta(ge=0, le=1, description="Part of the light that the ground reflects")]
+        | None
+    ) = None
+    ozone_du: (
+        Annotated[
+            float,
+            Meta(ge=0, le=1000, description="Ozone above the ground", extra={"unit": "DU"}),
+        ]
+        | None
+    ) = None
+    rayleigh_factor: Annotated[
+        float, Meta(ge=0, le=20, description="Molecules, as a multiple of the preset's")
+    ] = 1.0
+    rayleigh_scale_height_m: (
+        Annotated[
+            float,
+            Meta(ge=500, le=50_000, description="Height of the molecules", extra={"unit": "m"}),
+        ]
+        | None
+    ) = None
+    mie_scale_height_m: (
+        Annotated[
+            float, Meta(ge=100, le=50_000, description="Height of the haze", extra={"unit": "m"})
+        ]
+        | None
+    ) = None
+    mie_albedo: (
+        Annotated[float, Meta(ge=0, le=1, description="Part of its light that haze scatters")]
+        | None
+    ) = None
+    mie_g: (
+        Annotated[float, Meta(ge=-0.95, le=0.95, description="How far haze scatters forward")]
+        | None
+    ) = None
+    mie_phase: Annotated[MiePhaseForm, Meta(description="Phase function of the haze")] | None = None
+    ground_radius_m: (
+        Annotated[
+            float, Meta(ge=1e5, le=1e8, description="Radius of the planet", extra={"unit": "m"})
+        ]
+        | None
+    ) = None
+    top_altitude_m: (
+        Annotated[
+            float,
+            Meta(ge=20_000, le=500_000, description="Where the air ends", extra={"unit": "m"}),
+        ]
+        | None
+    ) = None
+    orders: Annotated[
+        int, Meta(ge=1, le=40, description="Times that light is scattered at most")
+    ] = 20
+    cube_device: Annotated[
+        Literal["cpu", "gpu"],
+        Meta(description="What computes the sky's cube map; the GPU where there is one"),
+    ] = "cpu"
+
+
+def atmosphere_of(settings: BrunetonSkySettings, ground_altitude_m: float = 0.0) -> Atmosphere:
+    """The atmosphere of the settings above a ground at an altitude, as its sky is solved.
+
+    It has the four wavelengths of which the colour of skylight is made. Other scale heights
+    leave the amount of matter above each square metre as it was.
+    """
+    return _atmosphere(settings, ground_altitude_m, SKYLIGHT_NM)
+
+
+def spectral_atmosphere_of(
+    settings: BrunetonSkySettings, ground_altitude_m: float = 0.0
+) -> Atmosphere:
+    """The same atmosphere each 5 nm from 360 to 830, for sunlight, which costs next to nothing."""
+    return _atmosphere(settings, ground_altitude_m, tuple(colour_table()[:, 0]))
 
 
 @lru_cache(maxsize=8)
-def atmosphere_of(settings: BrunetonSkySettings) -> Atmosphere:
-    """Bruneton's demonstration atmosphere with the haze, ground and ozone of the settings.
+def _atmosphere(
+    settings: BrunetonSkySettings, ground_altitude_m: float, wavelength_nm: tuple[float, ...]
+) -> Atmosphere:
+    air = _preset(settings.preset, wavelength_nm)
+    for change in (_with_planet, _with_aerosol, _with_gases):
+        air = change(air, settings)
+    return raise_ground(air, ground_altitude_m)
 
-    Its solar spectrum is the host's (ASTM G-173), up to 7 % from the demonstration's, so that
-    every sky and sun shares one scale.
-    """
-    earth = Atmosphere.earth(ozone=settings.ozone)
-    spectrum = tuple(solar_irradiance(earth.wavelength_nm).tolist())
-    earth = replace(
-        earth, solar_irradiance=spectrum, ground_albedo=(settings.albedo,) * len(spectrum)
+
+def _preset(name: PresetName, wavelength_nm: tuple[float, ...]) -> Atmosphere:
+    if name == "earth":
+        depth = float(optical_depth_of_turbidity(DEFAULT_TURBIDITY))
+        return earth_spectral(wavelength_nm).with_aerosol(depth, ANGSTROM_EXPONENT)
+    return preset(name, wavelength_nm)
+
+
+def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
+    changes = {
+        name: value
+        for name in ("ground_radius_m", "top_altitude_m")
+        if (value := getattr(settings, name)) is not None
+    }
+    if settings.albedo is not None:
+        changes["ground_albedo"] = settings.albedo
+    return replace(air, **changes)
+
+
+def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
+    if settings.turbidity is not None:
+        depth = float(optical_depth_of_turbidity(settings.turbidity))
+        air = air.with_aerosol(depth, ANGSTROM_EXPONENT)
+    extinction = np.asarray(air.mie_extinction)
+    scattering = np.asarray(air.mie_scattering)
+    if settings.mie_albedo is not None:
+        scattering = extinction * settings.mie_albedo
+    height_m = settings.mie_scale_height_m or air.mie_scale_height_m
+    thinner = air.mie_scale_height_m / height_m
+    return replace(
+        air,
+        mie_extinction=tuple(extinction * thinner),
+        mie_scattering=tuple(scattering * thinner),
+        mie_scale_height_m=height_m,
+        mie_g=air.mie_g if settings.mie_g is None else settings.mie_g,
+        mie_phase=settings.mie_phase or air.mie_phase,
     )
-    depth = float(optical_depth_of_turbidity(settings.turbidity))
-    return earth.with_aerosol(depth, ANGSTROM_EXPONENT, mie_g=settings.mie_g)
+
+
+def _with_gases(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
+    height_m = settings.rayleigh_scale_height_m or air.rayleigh_scale_height_m
+    factor = settings.rayleigh_factor * air.rayleigh_scale_height_m / height_m
+    air = replace(
+        air,
+        rayleigh_scattering=tuple(np.asarray(air.rayleigh_scattering) * factor),
+        rayleigh_scale_height_m=height_m,
+    )
+    if settings.ozone_du is None:
+        return air
+    earth = Atmosphere.earth()
+    layer_m = float(np.trapezoid(earth.absorber_density, earth.absorber_altitude_m))
+    absorption = ozone_absorption(air.wavelength_nm, settings.ozone_du, layer_m)
+    return replace(
+        air,
+        absorption_extinction=tuple(absorption),
+        absorber_altitude_m=earth.absorber_altitude_m,
+        absorber_density=earth.absorber_density,
+    )

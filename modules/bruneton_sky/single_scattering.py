@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
-from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.rules_classical import classical_integrals
 
@@ -54,7 +54,7 @@ def single_scattering(
         atmosphere, altitude_m, mu, mu_s, nu, rule=rule, samples=samples
     )
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)[..., None]
-    return rayleigh * rayleigh_phase(cosine) + mie * cornette_shanks_phase(cosine, atmosphere.mie_g)
+    return rayleigh * rayleigh_phase(cosine) + mie * mie_phase(atmosphere, cosine)
 
 
 def scattered_without_phase(

@@ -1,6 +1,9 @@
-"""Compiled look-up of a sky-view table for every texel of a cube map.
+"""Compiled look-up of a sky-view table for every texel of a cube map, in single precision.
 
-Importing this module imports numba: do it only where the first cube is filled.
+A row of texels is worked in three passes over short buffers: coordinates in the table (a loop
+that vectorises over texels), the bilinear look-up (vectorised over a node's eight numbers),
+powers and phase function (over texels again). Importing this module imports numba: do it only
+where the first cube is filled.
 """
 
 import math
@@ -8,59 +11,104 @@ import math
 import numpy as np
 from numba import njit
 
+# Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
+NODE = 8
+_ZERO, _ONE, _HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
+_SMALLEST = np.float32(1e-30)
+# NaN, infinity and signed zero do not occur; sums keep their order, so that every vector width
+# gives the same digits.
+_compiled = njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "ninf", "nsz", "contract"}
+)
 
-@njit(cache=True, nogil=True, error_model="numpy")
+
+@_compiled
 def fill_faces(  # type: ignore[no-untyped-def]
-    table, sun, phase, axes, centres, ground, cube
+    nodes, shape, horizon, sun, phase, axes, centres, ground, cube
 ):
-    """Fill cube (6, n, n, 3) from a table (rows, columns, 2, 3); see `sky_view.fill_cube`.
+    """Fill `cube` (6, n, n, 3) from `nodes` (rows * columns, 8); all float32.
 
-    A row of texels is all sky or all ground: no face has a vertical s axis.
+    `shape` is (rows above the horizon, rows below, columns); without rows below, what lies
+    below the level is `ground` (3,). `horizon` holds 1 + mu of the ground's horizon and of the
+    air's end; `sun` the direction (3,) and its level part's direction (2,); `phase` what
+    `mie_phase_parameters` gives. `axes` (6, 3, 3): normal, s and t axis of each face.
     """
+    size = centres.size
+    first_node = np.empty(size, dtype=np.int32)
+    fraction = np.empty((2, size), dtype=np.float32)
+    mie_phase = np.empty(size, dtype=np.float32)
+    blended = np.empty((size, NODE), dtype=np.float32)
     for face in range(6):
-        for i in range(centres.size):
-            row = axes[0, face] + centres[i] * axes[2, face]
-            for j in range(centres.size):
-                if row[1] < 0.0:
-                    cube[face, i, j, :] = ground
-                else:
-                    x = row[0] + centres[j] * axes[1, face, 0]
-                    z = row[2] + centres[j] * axes[1, face, 2]
-                    _look_up(table, sun, phase, x, row[1], z, cube[face, i, j])
+        for i in range(size):
+            if shape[1] == 0 and axes[face, 0, 1] + centres[i] * axes[face, 2, 1] < 0.0:
+                cube[face, i, :, :] = ground
+                continue
+            _place_row(
+                axes[face], centres, centres[i], shape, horizon, sun, phase,
+                first_node, fraction, mie_phase,
+            )  # fmt: skip
+            _blend_row(nodes, shape[2], first_node, fraction, blended)
+            _shade_row(blended, mie_phase, cube[face, i])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _look_up(table, sun, phase, x, y, z, out):  # type: ignore[no-untyped-def]
-    """Radiance in the direction (x, y, z), which need not have unit length."""
-    across = x * sun[0] + z * sun[2]
-    level_squared = x * x + z * z
-    inverse = 1.0 / math.sqrt(level_squared + y * y)
-    nu = (across + y * sun[1]) * inverse
-    width = math.sqrt(level_squared * (sun[0] * sun[0] + sun[2] * sun[2]))
-    # At the zenith, or under a sun there, no azimuth matters.
-    cos_phi = across / width if width > 1e-12 else 1.0
-    row, u = _place(math.sqrt(y * inverse), table.shape[0])
-    column, v = _place(math.sqrt(max(0.5 - 0.5 * cos_phi, 0.0)), table.shape[1])
-    mie_g, mie_factor = phase
-    spread = (1.0 - mie_g) ** 2 + 2.0 * mie_g * (1.0 - nu)
-    mie_phase = mie_factor * (1.0 + nu * nu) / (spread * math.sqrt(spread))
-    for c in range(3):
-        rayleigh = _blend(table, 0, c, row, u, column, v)
-        mie = _blend(table, 1, c, row, u, column, v)
-        out[c] = rayleigh**4 + mie_phase * mie**4
+@_compiled
+def _place_row(  # type: ignore[no-untyped-def]
+    axes, centres, t, shape, horizon, sun, phase, first_node, fraction, mie_phase
+):
+    """Node and fractions of each texel, and the phase function of its angle from the sun."""
+    above, below, columns = shape
+    rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
+    factor, bend, near, forward = phase
+    for j in range(centres.size):
+        s = centres[j]
+        x = axes[0, 0] + s * axes[1, 0] + t * axes[2, 0]
+        y = axes[0, 1] + s * axes[1, 1] + t * axes[2, 1]
+        z = axes[0, 2] + s * axes[1, 2] + t * axes[2, 2]
+        level = x * x + z * z
+        length = math.sqrt(level + y * y)
+        inverse = _ONE / length
+        # 1 + mu without cancellation at the nadir, where a far observer has all of the planet.
+        depth = length + abs(y)
+        w = level * inverse / depth if y < 0 else depth * inverse
+        height = w - horizon[0]
+        if below == 0:
+            # A texel on the level may fall below it by a last digit.
+            height = max(height, _ZERO)
+        row = math.sqrt(abs(height) * (rise if height >= 0 else fall))
+        row = min(row, _ONE) * np.float32(above - 1 if height >= 0 else below - 1)
+        last = above - 2 if height >= 0 else below - 2
+        i = min(np.int32(row), np.int32(last))
+        # Half the chord between the level directions is the sine of half the azimuth.
+        scale = _ONE / math.sqrt(max(level, _SMALLEST))
+        along, across = x * scale - sun[3], z * scale - sun[4]
+        column = _HALF * math.sqrt(along * along + across * across) * np.float32(columns - 1)
+        k = min(np.int32(column), np.int32(columns - 2))
+        first_node[j] = (i if height >= 0 else i + above) * columns + k
+        fraction[0, j] = row - np.float32(i)
+        fraction[1, j] = column - np.float32(k)
+        nu = (x * sun[0] + y * sun[1] + z * sun[2]) * inverse
+        spread = near + forward * (_ONE - nu)
+        mie_phase[j] = factor * (_ONE + bend * nu * nu) / (spread * math.sqrt(spread))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _place(coordinate, count):  # type: ignore[no-untyped-def]
-    """Index of the node at or before a coordinate in [0, 1], and the fraction after it."""
-    position = coordinate * (count - 1)
-    index = min(int(position), count - 2)
-    return np.uintp(index), min(position - index, 1.0)
+@_compiled
+def _blend_row(nodes, columns, first_node, fraction, blended):  # type: ignore[no-untyped-def]
+    for j in range(first_node.size):
+        a = np.uintp(first_node[j])
+        b = a + np.uintp(columns)
+        u, v = fraction[0, j], fraction[1, j]
+        one = np.uintp(1)
+        for k in range(NODE):
+            near = nodes[a, k] + v * (nodes[a + one, k] - nodes[a, k])
+            far = nodes[b, k] + v * (nodes[b + one, k] - nodes[b, k])
+            blended[j, k] = near + u * (far - near)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _blend(table, part, c, i, u, j, v):  # type: ignore[no-untyped-def]
-    one = np.uintp(1)
-    near = table[i, j, part, c] * (1.0 - v) + table[i, j + one, part, c] * v
-    far = table[i + one, j, part, c] * (1.0 - v) + table[i + one, j + one, part, c] * v
-    return near * (1.0 - u) + far * u
+@_compiled
+def _shade_row(blended, mie_phase, row):  # type: ignore[no-untyped-def]
+    """The table holds fourth roots: see `sky_view`."""
+    for j in range(mie_phase.size):
+        for c in range(3):
+            rest = blended[j, c] * blended[j, c]
+            mie = blended[j, c + 4] * blended[j, c + 4]
+            row[j, c] = rest * rest + mie_phase[j] * (mie * mie)

@@ -2,12 +2,13 @@
 
 The model ends where the sun sets, and above that it is not monotone at high turbidity. From half
 a degree down its last sky, the glow at the sun's true place below the horizon, gives way to the
-fitted twilight of `twilight_table`, and is gone at -2.5 deg. Shape and colour of both are scaled to
-one illuminance on level ground, which goes on from the model's and meets the published curve at
--7 deg. At 18 deg below the horizon only the constant night sky is left.
+computed twilight of `twilight_table` in the manner of `twilight_blend`, and is gone at -2.5 deg.
+The sky is scaled to one illuminance on level ground, which goes on from the model's and meets
+the published curve at -7 deg. At 18 deg below the horizon only the constant night sky is left.
 
 What turns with the apparent sun: the shape. What follows the geometric elevation: the level and
-the shares of the two skies.
+the shares of the two skies. The published curve is one of geometric elevations: at sunset, 50'
+below the horizon, it gives 452 lx, and the Glossary of Meteorology 585 to 410 lx.
 """
 
 from dataclasses import dataclass
@@ -18,21 +19,20 @@ from numpy.typing import ArrayLike, NDArray
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
 from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
+from dynamic_skylight.twilight_blend import BLEND_DEG, BLEND_ENDS_DEG, blend, model_on_map
 from dynamic_skylight.twilight_curve import NIGHT_BEGINS_DEG, illuminance_lx
 from dynamic_skylight.twilight_table import (
     azimuth_coordinate,
     elevation_coordinate,
     look_up,
+    luminous_irradiance,
     twilight_table,
 )
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
 FloatArray = NDArray[np.float64]
 
-# Geometric elevations: where Hosek's own sky begins to hand over, where nothing of it is left,
-# and where the illuminance has come down to the published curve.
-BLEND_DEG = 0.5
-BLEND_ENDS_DEG = -2.5
+# Geometric elevation where the illuminance has come down to the published curve.
 ON_CURVE_DEG = -7.0
 BLEND_APPARENT_RAD = float(np.radians(BLEND_DEG) + refraction_rad(np.radians(BLEND_DEG)))
 # Starlight and airglow of a clear moonless night, on level ground (RCA Electro-Optics
@@ -40,20 +40,20 @@ BLEND_APPARENT_RAD = float(np.radians(BLEND_DEG) + refraction_rad(np.radians(BLE
 NIGHT_ILLUMINANCE_LX = 1e-3
 # The night sky is taken as even and white, so that its radiance is E / pi in each channel.
 _NIGHT_RADIANCE = NIGHT_ILLUMINANCE_LX / LUMENS_PER_WATT / np.pi / float(luminance(np.ones(3)))
-_QUADRATURE = (16, 32)
 
 
 @dataclass(frozen=True)
 class HourSky:
-    """The sum of three skies, any of which may be absent: formula, twilight and night.
+    """Three skies, any of which may be absent: formula, twilight and night.
 
     Attributes:
         distribution: A to I of the extended Perez formula (3, 9).
         mean_radiance: its factors (3,), W m^-2 sr^-1; 0 when the sun is far down.
         sun_elevation_rad: apparent; of the glow's centre, below the horizon at twilight.
         night_radiance: added everywhere (W m^-2 sr^-1, equal in the channels).
-        twilight: radiance (64, 32, 3) on the coordinates v and a of `twilight_table`,
-            W m^-2 sr^-1, to be looked up bilinearly; None by day and at night.
+        twilight: (64, 32, 4) on the coordinates v and a of `twilight_table`, to be looked up
+            bilinearly: radiance to be added (W m^-2 sr^-1), and in the last place what the
+            formula is multiplied with before; None by day and at night.
     """
 
     distribution: FloatArray
@@ -66,12 +66,13 @@ class HourSky:
         """Radiance (..., 3) above the horizon, linear sRGB, W m^-2 sr^-1; the exact twin."""
         cos_theta = np.maximum(np.cos(np.asarray(theta_rad, dtype=float)), 0.0)
         shape = extended_perez(cos_theta, gamma_rad, self.distribution)
-        sky = np.maximum(shape * self.mean_radiance, 0.0) + self.night_radiance
-        if self.twilight is None:
-            return sky
-        cos_azimuth = self._cos_azimuth(cos_theta, np.asarray(gamma_rad, dtype=float))
-        v, a = np.broadcast_arrays(elevation_coordinate(cos_theta), azimuth_coordinate(cos_azimuth))
-        return sky + look_up(self.twilight, v, a)
+        sky = np.maximum(shape * self.mean_radiance, 0.0)
+        if self.twilight is not None:
+            cos_azimuth = self._cos_azimuth(cos_theta, np.asarray(gamma_rad, dtype=float))
+            places = elevation_coordinate(cos_theta), azimuth_coordinate(cos_azimuth)
+            found = look_up(self.twilight, *np.broadcast_arrays(*places))
+            sky = sky * found[..., 3:] + found[..., :3]
+        return sky + self.night_radiance
 
     def _cos_azimuth(self, cos_theta: FloatArray, gamma: FloatArray) -> FloatArray:
         """Cosine (...,) of the azimuth from the sun's: the spherical law of cosines."""
@@ -101,9 +102,9 @@ class HourSky:
             faces,
         )
         if self.twilight is not None:
-            from dynamic_skylight.twilight_rows import add_directions
+            from dynamic_skylight.twilight_rows import lay_over
 
-            add_directions(cube, faces, self.twilight, sun_azimuth_rad)
+            lay_over(cube, faces, self.twilight, sun_azimuth_rad)
         if self.night_radiance > 0.0:
             cube[list(faces)] += np.float32(self.night_radiance)
         return cube
@@ -126,33 +127,22 @@ def sky_of_hour(turbidity: float, albedo: float, apparent_elevation_rad: float) 
 
 
 def _twilight(model: HosekWilkieSky, elevation_rad: float) -> HourSky:
-    """Hosek's last sky and the fitted twilight, in their shares of the hour's illuminance."""
+    """Hosek's last sky and the computed twilight, scaled to the hour's illuminance."""
     geometric_deg = float(np.degrees(geometric_elevation(elevation_rad)))
     distribution, mean = model.rgb_distribution, model.rgb_mean_radiance
-    at_blend = luminance(horizontal_irradiance(distribution, mean, BLEND_APPARENT_RAD))
-    level = _luminous_irradiance(float(at_blend), geometric_deg)
-    share = _model_share(geometric_deg)
-    if share > 0.0:
-        now = luminance(horizontal_irradiance(distribution, mean, elevation_rad))
-        share *= level / float(now)
-    fitted = None
-    if level > 0.0:
-        directions = twilight_table().directions(model.turbidity, float(np.degrees(elevation_rad)))
-        fitted = (1.0 - _model_share(geometric_deg)) * level * directions
+    at_blend = luminous_irradiance(model_on_map(distribution, mean, BLEND_APPARENT_RAD))
+    level = _luminous_irradiance(at_blend, geometric_deg)
     # The night comes in gradually, for the sake of exact continuity with Hosek's day.
     night = _NIGHT_RADIANCE * min(BLEND_DEG - geometric_deg, 1.0)
-    return HourSky(distribution, share * mean, elevation_rad, night, fitted)
-
-
-def _model_share(geometric_deg: float) -> float:
-    """Hosek's share of the illuminance: 1 at the blend, 0 from -2.5 deg down, smooth between.
-
-    Squared, for at the sun's horizon the model is up to five times as bright as the fit: so the
-    radiance there changes more evenly.
-    """
-    x = (geometric_deg - BLEND_ENDS_DEG) / (BLEND_DEG - BLEND_ENDS_DEG)
-    x = min(max(x, 0.0), 1.0)
-    return (x * x * (3.0 - 2.0 * x)) ** 2
+    if level <= 0.0:
+        return HourSky(distribution, 0.0 * mean, elevation_rad, night)
+    fitted = twilight_table().directions(model.turbidity, float(np.degrees(elevation_rad)))
+    if geometric_deg > BLEND_ENDS_DEG:
+        now = model_on_map(distribution, mean, elevation_rad)
+        sky = blend(now, fitted, level, geometric_deg)
+        return HourSky(distribution, mean, elevation_rad, night, sky)
+    sky = np.concatenate([level * fitted, np.zeros_like(fitted[..., :1])], axis=-1)
+    return HourSky(distribution, 0.0 * mean, elevation_rad, night, sky)
 
 
 def _luminous_irradiance(at_blend: float, geometric_deg: float) -> float:
@@ -166,24 +156,3 @@ def _luminous_irradiance(at_blend: float, geometric_deg: float) -> float:
     curve_at_blend = float(illuminance_lx(BLEND_DEG) - rest) / LUMENS_PER_WATT
     share = (geometric_deg - ON_CURVE_DEG) / (BLEND_DEG - ON_CURVE_DEG)
     return float(curve * (at_blend / curve_at_blend) ** max(share, 0.0))
-
-
-def horizontal_irradiance(
-    distribution: FloatArray, mean_radiance: FloatArray, sun_elevation_rad: float
-) -> FloatArray:
-    """Irradiance (3,) on level ground of the clamped formula, W m^-2, by Gauss-Legendre.
-
-    The rule is in sin^2 theta, whose weight is the cosine's, and even in azimuth.
-    """
-    rows, columns = _QUADRATURE
-    x, weight = np.polynomial.legendre.leggauss(rows)
-    cos_theta = np.sqrt(0.5 - 0.5 * x)[:, None]
-    sin_theta = np.sqrt(0.5 + 0.5 * x)[:, None]
-    azimuth = (np.arange(columns) + 0.5) * (np.pi / columns)
-    cos_gamma = cos_theta * np.sin(sun_elevation_rad) + sin_theta * np.cos(
-        sun_elevation_rad
-    ) * np.cos(azimuth)
-    gamma = np.arccos(np.clip(cos_gamma, -1.0, 1.0))
-    radiance = np.maximum(extended_perez(cos_theta, gamma, distribution) * mean_radiance, 0.0)
-    mean: FloatArray = np.pi * np.einsum("i,ijc->c", weight / 2.0, radiance) / columns
-    return mean

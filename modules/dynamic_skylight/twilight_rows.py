@@ -1,10 +1,11 @@
 """Twilight's map of directions laid onto a cube map, in single precision.
 
 Two square roots and a division give a texel its coordinates in the map; the rest is a bilinear
-look-up. Importing this module imports numba.
+look-up of four numbers, which fill a register. Importing this module imports numba.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -19,15 +20,21 @@ _TOP, _BOTTOM = 2, 3
 _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)
 _ONE, _HALF = np.float32(1.0), np.float32(0.5)
 _SMALLEST = np.float32(1e-30)
+_COMPILE: dict[str, Any] = {
+    "cache": True,
+    "error_model": "numpy",
+    "fastmath": {"nnan", "ninf", "nsz", "contract"},
+}
 
 
-def add_directions(
+def lay_over(
     cube: Float32Array, faces: tuple[int, ...], directions: FloatArray, sun_azimuth_rad: float
 ) -> None:
-    """Add a map of directions (V, A, 3) to what a cube map (6, n, n, 3) has above the horizon.
+    """Put a map of directions (V, A, 4) over what a cube map (6, n, n, 3) has above the horizon.
 
-    The map's coordinates are those of `twilight_table`; the azimuth is the world's (from -Z,
-    clockwise seen from above).
+    Each texel is multiplied by the map's last number and receives the first three. The map's
+    coordinates are those of `twilight_table`; the azimuth is the world's (from -Z, clockwise
+    seen from above).
     """
     size = cube.shape[1]
     centres = texel_centres(size).astype(np.float32)
@@ -35,32 +42,55 @@ def add_directions(
     small = directions.astype(np.float32)
     for face in set(faces) - {_BOTTOM}:
         rows = size if face == _TOP else size // 2
-        _add_to_face(cube[face, :rows], _AXES[face], centres, small, sun)
+        _lay_over_face(cube[face, :rows], _AXES[face], centres, small, sun)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"nnan", "ninf", "nsz", "contract"})
-def _add_to_face(face, axes, centres, directions, sun):  # type: ignore[no-untyped-def]
-    last_v, last_a = directions.shape[0] - 1, directions.shape[1] - 1
+@njit(**_COMPILE)
+def _lay_over_face(face, axes, centres, directions, sun):  # type: ignore[no-untyped-def]
+    places = np.empty((2, centres.size), np.float32)
     for i in range(face.shape[0]):
-        for j in range(face.shape[1]):
-            s, t = centres[j], centres[i]
-            x = axes[0, 0] + s * axes[1, 0] + t * axes[2, 0]
-            y = axes[0, 1] + s * axes[1, 1] + t * axes[2, 1]
-            z = axes[0, 2] + s * axes[1, 2] + t * axes[2, 2]
-            level = x * x + z * z
-            # 1 - up without cancellation at the zenith: level / (length (length + y)).
-            length = math.sqrt(level + y * y)
-            from_zenith = level / (length * (length + y))
-            v = math.sqrt((y / length) / (_ONE + math.sqrt(from_zenith))) * np.float32(last_v)
-            # Half the chord between the level directions is the sine of half the azimuth.
-            scale = _ONE / math.sqrt(max(level, _SMALLEST))
-            along, across = x * scale - sun[0], z * scale - sun[1]
-            a = _HALF * math.sqrt(along * along + across * across) * np.float32(last_a)
-            row, column = min(int(v), last_v - 1), min(int(a), last_a - 1)
-            dv, da = v - np.float32(row), a - np.float32(column)
-            for c in range(3):
-                near = directions[row, column, c]
-                near += da * (directions[row, column + 1, c] - near)
-                far = directions[row + 1, column, c]
-                far += da * (directions[row + 1, column + 1, c] - far)
-                face[i, j, c] += near + dv * (far - near)
+        _find_places(places, axes, centres, centres[i], directions.shape, sun)
+        _lay_over_row(face[i], places, directions)
+
+
+@njit(**_COMPILE)
+def _find_places(places, axes, centres, t, shape, sun):  # type: ignore[no-untyped-def]
+    """The coordinates of a row of texels, counted in the map's nodes; this loop vectorises."""
+    last_v, last_a = np.float32(shape[0] - 1), np.float32(shape[1] - 1)
+    x0, y0, z0 = (
+        axes[0, 0] + t * axes[2, 0],
+        axes[0, 1] + t * axes[2, 1],
+        axes[0, 2] + t * axes[2, 2],
+    )
+    dx, dy, dz = axes[1, 0], axes[1, 1], axes[1, 2]
+    of_v, of_a = places[0], places[1]
+    for j in range(centres.size):
+        s = centres[j]
+        x, y, z = x0 + s * dx, y0 + s * dy, z0 + s * dz
+        level = x * x + z * z
+        # 1 - up without cancellation at the zenith: level / (length (length + y)).
+        length = math.sqrt(level + y * y)
+        from_zenith = level / (length * (length + y))
+        of_v[j] = math.sqrt((y / length) / (_ONE + math.sqrt(from_zenith))) * last_v
+        # Half the chord between the level directions is the sine of half the azimuth.
+        scale = _ONE / math.sqrt(max(level, _SMALLEST))
+        along, across = x * scale - sun[0], z * scale - sun[1]
+        of_a[j] = _HALF * math.sqrt(along * along + across * across) * last_a
+
+
+@njit(**_COMPILE)
+def _lay_over_row(row, places, directions):  # type: ignore[no-untyped-def]
+    last_v, last_a = directions.shape[0] - 2, directions.shape[1] - 2
+    found = np.empty(4, np.float32)
+    for j in range(row.shape[0]):
+        v, a = places[0, j], places[1, j]
+        i, k = min(int(v), last_v), min(int(a), last_a)
+        dv, da = v - np.float32(i), a - np.float32(k)
+        for c in range(4):
+            near = directions[i, k, c]
+            near += da * (directions[i, k + 1, c] - near)
+            far = directions[i + 1, k, c]
+            far += da * (directions[i + 1, k + 1, c] - far)
+            found[c] = near + dv * (far - near)
+        for c in range(3):
+            row[j, c] = row[j, c] * found[3] + found[c]

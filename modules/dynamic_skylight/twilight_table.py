@@ -1,9 +1,9 @@
-"""Where the light of twilight stands in the sky: a table fitted to multiple scattering.
+"""Where the light of twilight stands in the sky: a table of solved multiple scattering.
 
 The table (`data/twilight.npz`, made by tools/twilight_fit) holds the logarithm of the sky's
-radiance over the illuminance on level ground, for turbidities 2, 4 and 6, suns from 2 to -13 deg
-and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions, in which a
-look-up is bilinear: so few numbers that a shader can have them as a small texture.
+radiance over the illuminance on level ground, for five turbidities from 1 to 10, suns from 2 to
+-13 deg and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions,
+in which a look-up is bilinear: so few numbers that a shader can have them as a small texture.
 
 Directions have the coordinates v and a, both in [0, 1]:
 
@@ -30,7 +30,7 @@ _QUADRATURE = 512
 
 @dataclass(frozen=True)
 class TwilightTable:
-    """The fitted skies.
+    """The solved skies.
 
     Attributes:
         log_shape: ln of radiance over illuminance (T, S, V, A, 3), illuminance as CIE Y.
@@ -46,14 +46,17 @@ class TwilightTable:
     def directions(self, turbidity: float, sun_deg: float) -> FloatArray:
         """Radiance per luminous irradiance (64, 32, 3) on the map's v and a, in sr^-1.
 
-        The logarithm is linear in turbidity between the table's, and below them; above them, and
-        for suns outside the table's, the sky of its ends is held.
+        The logarithm is linear in that of turbidity between the table's; beyond them, and for
+        suns outside the table's, the sky of its ends is held.
         """
         suns = self.log_shape.shape[1]
         position = (self.first_sun_deg - sun_deg) / self.sun_step_deg
         of_sun = cubic_weights(np.array([position]), suns)[0]
         of_haze = self._haze_weights(turbidity)
-        logarithm = np.einsum("t,s,tsvac->vac", of_haze, of_sun, self.log_shape, optimize=True)
+        t, s = np.flatnonzero(of_haze), np.flatnonzero(of_sun)
+        some = self.log_shape[t[0] : t[-1] + 1, s[0] : s[-1] + 1]
+        weights = of_haze[t[0] : t[-1] + 1], of_sun[s[0] : s[-1] + 1]
+        logarithm = np.einsum("t,s,tsvac->vac", *weights, some, optimize=True)
         fine_v = _refining(logarithm.shape[0], MAP_SHAPE[0])
         fine_a = _refining(logarithm.shape[1], MAP_SHAPE[1])
         shape = np.exp(np.einsum("iv,ja,vac->ijc", fine_v, fine_a, logarithm, optimize=True))
@@ -61,11 +64,10 @@ class TwilightTable:
 
     def _haze_weights(self, turbidity: float) -> FloatArray:
         """Weights (T,) of the table's turbidities."""
-        nodes = self.turbidity
-        i = int(np.clip(np.searchsorted(nodes, turbidity) - 1, 0, nodes.size - 2))
-        part = (min(turbidity, nodes[-1]) - nodes[i]) / (nodes[i + 1] - nodes[i])
-        weights = np.zeros(nodes.size)
-        weights[i : i + 2] = 1.0 - part, part
+        place = np.interp(np.log(turbidity), np.log(self.turbidity), np.arange(self.turbidity.size))
+        i = min(int(place), self.turbidity.size - 2)
+        weights = np.zeros(self.turbidity.size)
+        weights[i : i + 2] = i + 1.0 - place, place - i
         return weights
 
 

@@ -1,16 +1,23 @@
 """Table, cube map, ground and ambient light: the fast sky against the exact one."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pytest
-from bruneton_sky import Atmosphere, single_scattering
+from bruneton_sky import Atmosphere
 from bruneton_sky.background import (
     albedo_rgb,
     ambient_coefficients,
     background_cube,
     surroundings,
 )
+from bruneton_sky.geometry import distance_to_ground, end_of_ray, horizon_mu, make_ray
+from bruneton_sky.ground_light import GroundLight, ground_radiance
+from bruneton_sky.kernels import fast_scattered_without_phase
+from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
+from bruneton_sky.solver import SourceField, multiple_scattering, solve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -21,6 +28,21 @@ from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 
 HAZY = Atmosphere.earth().with_aerosol(0.2)
+# A small, cold world under thick air: nothing of Earth may hide in the code.
+OTHER = replace(
+    Atmosphere.earth(ozone=False).with_aerosol(0.05, mie_g=0.6),
+    ground_radius_m=1_500_000.0,
+    top_altitude_m=90_000.0,
+    rayleigh_scale_height_m=12_000.0,
+    mie_phase="henyey-greenstein",
+    ground_albedo=(0.5, 0.4, 0.3),
+)
+
+
+@lru_cache(maxsize=8)
+def solved(air: Atmosphere) -> SourceField:
+    """The field of an atmosphere, solved once for all tests."""
+    return solve(air, all_orders=True)
 
 
 def world_sun(azimuth_deg: float, elevation_deg: float) -> NDArray[np.float64]:
@@ -28,50 +50,125 @@ def world_sun(azimuth_deg: float, elevation_deg: float) -> NDArray[np.float64]:
     return world_from_enu(direction_from_angles(np.radians(azimuth_deg), np.radians(elevation_deg)))
 
 
-def exact_sky(
-    air: Atmosphere, height_m: float, sun: NDArray[np.float64], size: int
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Which texels are sky, and their radiance by the exact twin."""
+def exact_radiance(
+    air: Atmosphere, height_m: float, mu: NDArray[np.float64], mu_s: float, nu: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """RGB (n, 3) along rays inside the air: light scattered once by Gauss-Legendre, more by the
+    solver's own march, and no ground at the end."""
+    order = np.argsort(mu)
+    rayleigh, mie = fast_scattered_without_phase(air, height_m, mu, mu_s, nu, 48)
+    once = rayleigh * rayleigh_phase(nu)[:, None] + mie * mie_phase(air, nu)[:, None]
+    more = np.empty_like(once)
+    more[order] = multiple_scattering(solved(air), height_m, mu[order], mu_s, nu[order])
+    return rgb_from_spectrum(once + more, air.wavelength_nm, 3.0)
+
+
+def sky_texels(
+    size: int, mu_horizon: float, sun: NDArray[np.float64]
+) -> tuple[NDArray[np.bool_], NDArray[np.float64], NDArray[np.float64]]:
+    """Which texels lie above a horizon, their mu, and their nu."""
     direction = texel_directions(size)
-    up = direction[..., 1] > 0
-    nu = np.clip(direction[up] @ sun, -1.0, 1.0)
-    mu = direction[up][:, 1]
-    spectral = single_scattering(air, height_m, mu, sun[1], nu, samples=24)
-    return up, rgb_from_spectrum(spectral, air.wavelength_nm, 3.0)
+    up = direction[..., 1] > mu_horizon
+    return up, direction[up][:, 1], np.clip(direction[up] @ sun, -1.0, 1.0)
 
 
 @pytest.mark.parametrize(
-    ("elevation_deg", "height_m", "tolerance"),
-    [(80.0, 0.0, 4e-3), (20.0, 2000.0, 4e-3), (2.0, 0.0, 6e-3), (-3.0, 0.0, 1e-2)],
+    ("air", "elevation_deg", "height_m", "tolerance"),
+    [
+        (HAZY, 80.0, 0.0, 5e-3),
+        (HAZY, 20.0, 2000.0, 8e-3),
+        (HAZY, 2.0, 0.0, 8e-3),
+        (HAZY, -3.0, 0.0, 8e-3),
+        (HAZY, -7.0, 0.0, 1.5e-2),
+        (HAZY, -12.0, 0.0, 1.5e-2),
+        (HAZY, 10.0, 40_000.0, 8e-3),
+        (OTHER, 25.0, 0.0, 8e-3),
+        (OTHER, 25.0, 30_000.0, 8e-3),
+    ],
 )
 def test_cube_agrees_with_direct_evaluation(
-    elevation_deg: float, height_m: float, tolerance: float
+    air: Atmosphere, elevation_deg: float, height_m: float, tolerance: float
 ) -> None:
-    """99 % of the texels above a thousandth of the brightest lie within 1 %, as stated."""
+    """99 % of the sky's texels agree to half a percent or so, relative to the larger of their
+    value and a thousandth of the brightest: the issue's half percent by day is that of the solver,
+    the table adds as much again at most."""
     sun = world_sun(130.0, elevation_deg)
-    up, exact = exact_sky(HAZY, height_m, sun, 32)
-    ours = background_cube(surroundings(HAZY, height_m, sun), 32)[up]
-    bright = exact > 1e-3 * exact.max()
-    error = np.abs(ours[bright] / exact[bright] - 1.0)
+    up, mu, nu = sky_texels(32, float(horizon_mu(air.ground_radius_m, height_m)), sun)
+    exact = exact_radiance(air, height_m, mu, float(sun[1]), nu)
+    ours = background_cube(surroundings(solved(air), height_m, sun), 32)[up]
+    error = np.abs(ours - exact) / np.maximum(exact, 1e-3 * exact.max())
     assert np.quantile(error, 0.99) < tolerance
-    assert error.mean() < 0.3 * tolerance
+    assert error.mean() < 0.4 * tolerance
+
+
+@pytest.mark.parametrize("air", [HAZY, OTHER])
+def test_ground_from_high_up_is_seen_through_the_air(air: Atmosphere) -> None:
+    """Below the horizon: ground radiance where the ray ends, times the ray's transmittance, plus
+    the light of the air before it. 99 % within 1 %."""
+    height_m, sun = 9_000.0, world_sun(40.0, 35.0)
+    lowest = float(horizon_mu(air.ground_radius_m, height_m))
+    up, mu, nu = sky_texels(16, -2.0, sun)
+    below = mu < lowest - 0.02
+    mu, nu = mu[below], nu[below]
+    ray = make_ray(air.ground_radius_m, height_m, mu)
+    end_altitude, end_y = end_of_ray(ray, air.top_altitude_m)
+    passed = np.exp(-optical_depth(air, ray, end_altitude, end_y))
+    length = distance_to_ground(air.ground_radius_m, height_m, mu)
+    mu_s = ((air.ground_radius_m + height_m) * sun[1] + length * nu) / air.ground_radius_m
+    ground = ground_radiance(solved(air), mu_s)
+    seen = GroundLight(ground.sun * passed, ground.sky * passed).rgb(air.wavelength_nm)
+    exact = seen + exact_radiance(air, height_m, mu, float(sun[1]), nu)
+    ours = background_cube(surroundings(solved(air), height_m, sun), 16)[up][below]
+    error = np.abs(ours / exact - 1.0)
+    assert np.quantile(error, 0.99) < 1e-2
+
+
+@pytest.mark.parametrize("height_m", [61_000.0, 400_000.0, 6_000_000.0])
+def test_from_space_a_ray_is_that_from_where_it_enters(height_m: float) -> None:
+    """Nothing scatters above the air: limb and planet look as they do from the top of the air,
+    along the same ray, and beyond the limb all is black."""
+    air, sun = HAZY, world_sun(90.0, 40.0)
+    cube = background_cube(surroundings(solved(air), height_m, sun), 64).astype(float)
+    direction = texel_directions(64)
+    radius, top = air.ground_radius_m + height_m, air.ground_radius_m + air.top_altitude_m
+    limb = -np.sqrt((radius - top) * (radius + top)) / radius
+    assert not cube[direction[..., 1] > limb + 1e-3].any()
+    low = direction[..., 1] < limb - 0.02 * (1.0 + limb)
+    mu, view = direction[low][:, 1], direction[low]
+    perigee = radius * np.sqrt((1.0 - mu) * (1.0 + mu))
+    half = np.sqrt((top - perigee) * (top + perigee))
+    entry = np.array([0.0, radius, 0.0]) + (-radius * mu - half)[:, None] * view
+    there = entry @ sun / top
+    nu = view @ sun
+    hits = perigee < 0.999 * air.ground_radius_m
+    ours = cube[low]
+    for k in np.flatnonzero(hits)[::97]:
+        mu_there = np.array([-half[k] / top])
+        one = exact_radiance(air, air.top_altitude_m, mu_there, float(there[k]), nu[k : k + 1])
+        chord = half[k] - np.sqrt(air.ground_radius_m**2 - perigee[k] ** 2)
+        mu_s = (top * there[k] + chord * nu[k]) / air.ground_radius_m
+        ground = ground_radiance(solved(air), np.array([mu_s]))
+        depth = optical_depth_to_top(air, 0.0, np.sqrt(1 - (perigee[k] / air.ground_radius_m) ** 2))
+        seen = GroundLight(*(part * np.exp(-depth) for part in ground)).rgb(air.wavelength_nm)
+        exact = (one + seen)[0]
+        np.testing.assert_allclose(ours[k], exact, rtol=0.03, atol=1e-3 * ours.max())
 
 
 @pytest.mark.parametrize("azimuth_deg", [0.0, 90.0, 180.0, 270.0])
 def test_brightest_texel_is_toward_the_sun(azimuth_deg: float) -> None:
     """North is -Z and east +X: a sun in each quarter must light its own side."""
     sun = world_sun(azimuth_deg, 20.0)
-    cube = background_cube(surroundings(HAZY, 0.0, sun), 32)
+    cube = background_cube(surroundings(solved(HAZY), 0.0, sun), 32)
     brightest = texel_directions(32).reshape(-1, 3)[cube.sum(axis=-1).argmax()]
     assert brightest @ sun > np.cos(np.radians(8.0))
 
 
 def test_a_clear_sky_is_blue_and_a_low_sun_red() -> None:
     """Channels are red, green, blue: away from the sun blue leads, at sunset red under the sun."""
-    noon = background_cube(surroundings(Atmosphere.earth(), 0.0, world_sun(0.0, 60.0)), 16)
+    noon = background_cube(surroundings(solved(Atmosphere.earth()), 0.0, world_sun(0.0, 60.0)), 16)
     zenith = noon[2, 8, 8]
     assert zenith[2] > 1.5 * zenith[1] > 1.5 * zenith[0]
-    around = surroundings(HAZY, 0.0, world_sun(0.0, 1.0))
+    around = surroundings(solved(HAZY), 0.0, world_sun(0.0, 1.0))
     assert around.sun_irradiance_rgb[0] > 3.0 * around.sun_irradiance_rgb[2]
 
 
@@ -79,7 +176,7 @@ def test_ground_reflects_sky_and_sun() -> None:
     """Every texel below the horizon is albedo / pi (E_sky + E_sun sin elevation)."""
     air = replace(HAZY, ground_albedo=(0.2, 0.3, 0.4))
     sun = world_sun(200.0, 35.0)
-    around = surroundings(air, 0.0, sun)
+    around = surroundings(solved(air), 0.0, sun)
     cube = background_cube(around, 64).astype(float)
     up = np.maximum(texel_directions(64)[..., 1], 0.0) * texel_solid_angles(64)
     irradiance = np.einsum("fij,fijc->c", up, cube) + around.sun_irradiance_rgb * sun[1]
@@ -91,14 +188,14 @@ def test_ground_reflects_sky_and_sun() -> None:
 
 def test_picture_size_does_not_change_the_light() -> None:
     """Ground and ambient come from their own small cube."""
-    around = surroundings(HAZY, 0.0, world_sun(10.0, 30.0))
+    around = surroundings(solved(HAZY), 0.0, world_sun(10.0, 30.0))
     small, large = background_cube(around, 16), background_cube(around, 96)
     assert np.array_equal(small[3, 0, 0], large[3, 0, 0])
 
 
 def test_ambient_light_is_the_sky_on_level_ground() -> None:
     """E(up) of the harmonics is the sky's irradiance within their 1.5 %; E(down) is pi L_ground."""
-    around = surroundings(HAZY, 0.0, world_sun(10.0, 30.0))
+    around = surroundings(solved(HAZY), 0.0, world_sun(10.0, 30.0))
     coefficients = ambient_coefficients(around)
     assert coefficients.shape == (25, 3)
     assert coefficients.dtype == np.float32
@@ -112,7 +209,10 @@ def test_many_wavelengths_become_colour() -> None:
     """With eight wavelengths the CIE integral makes the colours; it lies near the three's."""
     nm = np.linspace(380.0, 730.0, 15)
     three = replace(
-        Atmosphere.earth(ozone=False), mie_scattering=(0.0,) * 3, mie_extinction=(0.0,) * 3
+        Atmosphere.earth(ozone=False),
+        mie_scattering=(0.0,) * 3,
+        mie_extinction=(0.0,) * 3,
+        ground_albedo=(0.3,) * 3,
     )
     many = replace(
         three,
@@ -126,7 +226,7 @@ def test_many_wavelengths_become_colour() -> None:
     )
     assert albedo_rgb(many) == pytest.approx(0.3)
     sun = world_sun(0.0, 40.0)
-    cubes = [background_cube(surroundings(air, 0.0, sun), 16) for air in (three, many)]
+    cubes = [background_cube(surroundings(solved(air), 0.0, sun), 16) for air in (three, many)]
     # 12 %: the three samples take the sun's own spectrum between them, `many` straight lines.
     assert cubes[1][2] == pytest.approx(cubes[0][2], rel=0.12)
 
@@ -143,6 +243,6 @@ def test_every_sun_gives_a_finite_sky(
 ) -> None:
     """From nadir to zenith, ground to top: no NaN and no negative radiance, odd sizes too."""
     air = HAZY.with_aerosol(0.2, mie_g=g)
-    cube = background_cube(surroundings(air, height_m, world_sun(azimuth, elevation)), 7)
+    cube = background_cube(surroundings(solved(air), height_m, world_sun(azimuth, elevation)), 7)
     assert np.isfinite(cube).all()
     assert (cube >= 0).all()

@@ -1,22 +1,28 @@
 """The module on its messages: what it posts, and what it does not compute."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, get_args
 
 import msgspec
 import numpy as np
 import pytest
-from bruneton_sky.module import DEFAULT_SIZE, BrunetonSky
-from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
+from bruneton_sky.module import DEFAULT_SIZES, BrunetonSky
+from bruneton_sky.settings import BrunetonSkySettings, PresetName, atmosphere_of
 
+from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import solar_irradiance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.job import JobControl
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
     Demand,
     Derived,
+    JobResult,
     Message,
+    MoveCamera,
     SetPlace,
     SetSetting,
     SlotChanged,
@@ -36,6 +42,8 @@ class FakeLink:
         self.demands: dict[type[Message], Demand] = {}
         self.memory: dict[type[Message], Any] = {}
         self.holder = True
+        self.jobs: dict[str, Callable[[], Any]] = {}
+        self.started = 0
 
     def post(self, message: Derived) -> None:
         self.posted.append(message)
@@ -48,6 +56,20 @@ class FakeLink:
 
     def last(self, message_type: type[Message]) -> Any:
         return self.memory.get(message_type)
+
+    def start_job(self, name: str, work: Callable[..., Any], *arguments: Any) -> None:
+        self.started += 1
+        control = JobControl(lambda _text: None)
+        self.jobs[name] = lambda: work(*arguments, control=control)
+
+    def cancel_job(self, name: str) -> None:
+        self.jobs.pop(name, None)
+
+    def finish(self, sky: BrunetonSky) -> None:
+        """Let the waiting jobs bring their results, as the kernel would."""
+        jobs, self.jobs = self.jobs, {}
+        for name, run in jobs.items():
+            sky.job_done(JobResult(module="bruneton_sky", job=name, value=run()))
 
     def want(self, *products: type[Message], size: int = 16) -> None:
         for product in products:
@@ -82,11 +104,24 @@ def sky(link: FakeLink) -> BrunetonSky:
 
 
 def tell(sky: BrunetonSky, link: FakeLink, message: Message) -> None:
-    """Deliver a message as the kernel would: remember it, then call the handler."""
+    """Deliver a message as the kernel would: remember it, call the handler, let jobs finish."""
     link.memory[type(message)] = message
     for kind, method in sky.handlers():
         if kind is type(message):
             getattr(sky, method)(message)
+    link.finish(sky)
+
+
+def choose(sky: BrunetonSky, **values: Any) -> None:
+    """Change settings as the kernel would."""
+    for name, value in values.items():
+        sky.settings = msgspec.structs.replace(sky.settings, **{name: value})
+        sky.settings_changed(name)
+
+
+def camera_at(height_m: float) -> MoveCamera:
+    """A camera above the place."""
+    return MoveCamera(eye_m=(0.0, height_m, 0.0), target_m=(0.0, height_m, -1.0))
 
 
 def test_posts_what_is_wanted(sky: BrunetonSky, link: FakeLink) -> None:
@@ -138,7 +173,7 @@ def test_a_new_demand_is_served_from_the_present_sky(sky: BrunetonSky, link: Fak
     assert link.taken() == [AmbientChanged]
     link.want(BackgroundChanged, size=1)
     tell(sky, link, link.demands[BackgroundChanged])
-    assert link.posted[0].cube.shape[1] == DEFAULT_SIZE  # type: ignore[attr-defined]
+    assert link.posted[0].cube.shape[1] == DEFAULT_SIZES["cpu"]  # type: ignore[attr-defined]
     assert link.taken() == [BackgroundChanged]
     assert sky.ledger.done["sky-view table"] == 1
 
@@ -147,14 +182,98 @@ def test_place_and_settings_make_a_new_sky(sky: BrunetonSky, link: FakeLink) -> 
     """Altitude and haze change the light; a place at the same altitude does not."""
     link.want(SunLightChanged)
     tell(sky, link, sun_at(30.0))
-    tell(sky, link, SetPlace(latitude_deg=1.0, longitude_deg=0.0, altitude_m=-400.0))
+    tell(sky, link, SetPlace(latitude_deg=1.0, longitude_deg=0.0))
     assert len(link.posted) == 1
+    tell(sky, link, SetPlace(latitude_deg=1.0, longitude_deg=0.0, altitude_m=-400.0))
     tell(sky, link, SetPlace(latitude_deg=1.0, longitude_deg=0.0, altitude_m=3000.0))
-    sky.settings = msgspec.structs.replace(sky.settings, turbidity=8.0)
-    sky.settings_changed("turbidity")
-    low, high, hazy = (message.irradiance_rgb[2] for message in link.posted)  # type: ignore[attr-defined]
-    assert high > 1.5 * low
+    choose(sky, turbidity=8.0)
+    link.finish(sky)
+    level, basin, high, hazy = (m.irradiance_rgb[2] for m in link.posted)  # type: ignore[attr-defined]
+    assert basin < level
+    assert high > 1.5 * level
     assert hazy < 0.95 * high
+
+
+def test_the_old_sky_stays_until_the_new_one_is_there(sky: BrunetonSky, link: FakeLink) -> None:
+    """While an atmosphere is solved the sun moves on under the one before, whole."""
+    link.want(SunLightChanged)
+    tell(sky, link, sun_at(30.0))
+    choose(sky, turbidity=9.0)
+    link.memory[SunMoved] = sun_at(40.0)
+    sky.light_changed(sun_at(40.0))
+    old, moved = (m.irradiance_rgb[2] for m in link.posted)  # type: ignore[attr-defined]
+    assert moved > old
+    link.finish(sky)
+    assert link.posted[-1].irradiance_rgb[2] < old  # type: ignore[attr-defined]
+
+
+def test_dragging_a_slider_leaves_one_job(sky: BrunetonSky, link: FakeLink) -> None:
+    """The latest wish replaces those before; back at the start nothing is left to do."""
+    link.want(SunLightChanged)
+    tell(sky, link, sun_at(30.0))
+    for turbidity in (4.0, 5.0, 6.0):
+        choose(sky, turbidity=turbidity)
+    assert len(link.jobs) == 1
+    assert sky.ledger.skipped["atmosphere overtaken by a newer one"] == 2
+    choose(sky, turbidity=None)
+    assert link.jobs == {}
+    assert len(link.posted) == 1
+
+
+def test_where_a_sky_is_computed_is_no_new_air(sky: BrunetonSky, link: FakeLink) -> None:
+    """The device changes no light: nothing is solved again."""
+    link.want(SunLightChanged)
+    tell(sky, link, sun_at(30.0))
+    choose(sky, cube_device="gpu")
+    assert link.started == 1
+
+
+def test_an_impossible_atmosphere_is_refused_once(sky: BrunetonSky, link: FakeLink) -> None:
+    """One sentence; the sky stays, and a moved sun does not repeat the complaint."""
+    link.want(SunLightChanged)
+    tell(sky, link, sun_at(30.0))
+    link.memory[SetPlace] = SetPlace(latitude_deg=0.0, longitude_deg=0.0, altitude_m=8e4)
+    with pytest.raises(UserError, match=r"no such atmosphere: a ground at 80000 m lies outside"):
+        sky.light_changed(link.memory[SetPlace])
+    tell(sky, link, sun_at(50.0))
+    assert link.taken() == [SunLightChanged] * 2
+
+
+def test_a_job_that_fails_leaves_the_sky(sky: BrunetonSky, link: FakeLink) -> None:
+    """The kernel tells the fault; the module goes on with what it has and does not try again."""
+    link.want(SunLightChanged)
+    tell(sky, link, sun_at(30.0))
+    choose(sky, turbidity=9.0)
+    sky.job_done(JobResult(module="bruneton_sky", job="solve", error="out of memory"))
+    started = link.started
+    link.jobs.clear()
+    tell(sky, link, sun_at(50.0))
+    assert link.started == started
+    assert link.taken() == [SunLightChanged] * 2
+
+
+def test_the_camera_takes_the_observer_along(sky: BrunetonSky, link: FakeLink) -> None:
+    """From 10 km the sky darkens; the light on the scene, which stays below, does not change."""
+    link.want(*PRODUCTS)
+    tell(sky, link, sun_at(30.0))
+    tell(sky, link, camera_at(10_000.0))
+    backgrounds = [m for m in link.posted if isinstance(m, BackgroundChanged)]
+    zenith = [decode_float16(m.cube.values, m.radiance_scale)[2, 8, 8, 2] for m in backgrounds]
+    assert zenith[1] < 0.7 * zenith[0]
+    ambients = [m for m in link.posted if isinstance(m, AmbientChanged)]
+    values = [m.irradiance_sh_rgb.values for m in ambients]
+    np.testing.assert_array_equal(values[0], values[1])
+
+
+def test_a_walk_and_a_second_of_time_are_unseen(sky: BrunetonSky, link: FakeLink) -> None:
+    """Below what anyone sees nothing is computed, and the ledger counts it."""
+    link.want(*PRODUCTS)
+    tell(sky, link, sun_at(30.0))
+    link.posted.clear()
+    tell(sky, link, camera_at(1.7))
+    tell(sky, link, sun_at(30.004))
+    assert link.posted == []
+    assert sky.ledger.skipped["sun or observer moved unseen"] == 2
 
 
 def test_tells_everything_again_when_it_gets_the_sky_slot(sky: BrunetonSky, link: FakeLink) -> None:
@@ -169,24 +288,51 @@ def test_tells_everything_again_when_it_gets_the_sky_slot(sky: BrunetonSky, link
 
 
 def test_night_is_finite_and_dark(sky: BrunetonSky, link: FakeLink) -> None:
-    """Deep night is exactly dark in single scattering, and encodes without a NaN."""
+    """Deep in the planet's shadow less is left than starlight, 1e-6 W m^-2 sr^-1, and no NaN."""
     link.want(*PRODUCTS)
     tell(sky, link, sun_at(-60.0, visible=0.0))
     background, light, ambient = link.posted
-    assert not background.cube.values.any()  # type: ignore[attr-defined]
+    radiance = decode_float16(background.cube.values, background.radiance_scale)  # type: ignore[attr-defined]
+    assert np.isfinite(radiance).all()
+    assert radiance.max() < 1e-7
     assert light.irradiance_rgb == (0.0, 0.0, 0.0)  # type: ignore[attr-defined]
-    assert not ambient.irradiance_sh_rgb.values.any()  # type: ignore[attr-defined]
+    assert np.abs(ambient.irradiance_sh_rgb.values).max() < 1e-6  # type: ignore[attr-defined]
 
 
 def test_settings_make_the_atmosphere() -> None:
     """Default haze is AOD(550) 0.20, under the host's one solar spectrum; each setting counts."""
     air = atmosphere_of(BrunetonSkySettings())
-    assert air.mie_extinction[1] * air.mie_scale_height_m == pytest.approx(0.2009, abs=1e-4)
-    assert air.solar_irradiance == pytest.approx(solar_irradiance([680.0, 550.0, 440.0]))
-    other = atmosphere_of(BrunetonSkySettings(turbidity=1.0, albedo=0.4, ozone=False, mie_g=0.5))
-    assert other.ground_albedo == (0.4,) * 3
-    assert other.absorption_extinction == (0.0,) * 3
+    depth = np.asarray(air.mie_extinction) * air.mie_scale_height_m
+    assert np.interp(550.0, air.wavelength_nm[::-1], depth[::-1]) == pytest.approx(0.2009, abs=6e-3)
+    assert air.solar_irradiance == pytest.approx(solar_irradiance(air.wavelength_nm))
+    other = atmosphere_of(BrunetonSkySettings(turbidity=1.0, albedo=0.4, ozone_du=0.0, mie_g=0.5))
+    assert set(other.ground_albedo) == {0.4}
+    assert not any(other.absorption_extinction)
     assert other.mie_g == 0.5
+    assert other.mie_extinction[1] * 1200.0 == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("preset", get_args(PresetName))
+def test_every_preset_makes_an_atmosphere(preset: PresetName) -> None:
+    """What is left open is the preset's own; a moved layer keeps its matter per square metre."""
+    air = atmosphere_of(BrunetonSkySettings(preset=preset))
+    changed = atmosphere_of(
+        BrunetonSkySettings(preset=preset, rayleigh_scale_height_m=5000.0, mie_scale_height_m=700.0)
+    )
+    for kind in ("rayleigh", "mie"):
+        columns = [
+            np.asarray(getattr(a, f"{kind}_scattering")) * getattr(a, f"{kind}_scale_height_m")
+            for a in (air, changed)
+        ]
+        np.testing.assert_allclose(columns[0], columns[1])
+
+
+def test_ozone_is_measured_in_dobson_units() -> None:
+    """The standard 300 DU are the preset's own ozone; Mars can be given some."""
+    earth = atmosphere_of(BrunetonSkySettings())
+    assert atmosphere_of(BrunetonSkySettings(ozone_du=300.0)) == earth
+    mars = atmosphere_of(BrunetonSkySettings(preset="mars-like", ozone_du=300.0))
+    assert mars.absorption_extinction == earth.absorption_extinction
 
 
 class SunStub(Module):
@@ -206,11 +352,66 @@ def test_lives_in_the_kernel() -> None:
     kernel.add_module(BrunetonSky)
     kernel.inject(Demand(consumer="test", message="BackgroundChanged", size=16))
     kernel.inject(SetPlace(latitude_deg=30.0, longitude_deg=0.0))
-    kernel.pump()
+    kernel.pump_until_idle()
     first = kernel.last(BackgroundChanged)
     assert first is not None
     assert kernel.last(AmbientChanged) is None
     kernel.inject(SetSetting(module="bruneton_sky", name="turbidity", value=5.0))
-    kernel.pump()
+    kernel.pump_until_idle()
     assert kernel.last(BackgroundChanged) != first
     assert kernel.last_fault("bruneton_sky") is None
+
+
+@pytest.fixture
+def gpu_sky(link: FakeLink) -> BrunetonSky:
+    """With the GPU chosen, somebody to run its jobs, and the sun 30 degrees up."""
+    sky = BrunetonSky(link, BrunetonSkySettings(cube_device="gpu"))
+    link.want(GpuJob, BackgroundChanged, size=1)
+    tell(sky, link, sun_at(30.0))
+    return sky
+
+
+def texture_of(job: GpuJob) -> GpuTexture:
+    return GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
+
+
+def test_the_gpu_makes_the_cube_map(gpu_sky: BrunetonSky, link: FakeLink) -> None:
+    """A job of 1024 texels unless a size is asked for; its texture becomes the background."""
+    (job,) = link.posted
+    assert isinstance(job, GpuJob)
+    assert (job.size, job.read_back) == (DEFAULT_SIZES["gpu"], False)
+    result = JobResult(module="bruneton_sky", job=job.job, value=texture_of(job))
+    gpu_sky.job_done(result)
+    background = link.posted[-1]
+    assert isinstance(background, BackgroundChanged)
+    assert background.cube == texture_of(job)
+    assert min(background.ground_radiance_rgb) > 0.0
+
+
+def test_a_texture_that_comes_late_is_not_shown(gpu_sky: BrunetonSky, link: FakeLink) -> None:
+    """The sun moved on: the newer job's texture is the one to show."""
+    tell(gpu_sky, link, sun_at(31.0))
+    old, new = link.posted
+    gpu_sky.job_done(JobResult(module="bruneton_sky", job="cube", value=texture_of(new)))  # type: ignore[arg-type]
+    gpu_sky.job_done(JobResult(module="bruneton_sky", job="cube", value=texture_of(old)))  # type: ignore[arg-type]
+    assert len(link.posted) == 3
+    assert gpu_sky.ledger.skipped["GpuJob outdated"] == 1
+
+
+def test_where_the_gpu_fails_the_cpu_goes_on(gpu_sky: BrunetonSky, link: FakeLink) -> None:
+    """One sentence that tells what to do, and the sky is there all the same."""
+    with pytest.raises(UserError, match="set cube_device to cpu"):
+        gpu_sky.job_done(JobResult(module="bruneton_sky", job="cube", error="out of memory"))
+    assert isinstance(link.posted[-1], BackgroundChanged)
+    tell(gpu_sky, link, sun_at(35.0))
+    assert isinstance(link.posted[-1], BackgroundChanged)
+    assert gpu_sky.ledger.skipped["GpuJob: the GPU failed"] == 2
+
+
+def test_without_a_gpu_the_cpu_makes_it(link: FakeLink) -> None:
+    """In a kernel without GL nobody wants jobs."""
+    sky = BrunetonSky(link, BrunetonSkySettings(cube_device="gpu"))
+    link.want(BackgroundChanged)
+    tell(sky, link, sun_at(30.0))
+    assert isinstance(link.posted[-1], BackgroundChanged)
+    assert sky.ledger.skipped["GpuJob: nobody runs GPU jobs"] == 1

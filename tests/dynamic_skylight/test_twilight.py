@@ -6,14 +6,18 @@ from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
 from dynamic_skylight.twilight import (
     BLEND_APPARENT_RAD,
-    BLEND_DEG,
-    BLEND_ENDS_DEG,
     NIGHT_ILLUMINANCE_LX,
     ON_CURVE_DEG,
-    horizontal_irradiance,
+    HourSky,
     sky_of_hour,
 )
+from dynamic_skylight.twilight_blend import (
+    BLEND_DEG,
+    BLEND_ENDS_DEG,
+    model_on_map,
+)
 from dynamic_skylight.twilight_curve import illuminance_lx
+from dynamic_skylight.twilight_table import luminous_irradiance
 from exact_cube import assert_texels_agree, twin_cube
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -164,26 +168,56 @@ def test_night_is_the_published_starlight_and_does_not_change():
     assert np.ptp(night.cube_map(8)[2]) == 0.0
 
 
-@settings(deadline=None, max_examples=40)
-@given(TURBIDITIES, ALBEDOS, st.floats(-17.0, BLEND_DEG - 0.05))
-@example(6.0, 0.2, -1.15)
-@example(10.0, 0.0, 0.4)
-@example(1.0, 0.0, -2.9)
-def test_no_direction_runs_ahead_of_the_light(turbidity, albedo, geometric_deg):
-    """In 0.05 deg of sun no direction may change much more in luminance than the illuminance.
+def largest_change(turbidity: float, albedo: float, geometric_deg: float, top_deg: float) -> float:
+    """Of luminance over illuminance, in 0.05 deg of sun, down to 0.15 deg of height.
 
-    4 % where the fitted twilight is alone: the edge of the planet's shadow, climbing through
-    clear air, is worth 3.3 %. 7 % in the blend, where a horizon five times as bright is let go.
-    Down to 2 deg above the horizon, on which the model's own sky is black in thick haze.
+    Relative to the larger of the value and 1 % of the brightest; `top_deg`: of the heights seen.
     """
-    theta = SKY_THETA * 88 / 90
+    theta = np.pi / 2 - np.radians(0.15 + SKY_THETA / (np.pi / 2) * (top_deg - 0.15))
     before, after = (
         luminance(sky_of_hour(turbidity, albedo, apparent(e)).radiance(theta, SKY_GAMMA))
         / illuminance_of(turbidity, albedo, e)
         for e in (geometric_deg, geometric_deg + 0.05)
     )
-    change = np.abs(after - before) / np.maximum(before, 1e-2 * before.max())
-    assert change.max() < (0.07 if geometric_deg + 0.05 > BLEND_ENDS_DEG else 0.04)
+    return float((np.abs(after - before) / np.maximum(before, 1e-2 * before.max())).max())
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    st.floats(1.0, 8.0), ALBEDOS, st.floats(-17.0, BLEND_DEG - 0.05), st.sampled_from([4.0, 90.0])
+)
+@example(1.0, 0.0, -2.15, 8.0)
+@example(1.0, 0.0, -2.9, 16.0)
+@example(2.0, 0.2, -2.15, 8.0)
+@example(4.0, 0.2, -1.45, 4.0)
+@example(6.0, 0.2, -1.15, 4.0)
+def test_no_direction_runs_ahead_of_the_light(turbidity, albedo, geometric_deg, top_deg):
+    """In 0.05 deg of sun no direction may change much more in luminance than the illuminance.
+
+    5 % in the blend (4.6 % seen: the sun's horizon at turbidity 4) and 3.5 % where the computed
+    twilight is alone. Below turbidity 2 the planet's shadow has a sharp edge, opposite the sun:
+    7.1 % is seen there in the blend and 4.2 % below it at turbidity 1.
+    """
+    in_blend = geometric_deg + 0.05 > BLEND_ENDS_DEG
+    limit = 0.05 if in_blend else 0.035
+    if turbidity < 2.0:
+        limit = 0.075 if in_blend else 0.045
+    assert largest_change(turbidity, albedo, geometric_deg, top_deg) < limit
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    st.floats(8.0, 10.0), ALBEDOS, st.floats(-3.0, BLEND_DEG - 0.05), st.sampled_from([4.0, 90.0])
+)
+@example(10.0, 0.0, 0.4, 4.0)
+@example(10.0, 0.0, -0.35, 4.0)
+def test_a_black_horizon_lights_up_slowly(turbidity, albedo, geometric_deg, top_deg):
+    """In thick haze over dark ground the model's horizon is black, 100 deg from the sun.
+
+    It has to become brighter while the sun sinks: by 14.3 % in 0.05 deg at most, where a sum of
+    model and twilight took a factor of 2.3.
+    """
+    assert largest_change(turbidity, albedo, geometric_deg, top_deg) < 0.15
 
 
 @pytest.mark.parametrize("geometric_deg", [-1.0, -4.0, -9.0])
@@ -197,14 +231,14 @@ def test_the_zenith_of_the_blue_hour_is_blue():
     """Ozone makes the zenith blue when the sun is 4 to 6 deg down (Hulburt 1953).
 
     Grey-green at sunset, it must get bluer with every degree; blue over green passes that of a
-    sun 10 deg up, 1.8. The horizon where the sun went down stays orange.
+    sun 10 deg up, 1.8. In clear air the horizon where the sun went down stays orange.
     """
     ratios = []
     for geometric_deg in (0.0, -2.0, -4.0, -5.0, -6.0):
         red, green, blue = zenith(3.0, geometric_deg)
         ratios.append(blue / red)
-        glow = sunward(3.0, geometric_deg)
-        assert glow[2] < 0.7 * glow[0]
+        glow = sunward(2.0, geometric_deg)
+        assert glow[2] < 0.5 * glow[0]
     assert np.all(np.diff(ratios) > 0)
     assert ratios[2] > 1.5 * ratios[0]
     day = zenith(3.0, 10.0)
@@ -257,13 +291,19 @@ def test_the_fast_twilight_is_the_exact_one(geometric_deg):
     assert_texels_agree(np.where(above, cube, 0.0), twin_cube(sky, 16, 2.0))
 
 
-def test_the_quadrature_of_the_irradiance():
-    """16 x 32 directions integrate the horizontal irradiance to 1e-3 of a fine cube map's."""
-    for turbidity, elevation in ((1.0, 0.5), (3.0, 0.02), (10.0, 1.2)):
-        sky = HosekWilkieSky(turbidity, 0.1, elevation)
-        fine = spherical_harmonics.horizontal_irradiance(sky.cube_map(256))
-        rule = horizontal_irradiance(sky.rgb_distribution, sky.rgb_mean_radiance, elevation)
-        np.testing.assert_allclose(rule, fine, rtol=1e-3)
+def test_the_illuminance_of_the_models_map():
+    """The map's 64 x 32 directions hold the model's last sky: its irradiance within 0.5 %.
+
+    A fine cube map's is the truth; the aureole is what a bilinear map rounds off.
+    """
+    for turbidity in (1.0, 3.0, 10.0):
+        for elevation in (BLEND_APPARENT_RAD, np.radians(-2.0)):
+            model = HosekWilkieSky(turbidity, 0.1, BLEND_APPARENT_RAD)
+            numbers = model.rgb_distribution, model.rgb_mean_radiance
+            fine = HourSky(*numbers, elevation, 0.0).cube_map(256)
+            exact = luminance(spherical_harmonics.horizontal_irradiance(fine))
+            on_map = luminous_irradiance(model_on_map(*numbers, elevation))
+            assert on_map == pytest.approx(float(exact), rel=5e-3)
 
 
 def test_the_blend_is_where_it_says():

@@ -1,9 +1,11 @@
-"""The fitted twilight: its file, its interpolation, and traced light that the fit never saw."""
+"""The twilight's table: its file, its interpolation, and traced light it knows nothing of."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
+from bruneton_sky import single_scattering
+from bruneton_sky.monte_carlo import monte_carlo_radiance
 from dynamic_skylight.twilight import sky_of_hour
 from dynamic_skylight.twilight_table import (
     azimuth_coordinate,
@@ -26,22 +28,20 @@ ALBEDO = 0.2
 
 @pytest.fixture(scope="module")
 def truth():
-    """Rows (turbidity, sun, view, azimuth in deg), linear sRGB and its standard error."""
+    """Rows (turbidity, sun, view, azimuth in deg), linear sRGB and its relative standard error."""
     with (
         pytest.MonkeyPatch.context() as patch,
         np.load(ROOT / "tests" / "data" / "twilight_truth.npz") as data,
     ):
         patch.syspath_prepend(str(ROOT))
         from tools.twilight_fit.spectra import rgb_of
-        from vrut_lite.geometry.colour import solar_irradiance
 
-        sun = solar_irradiance(data["wavelength_nm"])
-        radiance, error = data["radiance"] / sun, data["error"] / data["radiance"]
-        rgb = rgb_of(radiance.astype(float))
-        return data["turbidity_sun_view_azimuth"], rgb, error.mean(axis=-1)
+        radiance = data["radiance"].astype(float)
+        error = (data["error"] / radiance).mean(axis=-1)
+        return data["turbidity_sun_view_azimuth"], rgb_of(radiance, data["wavelength_nm"]), error
 
 
-def fitted(row: np.ndarray) -> np.ndarray:
+def tabled(row: np.ndarray) -> np.ndarray:
     """The table's absolute radiance (3,) for a row of the truth."""
     turbidity, sun_deg, view_deg, azimuth_deg = row
     v = elevation_coordinate(np.sin(np.radians(view_deg)))
@@ -50,7 +50,7 @@ def fitted(row: np.ndarray) -> np.ndarray:
     with np.load(DATA) as data:
         level = np.log(data["luminous_irradiance"])
         at_sun = [np.interp(-sun_deg, -data["sun_deg"], row) for row in level]
-        return shape * np.exp(np.interp(turbidity, data["turbidity"], at_sun))
+        return shape * np.exp(np.interp(np.log(turbidity), np.log(data["turbidity"]), at_sun))
 
 
 def rms(values: np.ndarray) -> float:
@@ -59,7 +59,7 @@ def rms(values: np.ndarray) -> float:
 
 @pytest.mark.parametrize(
     ("turbidity", "of_luminance", "of_colour"),
-    [(2.0, 0.035, 0.035), (3.0, 0.065, 0.055), (4.0, 0.075, 0.055), (6.0, 0.075, 0.085)],
+    [(2.0, 0.035, 0.035), (3.0, 0.065, 0.055), (6.0, 0.075, 0.085), (8.0, 0.1, 0.1)],
 )
 def test_the_table_is_the_traced_light(truth, turbidity, of_luminance, of_colour):
     """At suns and directions between the fitted ones the table must have the traced radiance.
@@ -71,7 +71,7 @@ def test_the_table_is_the_traced_light(truth, turbidity, of_luminance, of_colour
     """
     rows, rgb, _ = truth
     of_haze = rows[:, 0] == turbidity
-    table = np.array([fitted(row) for row in rows[of_haze]])
+    table = np.array([tabled(row) for row in rows[of_haze]])
     true = luminance(rgb[of_haze])
     assert rms(luminance(table) / true - 1.0) < of_luminance
     light = rows[of_haze, 1] > -6.0
@@ -79,7 +79,7 @@ def test_the_table_is_the_traced_light(truth, turbidity, of_luminance, of_colour
 
 
 @pytest.mark.parametrize(
-    ("turbidity", "tolerance"), [(2.0, 0.045), (3.0, 0.06), (4.0, 0.06), (6.0, 0.08)]
+    ("turbidity", "tolerance"), [(2.0, 0.045), (3.0, 0.06), (6.0, 0.08), (8.0, 0.08)]
 )
 def test_the_sky_has_the_traced_shape_and_colour(truth, turbidity, tolerance):
     """Below the blend the sky must be the traced one but for its level, which the curve gives.
@@ -89,7 +89,7 @@ def test_the_sky_has_the_traced_shape_and_colour(truth, turbidity, tolerance):
     """
     rows, rgb, _ = truth
     errors = []
-    for sun_deg in (-3.5, -4.5, -5.5):
+    for sun_deg in (-3.75, -4.75, -5.75):
         chosen = (rows[:, 0] == turbidity) & (rows[:, 1] == sun_deg)
         seen = sky_radiance(turbidity, rows[chosen])
         ratio = np.exp(np.mean(np.log(luminance(seen) / luminance(rgb[chosen]))))
@@ -115,32 +115,29 @@ def test_the_truth_is_worth_being_held_to(truth):
 def test_the_zenith_is_as_blue_as_the_traced_one():
     """Blue over green at the zenith, sun 5 deg down: traced here anew at turbidity 2.
 
-    The fit saw this direction among many: its smoothing must not have washed the colour out.
+    The table's zenith must not have lost its blue to interpolation.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT))
-        from bruneton_sky import single_scattering
+        from tools.twilight_fit import air, spectra
 
-        from tools.twilight_fit import air, monte_carlo, spectra
-
-        mu_s = float(np.sin(np.radians(-5.0)))
-        atmosphere = air.air(2.0)
-        orders, _ = monte_carlo.scattered_radiance(atmosphere, 1.0, 0.0, mu_s, 20_000, seed=99)
+        mu_s, atmosphere = float(np.sin(np.radians(-5.0))), air.air(2.0)
         first = single_scattering(atmosphere, 0.0, 1.0, mu_s, mu_s, samples=48)
-        traced = spectra.rgb_of(first + orders[1:].sum(axis=0))
+        light = monte_carlo_radiance(atmosphere, 0.0, 1.0, mu_s, mu_s, paths=16384, seed=99)
+        traced = spectra.rgb_of(first + light.total(2)[0])
     table = look_up(twilight_table().directions(2.0, -5.0), 1.0, 0.0)
-    assert table[2] / table[1] == pytest.approx(traced[2] / traced[1], rel=0.05)
+    assert table[2] / table[1] == pytest.approx(traced[2] / traced[1], rel=0.02)
     assert table[2] > 1.3 * table[1]
 
 
 def test_the_file_says_where_it_comes_from():
-    """Provenance, units and axes stand in the file; it is below 100 kB."""
+    """Provenance, units and axes stand in the file; it is below 150 kB."""
     with np.load(DATA, allow_pickle=False) as data:
         provenance = str(data["provenance"])
-        assert data["log_shape_steps"].shape == (3, data["sun_deg"].size, 24, 13, 3)
-    for word in ("tools/twilight_fit", "Monte Carlo", "ozone", "no refraction", "axes"):
+        assert data["log_shape_steps"].shape == (5, data["sun_deg"].size, 24, 13, 3)
+    for word in ("tools/twilight_fit", "solver", "ozone", "no refraction", "axes"):
         assert word in provenance
-    assert DATA.stat().st_size < 100_000
+    assert DATA.stat().st_size < 150_000
 
 
 @settings(deadline=None, max_examples=50)

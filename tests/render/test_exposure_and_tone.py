@@ -24,12 +24,41 @@ def test_night_looks_darker_than_day_but_not_black():
     assert 0.0 < shown < 0.05
 
 
+def test_exposure_follows_the_light_from_candlelight_dusk_to_noon_snow():
+    """From 0.001 to 100,000 cd/m^2 a uniform picture is shown between 0.4 % and 18 %.
+
+    0.18 in the full adaptation of day (EV 9, 111 cd/m^2, and up), darker towards night but
+    never black; more light never makes a lower EV100 nor a darker picture.
+    """
+    luminances = np.logspace(-3, 5, 81)
+    ev100, shown = [], []
+    for luminance in luminances / 683.0:
+        ev100.append(exposure.automatic_ev100(np.full((8, 8, 3), luminance)))
+        shown.append(luminance * exposure.scale_of(ev100[-1]))
+    assert np.all(np.diff(ev100) > 0.0)
+    assert np.all(np.diff(shown) > -1e-9)
+    np.testing.assert_allclose(np.array(shown)[luminances > 111.0], 0.18, rtol=1e-3)
+    assert min(shown) > 0.004
+    assert -4.0 < ev100[0] < -2.0
+    assert 18.0 < ev100[-1] < 19.0
+
+
 def test_the_suns_disc_does_not_darken_the_picture():
     """A disc of 0.1 % of the pixels, a million times as bright, changes nothing."""
     radiance = np.full((100, 100, 3), 3.0)
     without = exposure.automatic_ev100(radiance)
     radiance[50, 50:60] = 3e6
     assert exposure.automatic_ev100(radiance) == pytest.approx(without, abs=1e-6)
+
+
+def test_a_large_picture_is_metered_as_a_small_one_of_it():
+    """A gradient of 2 million pixels and one of 20,000: within a hundredth of a stop."""
+    ev100 = []
+    for height, width in ((100, 200), (1000, 2000)):
+        column = np.geomspace(0.5, 20.0, height)[:, None, None]
+        row = np.geomspace(1.0, 3.0, width)[None, :, None]
+        ev100.append(exposure.automatic_ev100(column * row * np.ones(3)))
+    assert ev100[0] == pytest.approx(ev100[1], abs=0.01)
 
 
 @settings(deadline=None)
@@ -40,6 +69,30 @@ def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):
     assert (tone_map.agx(rgb) <= 1.0).all()
     grey = np.full(3, max(rgb))
     assert (tone_map.agx(grey * factor) >= tone_map.agx(grey) - 1e-6).all()
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(-1.0, 1e8), min_size=3, max_size=3))
+def test_every_curve_shows_something_for_any_radiance(rgb):
+    """In range, no NaN, also for colours outside the gamut."""
+    for curve in ("agx", "exponential", "none"):
+        shown = tone_map.tone_mapped(rgb, curve)
+        assert ((shown >= 0.0) & (shown <= 1.0)).all()
+
+
+def test_the_papers_curve_and_none_are_what_they_say():
+    """1 - exp(-k L) with k such that 0.18 stays 0.18; none is sRGB itself, cut off at 1."""
+    picture = np.array([0.0, 0.18, 0.5, 2.0])
+    decoded = {c: srgb_decode(tone_map.tone_mapped(picture, c)) for c in ("exponential", "none")}
+    k = -np.log(0.82) / 0.18
+    np.testing.assert_allclose(decoded["exponential"], 1 - np.exp(-k * picture), atol=1e-12)
+    np.testing.assert_allclose(decoded["exponential"][1], 0.18)
+    np.testing.assert_allclose(decoded["none"], [0.0, 0.18, 0.5, 1.0], atol=1e-12)
+
+
+def srgb_decode(encoded):
+    """IEC 61966-2-1."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def test_middle_grey_is_shown_as_a_middle_grey():

@@ -1,5 +1,6 @@
 """The frame against scenes whose pixels can be worked out on paper."""
 
+import msgspec
 import numpy as np
 import pytest
 import trimesh
@@ -121,6 +122,21 @@ def test_no_acne_on_a_lit_face_at_any_scale(backend, tmp_path, elevation_deg, sc
     np.testing.assert_allclose(top, np.median(top), rtol=0.02)
 
 
+@pytest.mark.parametrize("elevation_deg", [8.0, 36.0, 63.0])
+def test_no_acne_between_narrow_triangles(backend, tmp_path, elevation_deg):
+    """A disc of 360 sectors is lit evenly: at their edges a pixel is in part of each, to 2 %."""
+    path = tmp_path / "disc.glb"
+    disc = trimesh.creation.cylinder(radius=20.0, height=0.2, sections=360)
+    disc.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+    disc.export(path)
+    backend.show_scene(load_scene(path), None)
+    sun = {"sun_direction": sun_at(110.0, elevation_deg), "sun_irradiance": (10.0,) * 3}
+    light(backend, uniform_sky(0.0), **sun)
+    # From so far that the disc's middle looks the same from all of its pixels.
+    picture = look(backend, (0.0, 12.0, 60.0), (0.0, 0.1, 0.0), 0.06)
+    np.testing.assert_allclose(picture.radiance, np.median(picture.radiance), rtol=0.02)
+
+
 @pytest.mark.parametrize("face", range(6))
 def test_each_face_of_the_cube_is_seen_where_it_belongs(backend, box_file, face):
     """Looking along +X shows the face +X and so on: a turned or mirrored sky would not."""
@@ -177,6 +193,32 @@ def test_the_disc_carries_the_suns_irradiance(backend, box_file):
     )
 
 
+def test_the_disc_darkens_towards_its_limb(backend, box_file):
+    """Radiance E / solid angle times 0.4 + 0.9 cos psi (mean 1): 1.3 amid, 0.94 at 0.8 radii."""
+    show_box(backend, box_file)
+    direction = sun_at(140.0, 35.0)
+    light(backend, uniform_sky(0.0), sun_direction=direction, sun_irradiance=(100.0,) * 3)
+    _, sun, _ = light_messages(uniform_sky(0.0), direction, (100.0,) * 3)
+    backend.set_sun_light(msgspec.structs.replace(sun, limb_darkening_rgb=((0.4, 0.9),) * 3))
+    picture = look(backend, (0, 10, 0), np.add((0, 10, 0), direction), 0.02)
+    mean = 100.0 / (4 * np.pi * np.sin(0.5 * 0.00465) ** 2)
+    pixels_a_radius = 60 * np.tan(0.00465) / np.tan(0.01)
+    row = picture.radiance[60, :, 0] / mean
+    away = np.abs(np.arange(160) + 0.5 - 80) / pixels_a_radius
+    cosine = np.sqrt(1.0 - np.minimum(away, 1.0) ** 2)
+    inside = away < 0.9
+    np.testing.assert_allclose(row[inside], (0.4 + 0.9 * cosine)[inside], rtol=0.02)
+    assert row[away > 1.1].max() == 0.0
+
+
+def test_a_pixel_on_an_edge_is_the_mean_of_what_it_shows(backend, box_file):
+    """Four samples, averaged in linear radiance: quarters of the way from a black disc to 4."""
+    show_box(backend, box_file, albedo=0.0)
+    light(backend, uniform_sky(4.0))
+    picture = look(backend, (200.0, 20.0, 0.0), (200.0, 0.0, 0.0))
+    assert set(np.unique(picture.radiance)) == {0.0, 1.0, 2.0, 3.0, 4.0}
+
+
 def test_a_sun_below_the_horizon_draws_no_disc(backend, box_file):
     """What lies under the horizon is ground, also where the sun is behind it."""
     show_box(backend, box_file)
@@ -186,15 +228,21 @@ def test_a_sun_below_the_horizon_draws_no_disc(backend, box_file):
     assert picture.radiance.max() == 0.0
 
 
-def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file):
+@pytest.mark.parametrize("curve", ["agx", "exponential", "none"])
+@pytest.mark.parametrize("white", [(6504.0, 0.0), (3200.0, 0.01)])
+def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file, curve, white):
     """The shader and render/display.py write one curve and one dither: within one 8-bit step."""
     from vrut_lite.render.display import display_picture
+    from vrut_lite.render.white_balance import white_balance_matrix
 
+    kelvin, duv = white
+    backend.set_exposure(SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv))
     show_box(backend, box_file)
     light(backend, 0.02 + 3.0 * (1.0 + texel_directions(64)) ** 4)
     picture = look(backend, (0.0, 50.0, 0.0), (0.0, 70.0, -20.0), 1.4)
     # GL counts rows from below, and so does its dither.
-    twin = display_picture(picture.radiance[::-1], picture.ev100)[::-1]
+    matrix = white_balance_matrix(*white)
+    twin = display_picture(picture.radiance[::-1], picture.ev100, curve, matrix)[::-1]
     assert np.abs(twin.astype(int) - picture.display.astype(int)).max() <= 1
     assert np.ptp(picture.display) > 100
 

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import JobResult, Resize
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.kernel.recording.codec import arrays_of, decode, to_plain
 
 pytestmark = pytest.mark.gl
 SIZE = 16
@@ -132,6 +134,57 @@ def test_the_recipe_tells_what_was_computed():
     assert same.recipe == Keeper.job.recipe
     for change in ({"uniforms": {"scale": 2.0}}, {"size": 32}, {"compute_shader": "other"}):
         assert msgspec.structs.replace(Keeper.job, **change).recipe != Keeper.job.recipe
+
+
+BUFFERED = """
+#version 430
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) writeonly uniform image2D made;
+layout(std430, binding = 1) readonly buffer Near { vec4 near[]; };
+layout(std430, binding = 3) readonly buffer Far { float far[]; };
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    imageStore(made, at, near[at.y] + far[at.x] * far.length());
+}
+"""
+
+
+def test_a_shader_reads_buffers_by_their_bindings(gl_owner):
+    """More numbers than uniforms can hold: each `Array` lies where its binding says."""
+    near = np.arange(4 * SIZE, dtype=np.float32).reshape(SIZE, 4)
+    far = np.linspace(0.0, 1.0, SIZE, dtype=np.float32)
+
+    class Reader(Asker):
+        job = GpuJob(module="asker", job="x", compute_shader=BUFFERED, uniforms={}, output="2d",
+                     size=SIZE, format="rgba32f", groups=(2, 2, 1), read_back=True,
+                     buffers=((3, Array(far)), (1, Array(near))))  # fmt: skip
+
+    (result,) = run(gl_owner, Reader)
+    assert result.error == ""
+    expected = near[:, None] + far[None, :, None] * SIZE
+    np.testing.assert_array_equal(result.value.values, expected)
+
+
+def test_buffers_are_part_of_the_recipe():
+    """Their content and their binding; a job without any keeps the recipe it always had."""
+    assert Keeper.job.recipe == "8fddbe9e550415e9cf55904875979019"
+    recipes = {
+        msgspec.structs.replace(Keeper.job, buffers=buffers).recipe
+        for buffers in (
+            (),
+            ((1, Array(np.zeros(4, np.float32))),),
+            ((1, Array(np.ones(4, np.float32))),),
+            ((2, Array(np.ones(4, np.float32))),),
+        )
+    }
+    assert len(recipes) == 4
+
+
+def test_a_journal_gives_a_job_back_with_its_buffers():
+    """As any message with arrays."""
+    job = msgspec.structs.replace(Keeper.job, buffers=((1, Array(np.ones(4, np.float32))),))
+    (array,) = arrays_of(job)
+    assert decode(GpuJob, to_plain(job), lambda handle: array) == job
 
 
 def test_whoever_can_run_jobs_demands_them(gl_owner):

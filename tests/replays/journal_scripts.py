@@ -11,12 +11,15 @@ from pathlib import Path
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
     ChooseSlot,
     ClockMoved,
     Demand,
+    JobResult,
     RestartModule,
     SetClock,
     SetClockRate,
@@ -35,6 +38,7 @@ NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 CUBE_SIZE = 8
 LIGHT = (BackgroundChanged, SunLightChanged, AmbientChanged)
+WITH_FAILING_SUN = ("module_failing", "slots_switched")
 
 
 class FailingSun(Module):
@@ -63,8 +67,15 @@ def modules(script):
     return [*discover()[0], *([FailingSun] if script in WITH_FAILING_SUN else [])]
 
 
-def demands():
-    return [Demand(consumer="test", message=kind.__name__, size=CUBE_SIZE) for kind in LIGHT]
+def kernel_of(script):
+    kernel = Kernel()
+    for module in modules(script):
+        kernel.add_module(module)
+    return kernel
+
+
+def demands(size=CUBE_SIZE):
+    return [Demand(consumer="test", message=kind.__name__, size=size) for kind in LIGHT]
 
 
 def clock(hours):
@@ -74,6 +85,38 @@ def clock(hours):
 
 def setting(name, value, module="dynamic_skylight"):
     return SetSetting(module=module, name=name, value=value)
+
+
+def sky_on_gpu():
+    """A session whose GPU is played by this function: jobs are answered by their recipes."""
+    kernel, jobs, inputs = kernel_of("sky_on_gpu"), [], []
+    kernel.tap(lambda message, _: jobs.append(message) if isinstance(message, GpuJob) else None)
+
+    def give(*messages):
+        for message in messages:
+            inputs.append(message)
+            kernel.inject(message)
+            kernel.pump_until_idle()
+
+    give(*START, Demand(consumer="gpu", message="GpuJob"), setting("cube_device", "gpu"))
+    give(done(jobs[0]), clock(2), clock(4))
+    give(done(jobs[2]), done(jobs[1]))  # The earlier one comes too late.
+    give(clock(9), clock(0))  # Twilight is the CPU's.
+    give(failed(jobs[3]), clock(1))  # From here on the CPU serves.
+    give(setting("cube_device", "cpu"), setting("cube_device", "gpu"))
+    give(done(jobs[4]))
+    kernel.close()
+    return inputs
+
+
+def done(job):
+    """What whoever runs GPU jobs answers."""
+    texture = GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
+    return JobResult(module=job.module, job=job.job, value=texture)
+
+
+def failed(job):
+    return JobResult(module=job.module, job=job.job, error="out of memory")
 
 
 START = [
@@ -111,6 +154,27 @@ SCRIPTS = {
         setting("turbidity", 99),
         setting("haze", 1),
     ],
+    "sun_coloured": [
+        *START,
+        *(setting("sun_colour", colour) for colour in ("white", "sky_formula")),
+        clock(7),
+        setting("sun_colour", "disc"),
+        clock(8.25),
+        *(setting("sun_colour", colour) for colour in ("sky_formula", "white")),
+        clock(9),
+        setting("sun_colour", "disc"),
+        setting("sun_colour", "green"),
+    ],
+    "sun_followed": [
+        *START,
+        *(clock(seconds / 3600) for seconds in range(1, 5)),
+        *demands(size=2 * CUBE_SIZE),
+        setting("sun_method", "preetham"),
+        clock(4),
+        setting("sun_method", "ephemeris"),
+        *demands(),
+    ],
+    "sky_on_gpu": sky_on_gpu(),
     "slots_switched": [
         *START,
         ChooseSlot(slot="sky", module="bruneton_sky"),
@@ -125,14 +189,9 @@ SCRIPTS = {
 }  # fmt: skip
 
 
-WITH_FAILING_SUN = ("module_failing", "slots_switched")
-
-
 def record_script(name, stream):
     """Play a script on a fresh kernel, input by input, and record it."""
-    kernel = Kernel()
-    for module in modules(name):
-        kernel.add_module(module)
+    kernel = kernel_of(name)
     recorder = Recorder(kernel, stream)
     for message in SCRIPTS[name]:
         kernel.inject(message)

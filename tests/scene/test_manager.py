@@ -9,6 +9,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
+    Demand,
     Fault,
     LoadScene,
     MoveCamera,
@@ -136,6 +137,31 @@ def test_a_camera_that_looks_nowhere_is_refused(stage, box):
     play, _ = stage
     heard = play(LoadScene(path=box), MoveCamera(eye_m=(1.0,) * 3, target_m=(1.0,) * 3))
     assert "one point" in only(heard, Fault)[0].error
+
+
+def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
+    """Inside, the demands are taken back and the needs are none; outside both return."""
+    walls = trimesh.creation.box((4, 3, 5))
+    walls.invert()
+    path = tmp_path / "room.glb"
+    walls.export(path)
+    kernel, backend = Kernel(), RecordingBackend()
+    kernel.add_module(SceneManager, backend=backend)
+    kinds = (BackgroundChanged, SunLightChanged, AmbientChanged)
+    for kind in kinds:
+        kernel.inject(Demand(consumer="scene", message=kind.__name__, size=64))
+    kernel.inject(LoadScene(path=str(path)))
+    kernel.pump_until_idle()
+    for eye, inside in (((0.0, 0.0, 9.0), False), ((0.0, 0.0, 1.0), True), ((0, 9.0, 0), False)):
+        kernel.inject(MoveCamera(eye_m=eye, target_m=(0.1, 0.2, 0.3)))
+        kernel.pump_until_idle()
+        needs = kernel.last(SceneNeeds)
+        assert needs.receives_light is not inside
+        assert (needs.visible_faces == ()) is inside
+        assert backend.latest.get("set_sheltered", (False,)) == (inside,)
+        wanted = [kernel.wanted(kind) for kind in kinds]
+        assert [demand and demand.size for demand in wanted] == [None if inside else 64] * 3
+    assert kernel.seats["scene"].module.ledger.skipped["light: in a closed room"] == 3
 
 
 def test_exposure_is_handed_on(stage):

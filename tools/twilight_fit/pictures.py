@@ -74,10 +74,10 @@ def draw_illuminance() -> None:
         axes.semilogy(elevation, sky, f"C{colour}:", lw=1.0)
     with np.load(TABLE) as table:
         for turbidity, level in zip(table["turbidity"], table["luminous_irradiance"], strict=True):
-            # Traced without refraction: the sun's elevation there is the apparent one.
+            # Solved without refraction: the sun's elevation there is the apparent one.
             geometric = np.degrees(geometric_elevation(np.radians(table["sun_deg"])))
             axes.semilogy(geometric, LUMENS_PER_WATT * level, ".", ms=5,
-                          label=f"traced, sky alone, turbidity {turbidity:g}")  # fmt: skip
+                          label=f"solved, sky alone, turbidity {turbidity:g}")  # fmt: skip
     axes.set(xlabel="geometric elevation of the sun (deg)", ylabel="illuminance (lx)",
              xlim=(10, -18), ylim=(3e-4, 3e4), title="dotted: sky alone; albedo 0.2")  # fmt: skip
     axes.grid(alpha=0.3)

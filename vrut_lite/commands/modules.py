@@ -26,7 +26,8 @@ def modules() -> None:
             holder = kernel.slots.holder(slot) or "nobody holds it"
             click.echo(f"  needs: {slot} ({holder})")
         for name, spec in describe(seat.module_type.settings_type).items():
-            click.echo(f"  {name} = {spec.default}: {spec.help.rstrip('.')} ({spec.range_text()})")
+            words = f"{spec.help.rstrip('.')} ({spec.range_text()})"
+            click.echo(f"  {name} = {spec.default_text()}: {words}")
         if seat.last_fault is not None:
             click.echo(f"  fault: {seat.last_fault.error}")
     for failure in failures:

@@ -96,5 +96,5 @@ def _setting_option(name: str, spec: SettingSpec, modules: list[str]) -> Command
         "--" + name.replace("_", "-"),
         _PREFIX + name,
         metavar="|".join(spec.choices) or "VALUE",
-        help=f"{text}default {spec.default}{unit}).",
+        help=f"{text}default {spec.default_text()}{unit}).",
     )

@@ -1,12 +1,20 @@
 """What a picture file says of itself: place, time, model, sun, units."""
 
 import math
+from collections.abc import Iterable
 
 from vrut_lite import __version__
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import SunLightChanged, SunMoved
+from vrut_lite.kernel.messages import SceneNeeds, SunLightChanged, SunMoved
 from vrut_lite.place_time import local_text
 from vrut_lite.project import Project
+from vrut_lite.render.image_files import Metadata
+
+# Headers hold texts and single numbers: these texts are several.
+_VECTORS = {
+    *("sunDirection", "sunIrradianceRgb", "sunDirectionInMap", "sunPixel"),
+    "skyHorizontalIrradianceRgb",
+}
 
 
 def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]:
@@ -28,11 +36,30 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
     if sun is not None:
         metadata["sunElevationDeg"] = math.degrees(sun.elevation_rad)
         metadata["sunAzimuthDeg"] = math.degrees(sun.azimuth_rad)
-    if light is not None:
+    if light is not None and receives_light(kernel):
         metadata["skyModel"] = light.source
-        metadata["sunDirection"] = " ".join(f"{value:.9g}" for value in light.direction)
-        metadata["sunIrradianceRgb"] = " ".join(f"{value:.9g}" for value in light.irradiance_rgb)
+        metadata["sunDirection"] = vector_text(light.direction)
+        metadata["sunIrradianceRgb"] = vector_text(light.irradiance_rgb)
         settings = kernel.check_module(light.source).settings
         for name in settings.__struct_fields__:
             metadata[f"setting_{name}"] = str(getattr(settings, name))
     return metadata
+
+
+def receives_light(kernel: Kernel) -> bool:
+    """Whether there is daylight in the picture: none reaches into a closed room."""
+    needs = kernel.last(SceneNeeds)
+    return needs is None or needs.receives_light
+
+
+def vector_text(values: Iterable[float]) -> str:
+    """Several numbers as one text."""
+    return " ".join(f"{value:.9g}" for value in values)
+
+
+def json_values(metadata: Metadata) -> dict[str, object]:
+    """The same for JSON, which has lists."""
+    return {
+        key: [float(part) for part in str(value).split()] if key in _VECTORS else value
+        for key, value in metadata.items()
+    }

@@ -6,69 +6,85 @@ from typing import Any
 import click
 import msgspec
 
-from vrut_lite.commands.open_kernel import open_host, require_sky
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.picture_metadata import picture_metadata
-from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.commands.picture_options import bits_option, picture_bits
+from vrut_lite.commands.pictures import make_pictures, said_of
+from vrut_lite.commands.scene_pictures import ScenePlan
+from vrut_lite.commands.time_span import span_options, wanted_pictures
+from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     CameraView,
     Exposure,
     Project,
-    daylight_inputs,
     in_words,
     load_project,
-    setting_inputs,
-    view_inputs,
 )
-from vrut_lite.render.image_files import check_writable, picture_format, write_exr, write_png
+from vrut_lite.render.image_files import check_writable, picture_format
 
 FORMATS = (".png", ".exr")
 
 
 @click.command(name="render")
 @click.argument("scene")
-@click.option("-o", "--output", required=True, metavar="PICTURE", help="A .png or .exr file.")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="PICTURE",
+    help="A .png or .exr file; with --from a name for many, as day_%04d.png.",
+)
 @click.option("--size", metavar="WxH", help="Picture size in pixels, as 960x540.")
 @click.option("--eye", metavar="X,Y,Z", help="Camera position in metres, world axes.")
 @click.option("--target", metavar="X,Y,Z", help="Where the camera looks, with --eye.")
 @click.option("--fov", "field_of_view_deg", type=float, metavar="DEG", help="Vertical view angle.")
 @click.option("--exposure", metavar="EV100", help="'auto' (default) or a fixed EV100.")
 @click.option("--compensation", type=float, metavar="EV", help="Brighter by so many stops.")
+@click.option(
+    "--tone-map",
+    metavar="agx|exponential|none",
+    help="Like film (default), 1 - exp(-k L) as in papers, or cut off.",
+)
+@click.option(
+    "--white",
+    metavar="KELVIN[,DUV]",
+    help="Show daylight of this colour temperature white; DUV leads off the daylight "
+    "locus, towards green. Default 6504: colours as they are.",
+)
+@bits_option
+@span_options
+@worker_options
 @daylight_options
-def render(scene: str, output: str, **options: Any) -> None:
-    """Render SCENE (glTF, GLB, OBJ, or a project file .toml) to a picture.
+def render(
+    scene: str,
+    output: str,
+    bits: str | None,
+    jobs: int,
+    dask: str | None,
+    **options: Any,
+) -> None:
+    """Render SCENE (glTF, GLB, OBJ, or a project file .toml) to a picture, or to many of a day.
 
-    PNG is exposed and tone-mapped; EXR holds linear sRGB radiance in W m^-2 sr^-1.
+    PNG is exposed and tone-mapped; EXR holds linear sRGB radiance in W m^-2 sr^-1. Automatic
+    exposure meters each picture by itself; --exposure EV100 holds it for all of a day.
 
     Example: vrut-lite render scenes/street.obj -o dusk.png --at 2026-06-21T21:40
     --place 50.0755,14.4378 --turbidity 3 --albedo 0.1
+
+    Example: vrut-lite render scenes/street.toml -o day_%04d.png --at 2026-06-21T00:00
+    --from 05:00 --to 21:00 --step 10m
     """
     suffix = picture_format(output, FORMATS)
-    check_writable(output)
     is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
     project = load_project(scene) if is_project else Project(scene=scene)
     project = _with_view(with_options(project, options), options)
-    picture, metadata = draw(project)
-    if suffix == ".png":
-        write_png(output, picture.display, metadata)
-    else:
-        write_exr(output, picture.radiance, metadata)
-    click.echo(f"{output}: {metadata['time']}, sun {metadata['sunElevationDeg']:.1f} deg high, "
-               f"EV100 {picture.ev100:.1f}")  # fmt: skip
-
-
-def draw(project: Project) -> tuple[Any, dict[str, str | float]]:
-    """The project's picture and its metadata; UserError for anything that it says wrong."""
-    # Bad words are told before the GPU is asked for.
-    inputs = [*daylight_inputs(project), *view_inputs(project)]
-    setting_inputs(project, daylight_kernel()[0])
-    with open_host() as host:
-        host.inject(*setting_inputs(project, host.kernel), *inputs)
-        host.settle()
-        require_sky(host.kernel)
-        return host.draw(), picture_metadata(project, host.kernel)
+    wanted = wanted_pictures(output, project, options)
+    check_writable(wanted[0].path)
+    plan = ScenePlan(project, picture_bits(bits, suffix))
+    with workers_of(jobs, dask, len(wanted)) as workers:
+        captions = make_pictures(plan, wanted, workers)
+    click.echo(said_of(wanted, captions))
 
 
 def _with_view(project: Project, options: dict[str, Any]) -> Project:
@@ -82,6 +98,10 @@ def _with_view(project: Project, options: dict[str, Any]) -> Project:
         exposure.update(_exposure(options["exposure"]))
     if options["compensation"] is not None:
         exposure["compensation_ev"] = options["compensation"]
+    if options["tone_map"] is not None:
+        exposure["tone_map"] = options["tone_map"]
+    if options["white"] is not None:
+        exposure.update(_white(options["white"]))
     return msgspec.structs.replace(project, exposure=_convert("exposure", exposure, Exposure))
 
 
@@ -123,6 +143,15 @@ def _exposure(text: str) -> dict[str, Any]:
         return {"mode": "manual", "ev100": float(text)}
     except ValueError:
         raise UserError(f"--exposure {text} is neither 'auto' nor a number") from None
+
+
+def _white(text: str) -> dict[str, float]:
+    kelvin, comma, duv = text.partition(",")
+    try:
+        white = {"white_temperature_k": float(kelvin)}
+        return {**white, "white_duv": float(duv)} if comma else white
+    except ValueError:
+        raise UserError(f"--white {text} is not of the form KELVIN or KELVIN,DUV") from None
 
 
 def _convert(what: str, values: dict[str, Any], kind: type[Any]) -> Any:

@@ -20,6 +20,17 @@ SRGB_FROM_XYZ = np.array(
     ]
 )
 LUMINANCE_WEIGHTS = np.linalg.inv(SRGB_FROM_XYZ)[1]
+# Four wavelengths whose radiance knows the colour of clear skylight, day and twilight, and the
+# linear sRGB that radiance over solar irradiance makes at each of them: tools/colour_fit.
+SKYLIGHT_NM = (635.0, 570.0, 520.0, 445.0)
+RGB_OF_TRANSFER = np.array(
+    [
+        [149.81, -6.42, -0.97],
+        [173.07, 81.40, -26.08],
+        [-120.24, 129.14, 31.82],
+        [11.68, -14.08, 179.20],
+    ]
+)
 _FEWEST_FOR_INTEGRATION = 8
 
 
@@ -50,21 +61,38 @@ def rgb_from_spectrum(
     """Linear sRGB (..., 3) of spectra (..., C) per nm, sampled at wavelengths (C,) in nm.
 
     Eight wavelengths or more are integrated against the CIE observer, linear between
-    samples and zero outside them. Three are taken as the 3-sample colour of Bruneton 2016
-    ("A Qualitative and Quantitative Evaluation of 8 Clear Sky Models", section 4), red first,
-    with the spectrum between them falling as the sun's times wavelength^-`solar_exponent`:
-    3 for skylight, 0 for sunlight. Components may be negative: colours outside the gamut.
+    samples and zero outside them. The four of SKYLIGHT_NM, in their order, are turned into the
+    colour of a clear sky by a fitted matrix, within 0.3 % of its luminance in the mean. Three
+    are taken as the 3-sample colour of Bruneton 2016 ("A Qualitative and Quantitative
+    Evaluation of 8 Clear Sky Models", section 4), red first, with the spectrum between them
+    falling as the sun's times wavelength^-`solar_exponent`: 3 for skylight, 0 for sunlight.
+    Components may be negative: colours outside the gamut.
 
     Raises:
-        ValueError: for another number of wavelengths.
+        ValueError: for another number of wavelengths, or four others.
     """
     wavelength = np.asarray(wavelength_nm, dtype=float)
     values = np.asarray(spectral, dtype=float)
     if wavelength.size >= _FEWEST_FOR_INTEGRATION:
         return values @ integration_matrix(tuple(wavelength))
+    if tuple(wavelength) == SKYLIGHT_NM:
+        return values @ skylight_matrix()
     if wavelength.size == 3:
         return values * three_sample_scale(tuple(wavelength), solar_exponent)
-    raise ValueError(f"colour needs 3 wavelengths, or 8 and more, not {wavelength.size}")
+    raise ValueError(
+        f"colour needs 3 wavelengths, or 8 and more, not {wavelength.size}, "
+        f"unless they are {', '.join(f'{nm:g}' for nm in SKYLIGHT_NM)} nm"
+    )
+
+
+@lru_cache(maxsize=1)
+def skylight_matrix() -> NDArray[np.float64]:
+    """Matrix (4, 3) in nm that turns radiance at SKYLIGHT_NM into linear sRGB.
+
+    It is fitted to radiance over irradiance of the sun, whose lines and bands are thus no part
+    of it: another sun, dimmer or redder, dims or reddens the colour.
+    """
+    return RGB_OF_TRANSFER / solar_irradiance(SKYLIGHT_NM)[:, None]
 
 
 @lru_cache(maxsize=16)

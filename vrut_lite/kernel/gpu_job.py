@@ -6,10 +6,11 @@ Whoever can run such jobs demands `GpuJob` (a `Demand` as for any message): a mo
 
 import hashlib
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
+from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Derived
 
@@ -23,9 +24,11 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     """A compute shader that writes a texture; its completion comes back as a `JobResult`.
 
     The shader (GLSL 4.30) writes image unit 0, a cube (`imageCube`) or 2-D image
-    (`image2D`) of the given size and format. Of a module's waiting jobs of one name only the
-    latest is run. The result's value is an `Array` (6, size, size, 4) or (size, size, 4) of
-    float32 if `read_back`, else a `GpuTexture`: nothing is copied.
+    (`image2D`) of the given size and format. It reads `uniforms` by name, and `buffers`, pairs
+    of a binding and what a std430 storage buffer there holds: an `Array` of float32. Of a
+    module's waiting jobs of one name only the latest is run. The result's value is an `Array`
+    (6, size, size, 4) or (size, size, 4) of float32 if `read_back`, else a `GpuTexture`:
+    nothing is copied.
     """
 
     module: str
@@ -37,6 +40,7 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     format: Literal["rgba16f", "rgba32f"] = "rgba16f"
     groups: tuple[int, int, int] = (1, 1, 1)
     read_back: bool = False
+    buffers: tuple[tuple[int, Array], ...] = ()
 
     def key(self) -> str:
         """One pending job per module and name."""
@@ -45,7 +49,10 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     @cached_property
     def recipe(self) -> str:
         """Hexadecimal BLAKE2b-128 of all that decides the texels."""
+        made_of: tuple[Any, ...]
         made_of = (self.compute_shader, self.uniforms, self.output, self.size, self.format,
                    self.groups)  # fmt: skip
+        if self.buffers:
+            made_of = (*made_of, [(binding, array.digest) for binding, array in self.buffers])
         text = msgspec.json.encode(made_of, order="sorted")
         return hashlib.blake2b(text, digest_size=16).hexdigest()

@@ -15,6 +15,7 @@ from vrut_lite.kernel.gpu_texture import GpuTexture
 Vector = tuple[float, float, float]
 # In order of precedence: who wants float32 cannot use float16, the reverse can be had.
 Encoding = Literal["", "u8", "float16", "float32"]
+ToneMap = Literal["agx", "exponential", "none"]
 Matrix = tuple[tuple[float, float, float, float], ...]
 
 
@@ -241,11 +242,19 @@ class Resize(Input, frozen=True, kw_only=True):
 
 
 class SetExposure(Input, frozen=True, kw_only=True):
-    """Automatic exposure, or a fixed EV100; the compensation brightens by so many stops."""
+    """How radiance becomes a picture: exposure, white balance, tone map.
+
+    Automatic exposure, or a fixed EV100; the compensation brightens by so many stops. Light of
+    `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown
+    white; 6504 K leaves colours as they are.
+    """
 
     mode: Literal["auto", "manual"] = "auto"
     ev100: float = 15.0
     compensation_ev: float = 0.0
+    tone_map: ToneMap = "agx"
+    white_temperature_k: float = 6504.0
+    white_duv: float = 0.0
 
 
 # --- derived messages of daylight -----------------------------------------------------

@@ -1,10 +1,12 @@
 """Settings: one struct per module, from which validation, CLI options and panels are made.
 
 A settings class is a frozen `msgspec.Struct` whose fields all have defaults and carry
-`msgspec.Meta(ge=..., le=..., description=..., extra={"unit": ...})`.
+`msgspec.Meta(ge=..., le=..., description=..., extra={"unit": ...})`. A field that may also be
+None is left open: its description says what holds then.
 """
 
 import math
+from types import NoneType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -23,9 +25,17 @@ class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
     at_least: float | None = None
     at_most: float | None = None
     choices: tuple[str, ...] = ()
+    may_be_none: bool = False
 
     def range_text(self) -> str:
         """The accepted values, for people."""
+        return self._values_text() + (", or none" if self.may_be_none else "")
+
+    def default_text(self) -> str:
+        """The default, as one would type it."""
+        return "none" if self.default is None else str(self.default)
+
+    def _values_text(self) -> str:
         if self.choices:
             return "one of " + ", ".join(self.choices)
         unit = f" {self.unit}" if self.unit else ""
@@ -49,6 +59,9 @@ def describe(settings_type: type[msgspec.Struct]) -> dict[str, SettingSpec]:
 
 def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
     meta = msgspec.Meta()
+    may_be_none = NoneType in get_args(hint)
+    if may_be_none:
+        hint = next(part for part in get_args(hint) if part is not NoneType)
     if hasattr(hint, "__metadata__"):
         meta = next((m for m in hint.__metadata__ if isinstance(m, msgspec.Meta)), meta)
         hint = hint.__origin__
@@ -62,6 +75,7 @@ def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
         at_least=None if meta.ge is None else float(meta.ge),
         at_most=None if meta.le is None else float(meta.le),
         choices=get_args(hint) if is_choice else (),
+        may_be_none=may_be_none,
     )
 
 
@@ -94,6 +108,8 @@ def carry_over(
 
 def parse(spec: SettingSpec, module: str, value: Any) -> Any:
     """A value of the setting's type from a value or its text form; see `change` for errors."""
+    if spec.may_be_none and value in (None, "none"):
+        return None
     try:
         parsed: Any = msgspec.convert(value, spec.type, strict=False)
     except msgspec.ValidationError:

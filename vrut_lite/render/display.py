@@ -1,23 +1,36 @@
-"""Exposure, tone map and dither on the CPU: what the frame's last pass does on the GPU."""
+"""Exposure, white balance, tone map and dither on the CPU, as the frame's last pass has them."""
+
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.kernel.messages import ToneMap
 from vrut_lite.render import exposure, tone_map
+
+Bits = Literal[8, 16]
 
 
 def display_picture(
-    radiance: NDArray[np.floating], ev100: float | None = None
-) -> NDArray[np.uint8]:
-    """8-bit sRGB (h, w, 3) of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
+    radiance: NDArray[np.floating],
+    ev100: float | None = None,
+    curve: ToneMap = "agx",
+    white_balance: NDArray[np.float64] | None = None,
+    bits: Bits = 8,
+) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """sRGB (h, w, 3) in 8 or 16 bits of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
 
     Without `ev100` the exposure is metered from the picture itself, black pixels (outside a
-    fisheye, say) left out.
+    fisheye, say) left out. `white_balance` is a matrix (3, 3) on linear sRGB. Steps of 8 bits are
+    dithered; those of 16 nobody sees.
     """
     if ev100 is None:
         seen = radiance[radiance.max(axis=-1) > 0.0]
         ev100 = exposure.automatic_ev100(seen if seen.size else radiance)
-    encoded = tone_map.agx(radiance * exposure.scale_of(ev100))
+    balanced = radiance if white_balance is None else radiance @ white_balance.T
+    encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), curve)
+    if bits == 16:
+        return np.rint(encoded * 65535.0).astype(np.uint16)
     encoded += dither(*radiance.shape[:2])[..., None] / 255.0
     return np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
 

@@ -11,12 +11,14 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
 MIDDLE_GREY = 0.18
 _SATURATION = 1.2
-_DARKEST_EV100 = -5.0
+# Starlight: below it the picture darkens as the scene does.
+_DARKEST_EV100 = -8.0
 # Below this the eye no longer adapts in full, and a picture that did would make dusk look
 # like noon: it keeps this fraction of each further stop as darkness (after Krawczyk 2005).
 _FULL_ADAPTATION_EV100 = 9.0
 _DARKNESS_KEPT = 0.3
 _BRIGHTEST_SHARE = 0.002
+_ENOUGH_PIXELS = 2**17
 _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
 
 
@@ -30,8 +32,12 @@ def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
 
     The log mean of luminance, without the brightest 0.2 % of the pixels (the sun's disc and
     its glints), which no exposure could hold, and with what is darker than four stops below
-    the brighter parts counted as just that: black ground must not blow out what is lit.
+    the brighter parts counted as just that: black ground must not blow out what is lit. Of a
+    large picture (h, w, 3) every second, third, ... pixel stands for its neighbours.
     """
+    if radiance_rgb.ndim == 3:
+        step = max(1, int(np.sqrt(radiance_rgb.shape[0] * radiance_rgb.shape[1] / _ENOUGH_PIXELS)))
+        radiance_rgb = radiance_rgb[step // 2 :: step, step // 2 :: step]
     values = luminance(radiance_rgb).ravel()
     values = np.sort(values[np.isfinite(values)])
     darkest = MIDDLE_GREY / scale_of(_DARKEST_EV100)

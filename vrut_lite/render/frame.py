@@ -1,184 +1,173 @@
-"""One frame on the GL thread: shadow map, sky, meshes, resolve, exposure, tone map.
+"""One frame on the GL thread: shadow map, reflections, meshes, sky, resolve, tone map.
 
-Radiance stays linear and in physical units, in 32-bit floats, until the tone map: the sun's
-disc is brighter than half precision can hold.
+Radiance stays linear and in physical units until the tone map.
 """
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import SetExposure
-from vrut_lite.render import exposure, tone_map
+from vrut_lite.render import exposure
+from vrut_lite.render.culling import in_view
 from vrut_lite.render.gl_owner import rest
-from vrut_lite.render.light import Light
-from vrut_lite.render.mesh_renderer import SHADERS, MeshRenderer, View
-from vrut_lite.render.pyrender_scene import PyrenderScene
-from vrut_lite.render.reversed_depth import FloatDepth, reversed_depth
+from vrut_lite.render.light import Light, Reflection, Shadow
+from vrut_lite.render.mesh_renderer import MeshRenderer, View, in_order
+from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.reflection import reflectance_table
+from vrut_lite.render.reversed_depth import reversed_depth
+from vrut_lite.render.shadow_map import ShadowMap
+from vrut_lite.render.skips import FrameSkips
+from vrut_lite.render.sky_pass import SkyPass, SunDisc
+from vrut_lite.render.specular_filter import SpecularFilter
+from vrut_lite.render.targets import Targets
+from vrut_lite.render.tone_pass import TonePass
 from vrut_lite.scene.backend import Picture
 
-SAMPLES = 4
-SHADOW_SIZE = 4096
 _CUBE_MAP_SEAMLESS = 0x884F
+# Of the 24 slices of the filtered sky, in a frame that is not to wait for them: a sixth of its
+# time where slices are largest.
+SLICES_A_FRAME = 2
+
+Measure = Callable[[str], AbstractContextManager[Any]]
 
 
 class Frame:
-    """GL objects of the frame; made and used on the GL thread only."""
+    """GL objects of the frame; made and used on the GL thread only.
+
+    `measure` is entered around each pass, with its name; `ledger` counts what was done and
+    what was skipped, `skips` says what may be.
+    """
 
     def __init__(self, context: Any):
         self._context = context
-        self.meshes = MeshRenderer()
-        self._sky_program = _full_screen_program(context, "sky.frag")
-        self._tone_program = _full_screen_program(context, "tone_map.frag")
-        self._sky_triangle = context.vertex_array(self._sky_program, [])
-        self._tone_triangle = context.vertex_array(self._tone_program, [])
-        self._targets: _Targets | None = None
-        self.shadow_texture = context.depth_texture((SHADOW_SIZE, SHADOW_SIZE))
-        self.shadow_texture.compare_func = "<="
-        self.shadow_texture.filter = (context.LINEAR, context.LINEAR)
-        self._shadow_buffer = context.framebuffer(depth_attachment=self.shadow_texture)
+        self.ledger = Ledger()
+        self.skips = FrameSkips()
+        self.measure: Measure = lambda name: nullcontext()
         context.enable_direct(_CUBE_MAP_SEAMLESS)
-        _set_tone_curve(self._tone_program)
+        self._meshes = MeshRenderer()
+        self._sky = SkyPass(context)
+        self._tone = TonePass(context)
+        self._shadow = ShadowMap(context, self.ledger)
+        self._filter = SpecularFilter(context, self.ledger)
+        self._reflectance = _table_texture(context)
+        self._targets: Targets | None = None
 
     def draw(
         self,
         scene: PyrenderScene,
         view: View,
         light: Light,
-        disc: "SunDisc",
+        disc: SunDisc,
         wish: SetExposure,
         size: tuple[int, int],
+        still: bool = True,
     ) -> Picture:
-        """Draw a scene, the sky and the sun; size is (width, height) in pixels."""
+        """Draw a scene, the sky and the sun; size is (width, height) in pixels.
+
+        A `still` is finished in every respect; otherwise what may lag is done in slices.
+        """
         targets = self._targets_of(size)
-        self.meshes.update(scene)
-        if any(light.sun_irradiance):
-            self._draw_shadow(scene, light)
+        self._meshes.update(scene)
+        seen = self._seen(scene, view)
+        with self.measure("reflection"):
+            reflection = self._reflection(light, seen, still)
+        with self.measure("shadow"):
+            shadow = self._shadow.update(self._meshes, scene, light, not self.skips.shadow)
         targets.multisampled.use()
         targets.multisampled.clear()
         with reversed_depth():
-            self._draw_sky(view, light, disc)
-            self.meshes.draw(scene, view, light)
-        self._context.copy_framebuffer(targets.resolved, targets.multisampled)
-        radiance = targets.read_radiance()
-        ev100 = wish.ev100 if wish.mode == "manual" else exposure.automatic_ev100(radiance)
+            self._draw_seen(scene, seen, view, light, disc, shadow, reflection)
+        with self.measure("resolve"):
+            self._context.copy_framebuffer(targets.resolved, targets.multisampled)
+        with self.measure("copy and meter"):
+            radiance = targets.read_radiance()
+            ev100 = wish.ev100 if wish.mode == "manual" else exposure.automatic_ev100(radiance)
         ev100 -= wish.compensation_ev
-        return Picture(radiance, self._tone_mapped(targets, ev100), ev100)
+        with self.measure("tone map"):
+            self._tone.draw(targets, ev100, wish)
+        return Picture(radiance, targets.read_display(), ev100)
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
         rest(self._context)
-        self.meshes.delete()
-        for thing in (self._sky_triangle, self._tone_triangle, self._sky_program,
-                      self._tone_program, self._shadow_buffer, self.shadow_texture):  # fmt: skip
+        self._meshes.delete()
+        for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance):
             thing.release()
         if self._targets is not None:
             self._targets.release()
 
-    def _targets_of(self, size: tuple[int, int]) -> "_Targets":
+    def _draw_seen(
+        self,
+        scene: PyrenderScene,
+        seen: list[PlacedPrimitive],
+        view: View,
+        light: Light,
+        disc: SunDisc,
+        shadow: Shadow,
+        reflection: Reflection,
+    ) -> None:
+        """Opaque meshes, the sky in what they leave, and what lets both through."""
+        opaque, blended = in_order(seen, view.eye_m)
+        if not self.skips.sky:
+            self._draw_sky(view, light, disc)
+        with self.measure("mesh"):
+            self._meshes.draw(scene, opaque, view, light, shadow, reflection)
+        if self.skips.sky:
+            self._draw_sky(view, light, disc)
+        with self.measure("blended mesh"):
+            self._meshes.draw(scene, blended, view, light, shadow, reflection)
+
+    def _draw_sky(self, view: View, light: Light, disc: SunDisc) -> None:
+        assert self._targets is not None
+        if light.is_none and self.skips.unlit:
+            self.ledger.skip("sky sample: in a closed room", self._targets.samples)
+            return
+        with self.measure("sky"):
+            drawn = self._sky.draw(view, light, disc, only_uncovered=self.skips.sky)
+        self.ledger.did("sky sample", drawn)
+        self.ledger.skip("sky sample: covered", self._targets.samples - drawn)
+
+    def _seen(self, scene: PyrenderScene, view: View) -> list[PlacedPrimitive]:
+        """What may be in the picture."""
+        if not self.skips.meshes:
+            seen = scene.placed
+        else:
+            seen = [placed for placed in scene.placed if in_view(placed, view)]
+        self.ledger.did("mesh", len(seen))
+        self.ledger.skip("mesh: out of view", len(scene.placed) - len(seen))
+        return seen
+
+    def _reflection(self, light: Light, seen: list[PlacedPrimitive], still: bool) -> Reflection:
+        """The sky for the surfaces that mirror it."""
+        glossy = any(not placed.primitive.material.matte for placed in seen)
+        if light.is_none and self.skips.unlit:
+            self.ledger.skip("reflection: in a closed room")
+        elif glossy or not self.skips.reflection:
+            slices = None if still else SLICES_A_FRAME
+            self._filter.update(light.sky, slices, not self.skips.reflection)
+        else:
+            self.ledger.skip("reflection: nothing in view mirrors")
+        filtered = self._filter.texture
+        if filtered is None:
+            # Something must be bound; nobody looks at it.
+            return Reflection(light.sky.texture, light.sky.scale, self._reflectance)
+        return Reflection(filtered, self._filter.scale, self._reflectance)
+
+    def _targets_of(self, size: tuple[int, int]) -> Targets:
         if self._targets is None or self._targets.size != size:
             if self._targets is not None:
                 rest(self._context)
                 self._targets.release()
-            self._targets = _Targets(self._context, size)
+            self._targets = Targets(self._context, size)
         return self._targets
 
-    def _draw_shadow(self, scene: PyrenderScene, light: Light) -> None:
-        self._shadow_buffer.use()
-        self._shadow_buffer.clear()
-        self.meshes.draw_depth(scene, light.shadow_matrix)
 
-    def _draw_sky(self, view: View, light: Light, disc: "SunDisc") -> None:
-        program = self._sky_program
-        ray_from_clip = np.linalg.inv(view.projection @ view.rotation)
-        _set(program, "ray_from_clip", ray_from_clip.T.ravel())
-        _set(program, "sky_scale", light.sky_scale)
-        _set(program, "sun_direction", light.sun_direction)
-        _set(program, "sun_disc_radiance", disc.mean_radiance)
-        _set(program, "sun_angular_radius", disc.angular_radius_rad)
-        program["limb_darkening"].value = [tuple(row) for row in disc.limb_darkening.T]
-        light.sky_texture.use(location=0)
-        program["sky"].value = 0
-        self._context.disable(self._context.DEPTH_TEST | self._context.CULL_FACE)
-        self._context.depth_mask = False
-        self._sky_triangle.render(vertices=3)
-        self._context.depth_mask = True
-
-    def _tone_mapped(self, targets: "_Targets", ev100: float) -> NDArray[np.uint8]:
-        targets.display.use()
-        targets.radiance.use(location=0)
-        _set(self._tone_program, "exposure_scale", exposure.scale_of(ev100))
-        self._context.disable(self._context.DEPTH_TEST | self._context.CULL_FACE)
-        self._tone_triangle.render(vertices=3)
-        width, height = targets.size
-        pixels = np.frombuffer(targets.display.read(components=3, alignment=1), np.uint8)
-        return pixels.reshape(height, width, 3)[::-1].copy()
-
-
-class SunDisc:
-    """The sun as it is seen: mean radiance (3,), radius, limb darkening (3, 6)."""
-
-    def __init__(
-        self,
-        irradiance: tuple[float, float, float],
-        angular_radius_rad: float,
-        limb_darkening_rgb: tuple[tuple[float, ...], ...],
-    ):
-        # 2 sin^2(r / 2) is 1 - cos(r) without its cancellation.
-        solid_angle = 4 * np.pi * np.sin(0.5 * angular_radius_rad) ** 2
-        self.mean_radiance = np.asarray(irradiance) / solid_angle
-        self.angular_radius_rad = angular_radius_rad
-        self.limb_darkening = np.zeros((3, 6))
-        for channel, polynomial in enumerate(limb_darkening_rgb):
-            self.limb_darkening[channel, : len(polynomial)] = polynomial
-
-
-class _Targets:
-    """Framebuffers of one picture size."""
-
-    def __init__(self, context: Any, size: tuple[int, int]):
-        self.size = size
-        self._colour = context.renderbuffer(size, 4, samples=SAMPLES, dtype="f4")
-        self.multisampled = context.framebuffer([self._colour])
-        self._depth = FloatDepth(self.multisampled, size, SAMPLES)
-        self.radiance = context.texture(size, 4, dtype="f4")
-        self.resolved = context.framebuffer([self.radiance])
-        self._display = context.texture(size, 4)
-        self.display = context.framebuffer([self._display])
-
-    def read_radiance(self) -> NDArray[np.float32]:
-        """The resolved picture (h, w, 3), row 0 at the top."""
-        width, height = self.size
-        pixels = np.frombuffer(self.radiance.read(), np.float32)
-        return pixels.reshape(height, width, 4)[::-1, :, :3].copy()
-
-    def release(self) -> None:
-        for thing in (self.multisampled, self.resolved, self.display, self._colour, self._depth,
-                      self.radiance, self._display):  # fmt: skip
-            thing.release()
-
-
-def _full_screen_program(context: Any, fragment_shader: str) -> Any:
-    return context.program(
-        vertex_shader=(SHADERS / "full_screen.vert").read_text(),
-        fragment_shader=(SHADERS / fragment_shader).read_text(),
-    )
-
-
-def _set(program: Any, name: str, value: Any) -> None:
-    """Set a uniform, unless the compiler found it unused."""
-    if name in program:
-        program[name].value = value if isinstance(value, float) else tuple(map(float, value))
-
-
-def _set_tone_curve(program: Any) -> None:
-    _set(program, "inset", tone_map.INSET.T.ravel())
-    _set(program, "outset", tone_map.OUTSET.T.ravel())
-    _set(program, "darkest_log2", tone_map.DARKEST_LOG2)
-    _set(program, "brightest_log2", tone_map.BRIGHTEST_LOG2)
-    _set(program, "contrast", tone_map.CONTRAST)
-    _set(program, "saturation", tone_map.SATURATION)
-    _set(program, "luminance_weights", LUMINANCE_WEIGHTS)
-    program["sigmoid"].value = list(tone_map.SIGMOID)
+def _table_texture(context: Any) -> Any:
+    """The table of shares, for linear look-up between its nodes."""
+    table = reflectance_table()
+    texture = context.texture(table.shape[1::-1], 3, table.tobytes(), dtype="f4")
+    texture.filter = (context.LINEAR, context.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    return texture

@@ -65,10 +65,19 @@ class GlJobs(Module):
             # A uniform that the compiler found unused is not an error.
             if name in program:
                 program[name].value = value
+        buffers = [_bound_buffer(context, *pair) for pair in job.buffers]
         texture.bind_to_image(0, read=False, write=True)
         program.run(*job.groups)
         context.memory_barrier()
+        for buffer in buffers:
+            buffer.release()
         return Array(_read(texture, job)) if job.read_back else handle
+
+
+def _bound_buffer(context: Any, binding: int, content: Array) -> Any:
+    buffer = context.buffer(np.ascontiguousarray(content.values, dtype=np.float32).tobytes())
+    buffer.bind_to_storage_buffer(binding)
+    return buffer
 
 
 def _read(texture: Any, job: GpuJob) -> np.ndarray:

@@ -11,6 +11,7 @@ from vrut_lite.render.picture_array import Metadata
 from vrut_lite.render.write_atomic import atomic_output, check_writable
 from vrut_lite.render.write_exr import write_exr
 from vrut_lite.render.write_hdr import write_hdr
+from vrut_lite.render.write_json import write_json
 from vrut_lite.render.write_npz import write_npz
 from vrut_lite.render.write_png import write_png
 
@@ -22,6 +23,7 @@ __all__ = [
     "picture_format",
     "write_exr",
     "write_hdr",
+    "write_json",
     "write_npz",
     "write_png",
 ]

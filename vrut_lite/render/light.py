@@ -1,25 +1,51 @@
-"""The light of a frame, as the shaders take it."""
+"""The light of a frame, as the passes hand it to the shaders."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
 
+class Sky(NamedTuple):
+    """A cube texture and the factor to its radiance; `owner` keeps the texels from reuse."""
+
+    texture: Any
+    scale: float
+    owner: Any
+
+
 @dataclass(frozen=True)
 class Light:
-    """Sun, sky and shadow of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
+    """Sun and sky of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
 
-    `irradiance_sh` is (25, 3); `shadow_matrix` (4, 4) maps positions that count from the
-    scene's centre to the shadow map's clip space; `shadow_texel_m` is the width of one of its
-    texels.
+    `sun_irradiance` is that of a plane that faces the sun; `irradiance_sh` is (25, 3).
     """
 
     sun_direction: tuple[float, float, float]
     sun_irradiance: tuple[float, float, float]
     irradiance_sh: NDArray
-    sky_texture: Any
-    sky_scale: float
-    shadow_texture: Any
-    shadow_matrix: NDArray
-    shadow_texel_m: float
+    sky: Sky
+
+    @property
+    def is_none(self) -> bool:
+        """Whether sun and sky light nothing, as in a closed room."""
+        return self.sky.scale == 0.0 and not any(self.sun_irradiance)
+
+
+class Shadow(NamedTuple):
+    """A depth texture from the sun, the width of its texels, and the matrix (4, 4) into it.
+
+    The matrix maps positions that count from the scene's centre to clip space.
+    """
+
+    texture: Any
+    matrix: NDArray
+    texel_m: float
+
+
+class Reflection(NamedTuple):
+    """The sky filtered by roughness, the factor to its radiance, and the table of shares."""
+
+    texture: Any
+    scale: float
+    reflectance: Any

@@ -4,7 +4,7 @@ pyrender keeps vertex buffers, textures and programs in the shared GL context. I
 are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,19 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.light import Light
+from vrut_lite.render.light import Light, Reflection, Shadow
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.reflection import DIELECTRIC_F0
+from vrut_lite.render.shader_files import SHADERS, shader_source
+from vrut_lite.render.specular_filter import LEVEL_ROUGHNESS
 
 pyrender = import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E402
 
-SHADERS = Path(__file__).parent / "shaders"
 # As mesh.frag binds them; the first units are a material's textures, which pyrender numbers.
-_SKY_UNIT, _SHADOW_UNIT = 8, 9
-# Glass, plastic, stone: glTF 2.0, appendix B.2.
-DIELECTRIC_F0 = 0.04
+_SKY_UNIT, _SHADOW_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 9, 10, 11
 _LAYER_UNIFORMS = {
     "base_color_layer": "baseColorTexture",
     "metallic_roughness_layer": "metallicRoughnessTexture",
@@ -44,12 +44,38 @@ class View:
     projection: NDArray[np.float64]
 
 
+class _Program(ShaderProgram):
+    """A program of our shaders, with pyrender's names defined as GLSL has it."""
+
+    def _load(self, shader_filename: str) -> str:
+        version, rest = shader_source(Path(shader_filename).name).split("\n", 1)
+        defines = "".join(f"#define {name} {value}\n" for name, value in self.defines.items())
+        return f"{version}\n{defines}{rest}"
+
+
+class _Programs(ShaderProgramCache):
+    """Programs by their shaders and defines."""
+
+    def get_program(
+        self,
+        vertex_shader: str,
+        fragment_shader: str,
+        geometry_shader: None = None,
+        defines: Mapping[str, int] | None = None,
+    ) -> ShaderProgram:
+        known = self._program_cache
+        key = (vertex_shader, fragment_shader, *sorted((defines or {}).items()))
+        if key not in known:
+            known[key] = _Program(vertex_shader, fragment_shader, defines=defines)
+        return known[key]
+
+
 class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
     """Draws the meshes of a pyrender scene into whatever framebuffer is bound."""
 
     def __init__(self) -> None:
         super().__init__(1, 1)
-        self._program_cache = ShaderProgramCache(shader_dir=str(SHADERS))
+        self._program_cache = _Programs(shader_dir=str(SHADERS))
 
     def __del__(self) -> None:
         """Do nothing: pyrender would free GL objects from whatever thread collects garbage."""
@@ -60,11 +86,21 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
         self._update_context(scene.scene, RenderFlags.NONE)
 
-    def draw(self, scene: PyrenderScene, view: View, light: Light) -> None:
-        """Draw all meshes with the depth test that is set: opaque first, near to far."""
+    def draw(
+        self,
+        scene: PyrenderScene,
+        placed_in_order: Iterable[PlacedPrimitive],
+        view: View,
+        light: Light,
+        shadow: Shadow,
+        reflection: Reflection,
+    ) -> None:
+        """Draw meshes of the scene, one after another, with the depth test that is set."""
         GL.glEnable(GL.GL_DEPTH_TEST)
-        shadow_matrix = light.shadow_matrix @ translation(view.eye_m - scene.centre_m)
-        for placed, primitive in _from_near_to_far(scene, view.eye_m):
+        shadow_matrix = shadow.matrix @ translation(view.eye_m - scene.centre_m)
+        _bind_maps(light, shadow, reflection)
+        for placed in placed_in_order:
+            primitive = placed.primitive
             program = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
             )
@@ -72,7 +108,10 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program.set_uniform("V", view.rotation)
             program.set_uniform("P", view.projection)
             program.set_uniform("shadow_matrix", shadow_matrix)
-            self._set_light(program, light)
+            program.set_uniform("shadow_texel_m", float(shadow.texel_m))
+            program.set_uniform("reflection_scale", float(reflection.scale))
+            program.set_uniform("level_roughness", np.array(LEVEL_ROUGHNESS))
+            _set_light(program, light)
             _set_surface(program, primitive.material)
             pose = translation(-view.eye_m) @ placed.world_from_model
             self._bind_and_draw_primitive(primitive, pose, program, RenderFlags.NONE)
@@ -101,18 +140,6 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             self._draw_both_sides(primitive)
             self._reset_active_textures()
         GL.glUseProgram(0)
-
-    def _set_light(self, program: ShaderProgram, light: Light) -> None:
-        program.set_uniform("sun_direction", np.asarray(light.sun_direction, dtype=float))
-        program.set_uniform("sun_irradiance", np.asarray(light.sun_irradiance, dtype=float))
-        program.set_uniform("sky_scale", float(light.sky_scale))
-        program.set_uniform("shadow_texel_m", float(light.shadow_texel_m))
-        # pyrender's set_uniform knows no arrays.
-        place = GL.glGetUniformLocation(program._program_id, "irradiance_sh")
-        harmonics = np.ascontiguousarray(light.irradiance_sh, dtype=np.float32)
-        GL.glUniform3fv(place, len(harmonics), harmonics)
-        light.sky_texture.use(location=_SKY_UNIT)
-        light.shadow_texture.use(location=_SHADOW_UNIT)
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
         """A mask casts by its own cut-off; what is blended casts where it is more than half."""
@@ -144,17 +171,31 @@ def translation(offset_m: NDArray) -> NDArray[np.float64]:
     return matrix
 
 
-def _from_near_to_far(
-    scene: PyrenderScene, eye_m: NDArray
-) -> Iterator[tuple[PlacedPrimitive, Any]]:
-    """Opaque primitives from near to far, which spares hidden fragments, then the others back."""
-    by_distance = sorted(
-        scene.placed, key=lambda placed: float(np.linalg.norm(placed.centre_m - eye_m))
-    )
+def in_order(
+    seen: Iterable[PlacedPrimitive], eye_m: NDArray
+) -> tuple[list[PlacedPrimitive], list[PlacedPrimitive]]:
+    """Opaque meshes from near to far, which spares hidden fragments, and the others back."""
+    by_distance = sorted(seen, key=lambda placed: float(np.linalg.norm(placed.centre_m - eye_m)))
     blended = [placed for placed in by_distance if placed.primitive.is_transparent]
     opaque = [placed for placed in by_distance if not placed.primitive.is_transparent]
-    for placed in opaque + blended[::-1]:
-        yield placed, placed.primitive
+    return opaque, blended[::-1]
+
+
+def _bind_maps(light: Light, shadow: Shadow, reflection: Reflection) -> None:
+    light.sky.texture.use(location=_SKY_UNIT)
+    shadow.texture.use(location=_SHADOW_UNIT)
+    reflection.texture.use(location=_REFLECTION_UNIT)
+    reflection.reflectance.use(location=_REFLECTANCE_UNIT)
+
+
+def _set_light(program: ShaderProgram, light: Light) -> None:
+    program.set_uniform("sun_direction", np.asarray(light.sun_direction, dtype=float))
+    program.set_uniform("sun_irradiance", np.asarray(light.sun_irradiance, dtype=float))
+    program.set_uniform("sky_scale", float(light.sky.scale))
+    # pyrender's set_uniform knows no arrays.
+    place = GL.glGetUniformLocation(program._program_id, "irradiance_sh")
+    harmonics = np.ascontiguousarray(light.irradiance_sh, dtype=np.float32)
+    GL.glUniform3fv(place, len(harmonics), harmonics)
 
 
 def _set_surface(program: ShaderProgram, material: Any) -> None:

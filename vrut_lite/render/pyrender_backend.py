@@ -4,10 +4,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_texture import GpuTexture
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
@@ -15,12 +16,15 @@ from vrut_lite.kernel.messages import (
     SetExposure,
     SunLightChanged,
 )
-from vrut_lite.render.frame import SHADOW_SIZE, Frame, SunDisc
+from vrut_lite.render.frame import Frame, Measure
 from vrut_lite.render.gl_owner import GlOwner
-from vrut_lite.render.light import Light
+from vrut_lite.render.light import Light, Sky
+from vrut_lite.render.light_meter import Illuminance, illuminance, surface_at
 from vrut_lite.render.mesh_renderer import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
-from vrut_lite.render.shadow import light_matrix
+from vrut_lite.render.rays import Hit, SceneRays
+from vrut_lite.render.skips import FrameSkips
+from vrut_lite.render.sky_pass import SunDisc
 from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.camera import look_at, perspective
 from vrut_lite.scene.ground_disc import GroundDisc
@@ -38,6 +42,7 @@ class _Told:
     sun: SunLightChanged | None = None
     ambient: AmbientChanged | None = None
     camera: MoveCamera | None = None
+    sheltered: bool = False
     exposure: SetExposure = field(default_factory=SetExposure)
     size: tuple[int, int] = (960, 540)
 
@@ -51,16 +56,16 @@ class PyrenderBackend:
         self._frame: Frame = owner.call(Frame)
         self._sky_texture: Any = None
         self._uploaded: Any = None
+        self._loaded: tuple[LoadedScene, GroundDisc | None] | None = None
+        self._rays: SceneRays | None = None
 
     def show_scene(self, scene: LoadedScene, ground: GroundDisc | None) -> None:
         """Build the pyrender scene; its buffers reach the GPU with the next frame."""
         self._told.scene = PyrenderScene(scene, ground)
+        self._loaded, self._rays = (scene, ground), None
 
     def set_background(self, background: BackgroundChanged) -> None:
-        """Upload the cube map, or take the texture that has never left the GPU as it is.
-
-        Both get the mip levels that blurred reflections look up.
-        """
+        """Upload the cube map, or take the texture that has never left the GPU as it is."""
         self._told.background = background
         self._owner.call(lambda context: self._show_sky(context, background.cube))
 
@@ -81,6 +86,10 @@ class PyrenderBackend:
         """Look from here."""
         self._told.camera = camera
 
+    def set_sheltered(self, sheltered: bool) -> None:
+        """Light with nothing, or with sun and sky again."""
+        self._told.sheltered = sheltered
+
     def set_exposure(self, exposure: SetExposure) -> None:
         """Expose like this."""
         self._told.exposure = exposure
@@ -89,9 +98,47 @@ class PyrenderBackend:
         """Draw pictures of this size."""
         self._told.size = (width_px, height_px)
 
-    def draw(self) -> Picture:
+    @property
+    def ledger(self) -> Ledger:
+        """What frames did, and what they skipped."""
+        return self._frame.ledger
+
+    @property
+    def skips(self) -> FrameSkips:
+        """What frames may skip."""
+        return self._frame.skips
+
+    @skips.setter
+    def skips(self, skips: FrameSkips) -> None:
+        self._frame.skips = skips
+
+    def measure_passes(self, measure: Measure) -> None:
+        """Enter `measure(name)` around each pass, on the GL thread."""
+        self._frame.measure = measure
+
+    def draw(self, still: bool = True) -> Picture:
         """Draw a frame; RuntimeError names what is still missing."""
-        return self._owner.call(self._draw)
+        return self._owner.call(lambda context: self._draw(still))
+
+    def surface_at(self, x: int, y: int) -> Hit | None:
+        """The surface in the middle of a pixel, None if it is the sky; y counts from the top."""
+        if self._told.camera is None:
+            raise RuntimeError("nothing to look at yet: no camera")
+        return surface_at(self._scene_rays(), self._told.camera, self._told.size, x, y)
+
+    def illuminance(self, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
+        """Lux on a plane with this normal (3,) at a point (3,), world axes."""
+        if self._told.sun is None or self._told.ambient is None:
+            raise RuntimeError("nothing to measure yet: no light")
+        rays = self._scene_rays()
+        return illuminance(rays, self._told.sun, self._told.ambient, point_m, normal)
+
+    def _scene_rays(self) -> SceneRays:
+        if self._loaded is None:
+            raise RuntimeError("nothing to look at yet: no scene")
+        if self._rays is None:
+            self._rays = SceneRays(*self._loaded)
+        return self._rays
 
     def close(self) -> None:
         """Free the GL objects."""
@@ -109,8 +156,7 @@ class PyrenderBackend:
     def _show_sky(self, context: Any, cube: Array | GpuTexture) -> None:
         # A texture of the GPU's stays ours for as long as the message that is kept holds it.
         texture = cube.opaque if isinstance(cube, GpuTexture) else self._upload(context, cube)
-        texture.build_mipmaps()
-        texture.filter = (context.LINEAR_MIPMAP_LINEAR, context.LINEAR)
+        texture.filter = (context.LINEAR, context.LINEAR)
         self._sky_texture = texture
 
     def _upload(self, context: Any, cube: Array) -> Any:
@@ -124,36 +170,33 @@ class PyrenderBackend:
             self._uploaded.write(index, rgba.tobytes())
         return self._uploaded
 
-    def _draw(self, context: Any) -> Picture:
+    def _draw(self, still: bool) -> Picture:
         told = self._told
         missing = [name for name, value in vars(told).items() if value is None]
         if told.scene is None or told.camera is None or told.sun is None or missing:
             raise RuntimeError(f"nothing to draw yet: no {', no '.join(missing)}")
+        light = self._light(told.sun)
         return self._frame.draw(
             scene=told.scene,
             view=_view(told.camera, told.scene, told.size),
-            light=self._light(told.scene, told.sun),
+            light=light,
             disc=SunDisc(
-                told.sun.irradiance_rgb, told.sun.angular_radius_rad, told.sun.limb_darkening_rgb
+                light.sun_irradiance, told.sun.angular_radius_rad, told.sun.limb_darkening_rgb
             ),
             wish=told.exposure,
             size=told.size,
+            still=still,
         )
 
-    def _light(self, scene: PyrenderScene, sun: SunLightChanged) -> Light:
+    def _light(self, sun: SunLightChanged) -> Light:
         told = self._told
         assert told.background is not None
         assert told.ambient is not None
-        return Light(
-            sun_direction=sun.direction,
-            sun_irradiance=sun.irradiance_rgb,
-            irradiance_sh=told.ambient.irradiance_sh_rgb.values,
-            sky_texture=self._sky_texture,
-            sky_scale=told.background.radiance_scale,
-            shadow_texture=self._frame.shadow_texture,
-            shadow_matrix=light_matrix(sun.direction, scene.radius_m),
-            shadow_texel_m=2 * scene.radius_m / SHADOW_SIZE,
-        )
+        harmonics = told.ambient.irradiance_sh_rgb.values
+        sky = Sky(self._sky_texture, told.background.radiance_scale, told.background)
+        if told.sheltered:
+            return Light(sun.direction, (0.0, 0.0, 0.0), 0.0 * harmonics, sky._replace(scale=0.0))
+        return Light(sun.direction, sun.irradiance_rgb, harmonics, sky)
 
 
 def _view(camera: MoveCamera, scene: PyrenderScene, size: tuple[int, int]) -> View:

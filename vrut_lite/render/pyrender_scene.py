@@ -20,14 +20,16 @@ pyrender = import_pyrender()
 
 @dataclass(frozen=True)
 class PlacedPrimitive:
-    """A pyrender primitive where it stands; `centre_m` (3,) is the middle of its bounds.
+    """A pyrender primitive where it stands.
 
-    The matrix (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
+    `centre_m` (3,) is the middle of its bounds, `radius_m` holds it all from there. The matrix
+    (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
     """
 
     primitive: Any
     world_from_model: NDArray[np.float64]
     centre_m: NDArray[np.float64]
+    radius_m: float
     casts_shadow: bool
 
 
@@ -55,7 +57,11 @@ class PyrenderScene:
             self._known.add(id(primitive))
             self.scene.add(pyrender.Mesh([primitive]))
         # Vertices count from the middle of their bounds, which is the matrix's translation.
-        self.placed.append(PlacedPrimitive(primitive, matrix, matrix[:3, 3], casts_shadow))
+        largest = float(np.linalg.norm(primitive.positions, axis=1).max(initial=0.0))
+        radius_m = largest * float(np.linalg.norm(matrix[:3, :3], ord=2))
+        self.placed.append(
+            PlacedPrimitive(primitive, matrix, matrix[:3, 3], radius_m, casts_shadow)
+        )
 
     def paint_ground(self, albedo_rgb: NDArray[np.float64]) -> None:
         """Give the ground disc an albedo (3,), linear."""

@@ -1,4 +1,6 @@
-"""From picture values to a display: the AgX curve, in numpy; shaders/tone_map.frag is its twin.
+"""From picture values to a display, in numpy; shaders/tone_map.frag is the twin.
+
+A picture value of 1 is the brightest that the exposure was made for.
 
 AgX (Troy Sobotka, 2022): rotate and compress the primaries, take the logarithm, apply a
 sigmoid, rotate back. It lets bright colours go to white as film does, so that a red sun
@@ -9,7 +11,8 @@ by Benjamin Wrensch, "Minimal AgX Implementation" (2023).
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, srgb_encode
+from vrut_lite.kernel.messages import ToneMap
 
 INSET = np.array(
     [
@@ -28,7 +31,21 @@ OUTSET = np.array(
 DARKEST_LOG2, BRIGHTEST_LOG2 = -12.47393, 4.026069
 # The "punchy" look of the same source, at half strength.
 CONTRAST, SATURATION = 1.15, 1.2
+# 1 - exp(-k L), as the papers show their skies (Bruneton and Neyret 2008; Hvezda 2020), with a
+# k that keeps middle grey.
+EXPONENTIAL_RATE = -np.log1p(-0.18) / 0.18
 SIGMOID = (-0.00232, 0.1191, 0.4298, -6.868, 31.96, -40.14, 15.5)
+
+
+def tone_mapped(picture: ArrayLike, curve: ToneMap = "agx") -> NDArray[np.float64]:
+    """Display-encoded sRGB (..., 3) in [0, 1] of linear picture values (..., 3).
+
+    "agx"; "exponential", 1 - exp(-k L); "none", which cuts off at 1.
+    """
+    if curve == "agx":
+        return agx(picture)
+    values = np.maximum(np.asarray(picture, dtype=float), 0.0)
+    return srgb_encode(-np.expm1(-EXPONENTIAL_RATE * values) if curve == "exponential" else values)
 
 
 def agx(picture: ArrayLike) -> NDArray[np.float64]:

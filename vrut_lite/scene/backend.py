@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
@@ -29,6 +30,17 @@ class Picture:
     display: NDArray[np.uint8]
     ev100: float
 
+    def luminance_cd_m2(self, x: int, y: int) -> float:
+        """Luminance of a pixel in cd m^-2; x counts from the left, y from the top.
+
+        Raises:
+            ValueError: there is no such pixel.
+        """
+        height, width = self.radiance.shape[:2]
+        if not (0 <= x < width and 0 <= y < height):
+            raise ValueError(f"the picture has {width} x {height} pixels, none at ({x}, {y})")
+        return float(luminance(self.radiance[y, x])) * LUMENS_PER_WATT
+
 
 class SceneBackend(Protocol):
     """Shows one scene; every call may come in any order and replaces what it set before."""
@@ -51,14 +63,19 @@ class SceneBackend(Protocol):
     def set_camera(self, camera: MoveCamera) -> None:
         """Look from here."""
 
+    def set_sheltered(self, sheltered: bool) -> None:
+        """Whether the camera is in a closed room, where sun and sky light nothing."""
+
     def set_exposure(self, exposure: SetExposure) -> None:
         """Expose like this."""
 
     def set_size(self, width_px: int, height_px: int) -> None:
         """Draw pictures of this size."""
 
-    def draw(self) -> Picture:
+    def draw(self, still: bool = True) -> Picture:
         """Draw a frame.
+
+        A still is finished; in a frame of many, what changes slowly may lag behind.
 
         Raises:
             RuntimeError: scene, light or camera is still missing.

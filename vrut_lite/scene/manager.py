@@ -11,6 +11,8 @@ from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import (
     AmbientChanged,
     BackgroundChanged,
+    Demand,
+    Derived,
     LoadScene,
     MoveCamera,
     Resize,
@@ -27,7 +29,10 @@ from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.ground_disc import disc_under
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.needs import visible_faces
+from vrut_lite.scene.shelter import Shelter
 
+NAME = "scene"
+LIGHT: tuple[type[Derived], ...] = (BackgroundChanged, SunLightChanged, AmbientChanged)
 _UP = np.array([0.0, 1.0, 0.0])
 # Darker than this, what ground and light say of each other is rounding.
 _DARKEST_IRRADIANCE = 1e-12
@@ -36,12 +41,15 @@ _DARKEST_IRRADIANCE = 1e-12
 class SceneManager(Module):
     """Hands scene, light and camera to a `SceneBackend`; knows nothing of how it draws."""
 
-    manifest = Manifest(name="scene", title="Scene", version=__version__)
+    manifest = Manifest(name=NAME, title="Scene", version=__version__)
 
     def __init__(self, link: Link, settings: Any, backend: SceneBackend):
         super().__init__(link, settings)
         self._backend = backend
         self._scene: LoadedScene | None = None
+        self._shelter: Shelter | None = None
+        self._sheltered = False
+        self._wanted_light: dict[type[Derived], Demand] = {}
         self._camera: MoveCamera | None = None
         self._size = Resize(width_px=960, height_px=540)
         self._background: BackgroundChanged | None = None
@@ -54,7 +62,7 @@ class SceneManager(Module):
         scene = load_scene(message.path)
         ground = None if has_own_ground(scene) else disc_under(scene.lower_m, scene.upper_m)
         self._backend.show_scene(scene, ground)
-        self._scene, self._camera = scene, None
+        self._scene, self._camera, self._shelter = scene, None, Shelter(scene)
         self.link.post(
             SceneLoaded(
                 path=message.path,
@@ -80,6 +88,13 @@ class SceneManager(Module):
         self._size = message
         self._backend.set_size(message.width_px, message.height_px)
         self._show_camera()
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Remember what light is wanted for the picture, to ask for it again after a room."""
+        for kind in LIGHT:
+            if message.consumer == NAME and message.message == kind.__name__ and message.size:
+                self._wanted_light[kind] = message
 
     @handles(SetExposure)
     def on_exposure(self, message: SetExposure) -> None:
@@ -118,15 +133,29 @@ class SceneManager(Module):
         if camera is None:
             return
         self._backend.set_camera(camera)
+        self._go_inside(self._shelter is not None and self._shelter.holds(camera.eye_m))
         aspect = self._size.width_px / self._size.height_px
         faces, sky_in_view = visible_faces(camera, aspect)
+        outside = not self._sheltered
         self.link.post(
             SceneNeeds(
-                sky_in_view=sky_in_view,
-                visible_faces=faces,
-                receives_light=self._scene is not None,
+                sky_in_view=sky_in_view and outside,
+                visible_faces=faces if outside else (),
+                receives_light=self._scene is not None and outside,
             )
         )
+
+    def _go_inside(self, sheltered: bool) -> None:
+        """In a closed room ask nobody for light; outside, ask again."""
+        if sheltered == self._sheltered:
+            return
+        self._sheltered = sheltered
+        self._backend.set_sheltered(sheltered)
+        for kind, wanted in self._wanted_light.items():
+            size = 0 if sheltered else wanted.size
+            self.link.demand(kind, size, wanted.encoding)
+        if sheltered:
+            self.ledger.skip("light: in a closed room", len(self._wanted_light))
 
     def _own_camera(self) -> MoveCamera | None:
         """The camera that the scene brings, or one that frames it."""

@@ -88,12 +88,23 @@ def _load(text: str, folder: SceneFolder) -> dict[str, dict[str, Any]]:
     """trimesh's arrays for each material."""
     try:
         loaded = load_obj(BytesIO(text.encode()), resolver=folder, group_material=True)
-    except MemoryError:
+    except (MemoryError, SceneFileError):
         raise
     except Exception as fault:
         # trimesh meets damaged text with whatever its parsing happens to raise.
-        raise SceneFileError(f"its OBJ text is damaged ({fault}); export it again") from fault
+        raise SceneFileError(
+            f"its OBJ text is damaged: {_reason(fault)}; export it again"
+        ) from fault
     return dict(loaded.get("geometry", {}))
+
+
+def _reason(fault: Exception) -> str:
+    """In the words of the file: numpy's are about arrays that its author never saw."""
+    if isinstance(fault, IndexError):
+        return "a face refers to a corner that it does not have"
+    if isinstance(fault, ValueError):
+        return "where numbers belong stands something else, or too few of them"
+    return " ".join(str(fault).split()) or type(fault).__name__
 
 
 def _mesh(name: str, parts: dict[str, Any]) -> trimesh.Trimesh | None:

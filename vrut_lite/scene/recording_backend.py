@@ -29,7 +29,7 @@ class RecordingBackend:
 
         return remember
 
-    def draw(self) -> Picture:
+    def draw(self, still: bool = True) -> Picture:
         """A black picture."""
         width, height = self.latest["set_size"]
         return Picture(

@@ -73,7 +73,9 @@ def _uniforms(
 
 
 def _floats(values: NDArray[np.floating]) -> tuple[float, ...]:
-    return tuple(float(value) for value in values)
+    # As the shader reads them: a last bit of float64, which processors differ in, would change
+    # the job's recipe, and a journal of the session would not replay elsewhere.
+    return tuple(float(value) for value in values.astype(np.float32))
 
 
 @lru_cache(maxsize=1)

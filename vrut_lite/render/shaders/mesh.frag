@@ -45,6 +45,10 @@ uniform vec3 sun_irradiance;         // on a plane that faces it
 uniform vec3 irradiance_sh[25];
 layout(binding = 8) uniform samplerCube sky;
 uniform float sky_scale;
+layout(binding = 10) uniform samplerCube reflection;  // the sky over lobes, a mip level each
+uniform float reflection_scale;
+uniform vec4 level_roughness;
+layout(binding = 11) uniform sampler2D reflectance;   // render/reflection.py's table
 layout(binding = 9) uniform sampler2DShadow shadow_map;
 uniform mat4 shadow_matrix;          // from positions relative to the eye
 uniform float shadow_texel_m;
@@ -144,12 +148,20 @@ vec3 sky_irradiance(vec3 n) {
     return max(e, 0.0);
 }
 
+// The point of this triangle that is shaded, also at its edge. Some rasterisers take 1 / w at
+// the pixel's centre for the centroid too, which moves the point along its ray off the plane.
+vec3 point_in_triangle(vec3 face) {
+    float distance_to_plane = dot(face, eye_to_point), reached = dot(face, eye_to_sample);
+    return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
+}
+
 // Share of the sun that reaches this point: 3 x 3 taps of a linearly filtered comparison.
 float sun_visibility(vec3 face, float cos_face) {
-    // The receiver is moved off its own surface by what one tap can span, more where the
-    // light grazes it: acne-free at any scale, since it is measured in texels.
+    // The receiver is moved off its own surface by what the taps can span, more where the
+    // light grazes it: one texel, and one of the filter, both along the diagonal. Measured in
+    // texels it is free of acne at any scale.
     float sin_face = sqrt(max(0.0, 1.0 - cos_face * cos_face));
-    vec3 p = eye_to_sample + face * (shadow_texel_m * (0.5 + 2.0 * sin_face));
+    vec3 p = point_in_triangle(face) + face * (shadow_texel_m * (0.5 + 2.83 * sin_face));
     vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
     if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
     float depth = min(at.z, 1.0);
@@ -178,20 +190,39 @@ vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0)
     return distribution * visibility * (f0 + (grazing(f0) - f0) * pow(1.0 - vh, 5.0));
 }
 
-// What a lobe reflects of a uniform white sky (Karis 2014, "Physically Based Shading on
-// Mobile"): the split-sum approximation without a look-up table.
-vec3 sky_reflectance(vec3 f0, float roughness, float nv) {
-    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-    float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
-    return f0 * (-1.04 * a + r.z) + grazing(f0) * (1.04 * a + r.w);
+//!include sky_lookup.glsl
+
+// Shares a and b of a uniform white sky, and a dielectric's mean: render/reflection.py.
+vec3 shares(float mu, float roughness) {
+    float last = float(textureSize(reflectance, 0).x - 1);
+    vec2 at = vec2(sqrt(clamp(mu, 0.0, 1.0)), roughness) * last + 0.5;
+    return texture(reflectance, at / (last + 1.0)).rgb;
 }
 
-// Radiance of the sky over a lobe: the mip level whose texel is as wide as the lobe,
-// whose solid angle is about 4 pi alpha^2.
-vec3 reflected_sky(vec3 direction, float alpha) {
-    float texels = float(textureSize(sky, 0).x);
-    float level = log2(max(1.0, 2.449 * alpha * texels));
-    return textureLod(sky, direction, min(level, log2(texels) - 1.0)).rgb * sky_scale;
+// How much more comes back by light that bounces between facets (Turquin 2019).
+vec3 bounces(vec3 f0, vec2 share) {
+    return 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
+}
+
+// Share of the light that the coat of a dielectric reflects, all bounces.
+float coat(vec2 share) {
+    vec3 f0 = vec3(dielectric_f0);
+    return ((f0 * share.x + grazing(f0) * share.y) * bounces(f0, share)).r;
+}
+
+// Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
+vec3 reflected_sky(vec3 d, float roughness) {
+    if (roughness < level_roughness.x) {
+        vec3 mirror = sky_on_side(sky, d, d.y > 0.0 ? 1.0 : -1.0) * sky_scale;
+        vec3 blurred = textureLod(reflection, d, 0.0).rgb * reflection_scale;
+        // Near a mirror the light from afar grows with alpha squared, the blur with alpha.
+        return mix(mirror, blurred, pow(roughness / level_roughness.x, 3.0));
+    }
+    float level = 0.0;
+    for (int k = 0; k < 3; ++k)
+        level += clamp((roughness - level_roughness[k])
+                       / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
+    return textureLod(reflection, d, level).rgb * reflection_scale;
 }
 
 vec4 base_color() {
@@ -240,15 +271,23 @@ void main() {
     float nl = dot(n, sun_direction);
     float cos_face = dot(face, sun_direction);
 
-    vec3 diffuse = sky_irradiance(n) * occlusion;
+    vec3 share = shares(nv, roughness);
+    vec3 more = bounces(f0, share.xy);
+    // What the coat does not reflect reaches the paint below it (Kelemen and Szirmay-Kalos
+    // 2001): reciprocal, and a white surface gives back all of any light.
+    float through = 1.0 - coat(share.xy);
+    vec3 diffuse = sky_irradiance(n) * (occlusion * through);
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
     if (nl > 0.0 && cos_face > 0.0) {
         vec3 sun = sun_irradiance * (nl * sun_visibility(face, cos_face));
-        diffuse += sun;
+        float mean = share.z * grazing(vec3(dielectric_f0)).r;
+        diffuse += sun * (through * (1.0 - coat(shares(nl, roughness).xy)) / (1.0 - mean));
         vec3 h = normalize(sun_direction + view);
-        radiance += sun * specular_brdf(nl, nv, max(dot(n, h), 0.0), max(dot(view, h), 0.0), alpha, f0);
+        radiance += sun * more
+                    * specular_brdf(nl, nv, max(dot(n, h), 0.0), max(dot(view, h), 0.0), alpha, f0);
     }
     radiance += albedo * diffuse / PI;
-    radiance += sky_reflectance(f0, roughness, nv) * occlusion * reflected_sky(reflect(-view, n), alpha);
+    vec3 once = f0 * share.x + grazing(f0) * share.y;
+    radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
     frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
 }

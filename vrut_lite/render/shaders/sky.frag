@@ -11,14 +11,7 @@ uniform vec3 limb_darkening[6];      // polynomial in cos psi, constant first, m
 in vec3 ray;
 out vec4 frag_radiance;
 
-// The cube map is sampled no nearer to the horizon than its first row on either side:
-// linear filtering across it would mix sky and ground into a grey band.
-vec3 background(vec3 d, float side) {
-    float widest = max(abs(d.x), abs(d.z));
-    float row = widest / float(textureSize(sky, 0).x);
-    vec3 kept = vec3(d.x, side > 0.0 ? max(d.y, row) : min(d.y, -row), d.z);
-    return textureLod(sky, kept, 0.0).rgb * sky_scale;
-}
+//!include sky_lookup.glsl
 
 vec3 sun_disc(vec3 d) {
     // asin of the cross product keeps its precision where acos of the dot product has none.
@@ -35,6 +28,6 @@ vec3 sun_disc(vec3 d) {
 void main() {
     vec3 d = normalize(ray);
     float above = clamp(d.y / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
-    vec3 upper = background(d, 1.0) + sun_disc(d);
-    frag_radiance = vec4(mix(background(d, -1.0), upper, above), 1.0);
+    vec3 upper = sky_on_side(sky, d, 1.0) * sky_scale + sun_disc(d);
+    frag_radiance = vec4(mix(sky_on_side(sky, d, -1.0) * sky_scale, upper, above), 1.0);
 }

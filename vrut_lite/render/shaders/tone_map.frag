@@ -1,8 +1,13 @@
 #version 430 core
-// Exposure, the AgX curve and a dither: the twin of render/tone_map.py.
+// Exposure, white balance, a tone curve and a dither: the twin of render/display.py.
+
+const int NONE = 0, EXPONENTIAL = 1, AGX = 2;
 
 uniform sampler2D radiance;
 uniform float exposure_scale;
+uniform mat3 white_balance;
+uniform int curve;
+uniform float exponential_rate;
 uniform mat3 inset;
 uniform mat3 outset;
 uniform float darkest_log2;
@@ -23,15 +28,28 @@ float dither(vec2 p) {
     return (a + b - 1.0) / 255.0;
 }
 
-void main() {
-    vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb * exposure_scale;
+vec3 srgb_encode(vec3 c) {
+    c = clamp(c, 0.0, 1.0);
+    return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), c));
+}
+
+vec3 agx(vec3 picture) {
     vec3 x = (log2(max(inset * picture, exp2(darkest_log2))) - darkest_log2)
              / (brightest_log2 - darkest_log2);
     x = clamp(x, 0.0, 1.0);
-    vec3 curve = vec3(sigmoid[6]);
-    for (int k = 5; k >= 0; --k) curve = curve * x + sigmoid[k];
-    curve = pow(max(curve, 0.0), vec3(contrast));
-    float grey = dot(curve, luminance_weights);
-    vec3 encoded = clamp(outset * mix(vec3(grey), curve, saturation), 0.0, 1.0);
+    vec3 c = vec3(sigmoid[6]);
+    for (int k = 5; k >= 0; --k) c = c * x + sigmoid[k];
+    c = pow(max(c, 0.0), vec3(contrast));
+    float grey = dot(c, luminance_weights);
+    return clamp(outset * mix(vec3(grey), c, saturation), 0.0, 1.0);
+}
+
+void main() {
+    vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
+    picture = white_balance * picture * exposure_scale;
+    vec3 encoded;
+    if (curve == AGX) encoded = agx(picture);
+    else if (curve == EXPONENTIAL) encoded = srgb_encode(1.0 - exp(-exponential_rate * max(picture, 0.0)));
+    else encoded = srgb_encode(picture);
     display = vec4(encoded + dither(gl_FragCoord.xy), 1.0);
 }

@@ -1,0 +1,63 @@
+"""The ground under sun and sky."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.solver import SourceField, ground_irradiance
+from vrut_lite.geometry.colour import rgb_from_spectrum
+
+FloatArray = NDArray[np.float64]
+SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT = 3.0, 0.0
+# Suns between which the ground's light is interpolated: it is smooth.
+_SUNS = 96
+
+
+class GroundLight(NamedTuple):
+    """Two parts of something spectral, (..., C) each: of three samples RGB is made differently."""
+
+    sun: FloatArray
+    sky: FloatArray
+
+    def rgb(self, wavelength_nm: tuple[float, ...]) -> FloatArray:
+        """The sum as linear sRGB (..., 3)."""
+        sun = rgb_from_spectrum(self.sun, wavelength_nm, SUNLIGHT_EXPONENT)
+        return sun + rgb_from_spectrum(self.sky, wavelength_nm, SKYLIGHT_EXPONENT)
+
+
+def irradiance(field: SourceField, mu_s: ArrayLike) -> GroundLight:
+    """What level ground receives where the sun's zenith angle has the cosine (n,)."""
+    suns = np.asarray(mu_s, dtype=float)
+    return GroundLight(sun_on_ground(field.atmosphere, suns), ground_irradiance(field, suns))
+
+
+def ground_radiance(field: SourceField, mu_s: ArrayLike) -> GroundLight:
+    """Radiance of level ground where the sun's zenith angle has the cosine (...,).
+
+    Lambert's albedo / pi times the irradiance of sun and sky, W m^-2 sr^-1 nm^-1.
+    """
+    cosine = np.asarray(mu_s, dtype=float)
+    low, high = float(cosine.min()), float(cosine.max())
+    suns = np.linspace(low, high, _SUNS if high > low else 1)
+    reflected = np.asarray(field.atmosphere.ground_albedo) / np.pi
+    return GroundLight(
+        *(_interpolate(cosine, suns, part * reflected) for part in irradiance(field, suns))
+    )
+
+
+def _interpolate(x: FloatArray, nodes: FloatArray, values: FloatArray) -> FloatArray:
+    return np.stack([np.interp(x, nodes, values[:, c]) for c in range(values.shape[1])], axis=-1)
+
+
+def sun_on_ground(atmosphere: Atmosphere, mu_s: FloatArray) -> FloatArray:
+    """Irradiance (n, C) of level ground by the sun's disc, of which the horizon hides a part."""
+    spread = np.sin(atmosphere.sun_angular_radius_rad)
+    share = np.clip(0.5 + 0.5 * mu_s / spread, 0.0, 1.0)
+    visible = share * share * (3.0 - 2.0 * share)
+    height = np.maximum(mu_s, 0.0)
+    depth = optical_depth_to_top(atmosphere, 0.0, height)
+    light = np.exp(-depth) * (height * visible)[:, None]
+    return np.asarray(light * np.asarray(atmosphere.solar_irradiance))

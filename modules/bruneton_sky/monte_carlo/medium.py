@@ -1,0 +1,132 @@
+"""An atmosphere for the compiled path tracer: its numbers, and the light that a ray loses.
+
+Rays and optical paths are those of `path_kernels`: one geometry for the whole package. A ray is
+(altitude, radius, perigee radius, perigee altitude, y, radius * mu), see `geometry`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
+from bruneton_sky.phase import MiePhase, mie_phase_parameters
+
+FloatArray = NDArray[np.float64]
+# Wavelengths share a path by their scattering to this power: 0 would leave the weak ones noisy, -2
+# the strong ones. Below this share of the strongest, scattering counts as that share.
+IMPORTANCE_POWER, LEAST_SCATTERING = -1.5, 1e-2
+
+
+class Medium(NamedTuple):
+    """An atmosphere as compiled code reads it; coefficients (3 or 2, C) in 1/m, lengths in m."""
+
+    radius: float
+    top: float
+    rayleigh_scale: float
+    mie_scale: float
+    extinction: FloatArray
+    scattering: FloatArray
+    absorber_altitude: FloatArray
+    absorber_density: FloatArray
+    mie_phase: MiePhase
+    albedo: FloatArray
+    # The weight (C,) with which each wavelength's share of a path starts.
+    importance: FloatArray
+
+
+def medium_of(atmosphere: Atmosphere) -> Medium:
+    """An atmosphere of any number of wavelengths."""
+    molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
+    extinction = [molecules, atmosphere.mie_extinction, atmosphere.absorption_extinction]
+    return Medium(
+        atmosphere.ground_radius_m,
+        atmosphere.top_altitude_m,
+        atmosphere.rayleigh_scale_height_m,
+        atmosphere.mie_scale_height_m,
+        np.array(extinction),
+        np.array([molecules, aerosol]),
+        np.array(atmosphere.absorber_altitude_m),
+        np.array(atmosphere.absorber_density),
+        mie_phase_parameters(atmosphere),
+        np.array(atmosphere.ground_albedo),
+        _importance(np.array(molecules) + np.array(aerosol)),
+    )
+
+
+def _importance(scattering: FloatArray) -> FloatArray:
+    strongest = float(scattering.max())
+    if strongest == 0.0:
+        return np.ones_like(scattering)
+    relative = np.maximum(scattering / strongest, LEAST_SCATTERING)
+    return np.asarray(relative**IMPORTANCE_POWER)
+
+
+@compiled
+def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def]
+    """Multiply weights (C,) by a scale and by a ray's transmittance as far as y."""
+    rayleigh = path_to(ray, altitude, y, medium.rayleigh_scale)
+    mie = path_to(ray, altitude, y, medium.mie_scale)
+    absorbed = 0.0
+    if medium.extinction[2].any():
+        absorbed = layered_path(ray, y, medium.absorber_altitude, medium.absorber_density)
+    extinction = medium.extinction
+    for c in range(weight.size):
+        depth = extinction[0, c] * rayleigh + extinction[1, c] * mie + extinction[2, c] * absorbed
+        weight[c] *= scale * math.exp(-depth)
+
+
+@compiled
+def path_to(ray, altitude, y, scale):  # type: ignore[no-untyped-def]
+    """Metres of sea-level air of a scale height, from the start of a ray to y."""
+    start, end = math.exp(-ray[0] / scale), math.exp(-altitude / scale)
+    return exponential_path(ray, start, altitude, y, end, scale)
+
+
+@compiled
+def y_at_top(medium, ray):  # type: ignore[no-untyped-def]
+    """y where a ray leaves the atmosphere."""
+    return max(math.sqrt(max(medium.top - ray[3], 0.0)), ray[4])
+
+
+@compiled
+def meets_ground(ray):  # type: ignore[no-untyped-def]
+    """Whether a ray ends on the ground."""
+    return ray[4] < 0.0 and ray[3] <= 0.0
+
+
+@compiled
+def densities(medium, altitude):  # type: ignore[no-untyped-def]
+    """Relative densities of molecules and aerosol."""
+    return math.exp(-altitude / medium.rayleigh_scale), math.exp(-altitude / medium.mie_scale)
+
+
+@compiled
+def absorber_at(medium, altitude):  # type: ignore[no-untyped-def]
+    """The absorber's relative density."""
+    nodes, density = medium.absorber_altitude, medium.absorber_density
+    for k in range(nodes.size - 1):
+        if nodes[k] <= altitude < nodes[k + 1]:
+            part = (altitude - nodes[k]) / (nodes[k + 1] - nodes[k])
+            return density[k] + part * (density[k + 1] - density[k])
+    return 0.0
+
+
+@compiled
+def distance_to(ray, y):  # type: ignore[no-untyped-def]
+    """Metres from a ray's start."""
+    return y * math.sqrt(y * y + 2.0 * ray[2]) - ray[5]
+
+
+@compiled
+def dot(a, b):  # type: ignore[no-untyped-def]
+    """Scalar product of arrays or tuples."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def cosine_at(point, direction, radius):  # type: ignore[no-untyped-def]
+    """Cosine of a direction's zenith angle at a point of that radius, in [-1, 1]."""
+    return min(max(dot(point, direction) / radius, -1.0), 1.0)

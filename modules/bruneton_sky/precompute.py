@@ -1,0 +1,112 @@
+"""Tables of an atmosphere's light, by whichever way is at hand, or from the disk."""
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.geometry import make_ray, y_at_top
+from bruneton_sky.optical_path import exponential_path, layered_path
+from bruneton_sky.tables.cache import TableCache
+from bruneton_sky.tables.coordinates import node_coordinates
+from bruneton_sky.tables.parametrisation_flat import transmittance_state
+from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.tables import Tables, table_shapes
+
+Backend = Literal["cpu", "gpu"]
+Progress = Callable[[float], None]
+# Of the CPU's time, by the end of solving and of the irradiance; marching has the rest.
+_SOLVED, _IRRADIANCE = 0.2, 0.25
+
+
+def precompute(
+    atmosphere: Atmosphere,
+    orders: int = 4,
+    backend: Backend = "cpu",
+    sizes: TableSizes | None = None,
+    progress: Progress | None = None,
+    cache: TableCache | None = None,
+) -> Tables:
+    """The tables of an atmosphere, in the parametrisation of 2017.
+
+    Args:
+        orders: how often light is scattered or reflected at most, 1 or more.
+        backend: "cpu" is the fast solver (`bruneton_sky.solver`); "gpu" the thesis's pipeline
+            (`bruneton_sky.gpu_pipeline`) in an OpenGL context of its own, which becomes the
+            thread's: a thread that has a context uses `GpuPipeline` itself.
+        sizes: of the tables; by default those published.
+        progress: is told the share done, from 0 to 1.
+        cache: where the tables are looked for first, and kept.
+
+    Raises:
+        ValueError: for no order at all, another backend, or tables too large for a GPU.
+        UserError: there is no OpenGL for the GPU.
+    """
+    if orders < 1:
+        raise ValueError(f"orders must be 1 or more, not {orders}")
+    if backend not in ("cpu", "gpu"):
+        raise ValueError(f'backend must be "cpu" or "gpu", not {backend!r}')
+    size = sizes or TableSizes()
+    recipe = (backend, atmosphere, orders, size)
+    # Some arrays are of single precision: what was made with it needs no more room.
+    arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)
+    if arrays is None:
+        make = _on_cpu if backend == "cpu" else _on_gpu
+        arrays = make(atmosphere, orders, size, progress or _nobody)
+        if cache is not None:
+            cache.put(recipe, arrays)
+    elif progress is not None:
+        progress(1.0)
+    return Tables(
+        atmosphere=atmosphere, sizes=size, orders=orders, parametrisation="2017", **arrays
+    )
+
+
+def _nobody(_share: float) -> None:
+    pass
+
+
+def _on_gpu(
+    atmosphere: Atmosphere, orders: int, sizes: TableSizes, progress: Progress
+) -> dict[str, Any]:
+    from bruneton_sky.gpu_pipeline import GpuPipeline
+
+    with GpuPipeline(sizes=sizes) as pipeline:
+        tables = pipeline.run(atmosphere, orders, progress)
+    return {name: getattr(tables, name) for name in table_shapes(atmosphere, sizes)}
+
+
+def _on_cpu(
+    atmosphere: Atmosphere, orders: int, sizes: TableSizes, progress: Progress
+) -> dict[str, Any]:
+    from bruneton_sky.solver import irradiance_table, march_tables, solve
+
+    field = solve(atmosphere, orders, progress=lambda share: progress(_SOLVED * share))
+    irradiance = irradiance_table(field, sizes)
+    progress(_IRRADIANCE)
+    scattering, single_mie = march_tables(field, sizes)
+    progress(1.0)
+    return {
+        "transmittance": transmittance_table(atmosphere, sizes),
+        "irradiance": irradiance,
+        "scattering": scattering,
+        "single_mie": single_mie,
+    }
+
+
+def transmittance_table(atmosphere: Atmosphere, sizes: TableSizes) -> NDArray[np.float64]:
+    """The transmittance (altitude, mu, C) to the top of the atmosphere, in closed form."""
+    air, shape = atmosphere, (sizes.transmittance_altitude, sizes.transmittance_mu)
+    altitude, mu = transmittance_state(air, shape, *np.ix_(*map(node_coordinates, shape)))
+    ray = make_ray(air.ground_radius_m, altitude, mu)
+    # The last of the rays grazes the ground: none of them ends there.
+    end_y = y_at_top(ray, air.top_altitude_m)
+    paths = (
+        exponential_path(ray, air.top_altitude_m, end_y, air.rayleigh_scale_height_m),
+        exponential_path(ray, air.top_altitude_m, end_y, air.mie_scale_height_m),
+        layered_path(ray, end_y, air.absorber_altitude_m, air.absorber_density),
+    )
+    extinction = air.rayleigh_scattering, air.mie_extinction, air.absorption_extinction
+    return np.exp(-np.tensordot(np.stack(paths), np.asarray(extinction), axes=(0, 0)))

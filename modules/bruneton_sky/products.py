@@ -1,0 +1,56 @@
+"""What BrunetonSky says, made from an observer's surroundings."""
+
+from bruneton_sky.background import Surroundings, ambient_coefficients, background_cube
+from bruneton_sky.gpu_cube import sky_view_job
+from bruneton_sky.sun_light import limb_darkening_rgb
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    SunLightChanged,
+    Vector,
+)
+
+NAME = "bruneton_sky"
+CUBE_JOB = "cube"
+
+
+def background(around: Surroundings, size: int) -> BackgroundChanged:
+    """The sky as an array, computed here and now."""
+    values, scale = encode_float16(background_cube(around, size))
+    return _background(around, Array(values), scale)
+
+
+def gpu_background(around: Surroundings, size: int) -> tuple[GpuJob, BackgroundChanged]:
+    """The job that computes the sky, and what to say when it is done, but for the texture."""
+    job, scale = sky_view_job(around.view, size, around.ground_radiance_rgb, NAME, CUBE_JOB)
+    awaited = GpuTexture(size=size, format=job.format, recipe=job.recipe)
+    return job, _background(around, awaited, scale)
+
+
+def sun_light(
+    around: Surroundings, direction: Vector, angular_radius_rad: float
+) -> SunLightChanged:
+    """The sun as the scene's light."""
+    red, green, blue = around.sun_irradiance_rgb.tolist()
+    return SunLightChanged(
+        direction=direction,
+        irradiance_rgb=(red, green, blue),
+        angular_radius_rad=angular_radius_rad,
+        limb_darkening_rgb=limb_darkening_rgb(),
+        source=NAME,
+    )
+
+
+def ambient(around: Surroundings) -> AmbientChanged:
+    """The light of sky and ground on the scene."""
+    return AmbientChanged(irradiance_sh_rgb=Array(ambient_coefficients(around)), source=NAME)
+
+
+def _background(around: Surroundings, cube: Array | GpuTexture, scale: float) -> BackgroundChanged:
+    red, green, blue = around.ground_radiance_rgb.tolist()
+    return BackgroundChanged(
+        cube=cube, radiance_scale=scale, ground_radiance_rgb=(red, green, blue), source=NAME
+    )

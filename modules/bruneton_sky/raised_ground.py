@@ -1,0 +1,52 @@
+"""An atmosphere whose ground lies higher or lower than altitude zero."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bruneton_sky.atmosphere import Atmosphere
+
+
+def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
+    """The same air above a ground at `altitude_m`, from which altitudes now count.
+
+    A plateau cuts off the air below it, a basin below sea level is filled with more. The
+    exponential profiles keep their form: their coefficients are those at the new ground.
+
+    Raises:
+        ValueError: the ground would lie above the air, or below the planet's centre.
+    """
+    if not -atmosphere.ground_radius_m < altitude_m < atmosphere.top_altitude_m:
+        raise ValueError(
+            f"a ground at {altitude_m:g} m lies outside the planet's air, "
+            f"whose top is at {atmosphere.top_altitude_m:g} m"
+        )
+    molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
+    aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
+    layers, density = _cut_layers(atmosphere, altitude_m)
+    return replace(
+        atmosphere,
+        ground_radius_m=atmosphere.ground_radius_m + altitude_m,
+        top_altitude_m=atmosphere.top_altitude_m - altitude_m,
+        rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
+        mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
+        mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
+        absorber_altitude_m=layers,
+        absorber_density=density,
+    )
+
+
+def _cut_layers(
+    atmosphere: Atmosphere, altitude_m: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The absorber's nodes above the new ground."""
+    above = np.asarray(atmosphere.absorber_altitude_m) - altitude_m
+    density = np.asarray(atmosphere.absorber_density)
+    if above[0] >= 0:
+        return tuple(above), tuple(density)
+    kept = above > 0
+    at_ground = float(np.interp(0.0, above, density, right=0.0))
+    if kept.any():
+        return (0.0, *above[kept]), (at_ground, *density[kept])
+    # All of the absorber lies below the ground.
+    return (0.0, atmosphere.top_altitude_m - altitude_m), (0.0, 0.0)

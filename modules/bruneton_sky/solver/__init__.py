@@ -1,0 +1,27 @@
+"""The fast solver of multiple scattering: ray bins, spherical harmonics, one march.
+
+`solve` finds the source function of all orders on a coarse grid, where a ray is a few bins and
+scattering a product of harmonics; `multiple_scattering` looks at it from one place,
+`march_tables` from everywhere.
+"""
+
+from bruneton_sky.solver.march import irradiance_table, march_tables
+from bruneton_sky.solver.orders import solve
+from bruneton_sky.solver.sizes import SolverSizes
+from bruneton_sky.solver.source_field import SourceField
+from bruneton_sky.solver.view import (
+    ground_irradiance,
+    multiple_scattering,
+    single_scattering_fast,
+)
+
+__all__ = [
+    "SolverSizes",
+    "SourceField",
+    "ground_irradiance",
+    "irradiance_table",
+    "march_tables",
+    "multiple_scattering",
+    "single_scattering_fast",
+    "solve",
+]

@@ -1,0 +1,87 @@
+"""Radiance that arrives at the solver's nodes, from all directions and for all suns.
+
+Importing this module imports numba.
+"""
+
+import math
+
+import numpy as np
+
+from bruneton_sky.solver.cells_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner
+from bruneton_sky.solver.ray_bins_kernels import STEP_COLUMNS, Bins, fill_bins
+from bruneton_sky.solver.source_kernels import empty_slab, gather_later, sun_place
+from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
+
+_f4 = np.float32
+
+
+@fast
+def bin_nodes(air, altitude, mu, downward, steps, bins):  # type: ignore[no-untyped-def]
+    """Bins of the rays from all nodes: as in `Bins`, with axes (altitudes, mu) before."""
+    scratch = np.empty((steps, STEP_COLUMNS))
+    for i in range(mu.shape[0]):
+        for q in range(mu.shape[1]):
+            fill_bins(air, altitude[i], mu[i, q], downward[q], scratch, _bins_at(bins, i, q))
+
+
+@inner
+def _bins_at(bins, i, q):  # type: ignore[no-untyped-def]
+    return Bins(bins.edge[i, q], bins.centre[i, q], bins.weight[i, q], bins.end[i, q])
+
+
+@fast
+def first_radiance(  # type: ignore[no-untyped-def]
+    air, altitude, mu, downward, bins, table, sun, turn_cosine, phase, ground, grid, radiance
+):
+    """Light scattered once, and sunlight from the ground: (altitudes, mu, turns * suns * 4)."""
+    cells = empty_cells(sun.size * turn_cosine.size)
+    rayleigh, mie = np.empty(4 * cells.nu.size, _f4), np.empty(4 * cells.nu.size, _f4)
+    row = np.empty(table.shape[1], _f4)
+    for i in range(mu.shape[0]):
+        for q in range(mu.shape[1]):
+            here = _bins_at(bins, i, q)
+            fill_cells(mu[i, q], sun, turn_cosine, cells)
+            gather_first(air, altitude[i], mu[i, q], here, cells, table, row, rayleigh, mie)
+            apply_phases(cells, phase, rayleigh, mie, radiance[i, q])
+            if downward[q]:
+                _add_ground(air, altitude[i], here, cells, ground, grid, radiance[i, q])
+
+
+@fast
+def next_radiance(  # type: ignore[no-untyped-def]
+    air, altitude, mu, downward, bins, source, sun, turn_cosine, ground, radiance
+):
+    """Light of a source function, and of the ground: (altitudes, mu, turns * suns * 4)."""
+    cells = empty_cells(sun.size * turn_cosine.size)
+    slab = empty_slab(source)
+    radiance[:] = ZERO
+    for i in range(mu.shape[0]):
+        for q in range(mu.shape[1]):
+            here = _bins_at(bins, i, q)
+            fill_cells(mu[i, q], sun, turn_cosine, cells)
+            gather_later(air, altitude[i], here, cells, source, slab, radiance[i, q])
+            if downward[q]:
+                _add_ground(air, altitude[i], here, cells, ground, source.grid, radiance[i, q])
+
+
+@inner
+def _add_ground(air, altitude, bins, cells, ground, grid, out):  # type: ignore[no-untyped-def]
+    """Add what the ground at the ray's end reflects: `ground` (suns, 4) is its irradiance."""
+    factor, brightest = np.empty(4, _f4), ZERO
+    for c in range(4):
+        factor[c] = air.ground_albedo[c] / math.pi * bins.end[c]
+        brightest = max(brightest, factor[c])
+    if brightest == ZERO:
+        return
+    radius = _f4(1.0 + altitude / air.ground_radius_m)
+    distance = _f4(bins.end[4] / air.ground_radius_m)
+    scale, last = _f4(ground.shape[0] - 1), _f4(ground.shape[0] - 1.001)
+    one = np.uintp(1)
+    for n in range(cells.nu.size):
+        sun = min(ONE, max(-ONE, radius * cells.mu_s[n] + distance * cells.nu[n]))
+        k = min(last, sun_place(sun, grid[0], grid[1], grid[2], grid[3]) * scale)
+        i = np.uintp(k)
+        far = k - _f4(i)
+        for c in range(4):
+            value = ground[i, c] + far * (ground[i + one, c] - ground[i, c])
+            out[4 * n + c] += factor[c] * value

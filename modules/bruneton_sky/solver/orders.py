@@ -1,0 +1,136 @@
+"""Order after order of scattering on the solver's nodes."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.solver.air import LANES, Air, groups_of_air, wavelengths_of_groups
+from bruneton_sky.solver.nodes import Nodes, make_nodes, make_transmittance, phase_table
+from bruneton_sky.solver.sizes import SolverSizes
+from bruneton_sky.solver.source_field import SourceField
+
+Lanes = NDArray[np.float32]
+Progress = Callable[[float], None]
+# Of an order to the one before, where light hardly leaves: the series must end.
+_LARGEST_RATIO = 0.99
+
+
+class _Sum(NamedTuple):
+    """Harmonic coefficients (altitudes, harmonics, suns * 4) of all orders' radiance."""
+
+    coefficients: Lanes
+    ratio: Lanes
+    orders_done: int
+
+
+def solve(
+    atmosphere: Atmosphere,
+    orders: int = 4,
+    sizes: SolverSizes | None = None,
+    all_orders: bool = False,
+    tolerance: float = 0.0,
+    progress: Progress | None = None,
+) -> SourceField:
+    """The source function of light scattered twice to `orders` times.
+
+    Reflection by the ground counts as scattering. Scattering and the travel from node to node
+    conserve energy but for interpolation: the light at the nodes is neither fitted nor scaled.
+
+    Args:
+        atmosphere: any number of wavelengths.
+        orders: highest order of scattering; 1 leaves the field dark.
+        sizes: of the discretisation; by default those for real time.
+        all_orders: add all orders beyond as a geometric series, whose ratio is that of the
+            last two orders, for each sun and wavelength. It takes three orders or more.
+        tolerance: stop after an order that changes the sum, with the orders beyond if these are
+            added, by less than this share for every sun and wavelength.
+        progress: is told the share done, from 0 to 1.
+
+    Raises:
+        ValueError: orders is below 1, or the tolerance is negative.
+    """
+    if orders < 1:
+        raise ValueError(f"orders of scattering must be at least 1, not {orders}")
+    if not tolerance >= 0.0:
+        raise ValueError(f"tolerance of the orders must not be negative, not {tolerance}")
+    size = sizes or SolverSizes()
+    phase, groups = phase_table(atmosphere), groups_of_air(atmosphere)
+    transmittance = [make_transmittance(air) for air in groups]
+    sums, sources = [], []
+    for index, air in enumerate(groups):
+        nodes = make_nodes(atmosphere, air, size)
+        done = _sum_orders(nodes, transmittance[index], phase, orders, tolerance, all_orders)
+        sums.append(done)
+        sources.append(nodes.source(done.coefficients))
+        if progress is not None:
+            progress((index + 1) / len(groups))
+    count = len(atmosphere.wavelength_nm)
+    return SourceField(
+        atmosphere=atmosphere,
+        sizes=size,
+        rayleigh=np.stack([source.rayleigh for source in sources]),
+        mie=np.stack([source.mie for source in sources]),
+        transmittance=np.stack(transmittance),
+        orders_done=max(done.orders_done for done in sums),
+        tail_ratio=wavelengths_of_groups([done.ratio for done in sums], count),
+        skipped=_skipped(groups, orders, sums),
+    )
+
+
+def _sum_orders(
+    nodes: Nodes,
+    transmittance: Lanes,
+    phase: Lanes,
+    orders: int,
+    tolerance: float,
+    all_orders: bool,
+) -> _Sum:
+    suns = nodes.suns.mu_s.size
+    none = np.zeros((suns, LANES), dtype=np.float32)
+    if orders == 1 or not nodes.air.scattering.any():
+        shape = len(nodes.altitude_m), nodes.operator.degree.size, suns * LANES
+        return _Sum(np.zeros(shape, dtype=np.float32), none, 1)
+    radiance = nodes.first_radiance(transmittance, phase)
+    total = last = nodes.operator.project(radiance)
+    ratio, done = none, 2
+    estimate = _amount(total)
+    while done < orders:
+        before, known = last, estimate
+        radiance = nodes.next_radiance(nodes.source(last), radiance)
+        last = nodes.operator.project(radiance)
+        total = total + last
+        done += 1
+        if all_orders:
+            ratio = np.minimum(_quotient(_amount(last), _amount(before)), _LARGEST_RATIO)
+        estimate = _amount(total) + _amount(last) * _series(ratio)
+        if _quotient(np.abs(estimate - known), estimate).max() < tolerance:
+            break
+    return _Sum(total + last * _series(ratio).reshape(-1), ratio, done)
+
+
+def _series(ratio: Lanes) -> Lanes:
+    """The orders beyond one, in units of that one."""
+    return ratio / (1.0 - ratio)
+
+
+def _amount(coefficients: Lanes) -> Lanes:
+    """The light of each sun and wavelength at all nodes, (suns, 4)."""
+    return np.maximum(coefficients[:, 0].sum(axis=0), 0.0).reshape(-1, LANES)
+
+
+def _quotient(part: Lanes, whole: Lanes) -> Lanes:
+    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
+
+
+def _skipped(groups: list[Air], orders: int, sums: list[_Sum]) -> dict[str, int]:
+    """How many groups of wavelengths did without a term, and how many orders were not needed."""
+    return {
+        "molecules": sum(not air.scattering[0].any() for air in groups),
+        "aerosol": sum(not air.scattering[1].any() for air in groups),
+        "absorber": sum(not air.extinction[2].any() for air in groups),
+        "ground": sum(not air.ground_albedo.any() for air in groups),
+        "orders": sum(orders - done.orders_done for done in sums),
+    }

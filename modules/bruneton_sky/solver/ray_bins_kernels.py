@@ -1,0 +1,222 @@
+"""A ray's air in few bins: the matter that scatters, seen through the air before it.
+
+Any integral of a source function J along a ray is the sum over bins of weight times J at the
+bin's centre. The weights are sums over fine steps of transmittance times scattering, so that
+the matter of a ray is kept exactly however few its bins. A step's mean transmittance is that of
+an exponential, and its mean density that of an exponential of an altitude quadratic in the
+distance.
+
+Importing this module imports numba.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bruneton_sky.solver.cells_kernels import fast, inner
+
+# Columns of the scratch array of steps.
+_END, _MIDDLE, _MASS, _WEIGHT = 0, 1, 2, 3
+STEP_COLUMNS = 11
+
+
+class Bins(NamedTuple):
+    """Bins of a ray, in order.
+
+    `edge` (n + 1,): distances in m. `centre` (n, 4): distance, altitude (m) and cosine mu at the
+    bin's centre of mass, and the mass, the sum of its weights. `weight` (n, 2, 4): scattering by
+    molecules and aerosol as seen from the start, for four wavelengths. `end` (5,): transmittance
+    of the ray, and its length.
+    """
+
+    edge: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    weight: NDArray[np.float64]
+    end: NDArray[np.float64]
+
+
+@inner
+def empty_bins(count):  # type: ignore[no-untyped-def]
+    """Room for so many bins."""
+    return Bins(np.empty(count + 1), np.empty((count, 4)), np.empty((count, 2, 4)), np.empty(5))
+
+
+@inner
+def fill_bins(air, altitude, mu, hits, steps, bins):  # type: ignore[no-untyped-def]
+    """Bin the ray from an altitude along mu; `steps` (n, STEP_COLUMNS) is scratch.
+
+    `hits` tells whether the ray ends on the ground.
+    """
+    fill_steps(air, altitude, mu, hits, steps, bins.end)
+    merge_steps(air, altitude, mu, steps, bins)
+
+
+@fast
+def bins_of_ray(air, altitude, mu, sizes):  # type: ignore[no-untyped-def]
+    """The bins of one ray; `sizes`: steps, bins."""
+    bins = empty_bins(sizes[1])
+    steps = np.empty((sizes[0], STEP_COLUMNS))
+    fill_bins(air, altitude, mu, hits_ground(air, altitude, mu), steps, bins)
+    return bins
+
+
+@inner
+def merge_steps(air, altitude, mu, steps, bins):  # type: ignore[no-untyped-def]
+    """Merge the steps of a ray, which `fill_steps` made, into its bins.
+
+    The bins have equal shares of the sum of two measures, each normalised: the light the bin
+    scatters, and its length. By length alone the near air would be coarse, by light alone the
+    far air, which is what shines in twilight.
+    """
+    count = bins.centre.shape[0]
+    mass = 0.0
+    for s in range(steps.shape[0]):
+        mass += steps[s, _MASS]
+    bins.centre[:] = 0.0
+    bins.weight[:] = 0.0
+    bins.edge[:] = 0.0
+    share, start = 0.0, 0.0
+    per_mass = 0.5 / mass if mass > 0.0 else 0.0
+    per_metre = (0.5 if mass > 0.0 else 1.0) / max(steps[-1, _END], 1e-300)
+    for s in range(steps.shape[0]):
+        step = steps[s]
+        part = step[_MASS] * per_mass + (step[_END] - start) * per_metre
+        b = min(int((share + 0.5 * part) * count), count - 1)
+        share += part
+        start = step[_END]
+        bins.edge[b + 1] = step[_END]
+        bins.centre[b, 0] += step[_MASS] * step[_MIDDLE]
+        bins.centre[b, 3] += step[_MASS]
+        for c in range(4):
+            bins.weight[b, 0, c] += step[_WEIGHT + c]
+            bins.weight[b, 1, c] += step[_WEIGHT + 4 + c]
+    _place_centres(air, altitude, mu, bins)
+
+
+@inner
+def _place_centres(air, altitude, mu, bins):  # type: ignore[no-untyped-def]
+    radius = air.ground_radius_m + altitude
+    for b in range(bins.centre.shape[0]):
+        # A bin that no step fell into has no length.
+        bins.edge[b + 1] = max(bins.edge[b + 1], bins.edge[b])
+        if bins.centre[b, 3] > 0.0:
+            distance = bins.centre[b, 0] / bins.centre[b, 3]
+        else:
+            distance = 0.5 * (bins.edge[b] + bins.edge[b + 1])
+        there = _altitude_along(radius, altitude, mu, distance)
+        there = min(max(there, 0.0), air.top_altitude_m)
+        bins.centre[b, 0], bins.centre[b, 1] = distance, there
+        cosine = (radius * mu + distance) / (air.ground_radius_m + there)
+        bins.centre[b, 2] = min(max(cosine, -1.0), 1.0)
+
+
+@inner
+def fill_steps(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-def]
+    """Fine steps of a ray: distances of end and middle, mass, eight weights."""
+    count = steps.shape[0]
+    radius = air.ground_radius_m + altitude
+    length = ray_length(air, altitude, mu, hits)
+    dense, before = _dense_place(radius * mu, length, hits, count)
+    end[0], end[1], end[2], end[3], end[4] = 1.0, 1.0, 1.0, 1.0, length
+    distance, near = 0.0, altitude
+    for s in range(count):
+        if s < before:
+            x = 1.0 - (s + 1) / before
+            stop = dense * (1.0 - x * x)
+        else:
+            x = (s - before + 1) / (count - before)
+            stop = dense + (length - dense) * x * x
+        metres = stop - distance
+        middle = _altitude_along(radius, altitude, mu, distance + 0.5 * metres)
+        far = _altitude_along(radius, altitude, mu, stop)
+        step = steps[s]
+        step[_END], step[_MIDDLE] = stop, distance + 0.5 * metres
+        molecules = metres * _mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        aerosol = metres * _mean_density(near, middle, far, air.mie_scale_height_m)
+        _weigh_step(air, molecules, aerosol, metres * _absorber(air, middle), end, step)
+        distance, near = stop, far
+
+
+@inner
+def _weigh_step(air, molecules, aerosol, absorber, light, step):  # type: ignore[no-untyped-def]
+    """Weights of a step whose matter is given in m, and what light is left after it."""
+    mass = 0.0
+    for c in range(4):
+        depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
+        depth += air.extinction[2, c] * absorber
+        passed = math.exp(-depth)
+        mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
+        step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
+        step[_WEIGHT + 4 + c] = light[c] * mean * air.scattering[1, c] * aerosol
+        mass += step[_WEIGHT + c] + step[_WEIGHT + 4 + c]
+        light[c] *= passed
+    step[_MASS] = mass
+
+
+@inner
+def _dense_place(along, length, hits, count):  # type: ignore[no-untyped-def]
+    """Where on a ray the air is densest, and how many of the steps come before it.
+
+    Steps shrink quadratically toward that place, from both sides to the same size.
+    """
+    if hits:
+        return length, count
+    if along >= 0.0:
+        return 0.0, 0
+    dense = min(-along, length)
+    near, far = math.sqrt(dense), math.sqrt(length - dense)
+    before = min(int(count * near / max(near + far, 1e-300) + 0.5), count - 1)
+    return (dense, before) if before > 0 else (0.0, 0)
+
+
+@inner
+def ray_length(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
+    """Distance in m to the ground if the ray `hits` it, else to the top of the atmosphere."""
+    along = (air.ground_radius_m + altitude) * mu
+    if hits:
+        squares = altitude * (2.0 * air.ground_radius_m + altitude)
+        return squares / max(-along + math.sqrt(max(along * along - squares, 0.0)), 1e-300)
+    above = max(air.top_altitude_m - altitude, 0.0)
+    squares = above * (2.0 * air.ground_radius_m + air.top_altitude_m + altitude)
+    root = math.sqrt(along * along + squares)
+    return squares / max(root + along, 1e-300) if along > 0.0 else root - along
+
+
+@inner
+def hits_ground(air, altitude, mu):  # type: ignore[no-untyped-def]
+    """Whether a ray ends on the ground."""
+    along = (air.ground_radius_m + altitude) * mu
+    return mu < 0.0 and along * along >= altitude * (2.0 * air.ground_radius_m + altitude)
+
+
+@inner
+def _altitude_along(radius, altitude, mu, distance):  # type: ignore[no-untyped-def]
+    step = distance * (distance + 2.0 * radius * mu)
+    return altitude + step / (math.sqrt(max(step + radius * radius, 0.0)) + radius)
+
+
+@inner
+def _mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
+    """Mean of exp(-altitude / scale) over a step, from altitudes at its ends and middle.
+
+    The altitude rises by z scale heights from middle to end, and bends by `bend`: the mean is
+    that of the middle times sinh(z) / z, less a sixth of the bend. A step many scale heights
+    high is one high up, where there is no matter.
+    """
+    z = min(0.5 * abs(far - near) / scale, 3.0)
+    bend = (near + far - 2.0 * middle) / scale
+    z2 = z * z
+    rise = 1.0 + z2 / 6.0 * (1.0 + z2 / 20.0 * (1.0 + z2 / 42.0))
+    return math.exp(-max(middle, 0.0) / scale) * rise / (1.0 + max(bend, 0.0) / 6.0)
+
+
+@inner
+def _absorber(air, altitude):  # type: ignore[no-untyped-def]
+    nodes, density = air.absorber[0], air.absorber[1]
+    for k in range(nodes.size - 1):
+        if nodes[k] <= altitude < nodes[k + 1]:
+            share = (altitude - nodes[k]) / (nodes[k + 1] - nodes[k])
+            return density[k] + share * (density[k + 1] - density[k])
+    return 0.0

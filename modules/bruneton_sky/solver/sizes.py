@@ -1,0 +1,69 @@
+"""How finely the multiple-scattering solver divides altitudes, directions and rays."""
+
+from dataclasses import dataclass, fields
+from typing import Self
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolverSizes:
+    """Nodes and bins of the solver; the defaults are for real time.
+
+    Attributes:
+        altitude, mu_s: nodes of the source function, by altitude and by sun zenith angle.
+        direction_mu, direction_azimuth: directions at each node, over all zenith angles (half
+            of them below the horizon) and over half a turn of azimuth.
+        later_azimuth: azimuths for the light of orders two and up, which varies less.
+        degree: of the spherical harmonics in which light is scattered.
+        source_mu, source_azimuth: directions in which the source function is tabulated.
+        steps: fine steps along a ray, which are merged into bins.
+        node_bins: bins of a ray between nodes.
+        single_bins, multiple_bins: bins of a table's ray, for light scattered once and more.
+        irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
+
+    Raises:
+        ValueError: a size is too small to interpolate in, or bins outnumber steps.
+    """
+
+    altitude: int = 24
+    mu_s: int = 48
+    direction_mu: int = 32
+    direction_azimuth: int = 16
+    later_azimuth: int = 8
+    degree: int = 16
+    source_mu: int = 32
+    source_azimuth: int = 12
+    steps: int = 48
+    node_bins: int = 12
+    single_bins: int = 24
+    multiple_bins: int = 12
+    irradiance_mu: int = 16
+    irradiance_azimuth: int = 12
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if getattr(self, field.name) < 2:
+                raise ValueError(f"{field.name} of the solver must be at least 2")
+        if self.direction_mu % 2:
+            raise ValueError("direction_mu of the solver must be even: half looks down")
+        if max(self.node_bins, self.single_bins, self.multiple_bins) > self.steps:
+            raise ValueError("steps of the solver must not be fewer than its bins")
+
+    @classmethod
+    def converged(cls) -> Self:
+        """Sizes at which the discretisation no longer shows: seconds, not milliseconds."""
+        return cls(
+            altitude=48,
+            mu_s=128,
+            direction_mu=64,
+            direction_azimuth=32,
+            later_azimuth=32,
+            degree=32,
+            source_mu=96,
+            source_azimuth=32,
+            steps=256,
+            node_bins=40,
+            single_bins=128,
+            multiple_bins=64,
+            irradiance_mu=48,
+            irradiance_azimuth=32,
+        )

@@ -1,0 +1,133 @@
+"""Looking at a solved field: radiance along rays, irradiance on the ground."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bruneton_sky.solver.air import LANES, groups_of_air, wavelengths_of_groups
+from bruneton_sky.solver.coordinates import SunGrid
+from bruneton_sky.solver.directions import azimuths, clustered_nodes
+from bruneton_sky.solver.nodes import make_source, phase_table
+from bruneton_sky.solver.source_field import SourceField
+
+if TYPE_CHECKING:
+    from bruneton_sky.solver.source_kernels import Source
+
+FloatArray = NDArray[np.float64]
+_LOW_SUN = 0.15
+
+
+def multiple_scattering(
+    field: SourceField, altitude_m: float, mu: ArrayLike, mu_s: float, nu: ArrayLike
+) -> FloatArray:
+    """Radiance (n, C) of light scattered twice or more, W m^-2 sr^-1 nm^-1.
+
+    A ray that meets the ground ends there; the ground's own radiance is not part of it, the
+    light that the ground has sent into the air is. Rays of the same mu that follow each other
+    share most of their work.
+
+    Args:
+        field: of the atmosphere.
+        altitude_m: of the observer, from 0 to the top of the atmosphere.
+        mu: cosines (n,) of the view directions' zenith angles.
+        mu_s: cosine of the sun's zenith angle.
+        nu: cosines (n,) of the angles between the views and the sun.
+
+    Raises:
+        ValueError: the observer is not inside the atmosphere, or mu and nu differ in number.
+    """
+    from bruneton_sky.solver.view_kernels import trace_view
+
+    sizes = field.sizes
+    rays = _checked_rays(field, altitude_m, mu, mu_s, nu)
+    out = np.empty((len(field.rayleigh), rays[1].size, LANES), dtype=np.float32)
+    for group, air in enumerate(groups_of_air(field.atmosphere)):
+        trace_view(
+            air, *rays, source_of_group(field, group),
+            (sizes.steps, sizes.multiple_bins), out[group].reshape(-1),
+        )  # fmt: skip
+    # The harmonics' sum may fall below zero by a trace where there is almost no light.
+    return np.maximum(wavelengths_of_groups(out, len(field.atmosphere.wavelength_nm)), 0.0)
+
+
+def single_scattering_fast(
+    field: SourceField, altitude_m: float, mu: ArrayLike, mu_s: float, nu: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Light scattered once by molecules and by aerosol, (n, C) each, without phase functions.
+
+    Arguments as for `multiple_scattering`. By ray bins: the rule of `single_scattering` is exact
+    but takes some ten times as long. In clear air by day 99 % of rays err by less than 0.15 % of
+    their light, at sunset 0.5 %, 6 degrees below the horizon 2 %; in haze (aerosol optical depth
+    0.2) 0.5 %, 1.2 % and 2 %. With a low sun, whose light changes along a ray, there are twice
+    as many bins.
+    """
+    from bruneton_sky.solver.view_kernels import trace_first
+
+    sizes, count = field.sizes, len(field.atmosphere.wavelength_nm)
+    rays = _checked_rays(field, altitude_m, mu, mu_s, nu)
+    finer = 2 if mu_s < _LOW_SUN else 1
+    counts = finer * sizes.steps, finer * sizes.single_bins
+    out = np.empty((2, len(field.rayleigh), rays[1].size, LANES), dtype=np.float32)
+    for group, air in enumerate(groups_of_air(field.atmosphere)):
+        trace_first(
+            air, *rays, field.transmittance[group], counts,
+            out[0, group].reshape(-1), out[1, group].reshape(-1),
+        )  # fmt: skip
+    return wavelengths_of_groups(out[0], count), wavelengths_of_groups(out[1], count)
+
+
+def _checked_rays(
+    field: SourceField, altitude_m: float, mu: ArrayLike, mu_s: float, nu: ArrayLike
+) -> tuple[float, FloatArray, np.float32, NDArray[np.float32]]:
+    """Altitude, mu, mu_s, nu as kernels take them."""
+    altitude = _altitude_inside(altitude_m, field.atmosphere.top_altitude_m)
+    view = np.clip(np.ascontiguousarray(mu, dtype=float), -1.0, 1.0)
+    scattering = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0).astype(np.float32)
+    if view.shape != scattering.shape or view.ndim != 1:
+        raise ValueError(f"mu {view.shape} and nu {scattering.shape} must be two lists of one size")
+    return altitude, view, np.float32(mu_s), scattering
+
+
+def _altitude_inside(altitude_m: float, top_altitude_m: float) -> float:
+    """The altitude, clipped by no more than rounding."""
+    slack = 1e-9 * top_altitude_m
+    if not -slack <= altitude_m <= top_altitude_m + slack:
+        raise ValueError(f"altitude_m must lie between 0 and {top_altitude_m:g}, not {altitude_m}")
+    return min(max(float(altitude_m), 0.0), top_altitude_m)
+
+
+def ground_irradiance(field: SourceField, mu_s: ArrayLike) -> FloatArray:
+    """Irradiance (n, C) of the level ground by the sky of all orders, W m^-2 nm^-1.
+
+    Without the direct sun. `mu_s` (n,): cosines of the sun's zenith angle.
+    """
+    suns = np.atleast_1d(np.asarray(mu_s, dtype=float))
+    return sky_irradiance(field, np.zeros(1), suns, field.sizes.single_bins)[0]
+
+
+def sky_irradiance(
+    field: SourceField, altitude_m: FloatArray, mu_s: FloatArray, bins: int
+) -> FloatArray:
+    """Irradiance (altitudes, suns, C) of level surfaces by the upper half of the sky."""
+    from bruneton_sky.solver.view_kernels import fill_irradiance
+
+    sizes = field.sizes
+    mu, weight = clustered_nodes(sizes.irradiance_mu)
+    turn = np.cos(azimuths(sizes.irradiance_azimuth))
+    weight = weight * mu * 2.0 * np.pi / turn.size
+    suns = np.clip(mu_s, -1.0, 1.0)
+    phase = phase_table(field.atmosphere)
+    out = np.empty((len(field.rayleigh), altitude_m.size, suns.size, LANES))
+    for group, air in enumerate(groups_of_air(field.atmosphere)):
+        fill_irradiance(
+            air, altitude_m, mu, weight, suns, turn, phase, field.transmittance[group],
+            source_of_group(field, group), (sizes.steps, bins), out[group],
+        )  # fmt: skip
+    return np.maximum(wavelengths_of_groups(out, len(field.atmosphere.wavelength_nm)), 0.0)
+
+
+def source_of_group(field: SourceField, group: int) -> "Source":
+    """The source function of a group of wavelengths as the kernels take it."""
+    suns = SunGrid(field.atmosphere, field.sizes.mu_s)
+    return make_source(field.rayleigh[group], field.mie[group], suns)

@@ -1,0 +1,166 @@
+"""Looking at a solved field: rays of one observer, irradiance, and the rays of whole tables.
+
+Importing this module imports numba.
+"""
+
+import math
+
+import numpy as np
+
+from bruneton_sky.solver.cells_kernels import (
+    ONE,
+    ZERO,
+    empty_cells,
+    fast,
+    fill_cells,
+    inner,
+    some_cells,
+)
+from bruneton_sky.solver.ray_bins_kernels import (
+    STEP_COLUMNS,
+    empty_bins,
+    fill_bins,
+    hits_ground,
+    merge_steps,
+)
+from bruneton_sky.solver.source_kernels import empty_slab, gather_later
+from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
+
+_f4 = np.float32
+
+
+@fast
+def trace_view(air, altitude, mu, mu_s, nu, source, sizes, out):  # type: ignore[no-untyped-def]
+    """Radiance (rays * 4,) of orders two and up along mu (rays,) with the sun at mu_s, nu (rays,).
+
+    Neighbours of the same mu share their bins. `sizes`: steps, bins.
+    """
+    bins, steps = empty_bins(sizes[1]), np.empty((sizes[0], STEP_COLUMNS))
+    slab, all_cells = empty_slab(source), empty_cells(mu.size)
+    all_cells.mu_s[:], all_cells.nu[:] = mu_s, nu
+    out[:] = ZERO
+    start = 0
+    while start < mu.size:
+        stop = _end_of_run(mu, start)
+        cells = some_cells(all_cells, start, stop)
+        hits = hits_ground(air, altitude, mu[start])
+        fill_bins(air, altitude, mu[start], hits, steps, bins)
+        gather_later(air, altitude, bins, cells, source, slab, out[4 * start : 4 * stop])
+        start = stop
+
+
+@fast
+def trace_first(air, altitude, mu, mu_s, nu, table, sizes, rayleigh, mie):  # type: ignore[no-untyped-def]
+    """Light (rays * 4,) scattered once by molecules and by aerosol, without phase functions.
+
+    Arguments as for `trace_view`; `table` is the sun's transmittance.
+    """
+    bins, steps = empty_bins(sizes[1]), np.empty((sizes[0], STEP_COLUMNS))
+    row, all_cells = np.empty(table.shape[1], _f4), empty_cells(mu.size)
+    all_cells.mu_s[:], all_cells.nu[:] = mu_s, nu
+    start = 0
+    while start < mu.size:
+        stop = _end_of_run(mu, start)
+        hits = hits_ground(air, altitude, mu[start])
+        fill_bins(air, altitude, mu[start], hits, steps, bins)
+        gather_first(
+            air, altitude, mu[start], bins, some_cells(all_cells, start, stop), table, row,
+            rayleigh[4 * start : 4 * stop], mie[4 * start : 4 * stop],
+        )  # fmt: skip
+        start = stop
+
+
+@inner
+def _end_of_run(values, start):  # type: ignore[no-untyped-def]
+    """Where the equal values that begin at `start` end."""
+    stop = start + 1
+    while stop < values.size and values[stop] == values[start]:
+        stop += 1
+    return stop
+
+
+@fast
+def fill_irradiance(  # type: ignore[no-untyped-def]
+    air, altitude, mu, weight, sun, turn_cosine, phase, table, source, sizes, out
+):
+    """Irradiance (altitudes, suns, 4) of level surfaces by the sky of all orders.
+
+    `mu` (n,) are upward directions, `weight` (n,) what each adds per azimuth. `sizes`: steps,
+    bins.
+    """
+    bins, steps = empty_bins(sizes[1]), np.empty((sizes[0], STEP_COLUMNS))
+    slab, cells = empty_slab(source), empty_cells(sun.size * turn_cosine.size)
+    rayleigh, mie = np.empty(4 * cells.nu.size, _f4), np.empty(4 * cells.nu.size, _f4)
+    light, row = np.empty(4 * cells.nu.size, _f4), np.empty(table.shape[1], _f4)
+    out[:] = 0.0
+    for i in range(altitude.size):
+        for q in range(mu.size):
+            fill_bins(air, altitude[i], mu[q], mu[q] < 0.0, steps, bins)
+            fill_cells(mu[q], sun, turn_cosine, cells)
+            gather_first(air, altitude[i], mu[q], bins, cells, table, row, rayleigh, mie)
+            apply_phases(cells, phase, rayleigh, mie, light)
+            gather_later(air, altitude[i], bins, cells, source, slab, light)
+            for n in range(cells.nu.size):
+                for c in range(4):
+                    out[i, n % sun.size, c] += weight[q] * light[4 * n + c]
+
+
+@fast
+def march_rays(air, altitude, mu, hits, mu_s, nu, table, source, sizes, first, scattering, mie):  # type: ignore[no-untyped-def]
+    """Fill scattering and single Mie (altitudes, mu, nu, mu_s, C) from wavelength `first` on.
+
+    `mu` (altitudes, mu) and `hits` (mu,): the rays; `mu_s`, `nu`: the suns. A nu that mu and
+    mu_s do not allow is moved to the nearest that they do: most of those fall together, and
+    are computed once. `sizes`: steps, bins of light scattered once, bins of later orders.
+    """
+    steps = np.empty((sizes[0], STEP_COLUMNS))
+    few, many = empty_bins(sizes[2]), empty_bins(sizes[1])
+    all_cells, slab = empty_cells(mu_s.size * nu.size), empty_slab(source)
+    where = np.empty(mu_s.size * nu.size, np.intp)
+    once = np.empty((2, 4 * where.size), _f4)
+    later, row = np.empty(4 * where.size, _f4), np.empty(table.shape[1], _f4)
+    for i in range(mu.shape[0]):
+        for j in range(mu.shape[1]):
+            count = _distinct_cells(mu[i, j], mu_s, nu, all_cells, where)
+            cells = some_cells(all_cells, 0, count)
+            fill_bins(air, altitude[i], mu[i, j], hits[j], steps, many)
+            gather_first(air, altitude[i], mu[i, j], many, cells, table, row, once[0], once[1])
+            merge_steps(air, altitude[i], mu[i, j], steps, few)
+            later[:] = ZERO
+            gather_later(air, altitude[i], few, cells, source, slab, later)
+            _store(cells, where, once, later, first, scattering[i, j], mie[i, j])
+
+
+@inner
+def _distinct_cells(mu, mu_s, nu, cells, where):  # type: ignore[no-untyped-def]
+    """Cells of all allowed nu and mu_s without repetition; `where` (nu * mu_s,) each is."""
+    count = 0
+    for n in range(nu.size):
+        for k in range(mu_s.size):
+            sines = math.sqrt((1.0 - mu) * (1.0 + mu) * (1.0 - mu_s[k]) * (1.0 + mu_s[k]))
+            cosine = min(max(nu[n], mu * mu_s[k] - sines), mu * mu_s[k] + sines)
+            index = n * mu_s.size + k
+            if n > 0 and _f4(cosine) == cells.nu[where[index - mu_s.size]]:
+                where[index] = where[index - mu_s.size]
+            else:
+                cells.mu_s[count], cells.nu[count] = mu_s[k], cosine
+                where[index] = count
+                count += 1
+    return count
+
+
+@inner
+def _store(cells, where, once, later, first, scattering, mie):  # type: ignore[no-untyped-def]
+    """One ray of both tables (nu, mu_s, C): later orders over Rayleigh's phase function.
+
+    The harmonics' sum may fall below zero by a trace where there is almost no light.
+    """
+    suns, lanes = scattering.shape[1], min(scattering.shape[2] - first, 4)
+    rayleigh_phase = _f4(3.0 / (16.0 * math.pi))
+    for index in range(where.size):
+        n = where[index]
+        inverse = ONE / (rayleigh_phase * (ONE + cells.nu[n] * cells.nu[n]))
+        for c in range(lanes):
+            total = once[0, 4 * n + c] + max(later[4 * n + c], ZERO) * inverse
+            scattering[index // suns, index % suns, first + c] = total
+            mie[index // suns, index % suns, first + c] = once[1, 4 * n + c]

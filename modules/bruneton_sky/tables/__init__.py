@@ -1,0 +1,1 @@
+"""Precomputed tables of scattered light, and looking things up in them."""

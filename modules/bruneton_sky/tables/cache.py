@@ -1,0 +1,100 @@
+"""Tables kept on disk by what they were made from.
+
+A file's name is the digest of its recipe; inside, a digest of the contents stands before them.
+What does not match, for whatever reason, is no entry: the tables are made again. Files are
+written beside their place and renamed, so that neither a crash nor a second process leaves a
+half-written one. A cache that cannot be written costs time, never tables: one line in the log.
+"""
+
+import hashlib
+import io
+import logging
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Changes whenever the same recipe gives other numbers or the file another layout.
+VERSION = 1
+_MAGIC = f"vrut_lite tables {VERSION}\n".encode()
+_DIGEST_BYTES = 32
+_log = logging.getLogger(__name__)
+
+Arrays = Mapping[str, NDArray[np.floating]]
+
+
+class TableCache:
+    """Arrays by recipe in a folder, the least recently used dropped above `limit_bytes`."""
+
+    def __init__(self, folder: Path, limit_bytes: int = 1 << 30):
+        self.folder = folder
+        self.limit_bytes = limit_bytes
+
+    @classmethod
+    def of_user(cls) -> "TableCache":
+        """The cache in the user's own cache folder."""
+        from platformdirs import user_cache_path
+
+        return cls(user_cache_path("vrut_lite") / "tables")
+
+    def get(self, recipe: object) -> dict[str, NDArray[np.floating]] | None:
+        """The arrays made from a recipe; None if there are none that can be trusted.
+
+        Args:
+            recipe: of numbers, texts, tuples and dataclasses: its `repr` must tell all.
+        """
+        path = self._path(recipe)
+        try:
+            content = path.read_bytes()
+            os.utime(path)
+        except OSError:
+            return None
+        start = len(_MAGIC) + _DIGEST_BYTES
+        payload = content[start:]
+        if content[:start] != _MAGIC + _digest(payload):
+            _log.warning("the table cache %s is damaged: its tables are made again", path)
+            return None
+        with np.load(io.BytesIO(payload), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+
+    def put(self, recipe: object, arrays: Arrays) -> None:
+        """Keep the arrays made from a recipe, if the folder can be written."""
+        buffer = io.BytesIO()
+        np.savez(buffer, allow_pickle=False, **arrays)
+        payload = buffer.getvalue()
+        try:
+            self._write(self._path(recipe), _MAGIC + _digest(payload) + payload)
+            self._drop_oldest()
+        except OSError as error:
+            _log.warning("tables are not kept in %s: %s", self.folder, error.strerror or error)
+
+    def _path(self, recipe: object) -> Path:
+        text = repr((VERSION, recipe)).encode()
+        return self.folder / f"{hashlib.blake2b(text, digest_size=16).hexdigest()}.tables"
+
+    def _write(self, path: Path, content: bytes) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        handle, beside = tempfile.mkstemp(dir=self.folder, suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            os.replace(beside, path)
+        except BaseException:
+            Path(beside).unlink(missing_ok=True)
+            raise
+
+    def _drop_oldest(self) -> None:
+        used = [(path.stat().st_mtime_ns, path) for path in self.folder.glob("*.tables")]
+        total = sum(path.stat().st_size for _, path in used)
+        for _, path in sorted(used)[:-1]:
+            if total <= self.limit_bytes:
+                return
+            total -= path.stat().st_size
+            path.unlink()
+
+
+def _digest(payload: bytes) -> bytes:
+    return hashlib.blake2b(payload, digest_size=_DIGEST_BYTES).digest()

@@ -1,0 +1,38 @@
+"""How many nodes each precomputed table has."""
+
+from dataclasses import dataclass, fields
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableSizes:
+    """Nodes along each axis; the defaults are the published ones (Bruneton and Neyret 2008).
+
+    Attributes:
+        transmittance_altitude, transmittance_mu: of the transmittance T, 64 x 256.
+        irradiance_altitude, irradiance_mu_s: of the ground's irradiance E, 16 x 64.
+        altitude, mu, nu, mu_s: of the scattering S, 32 x 128 x 8 x 32.
+
+    Raises:
+        ValueError: an axis has fewer than two nodes.
+    """
+
+    transmittance_altitude: int = 64
+    transmittance_mu: int = 256
+    irradiance_altitude: int = 16
+    irradiance_mu_s: int = 64
+    altitude: int = 32
+    mu: int = 128
+    nu: int = 8
+    mu_s: int = 32
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if getattr(self, field.name) < 2:
+                raise ValueError(f"{field.name} of the tables must be at least 2")
+        if self.mu % 2:
+            raise ValueError("mu of the tables must be even: half of it looks at the ground")
+
+    @property
+    def scattering_shape(self) -> tuple[int, int, int, int]:
+        """Axes altitude, mu, nu, mu_s."""
+        return self.altitude, self.mu, self.nu, self.mu_s

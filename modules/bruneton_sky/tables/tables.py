@@ -1,0 +1,167 @@
+"""Precomputed tables of an atmosphere's light, and what can be asked of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.tables import look_up_ground, look_up_point, look_up_sky
+from bruneton_sky.tables.coordinates import FloatArray, Year, parametrisation_of
+from bruneton_sky.tables.observer import (
+    View,
+    checked_direction,
+    checked_number,
+    checked_point,
+    view_from,
+)
+from bruneton_sky.tables.sizes import TableSizes
+from vrut_lite.geometry.colour import rgb_from_spectrum
+
+_SKYLIGHT_EXPONENT = 3.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tables:
+    """The light of an atmosphere, for every observer from the ground to space and every sun.
+
+    In every method points are (..., 3) in metres from the planet's centre, directions unit
+    vectors (..., 3), `sun` points to the sun; all broadcast. Spectral results (..., C) have one
+    value per wavelength. An observer less than a millionth of the radius below the ground
+    stands on it; directions may be off unit length by 1e-5.
+
+    Attributes:
+        orders: how often light is scattered or reflected at most.
+        parametrisation: of the two scattering tables.
+        transmittance: (altitude, mu, C), to the top of the atmosphere.
+        irradiance: (altitude, mu_s, C) of the sky on a level surface, W m^-2 nm^-1.
+        scattering: (altitude, mu, nu, mu_s, C), W m^-2 sr^-1 nm^-1: light scattered once by
+            molecules without its phase function, and all later orders over Rayleigh's.
+        single_mie: likewise light scattered once by aerosol, without its phase function.
+
+    Raises:
+        ValueError: an array has not the shape that `sizes` says; in methods, a point or a
+            direction is unusable.
+    """
+
+    atmosphere: Atmosphere
+    sizes: TableSizes
+    orders: int
+    parametrisation: Year
+    transmittance: FloatArray
+    irradiance: FloatArray
+    scattering: FloatArray
+    single_mie: FloatArray
+
+    def __post_init__(self) -> None:
+        parametrisation_of(self.parametrisation)
+        for name, shape in table_shapes(self.atmosphere, self.sizes).items():
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} of the tables must have the shape {shape}")
+
+    def sky_radiance(
+        self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike, shadow_length_m: ArrayLike = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Radiance (..., C) of the air, W m^-2 sr^-1 nm^-1, and transmittance (..., C) to space.
+
+        Neither the sun's disc nor the ground is in it; the transmittance is 0 where the ground
+        is in the way. With a shadow length, the first so many metres of the ray give no light.
+        """
+        seen = self._view(camera_m, view, sun)
+        shadow_m = checked_number("shadow_length_m", shadow_length_m)
+        return look_up_sky.sky_radiance(self, seen, shadow_m)
+
+    def radiance_rgb(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
+        """The sky's radiance (..., 3) in linear sRGB, W m^-2 sr^-1; below 0 outside the gamut."""
+        radiance, _ = self.sky_radiance(camera_m, view, sun)
+        return rgb_from_spectrum(radiance, self.atmosphere.wavelength_nm, _SKYLIGHT_EXPONENT)
+
+    def radiance_to_point(
+        self,
+        camera_m: ArrayLike,
+        point_m: ArrayLike,
+        sun: ArrayLike,
+        shadow_length_m: ArrayLike = 0.0,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Radiance (..., C) of the air before a point, and transmittance (..., C) to there.
+
+        With a shadow length, the last so many metres before the point give no light. A point
+        that the ground hides counts as the ground in front of it.
+        """
+        camera, point = self._point("camera_m", camera_m), checked_point("point_m", point_m, 0.0)
+        way = point - camera
+        distance = np.linalg.norm(way, axis=-1)
+        there = distance[..., None] > 0
+        # A point in the observer's eye has no direction: any serves.
+        direction = np.divide(way, distance[..., None], out=_upward(way), where=there)
+        seen = self._view(camera, direction, sun)
+        shadow_m = checked_number("shadow_length_m", shadow_length_m)
+        return look_up_point.radiance_to_point(self, seen, distance, shadow_m)
+
+    def ground_radiance(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
+        """Radiance (..., C) of the bare ground seen through the air; 0 where there is none.
+
+        The ground is level, of the atmosphere's albedo, in the light of sun and sky. The air's
+        own light in front of it is `sky_radiance`.
+        """
+        return look_up_ground.ground_radiance(self, self._view(camera_m, view, sun))
+
+    def sun_and_sky_irradiance(
+        self, point_m: ArrayLike, normal: ArrayLike, sun: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """Irradiance (..., C) of the sun and of the sky on a surface, W m^-2 nm^-1.
+
+        The sun's is without shadows of things. The sky's is that on a level surface times the
+        share (1 + n . up) / 2 of the sky that a tilted one sees.
+        """
+        return look_up_ground.sun_and_sky_irradiance(
+            self,
+            self._point("point_m", point_m),
+            checked_direction("normal", normal),
+            checked_direction("sun", sun),
+        )
+
+    def surface_radiance(
+        self,
+        point_m: ArrayLike,
+        normal: ArrayLike,
+        sun: ArrayLike,
+        albedo: ArrayLike,
+        sun_visibility: ArrayLike = 1.0,
+    ) -> FloatArray:
+        """Radiance (..., C) that leaves a matt surface: albedo / pi times what falls on it.
+
+        Args:
+            albedo: (..., C).
+            sun_visibility: (...,) from 0, in the shadow of something, to 1.
+        """
+        sunlight, skylight = self.sun_and_sky_irradiance(point_m, normal, sun)
+        visible = checked_number("sun_visibility", sun_visibility, 1.0)[..., None]
+        return checked_number("albedo", albedo, 1.0) / np.pi * (visible * sunlight + skylight)
+
+    def _view(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> View:
+        return view_from(
+            self.atmosphere,
+            self._point("camera_m", camera_m),
+            checked_direction("view", view),
+            checked_direction("sun", sun),
+        )
+
+    def _point(self, name: str, value: ArrayLike) -> FloatArray:
+        return checked_point(name, value, self.atmosphere.ground_radius_m)
+
+
+def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[int, ...]]:
+    """The shapes of the four arrays by name."""
+    count = len(atmosphere.wavelength_nm)
+    scattering = (*sizes.scattering_shape, count)
+    return {
+        "transmittance": (sizes.transmittance_altitude, sizes.transmittance_mu, count),
+        "irradiance": (sizes.irradiance_altitude, sizes.irradiance_mu_s, count),
+        "scattering": scattering,
+        "single_mie": scattering,
+    }
+
+
+def _upward(like: FloatArray) -> FloatArray:
+    return np.broadcast_to([0.0, 0.0, 1.0], like.shape).copy()

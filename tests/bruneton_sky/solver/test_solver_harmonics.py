@@ -1,0 +1,88 @@
+"""Scattering as a convolution in spherical harmonics."""
+
+import numpy as np
+import pytest
+from bruneton_sky.phase import cornette_shanks_phase, henyey_greenstein_phase, rayleigh_phase
+from bruneton_sky.solver import SolverSizes
+from bruneton_sky.solver.directions import azimuths
+from bruneton_sky.solver.harmonics import phase_coefficients
+from bruneton_sky.solver.scattering_operator import ScatteringOperator, scattering_operator
+
+SIZES = SolverSizes(direction_mu=64, degree=12, source_mu=9, source_azimuth=7)
+
+
+def operator() -> ScatteringOperator:
+    return scattering_operator(6.36e6, (0.0, 5000.0, 40_000.0), SIZES)
+
+
+def field_of(light: np.ufunc | object) -> np.ndarray:
+    """A field f(x, y, z) of directions, as radiance (3, mu, azimuths, 1) at the nodes."""
+    mu = operator().directions.mu[:, :, None]
+    turn = azimuths(SIZES.direction_azimuth)
+    sine = np.sqrt((1.0 - mu) * (1.0 + mu))
+    value = light(sine * np.cos(turn), sine * np.sin(turn), mu + 0.0 * turn)  # type: ignore[operator]
+    return np.asarray(value, dtype=np.float32)[..., None]
+
+
+def source_directions() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    mu = np.linspace(-1.0, 1.0, SIZES.source_mu)[:, None]
+    turn = 2.0 * np.arcsin(np.linspace(0.0, 1.0, SIZES.source_azimuth))
+    sine = np.sqrt(1.0 - mu * mu)
+    return sine * np.cos(turn), sine * np.sin(turn), mu + 0.0 * turn
+
+
+def test_phase_coefficients_of_known_functions() -> None:
+    """Henyey-Greenstein's are the powers of g, Rayleigh's 1, 0, 1/10 (both in closed form)."""
+    ours = phase_coefficients(lambda nu: henyey_greenstein_phase(nu, 0.8), 16)
+    assert ours == pytest.approx(0.8 ** np.arange(17), abs=1e-12)
+    ours = phase_coefficients(rayleigh_phase, 4)
+    assert ours == pytest.approx([1.0, 0.0, 0.1, 0.0, 0.0], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("degree", "light"),
+    [
+        (0, lambda x, y, z: 1.0 + 0.0 * x),
+        (1, lambda x, y, z: z),
+        (1, lambda x, y, z: x),
+        (2, lambda x, y, z: x * x - y * y),
+        (2, lambda x, y, z: x * z),
+        (3, lambda x, y, z: x * (5 * z * z - 1)),
+        (5, lambda x, y, z: z * (63 * z**4 - 70 * z * z + 15)),
+    ],
+)
+def test_harmonic_fields_are_scattered_exactly(degree: int, light: object) -> None:
+    """A harmonic of degree l leaves as itself times chi_l (Funk-Hecke), to float32's 1e-5."""
+    chi = phase_coefficients(lambda nu: cornette_shanks_phase(nu, 0.7), SIZES.degree)
+    coefficients = operator().project(field_of(light))
+    ours = operator().scatter(coefficients, chi)[..., 0]
+    exact = chi[degree] * np.asarray(light(*source_directions()))  # type: ignore[operator]
+    scale = np.abs(exact).max()
+    assert ours == pytest.approx(np.broadcast_to(exact, ours.shape), abs=2e-5 * scale)
+
+
+def test_molecules_scatter_by_four_coefficients() -> None:
+    """The polynomial kept for molecules is the harmonic sum with chi = 1, 0, 1/10."""
+    x, _, z = source_directions()
+    light = field_of(lambda x, y, z: np.exp(z + 0.8 * x))
+    coefficients = operator().project(light)
+    chi = np.zeros(SIZES.degree + 1)
+    chi[[0, 2]] = 1.0, 0.1
+    exact = operator().scatter(coefficients, chi)[..., 0]
+    c = operator().scatter_by_molecules(coefficients)[:, :, 0, None, None]
+    sine = np.sqrt(1.0 - z * z)
+    turn = np.divide(x, sine, out=np.ones_like(x), where=sine > 0)
+    twice = (1.0 - z * z) * (2.0 * turn * turn - 1.0)
+    ours = c[:, 0] + c[:, 1] * (3 * z * z - 1) + c[:, 2] * z * sine * turn + c[:, 3] * twice
+    assert ours == pytest.approx(exact, rel=1e-5)
+
+
+def test_any_light_keeps_its_energy() -> None:
+    """Scattered light integrates to the light that came: chi_0 = 1."""
+    rng = np.random.default_rng(3)
+    shape = *operator().directions.mu.shape, SIZES.direction_azimuth, 1
+    light = rng.random(shape).astype(np.float32)
+    weight = operator().directions.weight * 2.0 * np.pi / SIZES.direction_azimuth
+    arriving = (light[..., 0] * weight[..., None]).sum(axis=(1, 2))
+    leaving = operator().scatter_by_molecules(operator().project(light))[:, 0, 0] * 4.0 * np.pi
+    assert leaving == pytest.approx(arriving, rel=1e-5)

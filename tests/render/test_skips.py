@@ -1,0 +1,178 @@
+"""Work that a frame leaves out: the picture stays within one step of 8 bits, the ledger tells."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+import trimesh
+from scene_stage import light, look, square, surface
+
+from vrut_lite.kernel.messages import SetExposure
+from vrut_lite.render.skips import FrameSkips
+from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.scene.loading import load_scene
+
+pytestmark = pytest.mark.gl
+SIZE = (96, 64)
+GROUND = GroundDisc((0.0, 0.0), 0.0, 300.0)
+NOTHING = FrameSkips(**{field.name: False for field in fields(FrameSkips)})
+SUN = {"sun_direction": (0.5, 0.6, 0.3), "sun_irradiance": (120.0, 100.0, 70.0)}
+
+
+@pytest.fixture
+def backend(gl_owner):
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    backend.set_size(*SIZE)
+    backend.set_exposure(SetExposure(mode="manual", ev100=14.0))
+    yield backend
+    backend.close()
+
+
+@pytest.fixture(scope="module")
+def boxes(tmp_path_factory):
+    """Eight boxes in a ring around the origin."""
+    scene = trimesh.Scene()
+    for turn in np.arange(8) * np.pi / 4:
+        box = trimesh.creation.box((1, 2, 1))
+        box.apply_translation((6 * np.cos(turn), 1, 6 * np.sin(turn)))
+        scene.add_geometry(box)
+    path = tmp_path_factory.mktemp("scene") / "boxes.glb"
+    scene.export(path)
+    return load_scene(path)
+
+
+def gradient_sky():
+    up = np.linspace(5.0, 1.0, 16)[None, :, None, None]
+    return np.broadcast_to(up * np.array([0.6, 0.8, 1.2]), (6, 16, 16, 3))
+
+
+def counts(backend, draw):
+    """The picture, and what one draw added to the ledger: done, skipped."""
+    before = backend.ledger.done.copy(), backend.ledger.skipped.copy()
+    picture = draw()
+    return picture, backend.ledger.done - before[0], backend.ledger.skipped - before[1]
+
+
+# What is looked at, and which work that spares: name of the skip, of the work, of the reason.
+VIEWS = [
+    ("into the open", (0, 1.7, 0), (5, 1.5, 1), "meshes", "mesh", "mesh: out of view"),
+    ("down", (2, 3, 2), (2.2, 0, 2.1), "sky", "sky sample", "sky sample: covered"),
+    ("at a wall", (4.4, 1, 0), (6, 1, 0), "sky", "sky sample", "sky sample: covered"),
+]
+
+
+@pytest.mark.parametrize(("_name", "eye", "target", "skip", "work", "reason"), VIEWS)
+def test_what_the_view_cannot_show_is_not_drawn(
+    backend, boxes, _name, eye, target, skip, work, reason
+):
+    """The same picture with and without; without the skip the work is done."""
+    backend.show_scene(boxes, GROUND)
+    light(backend, gradient_sky(), **SUN)
+    picture, done, skipped = counts(backend, lambda: look(backend, eye, target, 0.5))
+    backend.skips = replace(FrameSkips(), **{skip: False})
+    full, all_done, none_skipped = counts(backend, backend.draw)
+    assert skipped[reason] > 0
+    assert none_skipped[reason] == 0
+    assert done[work] + skipped[reason] == all_done[work]
+    difference = np.abs(picture.display.astype(int) - full.display.astype(int))
+    assert difference.max() <= 1
+
+
+def test_looking_at_the_ground_draws_no_sky_and_filters_none(backend, boxes):
+    """Bare matte ground fills the picture: not one sample of sky, no reflection of it."""
+    backend.show_scene(boxes, GROUND)
+    light(backend, gradient_sky(), **SUN)
+    _, done, skipped = counts(backend, lambda: look(backend, (2, 3, 2), (2.2, 0, 2.1), 0.5))
+    assert done["sky sample"] == 0
+    assert skipped["sky sample: covered"] == SIZE[0] * SIZE[1] * 4
+    assert done["mesh"] == 1
+    assert done["reflection slice"] == 0
+    assert skipped["reflection: nothing in view mirrors"] == 1
+
+
+def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, boxes):
+    """A moving camera does not move shadows; a moving sun or another scene does."""
+    night = {"sun_direction": (0.5, -0.1, 0.3), "sun_irradiance": (0.0,) * 3}
+    view = ((0, 1.7, 0), (5, 1.5, 1))
+    backend.show_scene(boxes, GROUND)
+    steps = [SUN, SUN, {**SUN, "sun_direction": (0.5, 0.61, 0.3)}, night]
+    drawn = []
+    for sun in steps:
+        light(backend, gradient_sky(), **sun)
+        drawn.append(counts(backend, lambda: look(backend, *view))[1]["shadow map"])
+    assert drawn == [1, 0, 1, 0]
+    light(backend, gradient_sky(), **SUN)
+    backend.show_scene(boxes, GROUND)
+    assert counts(backend, backend.draw)[1]["shadow map"] == 1
+    assert backend.ledger.skipped["shadow map: the sun is down"] == 1
+    assert backend.ledger.skipped["shadow map: same scene, same sun"] == 1
+
+
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+def test_all_skips_together_leave_the_picture(backend, tmp_path, metallic):
+    """Frames of a sky that drifts by less than is seen: as if all were done each time."""
+    path = square(tmp_path, surface(metallic, 0.4))
+    backend.show_scene(load_scene(path), GROUND)
+    shown = {}
+    for skips in (FrameSkips(), NOTHING):
+        backend.skips = skips
+        for factor in (1.0, 1.002, 1.004):
+            light(backend, gradient_sky() * factor, **SUN)
+            shown[skips] = look(backend, (0.3, 0.8, 0.6), (0, 0, 0)).display.astype(int)
+    assert np.abs(shown[FrameSkips()] - shown[NOTHING]).max() <= 1
+
+
+def test_a_closed_room_is_dark_and_costs_no_sky(backend, tmp_path):
+    """Black walls of daylight, one lamp that glows; no shadow map, no filter, no sky.
+
+    A sky that changes outside is nothing in here; out of the room again it is shown.
+    """
+    walls = trimesh.creation.box((4, 3, 5))
+    walls.invert()
+    lamp = trimesh.creation.icosphere(radius=0.3)
+    glow = trimesh.visual.material.PBRMaterial(emissiveFactor=[1.0, 1.0, 1.0])
+    lamp.visual = trimesh.visual.TextureVisuals(material=glow)
+    path = tmp_path / "room.glb"
+    trimesh.Scene([walls, lamp.apply_translation((0, 0, -2))]).export(path)
+    backend.show_scene(load_scene(path), GROUND)
+    view = ((0, 0, 1), (0, 0, -1), 1.0)
+    backend.set_sheltered(True)
+    backend.set_exposure(SetExposure(mode="manual", ev100=0.0))
+    pictures = []
+    for skips in (FrameSkips(), NOTHING):
+        backend.skips = skips
+        light(backend, gradient_sky(), **SUN)
+        picture, done, skipped = counts(backend, lambda: look(backend, *view))
+        pictures.append(picture)
+        worked = {"shadow map", "reflection slice", "sky sample"} & set(done)
+        assert len(worked) == (0 if skips.unlit else 3)
+        assert ("reflection: in a closed room" in skipped) is skips.unlit
+        assert ("sky sample: in a closed room" in skipped) is skips.unlit
+    room, full = pictures
+    assert np.abs(room.display.astype(int) - full.display.astype(int)).max() <= 1
+    assert room.radiance[2, 2].max() == 0.0
+    assert room.luminance_cd_m2(SIZE[0] // 2, SIZE[1] // 2) == pytest.approx(1.0, rel=1e-3)
+    backend.skips = FrameSkips()
+    backend.set_sheltered(False)
+    assert look(backend, (0, 0, 30), (0, 5, 90)).radiance.min() > 0.1
+
+
+@pytest.mark.parametrize("scale", [0.05, 1.0, 5e5])
+def test_culling_is_the_same_at_any_scale(backend, tmp_path, scale):
+    """A room's corner or a planet's: what is skipped never shows."""
+    scene = trimesh.Scene()
+    for x in (-3, 0, 3):
+        ball = trimesh.creation.icosphere(subdivisions=2, radius=scale)
+        scene.add_geometry(ball.apply_translation((x * scale, 0, 0)))
+    path = tmp_path / "balls.glb"
+    scene.export(path)
+    backend.show_scene(load_scene(path), None)
+    light(backend, gradient_sky(), **SUN)
+    eye, target = np.array([0.0, 0.0, 4.0]) * scale, np.array([2.2, 0.0, 0.0]) * scale
+    picture, _, skipped = counts(backend, lambda: look(backend, eye, target, 0.4))
+    backend.skips = NOTHING
+    full = backend.draw()
+    assert skipped["mesh: out of view"] == 1
+    assert np.abs(picture.display.astype(int) - full.display.astype(int)).max() <= 1

@@ -1,0 +1,65 @@
+"""Scenes that need little: what is left out leaves the picture, and the ledger tells of it."""
+
+from dataclasses import replace
+
+import pytest
+from vrut_lite_bench.work_skipped import NOTHING, PLAYED, difference, play, rows
+
+from vrut_lite.render.skips import FrameSkips
+
+pytestmark = pytest.mark.gl
+SIZE = (96, 60)
+# What each scene spares in full, of the work that frames do.
+SPARED = {
+    "closed room": {"reflection slice", "shadow map", "sky sample"},
+    "camera to the ground": {"sky sample"},
+    "small indoor scene": {"sky sample"},
+    "planet-sized": set(),
+    "street": set(),
+}
+
+
+@pytest.fixture(scope="module")
+def plays():
+    """Each scene played with and without skipping, once for all tests."""
+    made = {}
+
+    def get(name, skips):
+        if (name, skips) not in made:
+            made[name, skips] = play(PLAYED[name], SIZE, skips)
+        return made[name, skips]
+
+    return get
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_pictures_stay_while_work_goes(plays, name):
+    """All four frames within one step of 8 bits of those where all was done, and less work.
+
+    No row of the table has more done than asked; a scene that has no use for some work has
+    none of it done; a scene that lies in full view still spares reflections and shadows.
+    """
+    one, everything = plays(name, FrameSkips()), plays(name, NOTHING)
+    assert difference(one, everything) <= 1
+    table = {work: (asked, done) for work, asked, done, _ in rows(one, everything)}
+    assert all(done <= asked for asked, done in table.values())
+    assert {work for work, (_, done) in table.items() if done == 0} == SPARED[name]
+    for work in ("reflection slice", "shadow map", "light: sky, sun, ambient"):
+        asked, done = table[work]
+        assert done <= asked / 2
+
+
+@pytest.mark.parametrize(
+    ("skip", "name", "work"),
+    [
+        ("sky", "small indoor scene", "sky sample"),
+        ("reflection", "small indoor scene", "reflection slice"),
+        ("unlit", "closed room", "reflection slice"),
+    ],
+)
+def test_a_skip_that_is_switched_off_shows_in_the_ledger(plays, skip, name, work):
+    """Its work is done then, in full unless another skip spares some of it; the picture stays."""
+    without = plays(name, replace(FrameSkips(), **{skip: False}))
+    one, everything = plays(name, FrameSkips()), plays(name, NOTHING)
+    assert one.frame.done[work] < without.frame.done[work] <= everything.frame.done[work]
+    assert difference(without, one) <= 1

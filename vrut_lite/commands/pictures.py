@@ -1,0 +1,136 @@
+"""Pictures of many instants: made one after another here, or by workers elsewhere.
+
+A `Plan` can be sent to another process, where it opens a `Studio`; that makes a `Shot` of an
+instant. Whoever makes a picture, its bytes are the same, and it is written here, whole.
+"""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from datetime import datetime
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock
+from typing import NamedTuple, Protocol
+
+from rich.console import Console
+from rich.progress import track
+
+from vrut_lite.commands.time_span import Wanted
+from vrut_lite.render.write_atomic import atomic_output
+
+# Pictures asked for ahead of the one that is waited for: workers idle no more, memory is bounded.
+AHEAD = 64
+
+
+class Shot(Protocol):
+    """A picture that was made."""
+
+    @property
+    def caption(self) -> str:
+        """The hour and what else is to be told of it."""
+
+    def write(self, path: Path) -> None:
+        """Write the picture, and what goes beside it under longer names."""
+
+
+class Studio(Protocol):
+    """All that is needed for one picture after another."""
+
+    def shoot(self, instant: datetime) -> Shot:
+        """The picture of an instant, whatever was made before."""
+
+    def close(self) -> None:
+        """Give back what it holds."""
+
+
+class Plan(Protocol):
+    """What pictures are to be made of, but for the instant; can be pickled and compared."""
+
+    def open(self) -> Studio:
+        """Get everything ready.
+
+        Raises:
+            UserError: the plan says something wrong.
+        """
+
+
+class Made(NamedTuple):
+    """A picture's files by their suffixes, and its caption."""
+
+    files: dict[str, bytes]
+    caption: str
+
+
+def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None) -> list[str]:
+    """Make and write pictures, here or by workers; their captions.
+
+    Those that are finished when anything fails, Ctrl-C included, stay.
+    """
+    captions = _elsewhere(plan, wanted, workers) if workers else _here(plan, wanted)
+    console = Console(stderr=True)
+    quiet = len(wanted) == 1 or not console.is_terminal
+    bar = track(captions, "pictures", len(wanted), console=console, transient=True, disable=quiet)
+    return list(bar)
+
+
+def _here(plan: Plan, wanted: Sequence[Wanted]) -> Iterator[str]:
+    studio = plan.open()
+    try:
+        for instant, path in wanted:
+            shot = studio.shoot(instant)
+            shot.write(path)
+            yield shot.caption
+    finally:
+        studio.close()
+
+
+def _elsewhere(plan: Plan, wanted: Sequence[Wanted], workers: Executor) -> Iterator[str]:
+    waiting = iter(wanted)
+    asked = deque(
+        (path, workers.submit(make_one, plan, instant, path.suffix))
+        for (instant, path), _ in zip(waiting, range(AHEAD), strict=False)
+    )
+    while asked:
+        path, promise = asked.popleft()
+        made = promise.result()
+        for suffix, content in made.files.items():
+            with atomic_output(path.with_suffix(suffix)) as beside:
+                beside.write_bytes(content)
+        following = next(waiting, None)
+        if following is not None:
+            promise = workers.submit(make_one, plan, following.instant, following.path.suffix)
+            asked.append((following.path, promise))
+        yield made.caption
+
+
+def said_of(wanted: Sequence[Wanted], captions: Sequence[str]) -> str:
+    """One line on what was made."""
+    if len(wanted) == 1:
+        return f"{wanted[0].path}: {captions[0]}"
+    files = f"{wanted[0].path} to {wanted[-1].path.name}"
+    return f"{files}: {len(wanted)} pictures, from {captions[0]}, to {captions[-1]}"
+
+
+_lock = Lock()
+_open: list[tuple[Plan, Studio]] = []
+
+
+def make_one(plan: Plan, instant: datetime, suffix: str) -> Made:
+    """Make one picture in a worker, whose studio stays open for the next of this plan."""
+    # A cluster's worker may have several threads, and a kernel is for one at a time.
+    with _lock, TemporaryDirectory() as folder:
+        shot = _studio(plan).shoot(instant)
+        name = Path(folder) / "picture"
+        shot.write(name.with_suffix(suffix))
+        files = {path.name.removeprefix(name.name): path.read_bytes()
+                 for path in sorted(Path(folder).iterdir())}  # fmt: skip
+        return Made(files, shot.caption)
+
+
+def _studio(plan: Plan) -> Studio:
+    if _open and _open[0][0] != plan:
+        _open.pop()[1].close()
+    if not _open:
+        _open.append((plan, plan.open()))
+    return _open[0][1]

@@ -1,0 +1,115 @@
+"""Pictures of a scene: one host for all of them."""
+
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
+from vrut_lite.commands.picture_metadata import picture_metadata, receives_light
+from vrut_lite.commands.time_span import at_instant, other_side
+from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.kernel.messages import SetClock
+from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
+from vrut_lite.render.display import Bits, display_picture
+from vrut_lite.render.image_files import Metadata, write_exr, write_png
+from vrut_lite.render.white_balance import white_balance_matrix
+from vrut_lite.scene.backend import Picture
+
+if TYPE_CHECKING:
+    from vrut_lite.host import Host
+
+
+@dataclass(frozen=True)
+class ScenePlan:
+    """A project, whose hour only begins it, and the bits of a PNG's channels."""
+
+    project: Project
+    bits: Bits = 8
+
+    def open(self) -> "SceneStudio":
+        """A host with the scene open.
+
+        Raises:
+            UserError: for anything that the project says wrong.
+        """
+        # Bad words are told before the GPU is asked for.
+        inputs = [*daylight_inputs(self.project), *view_inputs(self.project)]
+        setting_inputs(self.project, daylight_kernel()[0])
+        host = open_host()
+        try:
+            # A reflection that lags unseen behind the sky would tell which picture came before.
+            host.frame_skips = replace(host.frame_skips, reflection=False)
+            host.inject(*setting_inputs(self.project, host.kernel), *inputs)
+            host.settle()
+        except BaseException:
+            host.close()
+            raise
+        return SceneStudio(self, host)
+
+
+class SceneStudio:
+    """A `Studio` for one scene."""
+
+    def __init__(self, plan: ScenePlan, host: "Host"):
+        self._plan, self._host = plan, host
+        self._hour = plan.project.instant()
+
+    def shoot(self, instant: datetime) -> "SceneShot":
+        """The scene's picture at an instant."""
+        if instant != self._hour:
+            # What moves too little to be seen is not made anew: it moves far away first.
+            for hour in (other_side(instant), instant):
+                self._host.inject(SetClock(instant=hour))
+                self._host.settle()
+            self._hour = instant
+        require_sun(self._host.kernel)
+        if receives_light(self._host.kernel):
+            require_sky(self._host.kernel)
+        picture = self._host.draw()
+        project = at_instant(self._plan.project, instant)
+        metadata = {
+            **picture_metadata(project, self._host.kernel),
+            "exposureEv100": picture.ev100,
+            "toneMap": project.exposure.tone_map,
+        }
+        return SceneShot(picture, metadata, self._plan)
+
+    def close(self) -> None:
+        """Give the GPU back."""
+        self._host.close()
+
+
+@dataclass(frozen=True)
+class SceneShot:
+    """A picture and what is to be told of it."""
+
+    picture: Picture
+    metadata: Metadata
+    plan: ScenePlan
+
+    @property
+    def caption(self) -> str:
+        """The hour, the sun and the exposure."""
+        return (
+            f"{self.metadata['time']}, sun {self.metadata['sunElevationDeg']:.1f} deg high, "
+            f"EV100 {self.picture.ev100:.1f}"
+        )
+
+    def write(self, path: Path) -> None:
+        """PNG for display, EXR of radiance."""
+        if path.suffix.lower() == ".exr":
+            write_exr(path, self.picture.radiance, self.metadata)
+        elif self.plan.bits == 16:
+            write_png(path, self._display_16(), self.metadata)
+        else:
+            write_png(path, self.picture.display, self.metadata)
+
+    def _display_16(self) -> NDArray[Any]:
+        """The frame has 8 bits only: what it did is done again, from its radiance."""
+        wish = self.plan.project.exposure
+        matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
+        picture = self.picture
+        return display_picture(picture.radiance, picture.ev100, wish.tone_map, matrix, bits=16)

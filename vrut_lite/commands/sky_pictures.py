@@ -1,0 +1,223 @@
+"""Pictures of the sky alone: one kernel for all of them, and no GL."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from math import degrees, radians
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+from rich.progress import track
+
+from vrut_lite.commands.open_kernel import open_kernel, require_sky
+from vrut_lite.commands.picture_metadata import json_values, picture_metadata, vector_text
+from vrut_lite.commands.time_span import at_instant, other_side
+from vrut_lite.daylight_kernel import FaultCollector, demand_light
+from vrut_lite.errors import ModuleFailed
+from vrut_lite.geometry.encoding import decode_float16
+from vrut_lite.geometry.frames import enu_from_world, world_from_enu
+from vrut_lite.geometry.panorama import sample_sky, unfold_cube
+from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap, SkyMap
+from vrut_lite.geometry.sun_disc import disc_radiance
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import MoveCamera, SetClock, SunLightChanged
+from vrut_lite.project import Project, daylight_inputs, setting_inputs
+from vrut_lite.render.display import Bits, display_picture
+from vrut_lite.render.image_files import (
+    Metadata,
+    write_exr,
+    write_hdr,
+    write_json,
+    write_npz,
+    write_png,
+)
+
+Projection = Literal["lat-long", "cube", "fisheye"]
+PROJECTIONS: tuple[Projection, ...] = ("lat-long", "cube", "fisheye")
+_ROWS_AT_A_TIME, _ROWS_WORTH_A_BAR = 64, 1000
+
+
+@dataclass(frozen=True)
+class SkyPlan:
+    """Whose sky, and how it is laid onto pixels.
+
+    Attributes:
+        project: place and settings; its hour does not count.
+        size: edge of a cube's face, height of another picture, in pixels.
+        height_m: of the observer above the place.
+        turned_deg: the azimuth in the map's middle, clockwise of true north; of a cube, of the
+            scene's -Z axis.
+        sun_disc: whether the disc is in the picture.
+        bits: of a PNG's channels.
+        sidecar: whether a JSON file tells beside the picture what its header says.
+        bar: whether a large picture shows how far it is.
+    """
+
+    project: Project
+    projection: Projection = "lat-long"
+    size: int = 512
+    height_m: float = 0.0
+    turned_deg: float = 0.0
+    sun_disc: bool = False
+    bits: Bits = 8
+    sidecar: bool = False
+    bar: bool = False
+
+    @property
+    def axes_project(self) -> Project:
+        """The project in whose world axes light is computed: a turned cube has its own."""
+        if self.projection != "cube":
+            return self.project
+        turned = self.project.north_offset_deg + self.turned_deg
+        return msgspec.structs.replace(
+            self.project, north_offset_deg=(turned + 180.0) % 360.0 - 180.0
+        )
+
+    @property
+    def sky_map(self) -> SkyMap:
+        """The projection, in world axes."""
+        if self.projection == "cube":
+            return CubeFaces(self.size)
+        seen_offset_rad = radians(self.project.north_offset_deg - self.turned_deg)
+        kind = LatLongMap if self.projection == "lat-long" else FisheyeMap
+        return kind(self.size, seen_offset_rad)
+
+    @property
+    def cube_size(self) -> int:
+        """A cube whose texels are no wider than a pixel."""
+        if self.projection == "cube":
+            return self.size
+        return int(2 ** np.ceil(np.log2(max(64, self.size))))
+
+    def open(self) -> "SkyStudio":
+        """A kernel that has been told all but the hour.
+
+        Raises:
+            UserError: for anything that the project says wrong.
+        """
+        kernel = open_kernel()
+        faults = FaultCollector(kernel)
+        place, _ = daylight_inputs(self.axes_project)
+        eye = MoveCamera(eye_m=(0.0, self.height_m, 0.0), target_m=(0.0, self.height_m, -1.0))
+        for message in [*setting_inputs(self.project, kernel), place, eye]:
+            kernel.inject(message)
+        demand_light(kernel, "sky command", self.cube_size)
+        kernel.pump_until_idle()
+        faults.raise_first()
+        return SkyStudio(self, kernel, faults)
+
+
+class SkyStudio:
+    """A `Studio` for one sky."""
+
+    def __init__(self, plan: SkyPlan, kernel: Kernel, faults: FaultCollector):
+        self._plan, self._kernel, self._faults = plan, kernel, faults
+        self._used = False
+
+    def shoot(self, instant: datetime) -> "SkyShot":
+        """The sky of an instant."""
+        if self._used:
+            # What moves too little to be seen is not made anew: it moves far away first.
+            self._move_clock(other_side(instant))
+        self._used = True
+        self._move_clock(instant)
+        background = require_sky(self._kernel)
+        # Nobody runs GPU jobs in a kernel without GL: the cube is an array.
+        assert isinstance(background.cube, Array)
+        cube = decode_float16(background.cube.values, background.radiance_scale)
+        sun = self._kernel.last(SunLightChanged)
+        if sun is None:
+            raise ModuleFailed("no module makes sunlight: see `vrut-lite modules`")
+        plan = self._plan
+        directions, solid_angle = plan.sky_map.directions(), plan.sky_map.solid_angles()
+        if plan.projection == "cube":
+            radiance = cube
+        else:
+            # Black outside a fisheye's circle.
+            radiance = _sampled(cube, directions, plan.bar) * (solid_angle > 0.0)[..., None]
+        level = solid_angle * np.maximum(directions[..., 1], 0.0)
+        facts = {
+            **picture_metadata(at_instant(plan.axes_project, instant), self._kernel),
+            **_map_metadata(plan, sun),
+            "skyHorizontalIrradianceRgb": vector_text(np.tensordot(level, radiance, level.ndim)),
+        }
+        if plan.sun_disc:
+            radiance = radiance + disc_radiance(
+                plan.sky_map, sun.direction, sun.irradiance_rgb, sun.angular_radius_rad,
+                sun.limb_darkening_rgb,
+            )  # fmt: skip
+        return SkyShot(radiance, facts, plan)
+
+    def close(self) -> None:
+        """End background jobs."""
+        self._kernel.close()
+
+    def _move_clock(self, instant: datetime) -> None:
+        self._kernel.inject(SetClock(instant=instant))
+        self._kernel.pump_until_idle()
+        self._faults.raise_first()
+
+
+@dataclass(frozen=True)
+class SkyShot:
+    """Radiance in the plan's projection, (h, w, 3) or a cube's (6, n, n, 3)."""
+
+    radiance: NDArray[np.float32]
+    metadata: Metadata
+    plan: SkyPlan
+
+    @property
+    def caption(self) -> str:
+        """The hour and the sun."""
+        return f"{self.metadata['time']}, sun {self.metadata['sunElevationDeg']:.1f} deg high"
+
+    def write(self, path: Path) -> None:
+        """Write the picture, and its sidecar if it is to have one."""
+        suffix, radiance = path.suffix.lower(), self.radiance
+        if suffix == ".npz":
+            name = "cube" if radiance.ndim == 4 else "radiance"
+            write_npz(path, {name: radiance}, self.metadata)
+        else:
+            flat = unfold_cube(radiance) if radiance.ndim == 4 else radiance
+            if suffix == ".exr":
+                write_exr(path, flat, self.metadata)
+            elif suffix == ".hdr":
+                write_hdr(path, flat, self.metadata)
+            else:
+                write_png(path, display_picture(flat, bits=self.plan.bits), self.metadata)
+        if self.plan.sidecar:
+            write_json(path.with_name(path.name + ".json"), json_values(self.metadata))
+
+
+def _sampled(
+    cube: NDArray[np.float32], directions: NDArray[np.float64], bar: bool
+) -> NDArray[np.float32]:
+    """The cube map at directions (h, w, 3), some rows at a time: a large picture needs room."""
+    picture = np.empty(directions.shape, np.float32)
+    starts = range(0, len(directions), _ROWS_AT_A_TIME)
+    quick = len(directions) < _ROWS_WORTH_A_BAR
+    for start in track(starts, "drawing", disable=quick or not bar, transient=True):
+        rows = slice(start, start + _ROWS_AT_A_TIME)
+        picture[rows] = sample_sky(cube, directions[rows])
+    return picture
+
+
+def _map_metadata(plan: SkyPlan, sun: SunLightChanged) -> dict[str, str | float]:
+    """What places the map and its sun: for programs that light with it."""
+    facts: dict[str, str | float] = {
+        "projection": plan.projection,
+        "sunDisc": "in the picture" if plan.sun_disc else "not in the picture",
+        "sunAngularRadiusDeg": degrees(sun.angular_radius_rad),
+    }
+    sky_map = plan.sky_map
+    if isinstance(sky_map, LatLongMap | FisheyeMap):
+        direction = np.asarray(sun.direction)
+        true = enu_from_world(direction, radians(plan.project.north_offset_deg))
+        row, column = sky_map.position(direction)
+        facts["middleAzimuthDeg"] = plan.turned_deg
+        facts["sunDirectionInMap"] = vector_text(world_from_enu(true, radians(plan.turned_deg)))
+        facts["sunPixel"] = vector_text([float(column) + 0.5, float(row) + 0.5])
+    return facts

@@ -1,0 +1,136 @@
+"""Who makes pictures beside this process: processes of this machine, or a Dask cluster."""
+
+import asyncio
+import logging
+import os
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack, contextmanager
+from multiprocessing import active_children, get_context
+from typing import Any
+
+import click
+
+from vrut_lite.errors import ModuleFailed, UserError
+
+LOCAL = "local"
+_ANSWER_S = 10
+
+
+def worker_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --jobs and --dask."""
+    for option in (
+        click.option("--dask", metavar=f"ADDRESS|{LOCAL}", help="Many pictures on a Dask cluster, "
+                     "whose workers have vrut_lite and see the same files, or on one of this "
+                     "machine."),
+        click.option("--jobs", type=click.IntRange(1, 256), default=1, show_default=True,
+                     help="Many pictures in so many processes, each with its own GL."),
+    ):  # fmt: skip
+        command = option(command)
+    return command
+
+
+@contextmanager
+def workers_of(jobs: int, dask: str | None, pictures: int) -> Iterator[Executor | None]:
+    """What makes this number of pictures; None for this process itself.
+
+    Raises:
+        UserError: Dask is not installed, or no scheduler answers.
+    """
+    if dask is not None:
+        with _dask(dask, jobs) as executor:
+            yield executor
+    elif min(jobs, pictures) > 1:
+        with _processes(min(jobs, pictures)) as executor:
+            yield executor
+    else:
+        yield None
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Executor]:
+    # Not forked: a copy of a process that has OpenGL or threads is not sound.
+    executor = _Unfazed(count, mp_context=get_context("spawn"))
+    others = set(active_children())
+    try:
+        yield executor
+    except BaseException as error:
+        # Nobody will write what they still work on.
+        for process in set(active_children()) - others:
+            process.terminate()
+        if isinstance(error, BrokenProcessPool):
+            raise ModuleFailed(
+                "a process that makes pictures was ended from outside, perhaps for want of "
+                "memory: try with fewer --jobs"
+            ) from error
+        raise
+    finally:
+        executor.shutdown(cancel_futures=True)
+
+
+class _Unfazed(ProcessPoolExecutor):
+    """Processes that leave Ctrl-C to the one that started them."""
+
+    def submit(self, *arguments: Any, **named: Any) -> Any:
+        with _interrupts_blocked():
+            return super().submit(*arguments, **named)
+
+
+@contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """Threads and processes that start meanwhile never hear of Ctrl-C; this one does, after."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _dask(address: str, jobs: int) -> Iterator[Executor]:
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise UserError(
+            "--dask needs the package distributed: pip install 'vrut-lite[dask]'"
+        ) from None
+    with ExitStack() as stack:
+        if address == LOCAL:
+            with _interrupts_blocked():
+                cluster: Any = LocalCluster(
+                    n_workers=jobs if jobs > 1 else os.cpu_count() or 1,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                )
+            stack.enter_context(cluster)
+        else:
+            _knock(address)
+            cluster = address
+        client = stack.enter_context(Client(cluster, timeout=_ANSWER_S, set_as_default=False))
+        if address == LOCAL:
+            client.run(_ignore_interrupts)
+        yield client.get_executor(pure=False, retries=0)
+
+
+def _ignore_interrupts() -> None:
+    """In a worker of this machine, whose terminal sends them to it too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _knock(address: str) -> None:
+    """Raise UserError unless someone listens: a client would try much longer, and noisily."""
+    from distributed.comm import connect
+
+    async def visit() -> None:
+        (await connect(address, timeout=_ANSWER_S)).abort()
+
+    try:
+        asyncio.run(visit())
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"no Dask scheduler answers at {address} ({error}): name it as tcp://HOST:8786, or "
+            f"'{LOCAL}'"
+        ) from None

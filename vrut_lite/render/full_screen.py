@@ -1,0 +1,31 @@
+"""Programs that draw one triangle over the whole picture."""
+
+from typing import Any
+
+from vrut_lite.render.shader_files import shader_source
+
+
+class FullScreen:
+    """A fragment shader for every pixel; made and used on the GL thread only."""
+
+    def __init__(self, context: Any, fragment_shader: str):
+        self.program = context.program(
+            vertex_shader=shader_source("full_screen.vert"),
+            fragment_shader=shader_source(fragment_shader),
+        )
+        self._triangle = context.vertex_array(self.program, [])
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a uniform, a number or numbers, unless the compiler found it unused."""
+        if name in self.program:
+            number = isinstance(value, int | float)
+            self.program[name].value = value if number else tuple(map(float, value))
+
+    def draw(self) -> None:
+        """Draw into the framebuffer that is bound."""
+        self._triangle.render(vertices=3)
+
+    def release(self) -> None:
+        """Free program and vertex array."""
+        self._triangle.release()
+        self.program.release()

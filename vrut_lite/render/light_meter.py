@@ -1,0 +1,66 @@
+"""A light meter: lux at points of the scene, from the same light as the picture's."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.kernel.messages import AmbientChanged, MoveCamera, SunLightChanged
+from vrut_lite.render.rays import Hit, SceneRays
+from vrut_lite.scene.camera import look_at
+
+
+class Illuminance(NamedTuple):
+    """Lux on a plane, by the sun and by sky and ground together."""
+
+    sun_lux: float
+    sky_lux: float
+
+    @property
+    def lux(self) -> float:
+        """Both."""
+        return self.sun_lux + self.sky_lux
+
+
+def illuminance(
+    rays: SceneRays,
+    sun: SunLightChanged,
+    ambient: AmbientChanged,
+    point_m: ArrayLike,
+    normal: ArrayLike,
+) -> Illuminance:
+    """Lux on a plane with this normal (3,) at a point (3,), world axes.
+
+    The scene shades the sun, with a sharp edge; the sky is the whole one, as in the picture.
+    """
+    n = np.asarray(normal, dtype=float)
+    n = n / np.linalg.norm(n)
+    direction = np.asarray(sun.direction)
+    cosine = max(0.0, float(n @ direction))
+    lit = cosine > 0.0 and rays.is_free(point_m, n, direction)
+    sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
+    return Illuminance(
+        sun_lux=lit * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
+        sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,
+    )
+
+
+def surface_at(
+    rays: SceneRays, camera: MoveCamera, size: tuple[int, int], x: int, y: int
+) -> Hit | None:
+    """What the middle of a pixel shows, None if it is the sky; y counts from the top."""
+    return rays.first_hit(camera.eye_m, pixel_direction(camera, size, x, y))
+
+
+def pixel_direction(
+    camera: MoveCamera, size: tuple[int, int], x: int, y: int
+) -> NDArray[np.float64]:
+    """Unit world direction (3,) through the middle of a pixel."""
+    width, height = size
+    tangent = np.tan(0.5 * camera.vertical_field_of_view_rad)
+    right = (2.0 * (x + 0.5) / width - 1.0) * tangent * width / height
+    up = (1.0 - 2.0 * (y + 0.5) / height) * tangent
+    direction = look_at(camera.eye_m, camera.target_m)[:3, :3].T @ np.array([right, up, -1.0])
+    return np.asarray(direction / np.linalg.norm(direction))

@@ -1,0 +1,78 @@
+"""Rays against a loaded scene, on the CPU in double precision: for single points."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.scene.loading import LoadedScene
+
+# A ray starts this share of the scene's size off its surface.
+_CLEARANCE = 1e-6
+
+
+class Hit(NamedTuple):
+    """Where a ray meets a surface, and the surface's normal (3,) towards the ray's start."""
+
+    point_m: NDArray[np.float64]
+    normal: NDArray[np.float64]
+
+
+class SceneRays:
+    """The triangles of a scene and its ground; textures that cut out are not looked at."""
+
+    def __init__(self, scene: LoadedScene, ground: GroundDisc | None):
+        triangles = [placed.world_triangles() for placed in scene.meshes]
+        self._corner = np.concatenate([t[:, 0] for t in triangles])
+        self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
+        self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])
+        self._ground = ground
+        size_m = float(np.linalg.norm(scene.upper_m - scene.lower_m))
+        self._clearance_m = _CLEARANCE * max(size_m, 1e-6)
+
+    def first_hit(self, eye_m: ArrayLike, direction: ArrayLike) -> Hit | None:
+        """What a ray from `eye_m` (3,) along a unit direction (3,) meets first."""
+        eye, ray = np.asarray(eye_m, dtype=float), np.asarray(direction, dtype=float)
+        distances_m = self._distances_m(eye, ray)
+        nearest = int(np.argmin(distances_m)) if distances_m.size else -1
+        distance_m = distances_m[nearest] if distances_m.size else np.inf
+        ground_m = self._ground_distance_m(eye, ray)
+        if not np.isfinite(min(distance_m, ground_m)):
+            return None
+        if ground_m < distance_m:
+            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]))
+        normal = np.cross(self._edge_1[nearest], self._edge_2[nearest])
+        normal /= np.linalg.norm(normal)
+        return Hit(eye + distance_m * ray, normal if normal @ ray < 0.0 else -normal)
+
+    def is_free(self, point_m: ArrayLike, normal: ArrayLike, direction: ArrayLike) -> bool:
+        """Whether nothing stands between a point on a surface and what lies in a direction.
+
+        The ground casts no shadow: nothing shines from below it.
+        """
+        start = np.asarray(point_m, dtype=float) + self._clearance_m * np.asarray(normal)
+        return not np.any(np.isfinite(self._distances_m(start, np.asarray(direction, dtype=float))))
+
+    def _distances_m(self, eye: NDArray, ray: NDArray) -> NDArray[np.float64]:
+        """Along the ray to each triangle (F,), infinite where it misses.
+
+        Moeller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection".
+        """
+        p = np.cross(ray, self._edge_2)
+        determinant = np.einsum("fi,fi->f", self._edge_1, p)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = eye - self._corner
+            u = np.einsum("fi,fi->f", t, p) / determinant
+            q = np.cross(t, self._edge_1)
+            v = q @ ray / determinant
+            distance = np.einsum("fi,fi->f", self._edge_2, q) / determinant
+            hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > 0.0)
+        return np.where(hit, distance, np.inf)
+
+    def _ground_distance_m(self, eye: NDArray, ray: NDArray) -> float:
+        if self._ground is None or ray[1] >= 0.0 or eye[1] <= self._ground.height_m:
+            return float(np.inf)
+        distance_m = float((self._ground.height_m - eye[1]) / ray[1])
+        across = (eye + distance_m * ray)[[0, 2]] - self._ground.centre_xz_m
+        return distance_m if np.linalg.norm(across) <= self._ground.radius_m else float(np.inf)

@@ -1,0 +1,15 @@
+"""Shader sources, with what they share put in."""
+
+import re
+from functools import lru_cache
+from pathlib import Path
+
+SHADERS = Path(__file__).parent / "shaders"
+_INCLUDE = re.compile(r"^//!include (\S+)$", re.MULTILINE)
+
+
+@lru_cache(maxsize=32)
+def shader_source(name: str) -> str:
+    """The text of a shader; a line `//!include FILE` stands for that file."""
+    text = (SHADERS / name).read_text()
+    return _INCLUDE.sub(lambda found: shader_source(found.group(1)), text)

@@ -1,0 +1,71 @@
+"""The sky and the sun's disc, behind everything or under it."""
+
+from typing import Any
+
+import numpy as np
+from OpenGL import GL
+
+from vrut_lite.render.full_screen import FullScreen
+from vrut_lite.render.light import Light
+from vrut_lite.render.mesh_renderer import View
+
+
+class SunDisc:
+    """The sun as it is seen: mean radiance (3,), radius, limb darkening (3, 6)."""
+
+    def __init__(
+        self,
+        irradiance: tuple[float, float, float],
+        angular_radius_rad: float,
+        limb_darkening_rgb: tuple[tuple[float, ...], ...],
+    ):
+        # 2 sin^2(r / 2) is 1 - cos(r) without its cancellation.
+        solid_angle = 4 * np.pi * np.sin(0.5 * angular_radius_rad) ** 2
+        self.mean_radiance = np.asarray(irradiance) / solid_angle
+        self.angular_radius_rad = angular_radius_rad
+        self.limb_darkening = np.zeros((3, 6))
+        for channel, polynomial in enumerate(limb_darkening_rgb):
+            self.limb_darkening[channel, : len(polynomial)] = polynomial
+
+
+class SkyPass:
+    """Draws with reversed depth into the framebuffer that is bound."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._screen = FullScreen(context, "sky.frag")
+        # moderngl has queries too, but none that can be released.
+        self._query = int(GL.glGenQueries(1)[0])
+
+    def draw(self, view: View, light: Light, disc: SunDisc, only_uncovered: bool) -> int:
+        """Draw the sky, also where something was drawn unless `only_uncovered`.
+
+        Returns:
+            The number of samples that were drawn.
+        """
+        screen = self._screen
+        ray_from_clip = np.linalg.inv(view.projection @ view.rotation)
+        screen.set("ray_from_clip", ray_from_clip.T.ravel())
+        screen.set("sky_scale", light.sky.scale)
+        screen.set("sun_direction", light.sun_direction)
+        screen.set("sun_disc_radiance", disc.mean_radiance)
+        screen.set("sun_angular_radius", disc.angular_radius_rad)
+        screen.program["limb_darkening"].value = [tuple(row) for row in disc.limb_darkening.T]
+        light.sky.texture.use(location=0)
+        screen.program["sky"].value = 0
+        # At infinity, where nothing was drawn, depth is exactly the sky's.
+        GL.glDepthFunc(GL.GL_GEQUAL if only_uncovered else GL.GL_ALWAYS)
+        self._context.enable(self._context.DEPTH_TEST)
+        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
+        self._context.depth_mask = False
+        GL.glBeginQuery(GL.GL_SAMPLES_PASSED, self._query)
+        screen.draw()
+        GL.glEndQuery(GL.GL_SAMPLES_PASSED)
+        self._context.depth_mask = True
+        GL.glDepthFunc(GL.GL_GREATER)
+        return int(GL.glGetQueryObjectuiv(self._query, GL.GL_QUERY_RESULT))
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        self._screen.release()
+        GL.glDeleteQueries(1, [self._query])

@@ -1,0 +1,50 @@
+"""The framebuffers of one picture size."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.render.reversed_depth import FloatDepth
+
+SAMPLES = 4
+
+
+class Targets:
+    """Radiance with several samples a pixel, resolved radiance, and the picture for display.
+
+    Radiance is in 32-bit floats: the sun's disc is brighter than half precision can hold.
+    """
+
+    def __init__(self, context: Any, size: tuple[int, int]):
+        self.size = size
+        self._colour = context.renderbuffer(size, 4, samples=SAMPLES, dtype="f4")
+        self.multisampled = context.framebuffer([self._colour])
+        self._depth = FloatDepth(self.multisampled, size, SAMPLES)
+        self.radiance = context.texture(size, 4, dtype="f4")
+        self.resolved = context.framebuffer([self.radiance])
+        self._display = context.texture(size, 4)
+        self.display = context.framebuffer([self._display])
+
+    @property
+    def samples(self) -> int:
+        """Samples of all pixels."""
+        return self.size[0] * self.size[1] * SAMPLES
+
+    def read_radiance(self) -> NDArray[np.float32]:
+        """The resolved picture (h, w, 3), row 0 at the top."""
+        width, height = self.size
+        pixels = np.frombuffer(self.radiance.read(), np.float32)
+        return pixels.reshape(height, width, 4)[::-1, :, :3].copy()
+
+    def read_display(self) -> NDArray[np.uint8]:
+        """The tone-mapped picture (h, w, 3), row 0 at the top."""
+        width, height = self.size
+        pixels = np.frombuffer(self.display.read(components=3, alignment=1), np.uint8)
+        return pixels.reshape(height, width, 3)[::-1].copy()
+
+    def release(self) -> None:
+        """Free everything; another framebuffer must be bound."""
+        for thing in (self.multisampled, self.resolved, self.display, self._colour, self._depth,
+                      self.radiance, self._display):  # fmt: skip
+            thing.release()
