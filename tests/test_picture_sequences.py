@@ -1,4 +1,4 @@
-"""Pictures of a span of time: which instants, which files, and the same bytes whoever makes them."""
+"""Pictures of a span of time: which instants, which files, the same bytes whoever makes them."""
 
 import sys
 from dataclasses import replace

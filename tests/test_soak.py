@@ -1,14 +1,28 @@
-"""A day in fast motion: what stays behind after many inputs to the real modules."""
+"""A day in fast motion, scenes that come and go: what stays behind after many inputs."""
 
 import gc
 import sys
+from pathlib import Path
 
 import pytest
 
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.kernel.messages import BackgroundChanged, SetClockRate, Tick
-from vrut_lite.project import Project, daylight_inputs
+from vrut_lite.project import Project, daylight_inputs, view_inputs
 
+ROOT = Path(__file__).parents[1]
+SCENES = sorted(
+    path
+    for folder in ("scenes", "scenes/work", "tests/data/models")
+    for path in (ROOT / folder).iterdir()
+    if path.suffix in {".glb", ".gltf", ".obj"}
+)
+# Rounds of all scenes until caches of programs and arenas of memory have their size.
+WARM_UP_ROUNDS = 2
+MOST_GROWTH_BYTES = 16e6
+PAGE_BYTES = 4096
+# Drivers number their objects on and on; far more names than a scene takes.
+FIRST_NAMES, NAMES_A_SCENE = 4000, 120
 TICKS_A_MINUTE = 3600
 WARM_UP_TICKS = 200
 
@@ -51,3 +65,46 @@ def test_play_leaves_nothing_behind(kernel, request):
     # The tap's own list of skies is not the kernel's.
     assert sys.getallocatedblocks() - blocks < 2000
     assert skies
+
+
+def gl_objects(highest_name):
+    """How many GL objects of each kind there are; on the GL thread."""
+    from OpenGL import GL
+
+    kinds = (GL.glIsTexture, GL.glIsBuffer, GL.glIsVertexArray, GL.glIsFramebuffer,
+             GL.glIsRenderbuffer, GL.glIsProgram, GL.glIsShader, GL.glIsQuery)  # fmt: skip
+    return {kind.__name__: sum(map(bool, map(kind, range(1, highest_name)))) for kind in kinds}
+
+
+def resident_bytes():
+    gc.collect()
+    return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE_BYTES
+
+
+@pytest.mark.gl
+def test_scenes_come_and_go_in_one_host(request):
+    """Every scene there is, one after another: no GL object more, memory within 16 MB.
+
+    From file to picture, at another hour each time; whole rounds, so that the last scene is
+    the first measurement's. --scene-cycles says how many, 36 by default.
+    """
+    from vrut_lite.host import Host
+
+    def round_of_scenes(host, number):
+        for place, scene in enumerate(SCENES):
+            hour = 6 + (number + place) % 14
+            project = Project(scene=str(scene), at=f"2026-06-21T{hour:02d}:00", size=(48, 32))
+            host.inject(*daylight_inputs(project), *view_inputs(project))
+            host.draw()
+
+    rounds = max(1, request.config.getoption("--scene-cycles") // len(SCENES))
+    highest = FIRST_NAMES + NAMES_A_SCENE * len(SCENES) * (WARM_UP_ROUNDS + rounds)
+    with Host(cube_size=16) as host:
+        for number in range(WARM_UP_ROUNDS):
+            round_of_scenes(host, number)
+        objects, memory = host.gl.call(lambda _: gl_objects(highest)), resident_bytes()
+        assert objects["glIsBuffer"] > 0
+        for number in range(rounds):
+            round_of_scenes(host, number)
+        assert host.gl.call(lambda _: gl_objects(highest)) == objects
+        assert resident_bytes() - memory < MOST_GROWTH_BYTES

@@ -1,5 +1,6 @@
 """The ground under sun and sky."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -8,12 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.solver import SourceField, ground_irradiance
+from bruneton_sky.solver.coordinates import SunGrid
 from vrut_lite.geometry.colour import rgb_from_spectrum
 
 FloatArray = NDArray[np.float64]
 SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT = 3.0, 0.0
-# Suns between which the ground's light is interpolated: it is smooth.
-_SUNS = 96
+# Suns between which the ground's light is interpolated, placed as the solver places its own.
+_SUNS = 192
 
 
 class GroundLight(NamedTuple):
@@ -28,24 +30,24 @@ class GroundLight(NamedTuple):
         return sun + rgb_from_spectrum(self.sky, wavelength_nm, SKYLIGHT_EXPONENT)
 
 
-def irradiance(field: SourceField, mu_s: ArrayLike) -> GroundLight:
-    """What level ground receives where the sun's zenith angle has the cosine (n,)."""
-    suns = np.asarray(mu_s, dtype=float)
-    return GroundLight(sun_on_ground(field.atmosphere, suns), ground_irradiance(field, suns))
-
-
 def ground_radiance(field: SourceField, mu_s: ArrayLike) -> GroundLight:
     """Radiance of level ground where the sun's zenith angle has the cosine (...,).
 
     Lambert's albedo / pi times the irradiance of sun and sky, W m^-2 sr^-1 nm^-1.
     """
     cosine = np.asarray(mu_s, dtype=float)
-    low, high = float(cosine.min()), float(cosine.max())
-    suns = np.linspace(low, high, _SUNS if high > low else 1)
-    reflected = np.asarray(field.atmosphere.ground_albedo) / np.pi
-    return GroundLight(
-        *(_interpolate(cosine, suns, part * reflected) for part in irradiance(field, suns))
-    )
+    suns, light = _light_on_ground(field)
+    return GroundLight(*(_interpolate(cosine, suns, part) for part in light))
+
+
+@lru_cache(maxsize=4)
+def _light_on_ground(field: SourceField) -> tuple[FloatArray, GroundLight]:
+    """Cosines (n,) of suns, rising, and the ground's radiance (n, C) under each."""
+    air = field.atmosphere
+    suns = SunGrid(air, _SUNS).mu_s
+    reflected = np.asarray(air.ground_albedo) / np.pi
+    sun, sky = sun_on_ground(air, suns), ground_irradiance(field, suns)
+    return suns, GroundLight(sun * reflected, sky * reflected)
 
 
 def _interpolate(x: FloatArray, nodes: FloatArray, values: FloatArray) -> FloatArray:

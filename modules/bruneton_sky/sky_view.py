@@ -24,13 +24,16 @@ from bruneton_sky.solver.view import source_of_group
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 
-ROWS_ABOVE, ROWS_BELOW, COLUMNS = 80, 48, 40
+# Rows above and below the horizon for an observer who stands, inside the air, and above it, from
+# where all of the air is a thin limb.
+_STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (24, 64)
+COLUMNS = 40
 # Below this altitude the ground fills what is below the level, and the air before it is left
 # to whoever draws the ground.
 STANDING_M = 10.0
-# Steps along a ray, and bins for light scattered once and more. In twilight the planet's shadow
-# cuts through the rays, and a bin that it cuts is coarse: twice as many are taken.
-_DAY, _TWILIGHT = (48, 24, 12), (96, 48, 12)
+# Steps along a ray, and bins for light scattered once and more. In twilight and from space the
+# planet's shadow cuts through the rays, and a bin that it cuts is coarse: twice as many are taken.
+_DAY, _FINE = (48, 24, 12), (96, 48, 12)
 _TWILIGHT_BELOW_MU_S = 0.1
 _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)
 
@@ -63,29 +66,40 @@ def sky_view(field: SourceField, altitude_m: float, sun_direction: NDArray[np.fl
         sun_direction: unit vector (3,) in world axes, at the observer.
     """
     mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
-    below = 0 if altitude_m <= STANDING_M else ROWS_BELOW
-    rows = table_rows(field.atmosphere, altitude_m, mu_s, ROWS_ABOVE, below, COLUMNS)
-    counts = _DAY if mu_s > _TWILIGHT_BELOW_MU_S else _TWILIGHT
-    once, more, transmittance, length_m = _trace(field, rows, counts)
+    inside = altitude_m <= field.atmosphere.top_altitude_m
+    above, below = _INSIDE_ROWS if inside else _OUTSIDE_ROWS
+    if altitude_m <= STANDING_M:
+        above, below = _STANDING_ROWS
+    rows = table_rows(field.atmosphere, altitude_m, mu_s, above, below, COLUMNS)
+    rgb = _radiance_rgb(field, rows, _DAY if inside and mu_s > _TWILIGHT_BELOW_MU_S else _FINE)
+    nodes = np.zeros((rgb.shape[0] * rgb.shape[1], 2, 4), dtype=np.float32)
+    nodes[..., :3] = np.sqrt(np.sqrt(np.maximum(rgb, 0.0))).reshape(-1, 2, 3)
+    return SkyView(
+        nodes.reshape(-1, 8),
+        (above, below, COLUMNS),
+        rows.depth,
+        np.asarray(sun_direction, dtype=float),
+        mie_phase_parameters(field.atmosphere),
+    )
+
+
+def _radiance_rgb(
+    field: SourceField, rows: Rows, counts: tuple[int, int, int]
+) -> NDArray[np.float64]:
+    """Linear sRGB (rows, columns, 2, 3): all light with its phase but for that which aerosol
+    scatters once, and that without its phase."""
+    once, more, transmittance, length_m = trace(field, rows, counts)
     phased = once[0] * rayleigh_phase(rows.nu)[..., None] + more
     wavelength_nm = field.atmosphere.wavelength_nm
     rgb = rgb_from_spectrum(np.stack([phased, once[1]], axis=-2), wavelength_nm, SKYLIGHT_EXPONENT)
     # A low sun's light off aerosol lies outside the gamut: what it lacks the rest makes up for.
     lacking = np.minimum(rgb[:, :, 1], 0.0)
     rgb[:, :, 0] += lacking * mie_phase(field.atmosphere, rows.nu)[..., None]
-    if below:
+    if rows.hits.any():
         ground = _ground_at_end(field, rows, length_m)
         seen = (part * transmittance[rows.hits, None] for part in ground)
         rgb[rows.hits, :, 0] += GroundLight(*seen).rgb(wavelength_nm)
-    nodes = np.zeros((rgb.shape[0] * rgb.shape[1], 2, 4), dtype=np.float32)
-    nodes[..., :3] = np.sqrt(np.sqrt(np.maximum(rgb, 0.0))).reshape(-1, 2, 3)
-    return SkyView(
-        nodes.reshape(-1, 8),
-        (ROWS_ABOVE, below, COLUMNS),
-        rows.depth,
-        np.asarray(sun_direction, dtype=float),
-        mie_phase_parameters(field.atmosphere),
-    )
+    return rgb
 
 
 def fill_cube(
@@ -117,11 +131,16 @@ def level_direction(direction: NDArray[np.float64]) -> NDArray[np.float64]:
     return level / length if length > 1e-12 else np.array([0.0, -1.0])
 
 
-def _trace(
+def trace(
     field: SourceField, rows: Rows, counts: tuple[int, int, int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Light scattered once (2, rows, columns, C) and more (rows, columns, C), transmittance
-    (rows, C) and length (rows,) of the rays."""
+    """Light along rays, in W m^-2 sr^-1 nm^-1.
+
+    Scattered once (2, rows, columns, C), by molecules and by aerosol without their phase
+    functions, and more often (rows, columns, C); the transmittance
+    (rows, C) and the length (rows,) of the rays. `counts`: steps, bins for light scattered once,
+    bins for more.
+    """
     from bruneton_sky.sky_view_kernels import trace_rows
 
     groups = groups_of_air(field.atmosphere)

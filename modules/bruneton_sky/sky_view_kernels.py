@@ -6,7 +6,12 @@ Importing this module imports numba.
 import numpy as np
 
 from bruneton_sky.solver.cells_kernels import ZERO, empty_cells, fast
-from bruneton_sky.solver.ray_bins_kernels import STEP_COLUMNS, empty_bins, fill_bins
+from bruneton_sky.solver.ray_bins_kernels import (
+    STEP_COLUMNS,
+    empty_bins,
+    fill_steps,
+    merge_steps,
+)
 from bruneton_sky.solver.source_kernels import empty_slab, gather_later
 from bruneton_sky.solver.sun_kernels import gather_first
 
@@ -30,9 +35,9 @@ def trace_rows(  # type: ignore[no-untyped-def]
     for i in range(mu.size):
         cells.mu_s[:] = mu_s[i]
         cells.nu[:] = nu[i]
-        fill_bins(air, altitude[i], mu[i], hits[i], steps, fine)
-        end[i] = fine.end
+        fill_steps(air, altitude[i], mu[i], hits[i], steps, end[i])
+        merge_steps(air, altitude[i], mu[i], steps, fine)
         rayleigh, mie = once[0, i], once[1, i]
         gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, rayleigh, mie)
-        fill_bins(air, altitude[i], mu[i], hits[i], steps, coarse)
+        merge_steps(air, altitude[i], mu[i], steps, coarse)
         gather_later(air, altitude[i], coarse, cells, source, slab, more[i])

@@ -11,10 +11,14 @@ def sun_step_rad(apparent_elevation_rad: float) -> float:
     """The angle by which the sun may stray without changing any texel beyond the tolerance.
 
     The model's largest change per degree, over turbidity 1 to 10 and albedo 0 to 1, measured:
-    3.7 at 1 to 2 deg of elevation (blue, in clear air, opposite the sun), 1.2 at 4 deg and in
-    twilight, 0.41 at 7 deg, 0.34 at 10, 0.14 at 20, and 0.09 from 40 deg up. 4 below 7 deg, 4
-    over the elevation above, and never less than 0.1 stays above all of them.
+    3.7 at 1 to 2 deg of elevation (blue, in clear air, opposite the sun), 1.2 at 4 deg, 0.41 at
+    7 deg, 0.34 at 10, 0.14 at 20, and 0.09 from 40 deg up; in twilight 2.5 at -1 deg and 5.8 at
+    -18. 6 below the horizon, 4 below 7 deg, 4 over the elevation above, and never less than 0.1
+    stays above all of them.
     """
     elevation_deg = float(np.degrees(apparent_elevation_rad))
-    change_per_deg = 4.0 if elevation_deg < 7.0 else max(4.0 / elevation_deg, 0.1)
+    if elevation_deg < 7.0:
+        change_per_deg = 6.0 if elevation_deg < 0.0 else 4.0
+    else:
+        change_per_deg = max(4.0 / elevation_deg, 0.1)
     return float(np.radians(RADIANCE_TOLERANCE / change_per_deg))

@@ -1,7 +1,7 @@
 """Where the light of twilight stands in the sky: a table of solved multiple scattering.
 
 The table (`data/twilight.npz`, made by tools/twilight_fit) holds the logarithm of the sky's
-radiance over the illuminance on level ground, for five turbidities from 1 to 10, suns from 2 to
+radiance over the illuminance on level ground, for seven turbidities from 1 to 10, suns from 2 to
 -13 deg and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions,
 in which a look-up is bilinear: so few numbers that a shader can have them as a small texture.
 

@@ -106,6 +106,17 @@ def test_the_least_recently_used_goes_first(tmp_path):
     assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= cache.limit_bytes
 
 
+def test_what_a_killed_process_left_is_swept_up(tmp_path):
+    """A part of a file that nobody writes any more would take room for ever."""
+    old, new = tmp_path / "old.part", tmp_path / "new.part"
+    for part in (old, new):
+        part.write_bytes(b"half")
+    os.utime(old, (0, 0))
+    TableCache(tmp_path).put(RECIPE, _arrays())
+    assert not old.exists()
+    assert new.exists()
+
+
 def test_two_processes_may_write_the_same_entry(tmp_path):
     """Whoever reads meanwhile finds a whole entry or none."""
     context = multiprocessing.get_context("spawn")

@@ -9,6 +9,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
 from rich.progress import track
 
 from vrut_lite.commands.open_kernel import open_kernel, require_sky
@@ -198,8 +199,9 @@ def _sampled(
     """The cube map at directions (h, w, 3), some rows at a time: a large picture needs room."""
     picture = np.empty(directions.shape, np.float32)
     starts = range(0, len(directions), _ROWS_AT_A_TIME)
-    quick = len(directions) < _ROWS_WORTH_A_BAR
-    for start in track(starts, "drawing", disable=quick or not bar, transient=True):
+    console = Console(stderr=True)
+    quiet = not bar or len(directions) < _ROWS_WORTH_A_BAR or not console.is_terminal
+    for start in track(starts, "drawing", console=console, disable=quiet, transient=True):
         rows = slice(start, start + _ROWS_AT_A_TIME)
         picture[rows] = sample_sky(cube, directions[rows])
     return picture

@@ -11,7 +11,8 @@ from bruneton_sky.solver.sizes import SolverSizes
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
+# Fields are told apart by identity, so that what follows from one can be kept for it.
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SourceField:
     """The source function J of orders two and up, by altitude, direction, azimuth and sun.
 

@@ -11,6 +11,7 @@ import io
 import logging
 import os
 import tempfile
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 VERSION = 1
 _MAGIC = f"vrut_lite tables {VERSION}\n".encode()
 _DIGEST_BYTES = 32
+_FORGOTTEN_S = 86_400.0
 _log = logging.getLogger(__name__)
 
 Arrays = Mapping[str, NDArray[np.floating]]
@@ -87,13 +89,17 @@ class TableCache:
             raise
 
     def _drop_oldest(self) -> None:
+        """Make room; parts that a killed process left a day ago go too."""
+        for part in self.folder.glob("*.part"):
+            if part.stat().st_mtime < time.time() - _FORGOTTEN_S:
+                part.unlink(missing_ok=True)
         used = [(path.stat().st_mtime_ns, path) for path in self.folder.glob("*.tables")]
         total = sum(path.stat().st_size for _, path in used)
         for _, path in sorted(used)[:-1]:
             if total <= self.limit_bytes:
                 return
             total -= path.stat().st_size
-            path.unlink()
+            path.unlink(missing_ok=True)
 
 
 def _digest(payload: bytes) -> bytes:

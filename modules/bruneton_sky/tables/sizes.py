@@ -13,7 +13,7 @@ class TableSizes:
         altitude, mu, nu, mu_s: of the scattering S, 32 x 128 x 8 x 32.
 
     Raises:
-        ValueError: an axis has fewer than two nodes.
+        ValueError: an axis has fewer than two nodes, or mu an odd number or fewer than four.
     """
 
     transmittance_altitude: int = 64
@@ -29,8 +29,8 @@ class TableSizes:
         for field in fields(self):
             if getattr(self, field.name) < 2:
                 raise ValueError(f"{field.name} of the tables must be at least 2")
-        if self.mu % 2:
-            raise ValueError("mu of the tables must be even: half of it looks at the ground")
+        if self.mu % 2 or self.mu < 4:
+            raise ValueError("mu of the tables must be even and at least 4: half sees the ground")
 
     @property
     def scattering_shape(self) -> tuple[int, int, int, int]:

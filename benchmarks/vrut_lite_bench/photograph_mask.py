@@ -1,0 +1,185 @@
+"""Which pixels of a lat-long photograph show clear sky, and where in it the sun stands.
+
+A photograph is linear RGB (h, 2 h, 3) of unknown unit. Its azimuths count clockwise from the
+middle column; where north was nobody knows.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.geometry.panorama import lat_long_directions
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+# The level horizon is seldom the camera's own: so much above it is left out in any case.
+HORIZON_MARGIN_DEG = 2.0
+# Around the sun a photograph holds flare, blooming and the blocks of its compression.
+GLARE_DEG = 10.0
+# A disc in view is brighter than its surroundings by far more than this.
+_DISC_CONTRAST = 10.0
+# From this share of a channel's maximum up a value may be clipped.
+_CLIPPED_SHARE = 0.7
+# What stands before the sky is looked for below this elevation only.
+_TALLEST_DEG = 32.0
+# Natural logarithms: a step down at the edge of the land, and the roughness of clouds.
+_EDGE, _ROUGH = 0.3, 0.06
+# Away from the sun blue under this share of green is no sky: grass, leaves, lit walls.
+_LEAST_BLUE = 0.7
+
+
+class Sun(NamedTuple):
+    """Where the sun stands, in degrees; `in_view` if its disc was found."""
+
+    azimuth_deg: float
+    elevation_deg: float
+    in_view: bool
+
+    def direction(self) -> FloatArray:
+        """Unit vector (3,) in world axes."""
+        angles = np.radians([self.azimuth_deg, self.elevation_deg])
+        return world_from_enu(direction_from_angles(*angles))
+
+
+class Masks(NamedTuple):
+    """Pixels (h, 2 h) left out, by reason."""
+
+    land: BoolArray
+    cloud: BoolArray
+    clipped: BoolArray
+    glare: BoolArray
+
+    @property
+    def usable(self) -> BoolArray:
+        """Clear sky that the photograph has measured."""
+        return ~(self.land | self.cloud | self.clipped | self.glare)
+
+
+def elevations_deg(height: int) -> FloatArray:
+    """Elevation (h,) of each row of a lat-long picture."""
+    return (0.5 - (np.arange(height) + 0.5) / height) * 180.0
+
+
+def find_disc(photo: FloatArray) -> Sun | None:
+    """The sun by its disc: the centre of the brightest pixels; None if nothing is that bright."""
+    light = luminance(photo)
+    height = light.shape[0]
+    row, column = np.unravel_index(int(light.argmax()), light.shape)
+    peak = light[row, column]
+    around = np.degrees(_angle_from(height, _at_pixel(height, float(row), float(column))))
+    ring = light[(around > 3.0) & (around < 6.0)]
+    if peak < _DISC_CONTRAST * max(float(np.median(ring)), 0.0):
+        return None
+    rows, columns = np.nonzero((light > 0.4 * peak) & (around < 3.0))
+    # Columns are counted from the peak's, so that a sun at the picture's edge stays whole.
+    across = (columns - column + height) % (2 * height) - height
+    weight = light[rows, columns]
+    return _at_pixel(
+        height,
+        float(np.average(rows, weights=weight)),
+        float(column + np.average(across, weights=weight)),
+    )
+
+
+def find_azimuth_deg(photo: FloatArray, usable: BoolArray) -> float:
+    """Azimuth of a sun that is not in view: the sky is a mirror image about it, and brighter.
+
+    The logarithms of luminance from 5 to 60 deg are compared with their mirror image about
+    each half column; of the two best (sun and opposite) the one whose side is brighter.
+    """
+    height = photo.shape[0]
+    elevation = elevations_deg(height)
+    band = (elevation > 5.0) & (elevation < 60.0)
+    seen = usable[band]
+    log = np.log(np.where(seen, luminance(photo)[band], 1.0))
+    count = 2 * height
+    costs = np.full(count, np.inf)
+    for doubled in range(count):
+        mirror = (doubled - np.arange(count)) % count
+        both = seen & seen[:, mirror]
+        if both.mean() > 0.2:
+            costs[doubled] = np.abs(log - log[:, mirror])[both].mean()
+    best = int(costs.argmin())
+    centre = best / 2.0
+    ahead = np.cos(2.0 * np.pi * (np.arange(count) - centre) / count)[None, :]
+    if float((log * ahead)[seen].sum() - log[seen].mean() * (seen * ahead).sum()) < 0.0:
+        centre += height
+    return _at_pixel(height, 0.0, centre % count).azimuth_deg
+
+
+def masks_of(photo: FloatArray, sun: Sun | None) -> Masks:
+    """What is land, cloud, clipped or glare; without a sun there is no glare."""
+    height = photo.shape[0]
+    degree = height / 180.0
+    brightest = photo.max(axis=(0, 1))
+    # Values below zero are what compression makes of clipped neighbours.
+    broken = (photo <= 0.0).any(axis=-1) | (photo >= _CLIPPED_SHARE * brightest).any(axis=-1)
+    clipped = _grown(broken, 1.0 * degree)
+    angle = np.full(photo.shape[:2], 180.0)
+    if sun is not None:
+        angle = np.degrees(_angle_from(height, sun))
+    glare = angle < (GLARE_DEG if sun is not None and sun.in_view else 0.0)
+    land = _land(photo, glare)
+    return Masks(land, _cloud(photo, land | clipped | glare), clipped, glare)
+
+
+def _land(photo: FloatArray, glare: BoolArray) -> BoolArray:
+    """All below the skyline, which is the highest edge of its column and of its neighbours."""
+    height = photo.shape[0]
+    degree = height / 180.0
+    elevation = elevations_deg(height)
+    log = np.log(np.maximum(luminance(photo), 1e-6))
+    # The edge is where light falls against the sky a few rows above, which no sky does so fast.
+    reach = max(round(2.0 * degree), 2)
+    above = np.vstack([np.repeat(log[:1], reach, axis=0), log[:-reach]])
+    drop = above - log > _EDGE
+    leafy = photo[..., 2] < _LEAST_BLUE * photo[..., 1]
+    edge = (drop | leafy) & ~glare & (elevation < _TALLEST_DEG)[:, None]
+    below = np.logical_or.accumulate(edge, axis=0)
+    below = _grown(below, 1.5 * degree)
+    return below | (elevation < HORIZON_MARGIN_DEG)[:, None]
+
+
+def _cloud(photo: FloatArray, other: BoolArray) -> BoolArray:
+    """What differs from the smooth sky around it in light or in colour, moon and masts too."""
+    degree = photo.shape[0] / 180.0
+    safe = np.maximum(photo, 1e-6)
+    window = 2 * round(5.0 * degree) + 1
+    rough = np.zeros(other.shape, dtype=bool)
+    for quantity in (np.log(luminance(safe)), np.log(safe[..., 2] / safe[..., 0])):
+        # Land must not weigh in the median beside it: it takes the value of the sky above.
+        filled = _filled_from_above(quantity, other)
+        wrapped = np.pad(filled, ((0, 0), (window, window)), mode="wrap")
+        smooth = ndimage.median_filter(wrapped, window, mode="nearest")[:, window:-window]
+        rough |= np.abs(filled - smooth) > _ROUGH
+    return _grown(rough & ~other, 1.5 * degree)
+
+
+def _filled_from_above(quantity: FloatArray, holes: BoolArray) -> FloatArray:
+    rows = np.where(holes, 0, np.arange(holes.shape[0])[:, None])
+    last = np.maximum.accumulate(rows, axis=0)
+    return np.take_along_axis(quantity, last, axis=0)
+
+
+def _grown(mask: BoolArray, radius_px: float) -> BoolArray:
+    """The mask (h, w) and all within a radius of it, around the picture's edge as well."""
+    pad = int(np.ceil(radius_px)) + 1
+    wrapped = np.pad(mask, ((0, 0), (pad, pad)), mode="wrap")
+    near: BoolArray = ndimage.distance_transform_edt(~wrapped) <= radius_px
+    return near[:, pad:-pad] if mask.any() else mask
+
+
+def _at_pixel(height: int, row: float, column: float) -> Sun:
+    azimuth = ((column + 0.5) / height - 1.0) * 180.0
+    return Sun(azimuth, (0.5 - (row + 0.5) / height) * 180.0, True)
+
+
+def _angle_from(height: int, sun: Sun) -> FloatArray:
+    """Angle (h, 2 h) of each pixel from the sun, rad."""
+    cosine = lat_long_directions(height) @ sun.direction()
+    return np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -1,0 +1,78 @@
+"""The rays of the sky-view table against Monte Carlo, from the ground to space."""
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.sky_view import trace
+from bruneton_sky.sky_view_rows import Rows
+from bruneton_sky.solver import SourceField, solve
+from numpy.typing import NDArray
+
+TRUTH = np.load(Path(__file__).parents[1] / "data" / "bruneton_truth.npz")
+FINE = (96, 48, 12)
+
+
+@lru_cache
+def field(aerosol_factor: int) -> SourceField:
+    """The truth's air, solved as for a picture."""
+    earth = Atmosphere.earth()
+    air = replace(
+        earth,
+        mie_scattering=tuple(np.multiply(earth.mie_scattering, aerosol_factor)),
+        mie_extinction=tuple(np.multiply(earth.mie_extinction, aerosol_factor)),
+    )
+    return solve(air, orders=20, all_orders=True, tolerance=0.02)
+
+
+def compare(
+    chosen: NDArray[np.bool_], aerosol_factor: int = 1
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Differences of total radiance over the larger of truth and a thousandth of the brightest,
+    and the truth's standard errors in the same measure; both (n, C)."""
+    air = field(aerosol_factor).atmosphere
+    truth = {name: TRUTH[name][chosen & (TRUTH["aerosol_factor"] == aerosol_factor)] for name in (
+        "entry_altitude_m", "entry_mu", "entry_mu_s", "nu", "hits_ground", "first", "multiple",
+        "multiple_error",
+    )}  # fmt: skip
+    nu = truth["nu"][:, None]
+    rows = Rows(
+        truth["entry_altitude_m"], truth["entry_mu"], truth["hits_ground"].astype(bool),
+        truth["entry_mu_s"][:, None], nu, np.zeros(2),
+    )  # fmt: skip
+    once, more, _, _ = trace(field(aerosol_factor), rows, FINE)
+    ours = once[0] * rayleigh_phase(nu)[..., None] + once[1] * mie_phase(air, nu)[..., None] + more
+    total = truth["first"] + truth["multiple"]
+    scale = np.maximum(total, 1e-3 * total.max())
+    return (ours[:, 0] - total) / scale, truth["multiple_error"] / scale
+
+
+@pytest.mark.parametrize("altitude_m", [0.0, 2000.0, 12_000.0, 50_000.0, 300_000.0])
+@pytest.mark.parametrize("zenith_deg", [0.0, 30.0, 60.0, 80.0, 87.0])
+def test_total_radiance_by_day(altitude_m: float, zenith_deg: float) -> None:
+    """By day the mean error of the total is below 0.25 %, that of 99 % of the rays below 1 %
+    beyond the truth's own noise, views from space with the limb included (issue: 0.5 % against
+    converged truth, and Monte Carlo's noise)."""
+    chosen = (TRUTH["altitude_m"] == altitude_m) & (TRUTH["sun_zenith_deg"] == zenith_deg)
+    error, noise = compare(chosen)
+    assert np.abs(error).mean() < 2.5e-3
+    assert np.quantile(np.abs(error) - 3.0 * noise, 0.99) < 1e-2
+
+
+@pytest.mark.parametrize(("zenith_deg", "most"), [(90.0, 6e-3), (93.0, 1e-2), (96.0, 4e-2)])
+def test_total_radiance_in_twilight(zenith_deg: float, most: float) -> None:
+    """With the sun at and below the horizon the mean error, noise of 0.3 to 2 % included, stays
+    below what is named; the sun's axis has a node every degree there."""
+    error, _ = compare(TRUTH["sun_zenith_deg"] == zenith_deg)
+    assert np.abs(error).mean() < most
+
+
+@pytest.mark.parametrize("zenith_deg", [30.0, 80.0, 87.0])
+def test_total_radiance_through_ten_times_the_aerosol(zenith_deg: float) -> None:
+    """Issue: within 1.5 % with aerosol times ten, noise of 0.2 to 0.5 % included."""
+    error, _ = compare(TRUTH["sun_zenith_deg"] == zenith_deg, aerosol_factor=10)
+    assert np.abs(error).mean() < 8e-3
