@@ -1,5 +1,7 @@
 """The host end to end: settings, place and hour in, a lit scene out."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -14,12 +16,14 @@ from vrut_lite.kernel.messages import (
     ChooseSlot,
     EnableModule,
     LoadScene,
+    Resize,
     SetSetting,
     SunLightChanged,
     SunMoved,
 )
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
+SCENES = Path(__file__).parents[1] / "scenes"
 SKIES = ("dynamic_skylight", "bruneton_sky")
 
 
@@ -152,3 +156,16 @@ def test_a_failing_scene_does_not_end_the_host(tmp_path):
             with pytest.raises(UserError):
                 host.settle()
         host.load(str(path))
+
+
+@pytest.mark.gl
+def test_a_closed_room_is_drawn_before_any_light():
+    """A room needs no hour: opened in a fresh host, it shows what shines in it."""
+    from vrut_lite.host import Host
+
+    with Host() as host:
+        host.inject(Resize(width_px=32, height_px=24))
+        host.load(str(SCENES / "work" / "room.glb"))
+        picture = host.draw()
+    assert np.isfinite(picture.radiance).all()
+    assert picture.radiance.max() > 0.0

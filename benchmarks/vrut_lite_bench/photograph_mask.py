@@ -72,8 +72,9 @@ def find_disc(photo: FloatArray) -> Sun | None:
     row, column = np.unravel_index(int(light.argmax()), light.shape)
     peak = light[row, column]
     around = np.degrees(_angle_from(height, _at_pixel(height, float(row), float(column))))
-    ring = light[(around > 3.0) & (around < 6.0)]
-    if peak < _DISC_CONTRAST * max(float(np.median(ring)), 0.0):
+    # Much of the ring may be dark land: it is the sky in it that counts.
+    ring = np.quantile(light[(around > 3.0) & (around < 6.0)], 0.9)
+    if peak < _DISC_CONTRAST * ring:
         return None
     rows, columns = np.nonzero((light > 0.4 * peak) & (around < 3.0))
     # Columns are counted from the peak's, so that a sun at the picture's edge stays whole.

@@ -106,7 +106,7 @@ def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, bo
     light(backend, gradient_sky(), **SUN)
     backend.show_scene(boxes, GROUND)
     assert counts(backend, backend.draw)[1]["shadow map"] == 1
-    assert backend.ledger.skipped["shadow map: the sun is down"] == 1
+    assert backend.ledger.skipped["shadow map: no sun to cast one"] == 1
     assert backend.ledger.skipped["shadow map: same scene, same sun"] == 1
 
 

@@ -14,7 +14,7 @@ SHADOW_SIZE = 4096
 class ShadowMap:
     """A depth texture; made and used on the GL thread only.
 
-    The ledger counts "shadow map" done, and skipped where the sun is down or where scene and
+    The ledger counts "shadow map" done, and skipped where no sun shines in or where scene and
     sun are those of the last.
     """
 
@@ -37,7 +37,7 @@ class ShadowMap:
         )
         now = (scene, light.sun_direction)
         if not always and not any(light.sun_irradiance):
-            self._ledger.skip("shadow map: the sun is down")
+            self._ledger.skip("shadow map: no sun to cast one")
         elif not always and self._is_drawn(*now):
             self._ledger.skip("shadow map: same scene, same sun")
         else:

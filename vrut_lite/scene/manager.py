@@ -25,6 +25,7 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.scene.backend import SceneBackend
 from vrut_lite.scene.camera import camera_from_pose, frame_bounds
+from vrut_lite.scene.darkness import no_ambient, no_background, no_sun
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.ground_disc import disc_under
 from vrut_lite.scene.loading import LoadedScene, load_scene
@@ -156,6 +157,16 @@ class SceneManager(Module):
             self.link.demand(kind, size, wanted.encoding)
         if sheltered:
             self.ledger.skip("light: in a closed room", len(self._wanted_light))
+            self._darken()
+
+    def _darken(self) -> None:
+        """Stand in for light that never came: a frame is to be drawn without it."""
+        if self._background is None:
+            self._backend.set_background(no_background())
+        if self._sun is None:
+            self._backend.set_sun_light(no_sun())
+        if self._ambient is None:
+            self._backend.set_ambient(no_ambient())
 
     def _own_camera(self) -> MoveCamera | None:
         """The camera that the scene brings, or one that frames it."""

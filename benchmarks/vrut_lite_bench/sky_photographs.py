@@ -1,0 +1,114 @@
+"""Both sky models beside real photographs of the sky.
+
+    python -m vrut_lite_bench.sky_photographs PHOTO_FOLDER OUT_FOLDER
+
+Reads park.exr, sunrise.exr and dawn.exr (lat-long, linear RGB, +Y up; by Poly Haven, CC0),
+leaves out what is not clear sky, finds the sun, fits turbidity, exposure and gains, prints a
+Markdown table and writes photo_NAME.jpg (strips) and photo_NAME_profile.png for each.
+"""
+
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import OpenEXR
+
+from vrut_lite_bench.photograph_fit import (
+    MODELS,
+    Fit,
+    FloatArray,
+    Pixels,
+    best_fit,
+    fit,
+    pixels_of,
+    spread_log10,
+)
+from vrut_lite_bench.photograph_mask import Masks, Sun, find_azimuth_deg, find_disc, masks_of
+
+PHOTOGRAPHS = ("park", "sunrise", "dawn")
+TURBIDITIES = tuple(float(t) for t in np.arange(1.0, 10.01, 0.5))
+# A sun that is not in view stands somewhere here: not yet up, or behind hills.
+HIDDEN_SUN_DEG = tuple(float(e) for e in np.arange(-9.0, 1.01, 0.5))
+# The search looks at every third row and column, the result at all.
+_SEARCH_STEP = 3
+_HEADER = (
+    "| photograph | sun elevation, azimuth | model | turbidity (as good) | exposure "
+    "| gains R, G, B | rms log10 luminance | rms u'v' |\n|---|---|---|---:|---:|---|---:|---:|"
+)
+
+
+class Comparison(NamedTuple):
+    """A photograph (h, 2 h, 3), what of it counts, and the models' fits by caption.
+
+    `as_good`: for models that were searched, the least and the largest turbidity whose cost is
+    within 10 % of the best.
+    """
+
+    photo: FloatArray
+    masks: Masks
+    pixels: Pixels
+    fits: dict[str, Fit]
+    as_good: dict[str, tuple[float, float]]
+
+
+def read_photograph(path: Path) -> FloatArray:
+    """Linear RGB (h, 2 h, 3), the zenith on the top row."""
+    with OpenEXR.File(str(path)) as file:
+        return np.asarray(file.channels()["RGB"].pixels, dtype=float)
+
+
+def compare(photo: FloatArray, turbidities: tuple[float, ...] = TURBIDITIES) -> Comparison:
+    """Mask, sun, and the fit of each model; last, Bruneton at the turbidity of Hosek-Wilkie."""
+    disc = find_disc(photo)
+    masks = masks_of(photo, disc)
+    suns = [disc] if disc else _hidden_suns(photo, masks)
+    coarse = pixels_of(photo, masks.usable, _SEARCH_STEP)
+    pixels = pixels_of(photo, masks.usable)
+    fits, as_good = {}, {}
+    for name, model in MODELS.items():
+        found, as_good[name] = best_fit(coarse, model, turbidities, suns)
+        fits[name] = fit(pixels, model, found.turbidity, found.sun)
+    matched = fits["Hosek-Wilkie"]
+    again = fit(pixels, MODELS["Bruneton"], matched.turbidity, matched.sun)
+    fits["Bruneton, matched"] = again
+    return Comparison(photo, masks, pixels, fits, as_good)
+
+
+def _hidden_suns(photo: FloatArray, masks: Masks) -> list[Sun]:
+    azimuth = find_azimuth_deg(photo, masks.usable)
+    return [Sun(azimuth, elevation, False) for elevation in HIDDEN_SUN_DEG]
+
+
+def table_rows(name: str, comparison: Comparison) -> list[str]:
+    """Lines of the Markdown table for one photograph."""
+    rows = []
+    for model, found in comparison.fits.items():
+        low, high = comparison.as_good.get(model, (None, None))
+        span = "" if low is None else f" ({low:g} to {high:g})"
+        rows.append(
+            f"| {name} | {found.sun.elevation_deg:.1f}°, {found.sun.azimuth_deg:.1f}° | {model} "
+            f"| {found.turbidity:g}{span} | {found.exposure:.3g} "
+            f"| {', '.join(f'{gain:.2f}' for gain in found.gains)} "
+            f"| {found.rms_log10:.3f} | {found.rms_uv:.4f} |"
+        )
+    even = spread_log10(comparison.pixels)
+    return [*rows, f"| {name} | | an even sky | | | | {even:.3f} | |"]
+
+
+def main(photo_folder: Path, out_folder: Path) -> None:
+    """Fit, print and draw all photographs."""
+    # Drawing needs matplotlib, an extra; fitting does not.
+    from vrut_lite_bench.photograph_figures import profile_figure, strips
+
+    out_folder.mkdir(parents=True, exist_ok=True)
+    print(_HEADER)
+    for name in PHOTOGRAPHS:
+        comparison = compare(read_photograph(photo_folder / f"{name}.exr"))
+        print("\n".join(table_rows(name, comparison)), flush=True)
+        strips(comparison).save(out_folder / f"photo_{name}.jpg", quality=85)
+        profile_figure(comparison, out_folder / f"photo_{name}_profile.png")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -1,0 +1,35 @@
+"""Light that is none: what lights a closed room into which no light ever came."""
+
+import numpy as np
+
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import AmbientChanged, BackgroundChanged, SunLightChanged
+
+NAME = "darkness"
+
+
+def no_background() -> BackgroundChanged:
+    """A black sky over black ground."""
+    return BackgroundChanged(
+        cube=Array(np.zeros((6, 2, 2, 3), np.float16)),
+        radiance_scale=1.0,
+        ground_radiance_rgb=(0.0, 0.0, 0.0),
+        source=NAME,
+    )
+
+
+def no_sun() -> SunLightChanged:
+    """A sun in the zenith that gives no light."""
+    even = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return SunLightChanged(
+        direction=(0.0, 1.0, 0.0),
+        irradiance_rgb=(0.0, 0.0, 0.0),
+        angular_radius_rad=0.00465,
+        limb_darkening_rgb=(even, even, even),
+        source=NAME,
+    )
+
+
+def no_ambient() -> AmbientChanged:
+    """No light from anywhere."""
+    return AmbientChanged(irradiance_sh_rgb=Array(np.zeros((25, 3), np.float32)), source=NAME)
