@@ -270,11 +270,16 @@ class SceneLoaded(Derived, frozen=True, kw_only=True):
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):
-    """What the scene asks of light: producers compute nothing else."""
+    """What the scene asks of light: producers compute nothing else.
+
+    `air_reach_m`: how far from the eye things stand between which and the eye air is to be
+    drawn; 0 where none is.
+    """
 
     sky_in_view: bool
     visible_faces: tuple[int, ...]
     receives_light: bool
+    air_reach_m: float = 0.0
 
 
 class SunMoved(Derived, frozen=True, kw_only=True):
@@ -294,7 +299,8 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
 
     cube (6, size, size, 3) float16, or a cube texture that stays on the GPU; linear sRGB
     radiance in W m^-2 sr^-1 is cube times `radiance_scale`, a power of two. The lower half
-    holds `ground_radiance_rgb` (W m^-2 sr^-1).
+    holds `ground_radiance_rgb` (W m^-2 sr^-1): bare, so that who draws the air draws it before
+    that ground too, or, `ground_through_air`, as it is seen through the air.
     """
 
     slot: ClassVar[str | None] = "sky"
@@ -303,6 +309,7 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
     radiance_scale: float
     ground_radiance_rgb: Vector
     source: str
+    ground_through_air: bool = False
     color_space: Literal["linear-srgb"] = "linear-srgb"
     frame: Literal["world"] = "world"
 
@@ -320,6 +327,51 @@ class SunLightChanged(Derived, frozen=True, kw_only=True):
     irradiance_rgb: Vector
     angular_radius_rad: float
     limb_darkening_rgb: tuple[tuple[float, ...], ...]
+    source: str
+
+
+class AirVolume(msgspec.Struct, frozen=True, kw_only=True):
+    """The air between one eye and whatever stands in any direction, at any distance up to a reach.
+
+    Values are kept at nodes (slices, rows, columns) by distance, height and azimuth from the
+    sun; `vrut_lite.geometry.air_volume` says where the nodes lie and how values become light.
+    Radiance is linear sRGB, float16, to be multiplied by `radiance_scale` (a power of two), and
+    is a mean along the ray: what the air adds before a point is mean * (1 - transmittance).
+
+    Attributes:
+        shaded: (slices, rows, columns, 3) light scattered twice or more, W m^-2 sr^-1: what the
+            air sends also where no sun falls on it.
+        direct: the same of sunlight scattered once by molecules, their phase function in it.
+        aerosol: the same of sunlight scattered once by aerosol, to be multiplied by its phase
+            function (sr^-1): W m^-2.
+        extinction: (slices, rows, 3) float32, m^-1, mean along the ray: transmittance is
+            exp(-extinction * distance).
+        aerosol_phase: g, factor and form: factor (1 + form nu^2) / (1 + g^2 - 2 g nu)^1.5.
+        rows_above, rows_below: of the rows, how many lie above and below the horizon.
+        reach_m: distance of the last slice, counted from where the ray enters the air.
+    """
+
+    shaded: Array
+    direct: Array
+    aerosol: Array
+    extinction: Array
+    radiance_scale: float
+    aerosol_phase: tuple[float, float, float]
+    rows_above: int
+    rows_below: int
+    reach_m: float
+    observer_altitude_m: float
+    ground_radius_m: float
+    top_altitude_m: float
+    sun_direction: Vector
+
+
+class AirChanged(Derived, frozen=True, kw_only=True):
+    """The air in front of the scene; no volume where it would not be seen."""
+
+    slot: ClassVar[str | None] = "sky"
+
+    volume: AirVolume | None
     source: str
 
 

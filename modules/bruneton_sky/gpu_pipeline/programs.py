@@ -31,11 +31,8 @@ def check_sizes(sizes: TableSizes) -> None:
     """Refuse tables that the shaders cannot make.
 
     Raises:
-        ValueError: a work group's shared memory has no room for them, or half of mu has no room
-            for both its ends.
+        ValueError: a work group's shared memory has no room for them.
     """
-    if sizes.mu < 4:
-        raise ValueError("mu of the tables must be at least 4: a half must have two ends")
     needed = _shared_bytes(sizes)
     if needed > _SHARED_BYTES:
         raise ValueError(
