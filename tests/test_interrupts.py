@@ -8,7 +8,15 @@ import pytest
 from vrut_lite.interrupts import interrupts_held
 
 
-def test_an_interrupt_that_would_be_swallowed_comes_afterwards():
+@pytest.fixture
+def heard():
+    """A job that a shell started in the background is born deaf to Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_that_would_be_swallowed_comes_afterwards(heard):
     """A bare except inside sees nothing; whoever loaded gets the KeyboardInterrupt."""
     swallowed, went_on = [], []
 
