@@ -1,0 +1,7 @@
+"""Print what is measured of the claims."""
+
+from vrut_lite_studies.claims import coefficients, look_ups, looks, resolution
+
+for part in (coefficients, look_ups, resolution, looks):
+    for text in part.report():
+        print(text, flush=True)

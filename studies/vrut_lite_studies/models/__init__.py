@@ -1,0 +1,1 @@
+"""The skies that are compared, each behind the one interface of `model`."""

@@ -1,0 +1,124 @@
+"""The same rules as a compute shader: time per ray against error, on whatever OpenGL there is.
+
+The rays are the texels of a cube map's upper face, 35 to 90 degrees up, three wavelengths, in
+single precision, which leaves relative errors of about 1e-6.
+"""
+
+from functools import partial
+from typing import Any, cast
+
+import numpy as np
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.gpu_single_scattering import MOST_GAUSS_NODES, single_scattering_cube_job
+from bruneton_sky.single_scattering import Rule
+from numpy.typing import NDArray
+from vrut_lite_bench.gpu_clock import clock_name, has_timer, least_s
+
+from vrut_lite.geometry.colour import three_sample_scale
+from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
+from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite_studies.rules.against_truth import NODES, SAMPLES, Samples, all_rules, truth
+from vrut_lite_studies.rules.airs import Rays
+from vrut_lite_studies.rules.run_times import RunTime
+
+FloatArray = NDArray[np.float64]
+
+SIZE = 16
+# After some 32,800 rounds of all its loops Mesa's software renderer ends a shader's loops: at
+# 256 x 128 the last nodes are missing, at 512 x 256 most of them.
+_LLVMPIPE_ROUNDS = 32_000
+_UP = int(np.flatnonzero(FACE_NORMALS[:, 1] > 0.5)[0])
+
+
+def shader_run_times(
+    air: Atmosphere,
+    sun_zenith_deg: float,
+    samples: tuple[tuple[int, int], ...] = SAMPLES,
+    nodes: tuple[int, ...] = NODES,
+    size: int = SIZE,
+) -> tuple[str, list[RunTime]]:
+    """What measured, in words, and the times.
+
+    Args:
+        air: of three wavelengths.
+        sun_zenith_deg: below 90.
+        samples, nodes: of the textbook rules and of ours.
+        size: edge of the face in texels, a multiple of 8.
+
+    Raises:
+        UserError: there is no OpenGL here.
+    """
+    owner = GlOwner()
+    try:
+        device = f"GLSL on {owner.renderer.split(' (')[0]}"
+        clock = clock_name(owner.renderer)
+        most = np.inf if has_timer(owner.renderer) else _LLVMPIPE_ROUNDS
+        known = [(rule, n) for rule, n in all_rules(samples, nodes) if _can(rule, n, most)]
+        timed = [
+            owner.call(partial(_timed, air=air, sun=sun_zenith_deg, rule=rule, taken=n, size=size))
+            for rule, n in known
+        ]
+    finally:
+        owner.close()
+    rows = [
+        RunTime(device, sun_zenith_deg, rule, taken, ns, rms)
+        for (rule, taken), (ns, rms) in zip(known, timed, strict=True)
+    ]
+    return f"{device}, {clock}", rows
+
+
+def _can(rule: str, samples: Samples, most_rounds: float) -> bool:
+    """The shader has one Simpson, and room for so many nodes."""
+    if isinstance(samples, int):
+        return samples <= MOST_GAUSS_NODES
+    return rule != "simpson-trapezoid" and (samples[0] + 1) * (samples[1] + 1) <= most_rounds
+
+
+def _timed(
+    context: Any,
+    air: Atmosphere,
+    sun: float,
+    rule: str,
+    taken: Samples,
+    size: int,
+) -> tuple[float, float]:
+    """Nanoseconds per ray, and the relative error."""
+    zenith = np.radians(sun)
+    toward = np.array([0.0, np.cos(zenith), -np.sin(zenith)])
+    job = single_scattering_cube_job(
+        "study",
+        "cube",
+        air,
+        0.0,
+        toward,
+        size,
+        rule=cast(Rule, rule),
+        samples=taken,
+        format="rgba32f",
+        wanted=(_UP,),
+    )
+    texture = context.texture_cube((size, size), 4, dtype="f4")
+    program = _program(context, job)
+    texture.bind_to_image(0, read=False, write=True)
+    spent = least_s(context, lambda: program.run(*job.groups))
+    context.memory_barrier()
+    texels = np.frombuffer(texture.read(_UP), dtype=np.float32).reshape(size, size, 4)
+    for part in (texture, program):
+        part.release()
+    return 1e9 * spent / size**2, _error(air, toward, texels[..., :3].astype(float))
+
+
+def _program(context: Any, job: GpuJob) -> Any:
+    program = context.compute_shader(job.compute_shader)
+    for name, value in job.uniforms.items():
+        if name in program:
+            program[name].value = value
+    return program
+
+
+def _error(air: Atmosphere, toward: FloatArray, texels: FloatArray) -> float:
+    face = texel_directions(len(texels))[_UP].reshape(-1, 3)
+    rays = Rays(face[:, 1], float(toward[1]), np.clip(face @ toward, -1.0, 1.0))
+    radiance = texels.reshape(-1, 3) / three_sample_scale(air.wavelength_nm, 3.0)
+    return float(np.sqrt(((radiance / truth(air, rays) - 1.0) ** 2).mean()))
