@@ -1,0 +1,22 @@
+"""What the path tracer says."""
+
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import Derived
+
+
+class PathTracedPicture(Derived, frozen=True, kw_only=True):
+    """The picture so far; whoever wants it demands it by this name.
+
+    radiance (height_px, width_px, 3) float32 is linear sRGB in W m^-2 sr^-1, row 0 at the top:
+    the mean of `samples` paths a pixel, of `samples_wanted`.
+    """
+
+    radiance: Array
+    width_px: int
+    height_px: int
+    samples: int
+    samples_wanted: int
+
+
+class PictureOutdated(Derived, frozen=True, kw_only=True):
+    """To the path tracer itself: once all that changed has been heard, begin anew."""

@@ -1,0 +1,251 @@
+"""The path tracer on the bus: a picture that grows while nothing changes.
+
+It hears what the scene manager hears and keeps a stage of its own by the same rules (which
+camera, which ground, in a closed room or not). Nothing is loaded or traced unless somebody
+demands `PathTracedPicture`.
+"""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from path_tracer.backend import PathTracedBackend
+from path_tracer.library import load_mitsuba
+from path_tracer.messages import PathTracedPicture, PictureOutdated
+from path_tracer.settings import PathTracerSettings
+from path_tracer.tracer import Tracer
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_texture import GpuTexture
+from vrut_lite.kernel.job import JobControl
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    BackgroundChanged,
+    Demand,
+    Derived,
+    JobResult,
+    LoadScene,
+    MoveCamera,
+    Resize,
+    SceneLoaded,
+    SetExposure,
+    SunLightChanged,
+)
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.scene.manager import LIGHT, SceneManager, SceneSettings
+
+NAME = "path_tracer"
+JOB = "samples"
+# Cube map edge to ask for, as the GL frame does.
+SKY_SIZE = 256
+# The first pictures come soon; later ones bring enough to be worth a message.
+_MOST_A_PASS = 16
+
+
+class PathTracer(Module):
+    """Traces what the scene manager shows, in passes that double.
+
+    The ledger counts "picture begun" and "sample", and skips "scene: nobody wants a picture".
+    """
+
+    manifest = Manifest(name=NAME, title="Path tracer (mitsuba)", version="0.1.0")
+    settings_type = PathTracerSettings
+    settings: PathTracerSettings
+    # What `vrut-lite render --engine` calls it, and how it is made there.
+    engine: ClassVar[str] = "path-tracer"
+
+    @staticmethod
+    def open_engine(
+        settings: PathTracerSettings, traced: Callable[[int], None]
+    ) -> PathTracedBackend:
+        """A backend to draw with; `traced` hears of each step's samples.
+
+        Raises:
+            UserError: mitsuba, or the variant that is set, is not there.
+        """
+        load_mitsuba(settings.variant)
+        return PathTracedBackend(settings, traced)
+
+    def __init__(self, link: Link, settings: PathTracerSettings):
+        super().__init__(link, settings)
+        self._backend = PathTracedBackend(settings)
+        alone = SceneSettings(air=False)
+        self._stage = SceneManager(_Muted(link), alone, backend=self._backend)
+        self._wanted = False
+        self._path: str | None = None
+        self._shown: str | None = None
+        self._tracer: Tracer | None = None
+        self._total: NDArray[np.float64] | None = None
+        self._samples = 0
+
+    # --- who wants a picture ------------------------------------------------------------
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Begin when the first asks for a picture, and end when the last no longer does."""
+        wanted = self.link.wanted(PathTracedPicture) is not None
+        if message.message != PathTracedPicture.__name__ or wanted == self._wanted:
+            return
+        self._wanted = wanted
+        for kind in LIGHT:
+            self.link.demand(kind, SKY_SIZE if wanted else 0, "float16" if wanted else "")
+        if wanted:
+            self._show_scene()
+        else:
+            self._end()
+
+    # --- what is to be seen -------------------------------------------------------------
+
+    @handles(SceneLoaded)
+    def on_scene(self, message: SceneLoaded) -> None:
+        """The scene manager has opened a file: it is opened here too, if a picture is wanted."""
+        self._path, self._shown = message.path, None
+        self._show_scene()
+
+    @handles(MoveCamera)
+    def on_camera(self, message: MoveCamera) -> None:
+        """Look from there."""
+        # The scene manager tells whoever sent it that such a camera looks nowhere.
+        if message.eye_m != message.target_m:
+            self._stage.on_camera(message)
+            self._outdated()
+
+    @handles(Resize)
+    def on_resize(self, message: Resize) -> None:
+        """Trace pictures of this size."""
+        self._stage.on_resize(message)
+        self._outdated()
+
+    @handles(SetExposure)
+    def on_exposure(self, message: SetExposure) -> None:
+        """Remember the exposure: radiance knows none, so the picture goes on."""
+        self._stage.on_exposure(message)
+
+    @handles(BackgroundChanged)
+    def on_background(self, message: BackgroundChanged) -> None:
+        """Another sky.
+
+        Raises:
+            UserError: a picture is wanted, and the sky never left the GPU.
+        """
+        if not isinstance(message.cube, GpuTexture):
+            self._stage.on_background(message)
+            self._outdated()
+        elif self._wanted:
+            self._end()
+            raise UserError(
+                f"the path tracer cannot read a sky that stays on the GPU: set cube_device of "
+                f"{message.source} to cpu"
+            )
+
+    @handles(SunLightChanged)
+    def on_sun_light(self, message: SunLightChanged) -> None:
+        """Another sun."""
+        self._stage.on_sun_light(message)
+        self._outdated()
+
+    @handles(AmbientChanged)
+    def on_ambient(self, message: AmbientChanged) -> None:
+        """Other light on the ground, of which its albedo is known."""
+        self._stage.on_ambient(message)
+        self._outdated()
+
+    def settings_changed(self, name: str) -> None:
+        """Begin anew as they say now."""
+        self._backend.settings = self.settings
+        self._outdated()
+
+    def _show_scene(self) -> None:
+        if self._path is None or self._shown == self._path:
+            self._outdated()
+        elif not self._wanted:
+            self.ledger.skip("scene: nobody wants a picture")
+        else:
+            self._shown = self._path
+            self._stage.on_load(LoadScene(path=self._path))
+            self._outdated()
+
+    # --- tracing ------------------------------------------------------------------------
+
+    def _outdated(self) -> None:
+        """Stop at once, and begin when all that changes now has been heard."""
+        if self._wanted:
+            self._end()
+            self.link.post(PictureOutdated())
+
+    def _end(self) -> None:
+        self.link.cancel_job(JOB)
+        self._tracer = self._total = None
+
+    @handles(PictureOutdated)
+    def begin(self, message: PictureOutdated) -> None:
+        """Trace what there is now, from the first sample."""
+        if not self._wanted or not self._backend.is_ready:
+            return
+        self._end()
+        self._tracer = Tracer(self._backend.subject(), self.settings)
+        self._samples = 0
+        self.ledger.did("picture begun")
+        self._next_pass()
+
+    def _next_pass(self) -> None:
+        count = min(max(1, self._samples), _MOST_A_PASS, self.settings.spp - self._samples)
+        if self._tracer is not None and count > 0:
+            wanted = self.settings.spp
+            self.link.start_job(JOB, trace_pass, self._tracer, self._samples, count, wanted)
+
+    @handles(JobResult)
+    def on_samples(self, result: JobResult) -> None:
+        """Add a pass to the picture, show it, and go on; what failed is told by the kernel."""
+        if self._tracer is None or result.error:
+            self._end()
+            return
+        first, count, radiance = result.value
+        share = radiance.values.astype(np.float64) * count
+        self._total = share if self._total is None else self._total + share
+        self._samples = first + count
+        self.ledger.did("sample", count)
+        mean = (self._total / self._samples).astype(np.float32)
+        self.link.post(
+            PathTracedPicture(
+                radiance=Array(mean),
+                width_px=mean.shape[1],
+                height_px=mean.shape[0],
+                samples=self._samples,
+                samples_wanted=self.settings.spp,
+            )
+        )
+        self._next_pass()
+
+
+def trace_pass(
+    tracer: Tracer, first: int, count: int, wanted: int, control: JobControl
+) -> tuple[int, int, Array] | None:
+    """Some samples of a picture, in the background: their first, their number, their mean."""
+    done = first
+
+    def traced(samples: int) -> None:
+        nonlocal done
+        done += samples
+        control.progress(done / wanted, f"{done} of {wanted} samples")
+
+    radiance = tracer.trace(first, count, control.cancelled, traced)
+    return None if radiance is None else (first, count, Array(radiance))
+
+
+class _Muted:
+    """The link of a stage that says nothing: the scene manager has said it."""
+
+    def __init__(self, link: Link):
+        self._link = link
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._link, name)
+
+    def post(self, message: Derived) -> None:
+        """Say nothing."""
+
+    def demand(self, *wish: Any) -> None:
+        """Want nothing."""

@@ -1,0 +1,39 @@
+"""What a person can set about the path tracer."""
+
+from typing import Annotated, Literal
+
+import msgspec
+
+
+class PathTracerSettings(msgspec.Struct, frozen=True):
+    """The settings of the module; a change begins the picture anew."""
+
+    spp: Annotated[
+        int, msgspec.Meta(ge=1, le=65536, description="Samples per pixel of a finished picture")
+    ] = 64
+    max_bounces: Annotated[
+        int | None,
+        msgspec.Meta(
+            ge=1,
+            le=1000,
+            description="How many surfaces light may meet, 1 for direct light alone; none: any",
+        ),
+    ] = None
+    sun: Annotated[
+        Literal["disc", "sharp"],
+        msgspec.Meta(
+            description="The sun as its disc, darkened to the limb, or as a direction, with the "
+            "sharp shadows of the GL frame and no disc to be seen"
+        ),
+    ] = "disc"
+    surfaces: Annotated[
+        Literal["gltf", "principled"],
+        msgspec.Meta(
+            description="What is no metal: Lambert's surface under a coat, as glTF has it, or "
+            "a principled BSDF"
+        ),
+    ] = "gltf"
+    variant: Annotated[
+        Literal["scalar", "llvm"],
+        msgspec.Meta(description="Of mitsuba: scalar_rgb, or llvm_ad_rgb where it runs"),
+    ] = "scalar"

@@ -1,0 +1,107 @@
+"""A picture, some samples at a time: the only file that makes mitsuba trace.
+
+Sun and sky are traced apart and added, for light is additive: a path that had to choose between
+them would find the sun every other time, and sunlit ground would be grainy.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from path_tracer.camera import sensor
+from path_tracer.library import load_mitsuba
+from path_tracer.settings import PathTracerSettings
+from path_tracer.shapes import glowing_shapes, shapes
+from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
+from path_tracer.subject import Subject
+from path_tracer.sun import sun_emitter
+
+# Between two questions whether to go on: a second or less on one core.
+_PATHS_A_BATCH = 2**18
+# From here on dim paths are ended by chance, and the others weigh more for it.
+_ROULETTE_DEPTH = 8
+
+Ask = Callable[[], bool]
+Tell = Callable[[int], None]
+
+
+class Tracer:
+    """Traces one subject; scenes and trees are built with the first samples."""
+
+    def __init__(self, subject: Subject, settings: PathTracerSettings):
+        self._subject = subject
+        self._settings = settings
+        self._scenes: list[Any] | None = None
+
+    def trace(
+        self,
+        first: int,
+        count: int,
+        cancelled: Ask = lambda: False,
+        traced: Tell = lambda samples: None,
+    ) -> NDArray[np.float32] | None:
+        """The mean radiance (h, w, 3) of samples number `first` to `first + count` of a pixel.
+
+        The same numbers give the same samples. None if it was `cancelled`, which is asked
+        between batches; `traced` hears how many samples each batch brought.
+
+        Raises:
+            UserError: mitsuba, or the variant that is set, is not there.
+        """
+        mitsuba = load_mitsuba(self._settings.variant)
+        width_px, height_px = self._subject.size
+        total = np.zeros((height_px, width_px, 3))
+        at_once = max(1, _PATHS_A_BATCH // (width_px * height_px))
+        for start in range(first, first + count, at_once):
+            if cancelled():
+                return None
+            if self._scenes is None:
+                self._scenes = _scenes(mitsuba, self._subject, self._settings)
+            samples = min(at_once, first + count - start)
+            for number, scene in enumerate(self._scenes):
+                seed = len(self._scenes) * start + number
+                batch = mitsuba.render(scene, spp=samples, seed=seed)
+                total += samples * np.asarray(batch, dtype=np.float64)
+            traced(samples)
+        return (total / count).astype(np.float32)
+
+
+def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
+    """One scene lit by the sun and one lit by all else, of these what is not dark."""
+    principled = settings.surfaces == "principled"
+    matter = shapes(mitsuba, subject, principled)
+    farthest = subject.reach_units()
+    scenes = []
+    if not subject.sheltered and any(subject.sun.irradiance_rgb):
+        sun, distance = sun_emitter(mitsuba, subject.sun, settings.sun == "disc", farthest)
+        lights = {"sun": sun, "sky": darkness()}
+        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
+    cube = radiance_cube(subject.background)
+    bright = not subject.sheltered and bool(np.any(cube > 0.0))
+    lamps = glowing_shapes(mitsuba, subject, principled)
+    if bright or lamps:
+        lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
+        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))
+    return scenes
+
+
+def _scene(
+    mitsuba: Any,
+    subject: Subject,
+    settings: PathTracerSettings,
+    content: dict[str, Any],
+    farthest: float,
+) -> Any:
+    """A scene as mitsuba has it."""
+    bounces = settings.max_bounces
+    integrator = {
+        "type": "path",
+        "max_depth": -1 if bounces is None else bounces + 1,
+        "rr_depth": _ROULETTE_DEPTH,
+    }
+    camera = sensor(mitsuba, subject, farthest)
+    return mitsuba.load_dict(
+        {"type": "scene", "integrator": integrator, "camera": camera, **content}
+    )

@@ -1,0 +1,131 @@
+"""Engines that draw instead of OpenGL: modules that bring a scene backend of their own.
+
+Such a module class has the attribute `engine`, the name for `--engine`, and a static method
+`open_engine(settings, traced)` that makes the backend; its settings have `spp`, the samples
+per pixel, and `traced` is called with the number of samples that each step of a drawing brought.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import click
+import msgspec
+from rich.console import Console
+from rich.progress import Progress
+
+from vrut_lite.commands.compile_message import tell_of_compilation
+from vrut_lite.commands.open_kernel import tell
+from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.errors import UserError
+from vrut_lite.interrupts import interrupts_held
+from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.messages import Input, SetSetting
+from vrut_lite.kernel.module import Module
+from vrut_lite.project import Project, setting_inputs
+from vrut_lite.scene.backend import Picture
+from vrut_lite.scene.manager import SceneManager
+
+GL = "gl"
+_CUBE_SIZE = 256
+
+
+def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --engine and --spp."""
+    for option in (
+        click.option("--spp", metavar="N", help="Samples per pixel of --engine path-tracer."),
+        click.option("--engine", metavar="NAME", default=GL, show_default=True,
+                     help="What draws: gl, or path-tracer (extra `ref`), which traces paths of "
+                     "light without air."),
+    ):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def with_engine(project: Project, options: dict[str, Any]) -> tuple[Project, str]:
+    """The project with what --spp says, and the engine; takes their keys out of `options`.
+
+    Raises:
+        UserError: there is no such engine, or it takes no samples.
+    """
+    engine, samples = options.pop("engine"), options.pop("spp")
+    if engine == GL:
+        if samples is not None:
+            raise UserError("--spp is for --engine path-tracer: OpenGL takes no samples")
+        return project, engine
+    name = _module_of(engine).manifest.name
+    settings = {module: dict(values) for module, values in project.settings.items()}
+    if samples is not None:
+        settings.setdefault(name, {})["spp"] = samples
+    # What it draws has no air in it, so none need be computed.
+    return msgspec.structs.replace(project, settings=settings, air=False), engine
+
+
+class EngineHost:
+    """A kernel and a scene manager whose `backend` is an engine's: no OpenGL anywhere."""
+
+    def __init__(self, engine: str, project: Project):
+        with interrupts_held():
+            tell_of_compilation()
+        self.kernel, failures = daylight_kernel()
+        tell(failures)
+        self._faults = FaultCollector(self.kernel)
+        try:
+            self._open(_module_of(engine), project)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, module: Any, project: Project) -> None:
+        name = module.manifest.name
+        self.inject(*setting_inputs(project, self.kernel))
+        self.kernel.pump()
+        settings: Any = self.kernel.check_module(name).settings
+        self.samples: int = settings.spp
+        self._traced: Callable[[int], None] = lambda samples: None
+        self.backend = module.open_engine(settings, lambda samples: self._traced(samples))
+        self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
+        self.kernel.add_module(SceneManager, backend=self.backend)
+        demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
+        self.settle()
+
+    def inject(self, *messages: Input) -> None:
+        """Bring inputs; `settle` or `draw` acts on them."""
+        for message in messages:
+            self.kernel.inject(message)
+
+    def settle(self) -> None:
+        """Act on all inputs.
+
+        Raises:
+            UserError: an input was not as it should be.
+            ModuleFailed: a module raised something else.
+        """
+        self.kernel.pump_until_idle()
+        self._faults.raise_first()
+
+    def draw(self) -> Picture:
+        """Act on all inputs and draw; a terminal is shown how far it is."""
+        self.settle()
+        with _samples_shown(self.samples) as self._traced:
+            picture: Picture = self.backend.draw()
+        return picture
+
+    def close(self) -> None:
+        """End background jobs."""
+        self.kernel.close()
+
+
+@contextmanager
+def _samples_shown(total: int) -> Iterator[Callable[[int], None]]:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("samples", total=total)
+        yield lambda samples: progress.advance(task, samples)
+
+
+def _module_of(engine: str) -> type[Module]:
+    modules = {module.engine: module for module in discover()[0] if hasattr(module, "engine")}
+    if engine not in modules:
+        raise UserError(f"there is no engine '{engine}': there are {', '.join([GL, *modules])}")
+    return modules[engine]
