@@ -1,0 +1,152 @@
+"""The camera by mouse and keys, and files dropped on the picture."""
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication
+
+from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded
+
+
+@pytest.fixture
+def driver(headless_window):
+    headless_window.view = headless_window.window.desk.viewport
+    return headless_window
+
+
+def drag(qtbot, view, way, button=Qt.MouseButton.LeftButton):
+    middle = view.rect().center()
+    qtbot.mousePress(view, button, pos=middle)
+    move(view, middle + way, button)
+    qtbot.mouseRelease(view, button, pos=middle + way)
+
+
+def move(view, position, button):
+    # QTest's own move tells no buttons.
+    from PySide6.QtCore import QEvent
+    from PySide6.QtGui import QMouseEvent
+
+    event = QMouseEvent(
+        QEvent.Type.MouseMove, QPointF(position), view.mapToGlobal(QPointF(position)),
+        Qt.MouseButton.NoButton, button, Qt.KeyboardModifier.NoModifier,
+    )  # fmt: skip
+    QApplication.sendEvent(view, event)
+
+
+def wheel(view, steps):
+    middle = QPointF(view.rect().center())
+    event = QWheelEvent(
+        middle, view.mapToGlobal(middle), QPoint(), QPoint(0, 120 * steps),
+        Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )  # fmt: skip
+    QApplication.sendEvent(view, event)
+
+
+def test_the_projects_camera_is_taken_over(driver):
+    """The first drag begins where the project put the camera."""
+    driver.until(lambda: np.allclose(driver.view.rig.eye_m, (1.5, 1.5, 3.4)))
+
+
+def test_a_drag_turns_around_the_scene(driver, qtbot):
+    """Distance and target stay, the direction changes; the kernel hears the camera."""
+    target, distance_m = driver.view.rig.target_m, driver.view.rig.distance_m
+    drag(qtbot, driver.view, QPoint(80, 0))
+    camera = driver.until_heard(MoveCamera)
+    assert np.allclose(camera.target_m, target)
+    assert math.dist(camera.eye_m, camera.target_m) == pytest.approx(distance_m)
+    assert not np.allclose(camera.eye_m, (1.5, 1.5, 3.4))
+
+
+def test_a_drag_with_the_right_button_shifts(driver, qtbot):
+    """Eye and target move alike."""
+    eye, target = driver.view.rig.eye_m.copy(), driver.view.rig.target_m
+    drag(qtbot, driver.view, QPoint(0, 60), Qt.MouseButton.RightButton)
+    camera = driver.until_heard(MoveCamera)
+    assert np.allclose(np.subtract(camera.eye_m, eye), np.subtract(camera.target_m, target))
+    assert camera.eye_m[1] > eye[1]
+
+
+def test_the_wheel_goes_nearer_zooms_or_climbs(driver, qtbot):
+    """By what the mouse does: keys 1, 2 and 3 choose."""
+    distance_m = driver.view.rig.distance_m
+    wheel(driver.view, 2)
+    assert driver.view.rig.distance_m < distance_m
+    driver.window.actions_by_name["fly"].trigger()
+    angle = driver.view.rig.field_of_view_rad
+    wheel(driver.view, 2)
+    assert driver.view.rig.field_of_view_rad < angle
+    driver.window.actions_by_name["space"].trigger()
+    for _ in range(60):
+        wheel(driver.view, 2)
+    driver.until_heard(MoveCamera, lambda m: m.eye_m[1] > 1e5)
+
+
+def test_flying_by_keys_goes_on_while_they_are_held(driver, qtbot):
+    """W flies forward along the view until it is let go."""
+    driver.window.actions_by_name["fly"].trigger()
+    driver.view.setFocus()
+    eye, forward = driver.view.rig.eye_m.copy(), driver.view.rig.forward
+    qtbot.keyPress(driver.view, Qt.Key.Key_W)
+    driver.until(lambda: np.linalg.norm(driver.view.rig.eye_m - eye) > 0.05)
+    qtbot.keyRelease(driver.view, Qt.Key.Key_W)
+    way = driver.view.rig.eye_m - eye
+    assert np.allclose(way / np.linalg.norm(way), forward)
+    driver.until(lambda: not driver.view._flight.isActive())
+
+
+def test_keys_alone_turn_and_frame(driver, qtbot):
+    """Arrows turn, F shows the whole scene, which lies in the picture then."""
+    driver.view.setFocus()
+    azimuth = driver.view.rig.azimuth_rad
+    qtbot.keyClick(driver.view, Qt.Key.Key_Left)
+    assert driver.view.rig.azimuth_rad != azimuth
+    driver.window.actions_by_name["frame"].trigger()
+    scene = driver.session.last(SceneLoaded)
+    middle = 0.5 * np.add(scene.lower_m, scene.upper_m)
+    driver.until_heard(MoveCamera, lambda m: np.allclose(m.target_m, middle))
+
+
+def test_the_picture_follows_the_windows_size(driver):
+    """In the screen's pixels, once the size has settled."""
+    driver.window.resize(1000, 700)
+    driver.until(lambda: driver.session.last(Resize) is not None)
+    driver.until(
+        lambda: (
+            (driver.session.last(Resize).width_px, driver.session.last(Resize).height_px)
+            == driver.view.pixels
+        )
+    )
+
+
+def dropped(view, path):
+    mime = QMimeData()
+    mime.setUrls([QUrl.fromLocalFile(str(path))])
+    spot, left = QPoint(50, 50), Qt.MouseButton.LeftButton
+    enter = QDragEnterEvent(
+        spot, Qt.DropAction.CopyAction, mime, left, Qt.KeyboardModifier.NoModifier
+    )
+    QApplication.sendEvent(view, enter)
+    if enter.isAccepted():
+        event = QDropEvent(QPointF(spot), Qt.DropAction.CopyAction, mime, left,
+                           Qt.KeyboardModifier.NoModifier)  # fmt: skip
+        QApplication.sendEvent(view, event)
+    return enter.isAccepted()
+
+
+def test_a_scene_is_dropped_on_the_picture(driver):
+    """It is opened, looked at through its own camera, and named in the title."""
+    from window_driver import SCENES
+
+    assert dropped(driver.view, SCENES / "pavilion.gltf")
+    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("pavilion.gltf"))
+    assert "pavilion.gltf" in driver.window.windowTitle()
+    driver.until(lambda: driver.view.camera.eye_m != (1.5, 1.5, 3.4))
+
+
+def test_other_files_are_not_taken(driver, tmp_path):
+    """A text file is refused before it is let go."""
+    assert not dropped(driver.view, tmp_path / "notes.txt")

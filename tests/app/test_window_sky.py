@@ -1,0 +1,184 @@
+"""Slots and settings: every control of every module's panel, by its own widgets."""
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QCheckBox, QComboBox
+
+from vrut_lite.app.panels.module_panel import ModulePanel
+from vrut_lite.app.panels.number_field import NumberField, Scale
+from vrut_lite.kernel.messages import (
+    BackgroundChanged,
+    SetSetting,
+    SettingChanged,
+    SlotChanged,
+    SunMoved,
+)
+
+
+@pytest.fixture
+def driver(headless_window):
+    headless_window.sky = headless_window.panel("sky")
+    return headless_window
+
+
+def choose(box, data):
+    """As by the mouse: Qt tells `activated` for the user's choice alone."""
+    box.setCurrentIndex(box.findData(data))
+    box.activated.emit(box.currentIndex())
+
+
+def test_the_sky_is_switched_and_its_panel_with_it(driver):
+    """Another holder, another source of the background, another panel."""
+    choose(driver.sky.choosers["sky"], "bruneton_sky")
+    driver.until_heard(SlotChanged, lambda m: (m.name, m.holder) == ("sky", "bruneton_sky"))
+    driver.until_heard(BackgroundChanged, lambda m: m.source == "bruneton_sky")
+    assert driver.sky.panels["bruneton_sky"].isVisibleTo(driver.sky)
+    assert not driver.sky.panels["dynamic_skylight"].isVisibleTo(driver.sky)
+
+
+def test_the_sky_is_switched_while_an_atmosphere_is_being_solved(driver):
+    """A precomputation under way neither blocks the switch nor shows its sky after it."""
+    choose(driver.sky.choosers["sky"], "bruneton_sky")
+    driver.sky.panels["bruneton_sky"].choose({"turbidity": 5.0, "orders": 40})
+    choose(driver.sky.choosers["sky"], "dynamic_skylight")
+    driver.settled()
+    driver.settled()
+    assert driver.asked(lambda stage: stage.kernel.slots.holder("sky")) == "dynamic_skylight"
+    assert driver.session.last(BackgroundChanged).source == "dynamic_skylight"
+    assert driver.sky.choosers["sky"].currentData() == "dynamic_skylight"
+
+
+def test_a_slider_moves_the_sky(driver, qtbot):
+    """Turbidity by its slider: the setting, the typed value and a new background follow."""
+    row = driver.sky.panels["dynamic_skylight"].rows["turbidity"]
+    row.editor.slider.setValue(800)
+    changed = driver.until_heard(SettingChanged, lambda m: m.name == "turbidity")
+    assert changed.value == pytest.approx(row.editor.value)
+    assert row.editor.value == pytest.approx(1.0 + 0.8 * 9.0, abs=0.01)
+    driver.until_heard(BackgroundChanged)
+    qtbot.mouseClick(row.reset, Qt.MouseButton.LeftButton)
+    driver.until_heard(SettingChanged, lambda m: m.name == "turbidity" and m.value == 3.0)
+    driver.until(lambda: row.editor.value == 3.0 and not row.reset.isEnabled())
+
+
+def test_a_value_is_typed(driver, qtbot):
+    """Digits and Enter; what is out of range the field does not take."""
+    spin = driver.sky.panels["dynamic_skylight"].rows["albedo"].editor.spin
+    spin.setFocus()
+    spin.selectAll()
+    qtbot.keyClicks(spin, "0.25")
+    qtbot.keyClick(spin, Qt.Key.Key_Return)
+    assert driver.until_heard(SettingChanged).value == 0.25
+    assert (spin.minimum(), spin.maximum()) == (0.0, 1.0)
+
+
+def test_a_setting_that_may_be_left_open_has_a_box_to_tick(driver):
+    """Unticked it is none, as the preset has it; ticked it starts within its range."""
+    choose(driver.sky.choosers["sky"], "bruneton_sky")
+    row = driver.sky.panels["bruneton_sky"].rows["ozone_du"]
+    assert isinstance(row.name, QCheckBox)
+    assert not row.editor.isEnabled()
+    row.name.setChecked(True)
+    changed = driver.until_heard(SettingChanged, lambda m: m.name == "ozone_du")
+    assert changed.value == 500.0
+    driver.until(lambda: row.editor.isEnabled())
+    row.name.setChecked(False)
+    driver.until_heard(SettingChanged, lambda m: m.name == "ozone_du" and m.value is None)
+
+
+def test_presets_of_the_panel_are_kept_used_and_forgotten(driver):
+    """What was kept comes back in one go, the rest of the settings at their defaults."""
+    panel: ModulePanel = driver.sky.panels["dynamic_skylight"]
+    panel.choose({"turbidity": 6.0, "albedo": 0.5})
+    driver.until_heard(SettingChanged, lambda m: m.name == "albedo")
+    driver.settled()
+    panel.keep("hazy")
+    panel.choose({"turbidity": 2.0, "sun_colour": "white"})
+    driver.until_heard(SettingChanged, lambda m: m.name == "sun_colour")
+    driver.settled()
+    menu_entry(panel, "hazy").trigger()
+    driver.settled()
+    values = driver.asked(lambda stage: stage.kernel.seats["dynamic_skylight"].settings)
+    assert (values.turbidity, values.albedo, values.sun_colour) == (6.0, 0.5, "disc")
+    menu_entry(panel, "Forget", "hazy").trigger()
+    panel.fill_presets()
+    assert "hazy" not in [action.text() for action in panel.preset_menu.actions()]
+
+
+def menu_entry(panel, *path):
+    panel.fill_presets()
+    menu = panel.preset_menu
+    for title in path[:-1]:
+        menu = next(action.menu() for action in menu.actions() if action.text() == title)
+    return next(action for action in menu.actions() if action.text() == path[-1])
+
+
+def test_every_control_of_every_panel_has_its_effect(driver):
+    """A control that changes nothing is worse than none: each is used once, and heard."""
+    panels = [
+        *driver.sky.panels.values(),
+        *(panel for panel in driver.window.panels.values() if isinstance(panel, ModulePanel)),
+    ]
+    assert sum(len(panel.rows) for panel in panels) >= 25
+    sent = []
+    driver.session.sent.connect(lambda m: sent.append(m) if isinstance(m, SetSetting) else None)
+    for panel in panels:
+        module = panel._module.name
+        if driver.session.roster.modules[module].state != "running":
+            continue
+        for name, row in panel.rows.items():
+            if row.spec.type not in (bool, int, float) and not row.spec.choices:
+                continue
+            wanted = use(row)
+            assert sent[-1:] == [SetSetting(module=module, name=name, value=wanted)]
+
+
+def use(row):
+    """Change a control as a hand would; the value that is to go out."""
+    if isinstance(row.name, QCheckBox) and not row.name.isChecked():
+        row.name.setChecked(True)
+        return row._start()
+    if isinstance(row.editor, QComboBox):
+        index = (row.editor.currentIndex() + 1) % row.editor.count()
+        row.editor.setCurrentIndex(index)
+        row.editor.activated.emit(index)
+        return row.editor.itemData(index)
+    if isinstance(row.editor, QCheckBox):
+        row.editor.click()
+        return row.editor.isChecked()
+    assert isinstance(row.editor, NumberField)
+    spin = row.editor.spin
+    spin.setValue(
+        spin.value() + (spin.singleStep() if spin.value() < spin.maximum() else -spin.singleStep())
+    )
+    return row.spec.type(spin.value())
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (1.0, 10.0), (50.0, 20_000.0), (-5.0, 5.0)])
+def test_a_slider_and_its_value_are_one(low, high):
+    """Shares and values lead to each other; ranges over a factor of 100 go by factors."""
+    scale = Scale(low, high)
+    assert scale.logarithmic == (low == 50.0)
+    for share in (0.0, 0.25, 0.5, 1.0):
+        assert scale.share_of(scale.value_at(share)) == pytest.approx(share)
+    assert (scale.value_at(0.0), scale.value_at(1.0)) == pytest.approx((low, high))
+
+
+def test_the_suns_angles_are_typed(driver):
+    """30 degrees after noon is in the afternoon; azimuth 90 is where the sun is due east."""
+    panel = driver.panel("sun")
+    driver.until(lambda: panel.elevation.value() > 50.0)
+    panel.elevation.setValue(30.0)
+    driver.until_heard(SunMoved, lambda m: abs(m.elevation_rad - 0.5236) < 1e-3)
+    panel.azimuth.setValue(90.0)
+    driver.until_heard(SunMoved, lambda m: abs(m.azimuth_rad - 1.5708) < 2e-3)
+
+
+def test_an_angle_that_the_sun_does_not_reach_is_told_with_its_range(driver):
+    """In Prague it never stands at 80 degrees; the field shows again where it does stand."""
+    panel = driver.panel("sun")
+    driver.until(lambda: panel.elevation.value() > 50.0)
+    before = panel.elevation.value()
+    panel.elevation.setValue(80.0)
+    assert "never stands at 80.00 degrees" in driver.window.news.text()
+    assert panel.elevation.value() == before

@@ -1,0 +1,114 @@
+"""A window as its user meets it: what tests of the application share."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+import msgspec
+
+from vrut_lite.app.main_window import MainWindow
+from vrut_lite.app.presets import PresetStore
+from vrut_lite.app.session import Session
+from vrut_lite.app.stage import WatchedBackend
+from vrut_lite.app.theme import apply_theme
+from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.project import Project, load_project
+from vrut_lite.scene.manager import SceneManager
+from vrut_lite.scene.recording_backend import RecordingBackend
+
+SCENES = Path(__file__).parents[2] / "scenes"
+# Long enough for a machine that does much else; no test waits for it to pass.
+PATIENCE_MS = 60_000
+NOON = datetime(2026, 6, 21, 11, 0, tzinfo=UTC)
+
+
+class HeadlessStage:
+    """A host without OpenGL: the scene is opened and lit, and drawn black."""
+
+    renderer = "none"
+
+    def __init__(self):
+        self.kernel, self.failures = daylight_kernel()
+        self.watched = WatchedBackend(RecordingBackend())
+        self.kernel.add_module(SceneManager, backend=self.watched)
+        demand_light(self.kernel, SceneManager.manifest.name, 16)
+        self.kernel.pump_until_idle()
+        self.pass_seconds = {}
+        self.sizes = []
+
+    def draw(self, size, still):
+        self.sizes.append((size, still))
+        return self.watched.draw_sized(size, lambda: self.watched.draw(still))
+
+    def light_at_pixel(self, x, y):
+        return None
+
+    def close(self):
+        self.kernel.close()
+
+
+class WindowDriver:
+    """Opens a window on the sundial, 21 June 2026, 13:00 in Prague."""
+
+    def __init__(self, qtbot, open_stage, folder):
+        from PySide6.QtWidgets import QApplication
+
+        if not QApplication.instance().styleSheet():
+            apply_theme(QApplication.instance())
+        self.qtbot = qtbot
+        self.session = Session(open_stage)
+        self.window = MainWindow(self.session, PresetStore(folder / "presets"))
+        qtbot.addWidget(self.window)
+        self.window.resize(900, 600)
+        self.problems = []
+        self.session.problem.connect(self.problems.append)
+        self.heard = []
+        self.session.heard.connect(lambda message, sender: self.heard.append(message))
+        self.window.show()
+        self.session.start()
+        self.open(load_project(SCENES / "sundial.toml"))
+        self.until(lambda: self.window.desk.scout.day is not None)
+        self.until(lambda: self.session.shown is not None)
+        self.heard.clear()
+
+    def open(self, project: Project):
+        at = msgspec.structs.replace(project, at=NOON.isoformat())
+        self.window.open_project(at)
+        self.until(lambda: self.session.last(ClockMoved) is not None)
+
+    def panel(self, name):
+        return self.window.panels[name]
+
+    def until(self, condition):
+        self.qtbot.waitUntil(condition, timeout=PATIENCE_MS)
+
+    def until_heard(self, kind, condition=lambda message: True):
+        """The first message of a type that was heard and is as wished."""
+
+        def found():
+            return [m for m in self.heard if isinstance(m, kind) and condition(m)]
+
+        self.until(lambda: bool(found()))
+        return found()[0]
+
+    def settled(self):
+        """Return when all that was sent has been acted on, and told here."""
+        told = []
+        self.session.ask(lambda stage: stage.kernel.pump_until_idle(), told.append)
+        self.until(lambda: bool(told))
+
+    def asked(self, question):
+        """What the engine's thread answers."""
+        told = []
+        self.session.ask(question, told.append)
+        self.until(lambda: bool(told))
+        return told[0]
+
+    def local(self):
+        """What a clock at the place shows."""
+        zone = self.window.desk.scout.day.zone
+        return self.session.last(ClockMoved).instant.astimezone(zone)
+
+    def close(self):
+        self.window.close()
+        assert self.session.join(PATIENCE_MS / 1000)

@@ -1,0 +1,45 @@
+"""Opens the window and runs Qt until it is closed."""
+
+import signal
+import sys
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+
+from vrut_lite.app.main_window import MainWindow
+from vrut_lite.app.session import Session
+from vrut_lite.app.theme import apply_theme
+from vrut_lite.project import Project
+
+_SIZE = (1600, 1000)
+_SIGNAL_MS = 200
+
+
+def run_app(project: Project) -> int:
+    """Show a project in a window; the exit code."""
+    app = QApplication(sys.argv[:1])
+    app.setApplicationName("vrut_lite")
+    app.setQuitOnLastWindowClosed(False)
+    apply_theme(app)
+    session = Session()
+    session.ended.connect(app.quit)
+    window = MainWindow(session)
+    window.resize(*_SIZE)
+    window.show()
+    session.start()
+    window.open_project(project)
+    listening = _hear_interrupts(window)
+    code = app.exec()
+    listening.stop()
+    session.close()
+    session.join()
+    return code
+
+
+def _hear_interrupts(window: MainWindow) -> QTimer:
+    """Let Ctrl-C in the terminal close the window: Python must run now and then to hear it."""
+    signal.signal(signal.SIGINT, lambda *_: window.close_soon())
+    timer = QTimer(window)
+    timer.timeout.connect(lambda: None)
+    timer.start(_SIGNAL_MS)
+    return timer

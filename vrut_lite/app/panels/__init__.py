@@ -1,0 +1,1 @@
+"""Panels: each sends inputs to the session and listens to its messages, and knows no other."""

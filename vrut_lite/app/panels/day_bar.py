@@ -1,0 +1,259 @@
+"""The day as a bar: coloured by its light, with the sun's marks to click and a hand to drag."""
+
+from collections.abc import Callable
+from datetime import datetime, timedelta
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QKeyEvent,
+    QLinearGradient,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPolygonF,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+
+from vrut_lite.app import theme
+from vrut_lite.app.day import Day
+
+# The colour of daylight by the sun's elevation in degrees, from night to a high sun.
+_LIGHT = (
+    (-18.0, "#0b0d18"), (-12.0, "#141a33"), (-6.0, "#2f3a66"), (-3.0, "#70587c"),
+    (-0.8, "#c87a52"), (2.5, "#e6ac6a"), (8.0, "#d8cfae"), (18.0, "#a5c4dc"),
+    (40.0, "#7fb2e4"), (65.0, "#92c4f2"),
+)  # fmt: skip
+_MARGIN_PX, _TOP_PX, _BAND_PX, _FOOT_PX = 16, 26, 26, 20
+_REACH_PX = 7.0
+_LABELLED = ("sunrise", "noon", "sunset")
+_STEP, _WIDE_STEP = timedelta(minutes=5), timedelta(hours=1)
+
+
+class DayBar(QWidget):
+    """`instant_chosen` tells an instant of the day that was clicked, dragged or stepped to."""
+
+    instant_chosen = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._day: Day | None = None
+        self._instant: datetime | None = None
+        self._dragging = False
+        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setAccessibleName("time of day")
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+
+    def sizeHint(self) -> QSize:
+        """Marks above, the band, hours below."""
+        return QSize(600, _TOP_PX + _BAND_PX + _FOOT_PX)
+
+    def minimumSizeHint(self) -> QSize:
+        """Narrower than this the hours run into each other."""
+        return QSize(320, self.sizeHint().height())
+
+    def show_day(self, day: Day) -> None:
+        """Draw this day."""
+        self._day = day
+        self.update()
+
+    def show_instant(self, instant: datetime) -> None:
+        """Put the hand there."""
+        self._instant = instant
+        self.update()
+
+    @property
+    def is_dragging(self) -> bool:
+        """Whether the hand is in the user's."""
+        return self._dragging
+
+    def place_of(self, instant: datetime) -> QPointF:
+        """Where an instant lies on the band's middle."""
+        assert self._day is not None
+        x = _MARGIN_PX + self._day.share_of(instant) * self._way_px
+        return QPointF(x, _TOP_PX + 0.5 * _BAND_PX)
+
+    def mark_place(self, name: str) -> QPointF:
+        """Where to click for a mark."""
+        assert self._day is not None
+        return QPointF(self.place_of(self._day.marks[name]).x(), _TOP_PX - 5.0)
+
+    @property
+    def _way_px(self) -> float:
+        return max(1.0, self.width() - 2.0 * _MARGIN_PX)
+
+    # --- by hand -----------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """A mark is gone to, the band is taken."""
+        if self._day is None or event.button() != Qt.MouseButton.LeftButton:
+            return
+        mark = self._mark_at(event.position())
+        if mark is not None:
+            self.instant_chosen.emit(self._day.marks[mark])
+            return
+        self._dragging = True
+        self._drag_to(event.position())
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """The hand follows."""
+        if self._dragging:
+            self._drag_to(event.position())
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """The hand stays."""
+        self._dragging = False
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Five minutes a notch."""
+        self._go(_STEP * (event.angleDelta().y() / 120.0))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Arrows go five minutes, with Ctrl an hour; Home and End to sunrise and sunset."""
+        step = _WIDE_STEP if event.modifiers() & Qt.KeyboardModifier.ControlModifier else _STEP
+        ways = {Qt.Key.Key_Left: -step, Qt.Key.Key_Right: step}
+        marks = {Qt.Key.Key_Home: "sunrise", Qt.Key.Key_End: "sunset"}
+        key = Qt.Key(event.key())
+        if key in ways:
+            self._go(ways[key])
+        elif key in marks and self._day is not None and marks[key] in self._day.marks:
+            self.instant_chosen.emit(self._day.marks[marks[key]])
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QEvent) -> bool:
+        """Tell what is under the pointer."""
+        if event.type() == QEvent.Type.ToolTip and self._day is not None:
+            position = QPointF(event.pos())  # type: ignore[attr-defined]
+            QToolTip.showText(event.globalPos(), self._tip(position), self)  # type: ignore[attr-defined]
+            return True
+        return super().event(event)
+
+    def _tip(self, position: QPointF) -> str:
+        assert self._day is not None
+        mark = self._mark_at(position)
+        if mark is not None:
+            when = self._day.marks[mark].astimezone(self._day.zone)
+            return f"{mark} {when:%H:%M:%S}"
+        instant = self._instant_at(position)
+        local = instant.astimezone(self._day.zone)
+        return f"{local:%H:%M}, sun {self._day.elevation_at(instant):.1f}\N{DEGREE SIGN}"
+
+    def _instant_at(self, position: QPointF) -> datetime:
+        assert self._day is not None
+        return self._day.instant_at((position.x() - _MARGIN_PX) / self._way_px)
+
+    def _drag_to(self, position: QPointF) -> None:
+        self._instant = self._instant_at(position)
+        self.instant_chosen.emit(self._instant)
+        self.update()
+
+    def _go(self, way: timedelta) -> None:
+        if self._instant is not None:
+            self.instant_chosen.emit(self._instant + way)
+
+    def _mark_at(self, position: QPointF) -> str | None:
+        """The mark within reach, above the band."""
+        if self._day is None or position.y() >= _TOP_PX:
+            return None
+        near = {
+            name: abs(self.place_of(when).x() - position.x())
+            for name, when in self._day.marks.items()
+        }
+        name = min(near, key=lambda mark: near[mark], default=None)
+        # Names stand beside their marks and are clicked too.
+        reach_px = 34.0 if name in _LABELLED and position.y() < _TOP_PX - 8 else _REACH_PX
+        return name if name is not None and near[name] <= reach_px else None
+
+    # --- painting ----------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Band, hours, marks, hand."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        band = QRectF(_MARGIN_PX, _TOP_PX, self._way_px, _BAND_PX)
+        if self._day is None:
+            painter.fillRect(band, QColor(theme.BACKGROUND))
+            return
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self._gradient(band))
+        painter.drawRoundedRect(band, 4, 4)
+        self._paint_hours(painter, band)
+        self._paint_marks(painter)
+        if self._instant is not None:
+            self._paint_hand(painter, band, self._instant)
+
+    def _gradient(self, band: QRectF) -> QLinearGradient:
+        assert self._day is not None
+        gradient = QLinearGradient(band.topLeft(), band.topRight())
+        shares = self._day.seconds / self._day.length_s
+        # A stop each ten minutes: between them light changes evenly.
+        for share, elevation_deg in list(zip(shares, self._day.elevation_deg, strict=True))[::2]:
+            gradient.setColorAt(min(1.0, float(share)), light_colour(float(elevation_deg)))
+        return gradient
+
+    def _paint_hours(self, painter: QPainter, band: QRectF) -> None:
+        assert self._day is not None
+        sparse = 3 if band.width() < 560 else 2 if band.width() < 900 else 1
+        for instant in _whole_hours(self._day):
+            local = instant.astimezone(self._day.zone)
+            x = self.place_of(instant).x()
+            labelled = local.hour % sparse == 0
+            painter.setPen(QPen(QColor(theme.FAINT if labelled else theme.LINE), 1))
+            painter.drawLine(QPointF(x, band.bottom() + 1), QPointF(x, band.bottom() + 4))
+            if labelled:
+                place = QRectF(x - 20, band.bottom() + 4, 40, _FOOT_PX - 4)
+                painter.drawText(place, Qt.AlignmentFlag.AlignCenter, f"{local:%H}")
+
+    def _paint_marks(self, painter: QPainter) -> None:
+        assert self._day is not None
+        for name, when in self._day.marks.items():
+            x = self.place_of(when).x()
+            labelled = name in _LABELLED
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(theme.ACCENT if labelled else theme.FAINT))
+            half, height = (4.5, 7.0) if labelled else (3.0, 5.0)
+            tip = QPointF(x, _TOP_PX - 1)
+            painter.drawPolygon(
+                QPolygonF([tip, tip + QPointF(-half, -height), tip + QPointF(half, -height)])
+            )
+            if labelled:
+                painter.setPen(QColor(theme.TEXT))
+                local = when.astimezone(self._day.zone)
+                place = QRectF(x - 60, 0, 120, _TOP_PX - 9)
+                painter.drawText(place, Qt.AlignmentFlag.AlignCenter, f"{name} {local:%H:%M}")
+
+    def _paint_hand(self, painter: QPainter, band: QRectF, instant: datetime) -> None:
+        x = self.place_of(instant).x()
+        if not band.left() - 1 <= x <= band.right() + 1:
+            return
+        colour = QColor(theme.ACCENT if self.hasFocus() or self._dragging else "#ffffff")
+        painter.setPen(QPen(QColor(0, 0, 0, 150), 4))
+        painter.drawLine(QPointF(x, band.top() - 1), QPointF(x, band.bottom() + 1))
+        painter.setPen(QPen(colour, 2))
+        painter.drawLine(QPointF(x, band.top() - 2), QPointF(x, band.bottom() + 2))
+        painter.setPen(QPen(QColor(theme.BACKGROUND), 1))
+        painter.setBrush(colour)
+        painter.drawEllipse(QPointF(x, band.center().y()), 6, 6)
+
+
+def light_colour(elevation_deg: float) -> QColor:
+    """The bar's colour under a sun so high."""
+    heights = [height for height, _ in _LIGHT]
+    colours = [QColor(colour) for _, colour in _LIGHT]
+
+    def mixed(channel: Callable[[QColor], float]) -> float:
+        return float(np.interp(elevation_deg, heights, [channel(colour) for colour in colours]))
+
+    return QColor.fromRgbF(mixed(QColor.redF), mixed(QColor.greenF), mixed(QColor.blueF))
+
+
+def _whole_hours(day: Day) -> list[datetime]:
+    """Instants at which clocks show a whole hour, both midnights included."""
+    hours = round(day.length_s / 3600.0)
+    return [day.start + timedelta(hours=hour) for hour in range(hours + 1)]

@@ -1,0 +1,138 @@
+"""A module's panel, made from its settings alone."""
+
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QInputDialog,
+    QLabel,
+    QMenu,
+    QPushButton,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from vrut_lite.app.panels.setting_row import SettingRow
+from vrut_lite.app.presets import PresetStore, Values
+from vrut_lite.app.roster import ModuleInfo
+from vrut_lite.app.session import Session
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
+
+
+class ModulePanel(QWidget):
+    """A row for each setting; presets and reset for all of them."""
+
+    def __init__(self, session: Session, module: ModuleInfo, presets: PresetStore):
+        super().__init__()
+        self._session, self._module, self._presets = session, module, presets
+        self._values: Values = dict(module.values)
+        self.rows: dict[str, SettingRow] = {}
+        column = QVBoxLayout(self)
+        column.setContentsMargins(10, 8, 8, 10)
+        column.addLayout(self._heading())
+        column.addLayout(self._grid())
+        column.addStretch(1)
+        session.listen(SettingChanged, self._changed)
+        session.listen(Fault, self._refused)
+
+    def choose(self, values: Values) -> None:
+        """Ask for these values of the settings."""
+        for name, value in values.items():
+            if name in self.rows and value != self._values[name]:
+                self._send(name, value)
+
+    def _heading(self) -> QHBoxLayout:
+        title = QLabel(self._module.title)
+        title.setProperty("role", "heading")
+        title.setToolTip(f"{self._module.name} {self._module.version}")
+        self.presets = QToolButton()
+        self.presets.setText("Presets")
+        self.presets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.preset_menu = QMenu(self.presets)
+        self.preset_menu.aboutToShow.connect(self.fill_presets)
+        self.presets.setMenu(self.preset_menu)
+        self.reset = QPushButton("Reset")
+        self.reset.setToolTip("All settings of this module to their defaults")
+        self.reset.clicked.connect(lambda: self.choose(self._defaults()))
+        row = QHBoxLayout()
+        row.addWidget(title, 1)
+        row.addWidget(self.presets)
+        row.addWidget(self.reset)
+        return row
+
+    def _grid(self) -> QGridLayout:
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(6)
+        grid.setColumnStretch(1, 1)
+        for number, (name, spec) in enumerate(self._module.specs.items()):
+            row = SettingRow(spec, self._values[name], self)
+            row.put_in(grid, number)
+            row.edited.connect(lambda value, name=name: self._send(name, value))
+            self.rows[name] = row
+        if not self.rows:
+            nothing = QLabel("Nothing to set.")
+            nothing.setProperty("role", "faint")
+            grid.addWidget(nothing, 0, 0, Qt.AlignmentFlag.AlignLeft)
+        return grid
+
+    def _defaults(self) -> Values:
+        return {name: spec.default for name, spec in self._module.specs.items()}
+
+    def _send(self, name: str, value: Any) -> None:
+        self._session.send(SetSetting(module=self._module.name, name=name, value=value))
+
+    def _changed(self, message: SettingChanged) -> None:
+        if message.module == self._module.name and message.name in self.rows:
+            self._values[message.name] = message.value
+            self.rows[message.name].show_value(message.value)
+
+    def _refused(self, fault: Fault) -> None:
+        """What was asked for and refused is not what holds."""
+        if fault.module == self._module.name:
+            for name, row in self.rows.items():
+                row.show_value(self._values[name])
+
+    # --- presets -----------------------------------------------------------------------------
+
+    def fill_presets(self) -> None:
+        """Make the menu anew from what is kept."""
+        self.preset_menu.clear()
+        self.preset_menu.addAction("Defaults", lambda: self.choose(self._defaults()))
+        names = self._presets.names(self._module.name)
+        if names:
+            self.preset_menu.addSeparator()
+        for name in names:
+            self.preset_menu.addAction(name, partial(self._use, name))
+        self.preset_menu.addSeparator()
+        self.preset_menu.addAction("Keep these settings\N{HORIZONTAL ELLIPSIS}", self._ask_to_keep)
+        if names:
+            dropping = self.preset_menu.addMenu("Forget")
+            for name in names:
+                dropping.addAction(name, partial(self._forget, name))
+
+    def keep(self, name: str) -> None:
+        """Keep the present settings by a name."""
+        self._guarded(lambda: self._presets.keep(self._module.name, name, self._values))
+
+    def _use(self, name: str) -> None:
+        self.choose({**self._defaults(), **self._presets.values(self._module.name, name)})
+
+    def _forget(self, name: str) -> None:
+        self._guarded(lambda: self._presets.forget(self._module.name, name))
+
+    def _ask_to_keep(self) -> None:
+        name, wanted = QInputDialog.getText(self, "Keep settings", "Name of the preset:")
+        if wanted and name.strip():
+            self.keep(name.strip())
+
+    def _guarded(self, act: Any) -> None:
+        try:
+            act()
+        except UserError as error:
+            self._session.problem.emit(str(error))

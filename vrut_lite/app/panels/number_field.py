@@ -1,0 +1,138 @@
+"""A number to slide and to type, of one range and unit."""
+
+import math
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QWidget
+
+_NOTCHES = 1000
+# Where the ends of a range differ by more, equal ways on the slider are equal factors.
+_LOGARITHMIC_FROM = 100.0
+_TYPED_WIDTH_PX = 92
+_UNBOUNDED = 1e9
+
+
+class NumberField(QWidget):
+    """`edited` tells a new value by the user's hand; `show_value` changes what is shown alone."""
+
+    edited = Signal(float)
+
+    def __init__(
+        self,
+        low: float | None,
+        high: float | None,
+        unit: str = "",
+        whole: bool = False,
+        decimals: int | None = None,
+    ):
+        super().__init__()
+        self._scale = None if low is None or high is None else Scale(low, high)
+        self.spin = _Spin()
+        self.spin.setRange(
+            -_UNBOUNDED if low is None else low, _UNBOUNDED if high is None else high
+        )
+        self.spin.setDecimals(
+            0 if whole else _decimals(low, high) if decimals is None else decimals
+        )
+        self.spin.setSingleStep(1.0 if whole else 10.0 ** -max(self.spin.decimals() - 1, 0))
+        self.spin.setSuffix(f" {unit}" if unit else "")
+        self.spin.setKeyboardTracking(False)
+        self.spin.setFixedWidth(_TYPED_WIDTH_PX)
+        self.spin.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.slider = _Slider(Qt.Orientation.Horizontal)
+        self.slider.setRange(0, _NOTCHES)
+        self.slider.setPageStep(_NOTCHES // 20)
+        self.slider.setSingleStep(_NOTCHES // 100)
+        self.slider.setVisible(self._scale is not None)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(8)
+        row.addWidget(self.slider, 1)
+        row.addWidget(self.spin)
+        self.setFocusProxy(self.spin)
+        for part in (self.spin, self.slider):
+            part.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.slider.valueChanged.connect(self._slid)
+        self.spin.valueChanged.connect(self._typed)
+
+    @property
+    def value(self) -> float:
+        """What is shown."""
+        return self.spin.value()
+
+    def show_value(self, value: float) -> None:
+        """Show a value that came from elsewhere; a slider in the user's hand stays in it."""
+        if self.slider.isSliderDown():
+            return
+        self._show(value, slider=True)
+
+    def show_nothing(self) -> None:
+        """Show that there is no value."""
+        self.spin.lineEdit().setText("\N{EN DASH}")
+
+    def _show(self, value: float, slider: bool) -> None:
+        for part in (self.spin, self.slider):
+            part.blockSignals(True)
+        self.spin.setValue(value)
+        if slider and self._scale is not None:
+            self.slider.setValue(round(self._scale.share_of(value) * _NOTCHES))
+        for part in (self.spin, self.slider):
+            part.blockSignals(False)
+
+    def _slid(self, notch: int) -> None:
+        assert self._scale is not None
+        self._show(self._scale.value_at(notch / _NOTCHES), slider=False)
+        self.edited.emit(self.spin.value())
+
+    def _typed(self, value: float) -> None:
+        self._show(value, slider=True)
+        self.edited.emit(value)
+
+
+class _Slider(QSlider):
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """A wheel that scrolls the panel shall not change what it passes over."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class _Spin(QDoubleSpinBox):
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """As the slider's."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class Scale:
+    """Values of a range as shares of a way."""
+
+    def __init__(self, low: float, high: float):
+        self._low, self._high = low, high
+        self.logarithmic = low > 0.0 and high / low >= _LOGARITHMIC_FROM
+
+    def share_of(self, value: float) -> float:
+        """0 at the low end, 1 at the high one."""
+        value = min(max(value, self._low), self._high)
+        if self.logarithmic:
+            return math.log(value / self._low) / math.log(self._high / self._low)
+        span = self._high - self._low
+        return (value - self._low) / span if span else 0.0
+
+    def value_at(self, share: float) -> float:
+        """The value there."""
+        if self.logarithmic:
+            return self._low * (self._high / self._low) ** share
+        return self._low + share * (self._high - self._low)
+
+
+def _decimals(low: float | None, high: float | None) -> int:
+    """As many as make a hundredth of the range, or of its low end, visible."""
+    if low is None or high is None:
+        return 3
+    finest = low if Scale(low, high).logarithmic else high - low
+    return min(max(2 - math.floor(math.log10(max(finest, 1e-6))), 0), 6)

@@ -1,0 +1,100 @@
+"""Exposure, tone map and white balance."""
+
+from typing import Any, get_args
+
+import msgspec
+from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QWidget
+
+from vrut_lite.app.engine import Shown
+from vrut_lite.app.panels.form import aligned_form
+from vrut_lite.app.panels.number_field import NumberField
+from vrut_lite.app.session import Session
+from vrut_lite.kernel.messages import SetExposure, ToneMap
+from vrut_lite.render.white_balance import HIGHEST_K, LOWEST_K
+
+_TONE_TITLES = {
+    "agx": "AgX, like film",
+    "exponential": "1 \N{MINUS SIGN} exp(\N{MINUS SIGN}kL), as in papers",
+    "none": "none, cut off at white",
+}
+_LOWEST_EV, _HIGHEST_EV = -8.0, 24.0
+
+
+class PicturePanel(QWidget):
+    """All fields of `SetExposure`, which go out together."""
+
+    def __init__(self, session: Session):
+        super().__init__()
+        self._session = session
+        self._wish = SetExposure()
+        self.mode = QComboBox()
+        self.mode.addItem("automatic", "auto")
+        self.mode.addItem("manual", "manual")
+        self.ev100 = NumberField(_LOWEST_EV, _HIGHEST_EV, "EV", decimals=2)
+        self.compensation_ev = NumberField(-5.0, 5.0, "EV", decimals=2)
+        self.tone_map = QComboBox()
+        for name in get_args(ToneMap):
+            self.tone_map.addItem(_TONE_TITLES[name], name)
+        self.white_temperature_k = NumberField(LOWEST_K, HIGHEST_K, "K", whole=True)
+        self.white_duv = NumberField(-0.05, 0.05, decimals=4)
+        self.metered = QLabel()
+        self.metered.setProperty("role", "faint")
+        self.reset = QPushButton("Reset")
+        self._lay_out()
+        self._connect()
+        session.listen(SetExposure, self._show)
+        session.picture_shown.connect(self._show_metered)
+
+    def _lay_out(self) -> None:
+        form = aligned_form(self)
+        form.setContentsMargins(10, 10, 10, 10)
+        for title, part, tip in (
+            ("Exposure", self.mode, "Metered from each picture, or fixed"),
+            ("EV100", self.ev100, "Fixed exposure value at ISO 100 (ISO 12232, saturation based)"),
+            ("Compensation", self.compensation_ev, "Brighter by so many stops"),
+            ("Tone map", self.tone_map, "AgX (Sobotka 2022), 1 - exp(-kL) (Bruneton and Neyret "
+             "2008), or none"),
+            ("White", self.white_temperature_k, "Daylight of this colour temperature is shown "
+             "white (CIE 15, Bradford)"),
+            ("Off locus", self.white_duv, "Duv in CIE 1960 (u, v): positive is greener"),
+        ):  # fmt: skip
+            part.setToolTip(tip)
+            part.setAccessibleName(title)
+            form.addRow(title, part)
+        form.addRow("", self.metered)
+        form.addRow("", self.reset)
+
+    def _connect(self) -> None:
+        self.mode.activated.connect(lambda _: self._choose_mode(self.mode.currentData()))
+        self.tone_map.activated.connect(lambda _: self._send(tone_map=self.tone_map.currentData()))
+        for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
+            field: NumberField = getattr(self, name)
+            field.edited.connect(lambda value, name=name: self._send(**{name: value}))
+        self.reset.clicked.connect(lambda: self._session.send(SetExposure()))
+
+    def _choose_mode(self, mode: str) -> None:
+        """Manual begins where automatic left off."""
+        shown = self._session.shown
+        if mode == "manual" and shown is not None:
+            ev100 = shown.picture.ev100 + self._wish.compensation_ev
+            self._send(mode=mode, ev100=round(ev100, 2))
+        else:
+            self._send(mode=mode)
+
+    def _send(self, **changes: Any) -> None:
+        self._wish = msgspec.structs.replace(self._wish, **changes)
+        self._session.send(self._wish)
+
+    def _show(self, wish: SetExposure) -> None:
+        self._wish = wish
+        self.mode.setCurrentIndex(self.mode.findData(wish.mode))
+        self.tone_map.setCurrentIndex(self.tone_map.findData(wish.tone_map))
+        self.ev100.setEnabled(wish.mode == "manual")
+        for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
+            getattr(self, name).show_value(getattr(wish, name))
+
+    def _show_metered(self, shown: Shown) -> None:
+        ev100 = shown.picture.ev100 + self._wish.compensation_ev
+        self.metered.setText(f"picture exposed for EV100 {ev100:.2f}")
+        if self._wish.mode == "auto":
+            self.ev100.show_value(ev100)

@@ -1,0 +1,145 @@
+"""One setting of one module: its name, what changes it, and the way back to its default."""
+
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QGridLayout,
+    QLabel,
+    QLineEdit,
+    QToolButton,
+    QWidget,
+)
+
+from vrut_lite.app.panels.number_field import NumberField, Scale
+from vrut_lite.kernel.settings import SettingSpec
+
+# What names end with; the unit stands beside the number.
+_UNIT_ENDINGS = ("_per_m", "_m_s", "_deg", "_rad", "_nm", "_du", "_km", "_m", "_s", "_k")
+LEFT_OPEN = "as it is"
+
+
+class SettingRow(QObject):
+    """The widgets of a row, in a grid of four columns: name, editor, reset.
+
+    `edited` tells a new value by the user's hand, none included; `show_value` one that is.
+    """
+
+    edited = Signal(object)
+
+    def __init__(self, spec: SettingSpec, value: Any, parent: QWidget):
+        super().__init__(parent)
+        self.spec = spec
+        self.name = self._name(parent)
+        self.editor, self._show = self._editor()
+        self.reset = QToolButton()
+        self.reset.setText("\N{ANTICLOCKWISE OPEN CIRCLE ARROW}")
+        self.reset.setProperty("flat", True)
+        self.reset.setAccessibleName(f"reset {label_of(spec)}")
+        self.reset.setToolTip(f"Back to {spec.default_text()}")
+        self.reset.clicked.connect(lambda: self.edited.emit(spec.default))
+        for part in (self.name, self.editor):
+            part.setToolTip(tooltip_of(spec))
+        self.editor.setAccessibleName(label_of(spec))
+        self.show_value(value)
+
+    def put_in(self, grid: QGridLayout, row: int) -> None:
+        """Take a row of a grid."""
+        for column, part in enumerate((self.name, self.editor, self.reset)):
+            grid.addWidget(part, row, column)
+
+    def show_value(self, value: Any) -> None:
+        """Show what the setting is now."""
+        self.reset.setEnabled(value != self.spec.default)
+        if isinstance(self.name, QCheckBox):
+            self.name.blockSignals(True)
+            self.name.setChecked(value is not None)
+            self.name.blockSignals(False)
+            self.editor.setEnabled(value is not None)
+        if value is not None or self.spec.choices:
+            self._show(value)
+        elif isinstance(self.editor, NumberField):
+            self.editor.show_nothing()
+
+    def _name(self, parent: QWidget) -> QLabel | QCheckBox:
+        """A label; for a number that may be left open, a box to tick if it is not."""
+        if not self.spec.may_be_none or self.spec.choices:
+            return QLabel(label_of(self.spec), parent)
+        box = QCheckBox(label_of(self.spec), parent)
+        box.toggled.connect(lambda on: self.edited.emit(self._start() if on else None))
+        return box
+
+    def _start(self) -> Any:
+        """What a setting that was left open begins with."""
+        spec = self.spec
+        if spec.type not in (int, float):
+            return spec.type()
+        if spec.at_least is None or spec.at_most is None:
+            return spec.type(spec.at_least or 0)
+        return spec.type(Scale(spec.at_least, spec.at_most).value_at(0.5))
+
+    def _editor(self) -> tuple[QWidget, Callable[[Any], None]]:
+        if self.spec.choices:
+            return self._choice()
+        if self.spec.type is bool:
+            return self._switch()
+        if self.spec.type in (int, float):
+            return self._number()
+        return self._text()
+
+    def _choice(self) -> tuple[QWidget, Callable[[Any], None]]:
+        box = QComboBox()
+        if self.spec.may_be_none:
+            box.addItem(LEFT_OPEN, None)
+        for choice in self.spec.choices:
+            box.addItem(choice, choice)
+        box.activated.connect(lambda index: self.edited.emit(box.itemData(index)))
+        return box, lambda value: box.setCurrentIndex(box.findData(value))
+
+    def _switch(self) -> tuple[QWidget, Callable[[Any], None]]:
+        box = QCheckBox()
+        box.clicked.connect(lambda on: self.edited.emit(bool(on)))
+        return box, lambda value: box.setChecked(bool(value))
+
+    def _number(self) -> tuple[QWidget, Callable[[Any], None]]:
+        spec = self.spec
+        field = NumberField(spec.at_least, spec.at_most, spec.unit, whole=spec.type is int)
+        field.edited.connect(lambda value: self.edited.emit(spec.type(value)))
+        return field, lambda value: field.show_value(float(value))
+
+    def _text(self) -> tuple[QWidget, Callable[[Any], None]]:
+        line = QLineEdit()
+        shown = [""]
+
+        def show(value: Any) -> None:
+            shown[0] = str(value)
+            line.setText(shown[0])
+
+        def finished() -> None:
+            # Qt tells of every loss of focus, also where nothing was written.
+            if line.text() != shown[0]:
+                shown[0] = line.text()
+                self.edited.emit(line.text())
+
+        line.editingFinished.connect(finished)
+        return line, show
+
+
+def label_of(spec: SettingSpec) -> str:
+    """The name for people: without the unit, which stands beside the number."""
+    name = spec.name
+    if spec.unit:
+        ending = next((ending for ending in _UNIT_ENDINGS if name.endswith(ending)), "")
+        name = name.removesuffix(ending)
+    words = name.replace("_", " ")
+    return words[:1].upper() + words[1:]
+
+
+def tooltip_of(spec: SettingSpec) -> str:
+    """What it is, what it may be, what it is by default."""
+    accepted = f"{spec.range_text()}; default {spec.default_text()}"
+    text = spec.help.rstrip(".")
+    return f"{text}.\n{accepted}" if text else accepted

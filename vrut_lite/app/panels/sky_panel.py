@@ -1,0 +1,78 @@
+"""Who holds the sun and the sky, and the settings of whoever holds the sky."""
+
+from PySide6.QtWidgets import (
+    QComboBox,
+    QLabel,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from vrut_lite.app.panels.form import aligned_form
+from vrut_lite.app.panels.module_panel import ModulePanel
+from vrut_lite.app.presets import PresetStore
+from vrut_lite.app.roster import Roster
+from vrut_lite.app.session import Session
+from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
+
+SHOWN_SLOT = "sky"
+_NOBODY = "nobody"
+
+
+class SkyPanel(QWidget):
+    """A chooser for each slot, the sky's first."""
+
+    def __init__(self, session: Session, presets: PresetStore):
+        super().__init__()
+        self._session, self._presets = session, presets
+        self.choosers: dict[str, QComboBox] = {}
+        self.panels: dict[str, ModulePanel] = {}
+        self._holders: dict[str, str] = {}
+        self._choices = aligned_form()
+        self._choices.setContentsMargins(10, 10, 10, 0)
+        self._stack = QStackedWidget()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(self._choices)
+        column.addWidget(self._stack, 1)
+        session.ready.connect(self._fill)
+        session.listen(SlotChanged, self._changed)
+        session.listen(Fault, lambda _: self._show_holders())
+
+    def _fill(self, roster: Roster) -> None:
+        for slot in sorted(roster.slots, key=lambda slot: (slot != SHOWN_SLOT, slot)):
+            chooser = QComboBox()
+            chooser.setAccessibleName(slot)
+            chooser.addItem(_NOBODY, "")
+            for module in roster.providers(slot):
+                chooser.addItem(module.title, module.name)
+            chooser.activated.connect(lambda _, slot=slot: self._choose(slot))
+            self.choosers[slot] = chooser
+            self._choices.addRow(QLabel(slot.capitalize()), chooser)
+        for module in roster.providers(SHOWN_SLOT):
+            panel = ModulePanel(self._session, module, self._presets)
+            self.panels[module.name] = panel
+            self._stack.addWidget(panel)
+        self._holders = dict(roster.holders)
+        self._show_holders()
+
+    def _choose(self, slot: str) -> None:
+        module = self.choosers[slot].currentData()
+        if module:
+            self._session.send(ChooseSlot(slot=slot, module=module))
+
+    def _changed(self, message: SlotChanged) -> None:
+        self._holders[message.name] = message.holder
+        self._show_holders()
+
+    def _show_holders(self) -> None:
+        """Also after a choice that was refused."""
+        for slot, holder in self._holders.items():
+            if slot in self.choosers:
+                self._show(slot, holder)
+
+    def _show(self, slot: str, holder: str) -> None:
+        chooser = self.choosers[slot]
+        chooser.setCurrentIndex(max(0, chooser.findData(holder)))
+        if slot == SHOWN_SLOT and holder in self.panels:
+            self._stack.setCurrentWidget(self.panels[holder])

@@ -1,0 +1,124 @@
+"""Where the sun stands: elevation and azimuth, to read and to type."""
+
+from datetime import datetime
+from math import degrees
+
+from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
+
+from vrut_lite.app.day_scout import DayScout
+from vrut_lite.app.panels.form import aligned_form
+from vrut_lite.app.session import Session
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.kernel.messages import (
+    AmbientChanged,
+    ClockMoved,
+    SetClock,
+    SunLightChanged,
+    SunMoved,
+)
+
+_TWILIGHTS = ((-0.8333, "day"), (-6.0, "civil twilight"), (-12.0, "nautical twilight"),
+              (-18.0, "astronomical twilight"))  # fmt: skip
+
+
+class SunPanel(QWidget):
+    """A typed angle goes to the hour of the day at which the sun stands there."""
+
+    def __init__(self, session: Session, scout: DayScout):
+        super().__init__()
+        self._session, self._scout = session, scout
+        self.elevation = _angle(-90.0, 90.0, "Type an elevation: the nearest hour that has it")
+        self.azimuth = _angle(0.0, 360.0, "From north, clockwise; type one to go to its hour")
+        self.phase, self.sunlight, self.skylight = QLabel(), QLabel(), QLabel()
+        form = aligned_form(self)
+        form.setContentsMargins(10, 10, 10, 10)
+        form.addRow("Elevation", self.elevation)
+        form.addRow("Azimuth", self.azimuth)
+        form.addRow("Phase", self.phase)
+        form.addRow("Sun, facing it", self.sunlight)
+        form.addRow("Sky, level ground", self.skylight)
+        self.elevation.valueChanged.connect(lambda _: self._go_to_elevation())
+        self.azimuth.valueChanged.connect(lambda _: self._go_to_azimuth())
+        session.listen(SunMoved, self._show_sun)
+        session.listen(SunLightChanged, self._show_sunlight)
+        session.listen(AmbientChanged, self._show_skylight)
+
+    def _go_to_elevation(self) -> None:
+        day, now = self._scout.day, self._now()
+        if day is None or now is None:
+            return
+        wanted = self.elevation.value()
+        lowest, highest = day.elevation_deg.min(), day.elevation_deg.max()
+        self._go_to(
+            day.when_elevation(wanted, now),
+            f"the sun never stands at {wanted:.2f} degrees on this day: it goes from "
+            f"{lowest:.2f} to {highest:.2f}",
+        )
+
+    def _go_to_azimuth(self) -> None:
+        day, now = self._scout.day, self._now()
+        if day is None or now is None:
+            return
+        wanted = self.azimuth.value()
+        self._go_to(
+            day.when_azimuth(wanted, now),
+            f"the sun never stands at azimuth {wanted:.2f} degrees on this day",
+        )
+
+    def _go_to(self, instant: datetime | None, refusal: str) -> None:
+        if instant is not None:
+            self._session.send(SetClock(instant=instant))
+            return
+        self._session.problem.emit(refusal)
+        sun = self._session.last(SunMoved)
+        if sun is not None:
+            self._show_sun(sun)
+
+    def _now(self) -> datetime | None:
+        clock = self._session.last(ClockMoved)
+        return None if clock is None else clock.instant
+
+    def _show_sun(self, sun: SunMoved) -> None:
+        elevation_deg = degrees(sun.elevation_rad)
+        _show(self.elevation, elevation_deg)
+        _show(self.azimuth, degrees(sun.azimuth_rad) % 360.0)
+        self.phase.setText(phase_of(elevation_deg))
+
+    def _show_sunlight(self, light: SunLightChanged) -> None:
+        lux = float(luminance(light.irradiance_rgb)) * LUMENS_PER_WATT
+        self.sunlight.setText(lux_text(lux))
+
+    def _show_skylight(self, light: AmbientChanged) -> None:
+        from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+
+        up = evaluate_irradiance(light.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
+        self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
+
+
+def phase_of(elevation_deg: float) -> str:
+    """Day, a twilight or night, by the sun's geometric elevation."""
+    return next((name for lowest, name in _TWILIGHTS if elevation_deg >= lowest), "night")
+
+
+def lux_text(lux: float) -> str:
+    """Lux in three figures and more, from starlight to noon."""
+    return f"{lux:,.0f} lx" if lux >= 100.0 else f"{lux:.3g} lx"
+
+
+def _angle(low: float, high: float, tip: str) -> QDoubleSpinBox:
+    spin = QDoubleSpinBox()
+    spin.setRange(low, high)
+    spin.setDecimals(2)
+    spin.setSuffix("\N{DEGREE SIGN}")
+    spin.setKeyboardTracking(False)
+    spin.setToolTip(tip)
+    return spin
+
+
+def _show(spin: QDoubleSpinBox, value: float) -> None:
+    # What is being typed stays.
+    if spin.hasFocus() and spin.lineEdit().isModified():
+        return
+    spin.blockSignals(True)
+    spin.setValue(value)
+    spin.blockSignals(False)

@@ -1,0 +1,198 @@
+"""The time bar with what surrounds it: play, speed, now, date, clock and time zone."""
+
+from datetime import UTC, datetime, timedelta
+
+from PySide6.QtCore import QDate, Qt, QTime
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDateEdit,
+    QHBoxLayout,
+    QLabel,
+    QTimeEdit,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from vrut_lite.app.day import Day
+from vrut_lite.app.day_scout import DayScout, place_of
+from vrut_lite.app.panels.day_bar import DayBar
+from vrut_lite.app.player import Player
+from vrut_lite.app.session import Session
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SetPlace
+from vrut_lite.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
+
+SPEEDS = {
+    "1 s = 1 s": 1.0,
+    "1 s = 1 min": 60.0,
+    "1 s = 10 min": 600.0,
+    "1 s = 1 h": 3600.0,
+    "1 s = 1 day": 86400.0,
+    "1 s = \N{MINUS SIGN}10 min": -600.0,
+}
+_FIRST_SPEED = "1 s = 10 min"
+
+
+class TimePanel(QWidget):
+    """All of the clock; it sends SetClock, SetClockRate and Tick."""
+
+    def __init__(self, session: Session, scout: DayScout):
+        super().__init__()
+        self._session = session
+        self._place = Place(0.0, 0.0)
+        self._instant: datetime | None = None
+        self.player = Player(session, self)
+        self.bar = DayBar()
+        self._make_controls()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(8, 6, 8, 4)
+        column.setSpacing(2)
+        column.addLayout(self._controls_row())
+        column.addWidget(self.bar)
+        self.bar.instant_chosen.connect(self.go_to)
+        self.player.playing_changed.connect(self._playing_changed)
+        scout.day_changed.connect(self._show_day)
+        session.listen(SetPlace, self._show_place)
+        session.listen(ClockMoved, self._show_clock)
+
+    def go_to(self, instant: datetime) -> None:
+        """Set the clock."""
+        self._session.send(SetClock(instant=instant))
+
+    def step_days(self, days: int) -> None:
+        """The same time on a clock, days later."""
+        self._go_to_local(self.date.date().addDays(days), self.clock.time())
+
+    def go_to_now(self) -> None:
+        """This very moment."""
+        self.go_to(datetime.now(UTC))
+
+    def toggle_play(self) -> None:
+        """Play or pause."""
+        if self.player.playing:
+            self.player.pause()
+        else:
+            self.player.play()
+
+    # --- what it is made of ------------------------------------------------------------------
+
+    def _make_controls(self) -> None:
+        self.play = _button("\N{BLACK RIGHT-POINTING TRIANGLE}", "Play or pause (Space)")
+        self.play.setCheckable(True)
+        self.play.clicked.connect(self.toggle_play)
+        self.speed = QComboBox()
+        self.speed.setToolTip("How fast time goes by while it plays")
+        for title, rate in SPEEDS.items():
+            self.speed.addItem(title, rate)
+        self.speed.activated.connect(lambda _: self.player.set_rate(self.speed.currentData()))
+        self.speed.setCurrentText(_FIRST_SPEED)
+        self.now = _button("Now", "This very moment")
+        self.now.clicked.connect(self.go_to_now)
+        self.before = _button("\N{SINGLE LEFT-POINTING ANGLE QUOTATION MARK}", "A day earlier")
+        self.after = _button("\N{SINGLE RIGHT-POINTING ANGLE QUOTATION MARK}", "A day later")
+        self.before.clicked.connect(lambda: self.step_days(-1))
+        self.after.clicked.connect(lambda: self.step_days(1))
+        self.date, self.clock = QDateEdit(), QTimeEdit()
+        self.date.setCalendarPopup(True)
+        self.date.setDisplayFormat("d MMMM yyyy")
+        self.date.setDateRange(QDate(FIRST_YEAR, 1, 1), QDate(LAST_YEAR, 12, 31))
+        self.date.setKeyboardTracking(False)
+        self.date.dateChanged.connect(lambda date: self._go_to_local(date, self.clock.time()))
+        self.clock.setDisplayFormat("HH:mm:ss")
+        self.clock.setKeyboardTracking(False)
+        self.clock.timeChanged.connect(lambda time: self._go_to_local(self.date.date(), time))
+        self.zone = QLabel()
+        self.zone.setProperty("role", "faint")
+        self.sun = QLabel()
+        self.sun.setProperty("role", "faint")
+
+    def _controls_row(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setSpacing(6)
+        first: tuple[QWidget, ...] = (self.play, self.speed, self.now)
+        second: tuple[QWidget, ...] = (self.before, self.date, self.after, self.clock)
+        for part in first:
+            row.addWidget(part)
+        row.addSpacing(12)
+        for part in second:
+            row.addWidget(part)
+        row.addWidget(self.zone)
+        row.addStretch(1)
+        row.addWidget(self.sun)
+        return row
+
+    # --- what comes --------------------------------------------------------------------------
+
+    def _show_place(self, message: SetPlace) -> None:
+        self._place = place_of(message)
+        self._show_local()
+
+    def _show_clock(self, message: ClockMoved) -> None:
+        self._instant = message.instant
+        if not self.bar.is_dragging:
+            self.bar.show_instant(message.instant)
+        self._show_local()
+
+    def _show_day(self, day: Day) -> None:
+        self.bar.show_day(day)
+        length = _length_of_light(day)
+        self.sun.setText(length)
+
+    def _show_local(self) -> None:
+        if self._instant is None:
+            return
+        local = self._instant.astimezone(time_zone_at(self._place))
+        for part in (self.date, self.clock):
+            part.blockSignals(True)
+        self.date.setDate(QDate(local.year, local.month, local.day))
+        if not self.clock.hasFocus() or not self.clock.lineEdit().isModified():
+            self.clock.setTime(QTime(local.hour, local.minute, local.second))
+        for part in (self.date, self.clock):
+            part.blockSignals(False)
+        self.zone.setText(zone_text(local))
+
+    def _go_to_local(self, date: QDate, time: QTime) -> None:
+        text = f"{date.toString(Qt.DateFormat.ISODate)}T{time.toString('HH:mm:ss')}"
+        try:
+            self.go_to(parse_instant(text, self._place))
+        except UserError as error:
+            self._session.problem.emit(str(error))
+            self._show_local()
+
+    def _playing_changed(self, playing: bool) -> None:
+        self.play.setChecked(playing)
+        self.play.setText(
+            "\N{DOUBLE VERTICAL BAR}" if playing else "\N{BLACK RIGHT-POINTING TRIANGLE}"
+        )
+
+
+def zone_text(local: datetime) -> str:
+    """The zone for people: its letters, its offset, its name, and whether it is summer time."""
+    offset = local.utcoffset() or timedelta()
+    minutes = int(offset.total_seconds()) // 60
+    sign = "\N{MINUS SIGN}" if minutes < 0 else "+"
+    hours, rest = divmod(abs(minutes), 60)
+    shift = f"UTC{sign}{hours}" + (f":{rest:02d}" if rest else "")
+    summer = ", daylight saving" if local.dst() else ""
+    return f"{getattr(local.tzinfo, 'key', '')} ({shift}{summer})"
+
+
+def _length_of_light(day: Day) -> str:
+    rise, fall = day.marks.get("sunrise"), day.marks.get("sunset")
+    if rise is None or fall is None or fall < rise:
+        return (
+            ""
+            if rise or fall
+            else ("midnight sun" if day.elevation_deg.max() > 0 else "polar night")
+        )
+    minutes = round((fall - rise).total_seconds() / 60)
+    highest = float(day.elevation_deg.max())
+    return f"day of {minutes // 60} h {minutes % 60:02d} min, noon sun {highest:.1f}\N{DEGREE SIGN}"
+
+
+def _button(text: str, tip: str) -> QToolButton:
+    button = QToolButton()
+    button.setText(text)
+    button.setToolTip(tip)
+    return button

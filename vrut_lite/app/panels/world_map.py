@@ -1,0 +1,148 @@
+"""A small map of the world to point at: land, the place, and where it is day."""
+
+from functools import lru_cache
+from importlib.resources import as_file, files
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QImage,
+    QMouseEvent,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPen,
+    QPixmap,
+)
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from vrut_lite.app import theme
+
+_SEA, _LAND, _COAST = "#17191d", "#3a3d3f", "#505456"
+_PER_DEGREE = 100.0
+_NIGHT_ALPHA = 120
+# The shade is smooth: it need not have the map's pixels.
+_SHADE_SIZE = (180, 90)
+
+
+class WorldMap(QWidget):
+    """Latitude and longitude as up and right; `place_chosen` tells both in degrees."""
+
+    place_chosen = Signal(float, float)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._place: tuple[float, float] | None = None
+        self._land: QPixmap | None = None
+        self._shade: QImage | None = None
+        self.setCursor(Qt.CursorShape.CrossCursor)
+        policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+        self.setToolTip("Click a place")
+        self.setAccessibleName("world map")
+
+    def sizeHint(self) -> QSize:
+        """Twice as wide as high."""
+        return QSize(320, 160)
+
+    def heightForWidth(self, width: int) -> int:
+        """Twice as wide as high."""
+        return width // 2
+
+    def show_place(self, latitude_deg: float, longitude_deg: float) -> None:
+        """Mark a place."""
+        self._place = (latitude_deg, longitude_deg)
+        self.update()
+
+    def show_sun(self, latitude_deg: float, longitude_deg: float) -> None:
+        """Shade where the sun, that is overhead there, is down."""
+        self._shade = _night_shade(latitude_deg, longitude_deg)
+        self.update()
+
+    def position_of(self, latitude_deg: float, longitude_deg: float) -> QPointF:
+        """Where a place lies on the widget."""
+        return QPointF(
+            (longitude_deg + 180.0) / 360.0 * self.width(),
+            (90.0 - latitude_deg) / 180.0 * self.height(),
+        )
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Choose what was pointed at, to a tenth of a degree."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        longitude_deg = event.position().x() / self.width() * 360.0 - 180.0
+        latitude_deg = 90.0 - event.position().y() / self.height() * 180.0
+        self.place_chosen.emit(
+            round(min(max(latitude_deg, -90.0), 90.0), 1),
+            round(min(max(longitude_deg, -180.0), 180.0), 1),
+        )
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Land, night, place."""
+        ratio = self.devicePixelRatioF()
+        if self._land is None or self._land.size() != self.size() * ratio:
+            self._land = self._paint_land(ratio)
+        painter = QPainter(self)
+        painter.drawPixmap(0, 0, self._land)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        if self._shade is not None:
+            painter.drawImage(QRectF(self.rect()), self._shade)
+        if self._place is not None:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(QPen(QColor(theme.BACKGROUND), 1))
+            painter.setBrush(QColor(theme.ACCENT))
+            painter.drawEllipse(self.position_of(*self._place), 4, 4)
+
+    def _paint_land(self, ratio: float) -> QPixmap:
+        pixmap = QPixmap(self.size() * ratio)
+        pixmap.setDevicePixelRatio(ratio)
+        pixmap.fill(QColor(_SEA))
+        painter = QPainter(pixmap)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.scale(self.width() / 360.0, self.height() / 180.0)
+        painter.setPen(QPen(QColor(_COAST), 0))
+        painter.setBrush(QColor(_LAND))
+        painter.drawPath(_land_path())
+        painter.end()
+        return pixmap
+
+
+@lru_cache(maxsize=1)
+def _land_path() -> QPainterPath:
+    """Land in degrees east of 180 W and south of 90 N."""
+    path = QPainterPath()
+    for ring in world_outline():
+        points = [QPointF(180.0 + float(lon), 90.0 - float(lat)) for lon, lat in ring]
+        path.moveTo(points[0])
+        for point in points[1:]:
+            path.lineTo(point)
+        path.closeSubpath()
+    return path
+
+
+@lru_cache(maxsize=1)
+def world_outline() -> list[NDArray[np.float64]]:
+    """Rings (n, 2) of longitude and latitude in degrees (Natural Earth, 1:110 million)."""
+    with as_file(files("vrut_lite.app").joinpath("data/world_outline.npz")) as path:
+        stored = np.load(path)
+        points, lengths = stored["points"] / _PER_DEGREE, stored["lengths"]
+    return np.split(points, np.cumsum(lengths)[:-1])
+
+
+def _night_shade(latitude_deg: float, longitude_deg: float) -> QImage:
+    """Black, as opaque as it is night; full from 12 degrees below the horizon."""
+    width, height = _SHADE_SIZE
+    longitude = np.radians((np.arange(width) + 0.5) / width * 360.0 - 180.0 - longitude_deg)
+    latitude = np.radians(90.0 - (np.arange(height) + 0.5) / height * 180.0)[:, None]
+    declination = np.radians(latitude_deg)
+    sine = np.sin(latitude) * np.sin(declination) + np.cos(latitude) * np.cos(declination) * np.cos(
+        longitude
+    )
+    night = np.clip(-np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0))) / 12.0, 0.0, 1.0)
+    pixels = np.zeros((height, width, 4), np.uint8)
+    pixels[..., 3] = np.rint(night * _NIGHT_ALPHA)
+    image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
+    return image.copy()

@@ -1,0 +1,171 @@
+"""The engine as Qt sees it: inputs go in from Qt's thread, messages and pictures come out on it.
+
+What the engine tells waits in a mailbox, latest of each key, until Qt comes for it: however busy
+either side is, there is one delivery and no backlog.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future
+from itertools import count
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from vrut_lite.app import engine
+from vrut_lite.app.cpu_sky import best_stage
+from vrut_lite.app.engine import Engine, Shown
+from vrut_lite.app.roster import Roster
+from vrut_lite.app.stage import Stage
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.mailbox import Mailbox
+from vrut_lite.kernel.messages import Fault, Input, Message
+
+M = TypeVar("M", bound=Message)
+T = TypeVar("T")
+Listener = Callable[[Any], None]
+
+
+class Session(QObject):
+    """One host behind a window.
+
+    Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `sent` (an input)
+    whenever something was sent, `heard` (message, sender), `picture_shown` (a `Shown`),
+    `camera_moved` (the `MoveCamera` that is looked through), `problem` (a line for people),
+    `ended` when nothing runs any more.
+    """
+
+    ready = Signal(object)
+    sent = Signal(object)
+    heard = Signal(object, str)
+    picture_shown = Signal(object)
+    camera_moved = Signal(object)
+    problem = Signal(str)
+    ended = Signal()
+    _mail_came = Signal()
+
+    def __init__(self, open_stage: Callable[[], Stage] = best_stage, parent: QObject | None = None):
+        super().__init__(parent)
+        self.roster = Roster({}, {}, "")
+        self.shown: Shown | None = None
+        self._last: dict[type[Message], Message] = {}
+        self._listeners: defaultdict[type[Message], list[Listener]] = defaultdict(list)
+        self._numbers = count()
+        self._has_ended = False
+        self._mailbox = Mailbox(self._mail_came.emit)
+        self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
+        self._engine = Engine(open_stage, self._mailbox.put)
+
+    def start(self) -> None:
+        """Open the host, in the background."""
+        self._engine.start()
+
+    def send(self, *inputs: Input) -> None:
+        """Bring inputs to the kernel; of those that still wait the latest of each key counts."""
+        self._engine.send(*inputs)
+        for message in inputs:
+            self.sent.emit(message)
+
+    def listen(self, kind: type[M], listener: Callable[[M], None]) -> None:
+        """Be called with each message of a type, and at once with the last if there was one."""
+        self._listeners[kind].append(listener)
+        last = self.last(kind)
+        if last is not None:
+            listener(last)
+
+    def last(self, kind: type[M]) -> M | None:
+        """The latest message of a type that has come here."""
+        return self._last.get(kind)  # type: ignore[return-value]
+
+    def ask(
+        self,
+        question: Callable[[Stage], T],
+        then: Callable[[T], None] | None = None,
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """Have a question answered on the engine's thread; `then` gets the answer, on Qt's.
+
+        What it raises becomes a `problem`, or goes to `failed` as a line.
+        """
+
+        def done(answer: "Future[T]") -> None:
+            self._mailbox.put(("answer", next(self._numbers)), (answer, then, failed))
+
+        self._engine.ask(question).add_done_callback(done)
+
+    def close(self) -> None:
+        """Begin to end; `ended` comes when all that runs has noticed."""
+        self._engine.stop()
+
+    def join(self, timeout_s: float | None = None) -> bool:
+        """Wait for the engine's end; whether it came."""
+        return self._engine.join(timeout_s)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether `ended` was told."""
+        return self._has_ended
+
+    def _deliver(self) -> None:
+        for key, value in self._mailbox.take_all().items():
+            kind = key[0] if isinstance(key, tuple) else key
+            self._deliver_one(str(kind), value)
+
+    def _deliver_one(self, kind: str, value: Any) -> None:
+        if kind == engine.HEARD:
+            self._hear(*value)
+        elif kind == engine.PICTURE:
+            self.shown = value
+            self.picture_shown.emit(value)
+        elif kind == engine.CAMERA:
+            self.camera_moved.emit(value)
+        elif kind == engine.PROBLEM:
+            self.problem.emit(one_line(value))
+        elif kind == engine.READY:
+            self.roster = value
+            self.ready.emit(value)
+        elif kind == engine.ENDED:
+            self._has_ended = True
+            self.ended.emit()
+        else:
+            self._take_answer(*value)
+
+    def _hear(self, message: Message, sender: str) -> None:
+        self._last[type(message)] = message
+        for listener in tuple(self._listeners[type(message)]):
+            listener(message)
+        self.heard.emit(message, sender)
+        if isinstance(message, Fault):
+            self.problem.emit(fault_line(message))
+
+    def _take_answer(
+        self,
+        answer: "Future[Any]",
+        then: Callable[[Any], None] | None,
+        failed: Callable[[str], None] | None,
+    ) -> None:
+        try:
+            result = answer.result()
+        except CancelledError:
+            return
+        except Exception as error:
+            told = (
+                str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"
+            )
+            (failed or self.problem.emit)(one_line(told))
+            return
+        if then is not None:
+            then(result)
+
+
+def fault_line(fault: Fault) -> str:
+    """A fault for people: what the user is to mend, or which module failed where."""
+    if fault.for_user:
+        return one_line(fault.error)
+    fate = "; it is suspended: restart it, or go on without" if fault.suspended else ""
+    return one_line(f"module {fault.module} failed in {fault.where}: {fault.error}{fate}")
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks."""
+    return " ".join(str(text).split())
