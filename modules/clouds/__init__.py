@@ -1,0 +1,1 @@
+"""Clouds: a layer of them, made of noise and carried by the wind."""

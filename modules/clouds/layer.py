@@ -1,0 +1,98 @@
+"""From settings to a `CloudLayer`: how much weather bears cloud, so that so much sky is covered."""
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from clouds.noise import noises
+from clouds.settings import CloudSettings
+from vrut_lite.geometry.clouds import (
+    DETAIL_PERIOD_M,
+    SHAPE_PERIOD_M,
+    WEATHER_PERIODS_M,
+    column_of,
+    density_of,
+    envelope,
+    noise_at,
+    weather_at,
+)
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import CloudLayer
+
+FloatArray = NDArray[np.float64]
+
+# Two lobes that stand for a droplet's: Henyey and Greenstein's, of mean cosine 0.74.
+PHASE = (0.85, -0.3, 0.9)
+# Columns a side and heights that the covered share is counted in.
+_COLUMNS, _HEIGHTS = 96, 24
+_HALVINGS = 12
+# Of the threshold: lower covers all, higher nothing, whatever the noise.
+_LOWEST, _HIGHEST = -0.5, 1.0
+# A closed layer: its last gaps would need clouds without any form.
+_CLOSED = 0.997
+# Through less of it the sky behind is seen as if there were none.
+_LEAST_OPTICAL_DEPTH = 0.5
+
+
+class _Samples:
+    """Columns of noise (columns,) and (columns, heights), without what the threshold decides."""
+
+    def __init__(self, layer: CloudLayer):
+        # Spread over incommensurate periods without a pattern: the R2 sequence (Roberts 2018).
+        index = np.arange(_COLUMNS * _COLUMNS)
+        spread = np.stack([index * 0.7548776662466927, index * 0.5698402909980532], axis=-1) % 1.0
+        level = spread * 7.0 * max(*WEATHER_PERIODS_M, SHAPE_PERIOD_M, DETAIL_PERIOD_M)
+        self.height = (np.arange(_HEIGHTS) + 0.5) / _HEIGHTS
+        self.weather = weather_at(layer, level)
+        over_base = self.height * layer.thickness_m
+        there = np.broadcast_to(level[:, None], (len(level), _HEIGHTS, 2))
+        still = (0.0, 0.0)
+        self.shape = noise_at(layer.shape.values, SHAPE_PERIOD_M, still, there, over_base)
+        self.detail = noise_at(layer.detail.values, DETAIL_PERIOD_M, still, there, over_base)
+
+    def column_density(self, threshold: float) -> FloatArray:
+        """Mean density of each column (columns,)."""
+        column = column_of(self.weather[:, None], threshold)
+        densities = density_of(envelope(column, self.height), self.shape, self.detail)
+        return np.asarray(densities.mean(axis=1))
+
+
+def cloud_layer(settings: CloudSettings) -> CloudLayer:
+    """The layer of some settings, not moved by any wind."""
+    weather, shape, detail = noises(settings.seed)
+    layer = CloudLayer(
+        base_m=settings.base_m,
+        thickness_m=settings.thickness_m,
+        extinction_per_m=settings.extinction_per_m,
+        coverage=settings.coverage,
+        threshold=_LOWEST,
+        column_density=0.0,
+        drift_m=(0.0, 0.0),
+        phase=PHASE,
+        weather=Array(weather),
+        shape=Array(shape),
+        detail=Array(detail),
+    )
+    return with_coverage(layer, settings.coverage)
+
+
+def with_coverage(layer: CloudLayer, coverage: float) -> CloudLayer:
+    """The layer with the threshold at which this share of the zenith is cloud."""
+    samples = _Samples(layer)
+    full_depth = layer.extinction_per_m * layer.thickness_m
+    low, high = _LOWEST, _HIGHEST
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        covered = samples.column_density(middle) * full_depth > _LEAST_OPTICAL_DEPTH
+        if covered.mean() > min(coverage, _CLOSED):
+            low = middle
+        else:
+            high = middle
+    densities = samples.column_density(low)
+    clouds = densities * full_depth > _LEAST_OPTICAL_DEPTH
+    return msgspec.structs.replace(
+        layer,
+        coverage=coverage,
+        threshold=low,
+        column_density=float(densities[clouds].mean()) if clouds.any() else 0.0,
+    )

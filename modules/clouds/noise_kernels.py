@@ -1,0 +1,93 @@
+"""Noise in space that repeats, compiled: Perlin's and Worley's, of whole-number hashes.
+
+Importing this module imports numba: do it only where clouds are made.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@njit(cache=True)
+def _mixed(x: int, y: int, z: int, seed: int) -> int:
+    """32 well mixed bits of whole coordinates (Murmur's finisher)."""
+    mask = 0xFFFFFFFF
+    h = (x * 0x8DA6B343 ^ y * 0xD8163841 ^ z * 0xCB1AB31F ^ seed * 0x165667B1) & mask
+    h = ((h ^ (h >> 16)) * 0x85EBCA6B) & mask
+    h = ((h ^ (h >> 13)) * 0xC2B2AE35) & mask
+    return h ^ (h >> 16)
+
+
+@njit(cache=True)
+def feature_points(cells: int, seed: int) -> FloatArray:
+    """One point in each cell (cells, cells, cells, 3), in units of cells, as z, y, x."""
+    points = np.empty((cells, cells, cells, 3))
+    for z in range(cells):
+        for y in range(cells):
+            for x in range(cells):
+                for axis in range(3):
+                    at = (z, y, x)[axis]
+                    points[z, y, x, axis] = at + _mixed(x, y, z, 3 * seed + axis) / 4294967296.0
+    return points
+
+
+@njit(cache=True)
+def worley(at: FloatArray, cells: int, seed: int) -> FloatArray:
+    """1 - distance to the nearest point (n,), in cells, at places (n, 3) of period 1; [0, 1]."""
+    points = feature_points(cells, seed)
+    out = np.empty(len(at))
+    for i in range(len(at)):
+        z, y, x = at[i, 0] * cells, at[i, 1] * cells, at[i, 2] * cells
+        iz, iy, ix = math.floor(z), math.floor(y), math.floor(x)
+        nearest = 9.0
+        for dz in range(-1, 2):
+            for dy in range(-1, 2):
+                for dx in range(-1, 2):
+                    cz, cy, cx = iz + dz, iy + dy, ix + dx
+                    wz, wy, wx = cz % cells, cy % cells, cx % cells
+                    pz = points[wz, wy, wx, 0] + (cz - wz) - z
+                    py = points[wz, wy, wx, 1] + (cy - wy) - y
+                    px = points[wz, wy, wx, 2] + (cx - wx) - x
+                    nearest = min(nearest, pz * pz + py * py + px * px)
+        out[i] = max(1.0 - math.sqrt(nearest), 0.0)
+    return out
+
+
+@njit(cache=True)
+def _pull(cz: int, cy: int, cx: int, cells: int, z: float, y: float, x: float, seed: int) -> float:
+    """What a lattice point adds, of Perlin's twelve gradients."""
+    h = _mixed(cx % cells, cy % cells, cz % cells, seed) % 12
+    first = x if h < 8 else y
+    second = y if h < 4 else z
+    return (first if h & 1 == 0 else -first) + (second if h & 2 == 0 else -second)
+
+
+@njit(cache=True)
+def perlin(at: FloatArray, cells: int, seed: int) -> FloatArray:
+    """Perlin's improved noise (2002) (n,), about [-1, 1], at places (n, 3) of period 1."""
+    out = np.empty(len(at))
+    for i in range(len(at)):
+        z, y, x = at[i, 0] * cells, at[i, 1] * cells, at[i, 2] * cells
+        iz, iy, ix = math.floor(z), math.floor(y), math.floor(x)
+        fz, fy, fx = z - iz, y - iy, x - ix
+        sz = fz * fz * fz * (fz * (fz * 6.0 - 15.0) + 10.0)
+        sy = fy * fy * fy * (fy * (fy * 6.0 - 15.0) + 10.0)
+        sx = fx * fx * fx * (fx * (fx * 6.0 - 15.0) + 10.0)
+        total = 0.0
+        for dz in range(2):
+            for dy in range(2):
+                for dx in range(2):
+                    weight = (
+                        (sz if dz else 1.0 - sz)
+                        * (sy if dy else 1.0 - sy)
+                        * (sx if dx else 1.0 - sx)
+                    )
+                    total += weight * _pull(
+                        iz + dz, iy + dy, ix + dx, cells, fz - dz, fy - dy, fx - dx, seed
+                    )
+        out[i] = total
+    return out

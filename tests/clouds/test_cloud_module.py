@@ -1,0 +1,125 @@
+"""Clouds on a bus: nothing where there are none, the wind by the clock, and replays."""
+
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+from clouds import module as clouds_module
+from clouds.module import Clouds, drift_m
+from clouds.settings import CloudSettings
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import CloudsChanged, Demand, SetClock, SetPlace, SetSetting
+from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.recording.recorder import Recorder
+from vrut_lite.kernel.recording.replay import Replay
+
+NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
+WANTED = Demand(consumer="test", message="CloudsChanged")
+
+
+def coverage_of(value):
+    return SetSetting(module="clouds", name="coverage", value=value)
+
+
+@pytest.fixture
+def kernel():
+    kernel = Kernel()
+    kernel.add_module(Clouds)
+    yield kernel
+    kernel.close()
+
+
+@pytest.fixture
+def heard(kernel):
+    """All that is said of clouds."""
+    said = []
+    kernel.tap(lambda message, _: said.append(message) if type(message) is CloudsChanged else None)
+    return said
+
+
+def tell(kernel, *inputs):
+    for message in inputs:
+        kernel.inject(message)
+        kernel.pump_until_idle()
+
+
+def ledger(kernel):
+    return kernel.seats["clouds"].module.ledger
+
+
+def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
+    """Off by default, and free: no message, no job, not even the import of compiled noise."""
+    monkeypatch.setattr(clouds_module, "make_layer", None)
+    tell(kernel, WANTED, SetClock(instant=NOON), SetClock(instant=NOON + timedelta(hours=1)))
+    assert heard == []
+    assert not ledger(kernel).done
+    assert ledger(kernel).skipped["clouds: no coverage"] >= 3
+
+
+def test_nobody_asks_nothing_is_made(kernel, heard):
+    """Clouds that nobody draws are not made."""
+    tell(kernel, SetClock(instant=NOON), coverage_of(0.5))
+    assert heard == []
+    assert not ledger(kernel).done
+    tell(kernel, WANTED)
+    assert heard[-1].layer.coverage == 0.5
+
+
+def test_switched_off_they_go_once(kernel, heard):
+    """A layer that was said must be taken back, and once is enough."""
+    tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.3), coverage_of(0.0))
+    assert [message.layer is None for message in heard] == [False, True]
+    tell(kernel, SetClock(instant=NOON + timedelta(hours=1)))
+    assert len(heard) == 2
+
+
+@pytest.mark.parametrize(("azimuth_deg", "towards"), [(270.0, (1, 0)), (0.0, (0, 1))])
+def test_the_wind_moves_the_pattern(kernel, heard, azimuth_deg, towards):
+    """Speed times time: 10 m/s from the west for a minute are 600 m east (+x), from north +z."""
+    tell(
+        kernel,
+        WANTED,
+        SetSetting(module="clouds", name="wind_speed_m_s", value=10.0),
+        SetSetting(module="clouds", name="wind_azimuth_deg", value=azimuth_deg),
+        SetClock(instant=NOON),
+        coverage_of(0.3),
+        SetClock(instant=NOON + timedelta(minutes=1)),
+    )
+    before, after = heard[-2].layer, heard[-1].layer
+    moved = np.subtract(after.drift_m, before.drift_m)
+    np.testing.assert_allclose(moved, 600.0 * np.array(towards), atol=1e-3)
+    assert after.shape is before.shape, "the wind makes no new noise"
+    assert ledger(kernel).done["layer"] == 1
+
+
+def test_a_turned_world_turns_the_wind():
+    """With -z pointing east of north by 90 degrees, wind from the west blows ahead, along -z."""
+    settings = CloudSettings(wind_speed_m_s=5.0, wind_azimuth_deg=270.0)
+    np.testing.assert_allclose(drift_m(settings, 2.0, np.pi / 2), (0.0, -10.0), atol=1e-12)
+
+
+def test_half_a_metre_is_not_said(kernel, heard):
+    """Less than the noise can show: 0.04 s of 8 m/s."""
+    tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.3))
+    tell(kernel, SetClock(instant=NOON + timedelta(milliseconds=40)))
+    assert len(heard) == 1
+    assert ledger(kernel).skipped["clouds: unchanged"] == 1
+
+
+def test_a_recorded_session_replays(tmp_path):
+    """Settings dragged, the clock and the place moved: the same clouds, to the byte."""
+    path = tmp_path / "clouds.mcap"
+    turned = SetPlace(latitude_deg=50.0, longitude_deg=14.0, north_offset_rad=0.3)
+    kernel = Kernel()
+    kernel.add_module(Clouds)
+    with path.open("wb") as stream:
+        recorder = Recorder(kernel, stream)
+        tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.4), coverage_of(0.5), turned)
+        tell(kernel, SetClock(instant=NOON + timedelta(minutes=5)), coverage_of(0.0))
+        recorder.close()
+    kernel.close()
+    outcome = Replay(Journal(path), [Clouds]).run()
+    assert outcome.difference is None
+    assert outcome.messages > 5
+    assert path.stat().st_size < 32_000

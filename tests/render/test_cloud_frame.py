@@ -1,0 +1,211 @@
+"""Clouds in the frame: pixels worked out on paper, shadows, and nothing when off."""
+
+import msgspec
+import numpy as np
+import pytest
+from air_stage import air_of, volume_of
+from cloud_stage import clouds_of, rough_layer, slab
+from light_messages import light_messages
+from scene_stage import light, look, square, surface
+
+from vrut_lite.geometry.clouds import density, distance_up_m
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.geometry.sun_aloft import sun_aloft
+from vrut_lite.render.cloud_light import ClearLight, under_clouds
+from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.scene.loading import load_scene
+
+pytestmark = pytest.mark.gl
+EYE = (0.0, 2.0, 0.0)
+BLACK = np.zeros((6, 16, 16, 3))
+# As cloud_light.glsl has them.
+OCTAVES = ((2.0, 1.0), (0.8, 0.03), (0.28, 0.0066))
+
+
+@pytest.fixture
+def backend(gl_owner):
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    backend.set_size(24, 16)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture
+def stage(backend, tmp_path):
+    """A white square at the origin, on ground; black sky, sun at 53 degrees in the east."""
+    backend.show_scene(load_scene(square(tmp_path, surface(1.0, 1.0))), GroundDisc((0, 0), 0, 600))
+    light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
+    return backend
+
+
+def henyey_greenstein(nu, g):
+    return (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * nu) ** 1.5)
+
+
+def slab_radiance(layer, view, sun, order_terms=OCTAVES):
+    """Radiance and transmittance of the slab from below: source and depths in fine steps.
+
+    The source's terms are those of the shader; single scattering, the first, is exact.
+    """
+    near = distance_up_m(EYE[1], layer.base_m, view[1])
+    far = distance_up_m(EYE[1], layer.base_m + layer.thickness_m, view[1])
+    steps = 4000
+    t = near + (np.arange(steps) + 0.5) / steps * (far - near)
+    points = np.array(EYE) + t[:, None] * view
+    extinction = layer.extinction_per_m * density(layer, points, EYE)
+    depth = (np.cumsum(extinction) - 0.5 * extinction) * (far - near) / steps
+    height = points[:, 1] - layer.base_m
+    to_sun = layer.extinction_per_m * (layer.thickness_m - height) / sun[1]
+    g1, g2, share = layer.phase
+    nu = float(np.dot(view, sun))
+    phase = share * henyey_greenstein(nu, g1) + (1 - share) * henyey_greenstein(nu, g2)
+    scattered = phase * np.exp(-to_sun)
+    for weight, slower in order_terms:
+        scattered += weight * np.exp(-slower * to_sun) / (4 * np.pi)
+    suns = sun_aloft(layer.base_m + height, sun[1])
+    weight = extinction * np.exp(-depth) * (far - near) / steps
+    return (suns * (scattered * weight)[:, None]).sum(axis=0), np.exp(-depth[-1])
+
+
+@pytest.mark.parametrize("extinction_per_m", [2e-4, 1e-3, 5e-3])
+@pytest.mark.parametrize("towards", [(0.3, 1.0, 0.2), (-0.8, 0.9, 0.0)])
+def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
+    """Single scattering (exact) and the shader's own terms of more: within 1 %, from thin to thick.
+
+    The sky is black: what is seen is the slab's own light.
+    """
+    layer = slab(extinction_per_m=extinction_per_m)
+    stage.set_clouds(clouds_of(layer))
+    target = np.array(EYE) + np.array(towards)
+    picture = look(stage, EYE, target, 0.01)
+    view = np.array(towards) / np.linalg.norm(towards)
+    expected, _ = slab_radiance(layer, view, np.array([0.6, 0.8, 0.0]))
+    # What the sky gives the clouds is nothing; what the ground gives, its harmonics hold: none.
+    np.testing.assert_allclose(picture.radiance.mean(axis=(0, 1)), expected, rtol=0.01)
+
+
+def test_a_slab_lets_the_sky_through(stage):
+    """exp(-k d / mu) of a bright sky behind, to 0.5 %, each pixel to 1.5 %; the sun is off."""
+    layer = slab(extinction_per_m=1e-3)
+    bright = np.full((6, 16, 16, 3), 1000.0)
+    light(stage, bright, sun_direction=(0.6, -0.8, 0.0))
+    stage.set_ambient(light_messages(BLACK)[2])
+    stage.set_clouds(clouds_of(layer))
+    view = np.array([0.0, 0.8, 0.6])
+    picture = look(stage, EYE, np.array(EYE) + view, 0.01)
+    _, transmittance = slab_radiance(layer, view, np.array([0.6, 0.8, 0.0]))
+    assert picture.radiance.mean() == pytest.approx(1000.0 * transmittance, rel=0.005)
+    np.testing.assert_allclose(picture.radiance, 1000.0 * transmittance, rtol=0.015)
+
+
+def test_ground_under_an_overcast_slab(stage):
+    """albedo / pi (E mu exp(-k d / mu) + what the bases send): within 1 %; the meter says the same.
+
+    The square is white and matte enough: a rough metal gives back all that falls on it.
+    """
+    layer = slab(extinction_per_m=1e-3)
+    stage.set_clouds(clouds_of(layer))
+    stage.set_ground_albedo(np.full(3, 0.5))
+    sun = np.array([0.6, 0.8, 0.0])
+    irradiance = np.array([90.0, 80.0, 70.0])
+    picture = look(stage, (0.0, 30.0, 60.0), (0.0, 0.0, 40.0), 0.05)
+    clear = ClearLight(tuple(sun), tuple(irradiance), np.zeros((25, 3)))
+    bases = evaluate_irradiance(under_clouds(layer, clear), (0.0, 1.0, 0.0))
+    direct = irradiance * 0.8 * np.exp(-1e-3 * 1000.0 * 0.985 / 0.8)
+    np.testing.assert_allclose(
+        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.01
+    )
+    lux = stage.illuminance((0.0, 0.0, 40.0), (0.0, 1.0, 0.0))
+    weights = np.array([0.2126, 0.7152, 0.0722]) * 683.0
+    assert lux.sun_lux == pytest.approx(direct @ weights, rel=0.01)
+    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.01)
+
+
+def test_a_cloud_is_seen_through_the_air(stage):
+    """L T + (1 - T) S of an opaque layer as far off as its base: the air is even, to 1 %."""
+    layer = slab(extinction_per_m=0.1)
+    stage.set_clouds(clouds_of(layer))
+    view = np.array([0.0, 0.3, np.sqrt(1.0 - 0.09)])
+    bare = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
+    extinction, source = np.array([2e-5, 5e-5, 1e-4]), np.array([3.0, 5.0, 9.0])
+    stage.set_air(air_of(volume_of(extinction, source, sun_direction=(0.6, 0.8, 0.0))))
+    seen = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
+    # What is seen lies a mean free path behind where the slab's density is one: 20 m over its base.
+    metres = distance_up_m(EYE[1], layer.base_m + 10.0, view[1]) + 10.0
+    transmittance = np.exp(-extinction * metres)
+    np.testing.assert_allclose(seen, bare * transmittance + (1 - transmittance) * source, rtol=0.01)
+
+
+EYES = [
+    ((0.0, 2.0, 0.0), (1.0, 2.2, 0.0)),
+    ((0.0, 1500.0, 0.0), (1.0, 1500.0, 0.0)),
+    ((0.0, 2500.0, 0.0), (1.0, 2499.9, 0.0)),
+    ((0.0, 3e4, 0.0), (1.0, 3e4 - 0.3, 0.0)),
+    ((0.0, 4e5, 0.0), (1.0, 4e5 - 0.4, 0.0)),
+    ((0.0, 2e7, 0.0), (0.1, 2e7 - 1.0, 0.0)),
+]
+
+
+@pytest.mark.parametrize("sun", [(0.6, 0.8, 0.0), (1.0, 0.01, 0.0), (1.0, -0.02, 0.0), (0, 1, 0)])
+def test_no_eye_sees_what_cannot_be(stage, sun):
+    """Below, in and above the layer and from space, day and night: finite, not negative."""
+    up = max(sun[1], 0.0)
+    sky = np.full((6, 16, 16, 3), 4.0)
+    light(stage, sky, sun_direction=sun, sun_irradiance=(90.0 * up,) * 3)
+    stage.set_clouds(clouds_of(rough_layer()))
+    for eye, target in EYES:
+        for still in (True, False):
+            picture = look(stage, eye, target, 1.0, still)
+            assert np.isfinite(picture.radiance).all(), eye
+            assert picture.radiance.min() >= 0.0, eye
+
+
+def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
+    """Seen from above, a thick slab hides a square under it and not the one over it."""
+    layer = slab(extinction_per_m=0.1)
+    for height, hidden in ((500.0, True), (2500.0, False)):
+        nodes = [{"mesh": 0, "translation": [0, height, 0], "scale": [2000, 1, 2000]}]
+        material = {
+            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 1.0},
+            "emissiveFactor": [1, 0, 0],
+        }
+        backend.show_scene(load_scene(square(tmp_path, material, nodes=nodes)), None)
+        light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
+        backend.set_clouds(clouds_of(layer))
+        covered = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
+        backend.set_clouds(clouds_of(None))
+        bare = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
+        assert (covered[1] > 1.0) == hidden
+        if not hidden:
+            np.testing.assert_allclose(covered, bare, rtol=1e-6)
+
+
+def test_off_costs_nothing(stage):
+    """Before there were clouds and after they went: the same picture bit for bit, and no work."""
+    before = look(stage, EYE, (1.0, 2.2, 0.0))
+    assert stage._frame._clouds._clouds is None, "nothing is compiled for clouds that never were"
+    stage.set_clouds(clouds_of(rough_layer()))
+    with_clouds = look(stage, EYE, (1.0, 2.2, 0.0))
+    stage.set_clouds(clouds_of(None))
+    done = stage.ledger.done.copy()
+    after = look(stage, EYE, (1.0, 2.2, 0.0))
+    assert np.array_equal(before.radiance, after.radiance)
+    assert not np.array_equal(before.radiance, with_clouds.radiance)
+    assert {name for name in stage.ledger.done - done if "cloud" in name} == set()
+    assert stage.ledger.skipped["clouds: none"] == 2
+
+
+def test_the_shadow_map_is_kept_while_it_holds(stage):
+    """Wind alone moves the map; a sun that moved by 2 degrees needs another."""
+    layer = rough_layer()
+    stage.set_clouds(clouds_of(layer))
+    look(stage, EYE, (1.0, 2.2, 0.0))
+    stage.set_clouds(clouds_of(msgspec.structs.replace(layer, drift_m=(40.0, 10.0))))
+    look(stage, EYE, (1.0, 2.2, 0.0))
+    assert stage.ledger.done["cloud shadow map"] == 1
+    assert stage.ledger.skipped["cloud shadow map: it still holds"] == 1
+    light(stage, BLACK, sun_direction=(0.63, 0.777, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
+    look(stage, EYE, (1.0, 2.2, 0.0))
+    assert stage.ledger.done["cloud shadow map"] == 2

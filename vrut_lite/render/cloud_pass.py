@@ -1,0 +1,167 @@
+"""Clouds over sky and meshes: marched into a picture of their own, then blended into the frame.
+
+Each sample of the frame gets what is before the sky or what is before its mesh, told apart by its
+own depth: edges with several samples stay smooth.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from vrut_lite.render.clouds import CloudsOnGpu
+from vrut_lite.render.full_screen import FullScreen
+from vrut_lite.render.gl_environment import import_pyrender
+from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.targets import Targets
+
+import_pyrender()
+from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
+
+# Pixels of the frame to one of the clouds', along each side; a still has one for each.
+COARSER = 2
+
+
+class CloudPass:
+    """Draws with reversed depth into the multisampled target; on the GL thread only."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._marches: dict[Defines, FullScreen] = {}
+        self._composite: FullScreen | None = None
+        self._target: _CloudTarget | None = None
+        self._depth: _MeshDepth | None = None
+
+    def draw(
+        self,
+        clouds: CloudsOnGpu,
+        targets: Targets,
+        view: View,
+        air: Defines,
+        pixels: int,
+        before_meshes: bool,
+    ) -> None:
+        """March through the clouds and blend them in.
+
+        Args:
+            pixels: of the frame to one of the clouds', along each side.
+            before_meshes: whether clouds may stand before meshes.
+        """
+        target = self._target_of(targets.size, pixels)
+        defines = (*(name for name in air if name == "AIR"),)
+        if before_meshes:
+            defines = (*defines, "BEFORE_MESHES")
+            self._mesh_depth(targets).use(location=4)
+        self._march(clouds, view, defines, target, pixels)
+        targets.multisampled.use()
+        self._blend(target.before_sky, only_sky=True)
+        if before_meshes:
+            self._blend(target.before_mesh, only_sky=False)
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        for thing in (*self._marches.values(), self._composite, self._target, self._depth):
+            if thing is not None:
+                thing.release()
+
+    def _march(
+        self, clouds: CloudsOnGpu, view: View, defines: Defines, target: Any, pixels: int
+    ) -> None:
+        if defines not in self._marches:
+            self._marches[defines] = FullScreen(self._context, "clouds.frag", defines)
+        march = self._marches[defines]
+        march.set("ray_from_clip", np.linalg.inv(view.projection @ view.rotation).T.ravel())
+        march.set("near_m", float(view.projection[2, 3]))
+        march.set("view_axis", -view.rotation[2, :3])
+        march.set("mesh_pixels", float(pixels))
+        target.buffer.use()
+        clouds.bind_noises()
+        self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
+        self._context.disable(self._context.CULL_FACE)
+        march.draw()
+
+    def _blend(self, cloud: Any, only_sky: bool) -> None:
+        """Over the samples of the sky, at infinite depth, or over those of meshes."""
+        if self._composite is None:
+            self._composite = FullScreen(self._context, "cloud_composite.frag")
+        cloud.use(location=0)
+        self._composite.set("cloud", 0)
+        context = self._context
+        context.enable(context.DEPTH_TEST | context.BLEND)
+        GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_SRC_ALPHA, GL.GL_ZERO, GL.GL_ONE)
+        GL.glDepthFunc(GL.GL_GEQUAL if only_sky else GL.GL_LESS)
+        context.depth_mask = False
+        self._composite.draw()
+        context.depth_mask = True
+        GL.glDepthFunc(GL.GL_GREATER)
+        context.disable(context.BLEND)
+
+    def _target_of(self, size: tuple[int, int], pixels: int) -> "_CloudTarget":
+        coarse = -(-size[0] // pixels), -(-size[1] // pixels)
+        if self._target is None or self._target.size != coarse:
+            if self._target is not None:
+                rest(self._context)
+                self._target.release()
+            self._target = _CloudTarget(self._context, coarse)
+        return self._target
+
+    def _mesh_depth(self, targets: Targets) -> "_MeshDepth":
+        if self._depth is None or self._depth.size != targets.size:
+            if self._depth is not None:
+                rest(self._context)
+                self._depth.release()
+            self._depth = _MeshDepth(targets.size)
+        self._depth.copy(targets)
+        return self._depth
+
+
+class _CloudTarget:
+    """Radiance and transmittance of what is before the sky, and before the meshes."""
+
+    def __init__(self, context: Any, size: tuple[int, int]):
+        self.size = size
+        self.before_sky, self.before_mesh = (context.texture(size, 4, dtype="f4") for _ in "12")
+        for texture in (self.before_sky, self.before_mesh):
+            texture.filter = (context.LINEAR, context.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
+        self.buffer = context.framebuffer([self.before_sky, self.before_mesh])
+
+    def release(self) -> None:
+        """Free everything; another framebuffer must be bound."""
+        for thing in (self.buffer, self.before_sky, self.before_mesh):
+            thing.release()
+
+
+class _MeshDepth:
+    """A copy of the frame's depth, one sample a pixel; moderngl has no 32-bit float depth."""
+
+    def __init__(self, size: tuple[int, int]):
+        self.size = size
+        self._texture = int(GL.glGenTextures(1))
+        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
+        GL.glTexStorage2D(GL.GL_TEXTURE_2D, 1, GL.GL_DEPTH_COMPONENT32F, *size)
+        for name in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_NEAREST)
+        self._buffer = int(GL.glGenFramebuffers(1))
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._buffer)
+        GL.glFramebufferTexture2D(
+            GL.GL_DRAW_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self._texture, 0
+        )
+
+    def copy(self, targets: Targets) -> None:
+        """Take the depth of the frame as it is now."""
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, targets.multisampled.glo)
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._buffer)
+        box = (0, 0, *self.size)
+        GL.glBlitFramebuffer(*box, *box, GL.GL_DEPTH_BUFFER_BIT, GL.GL_NEAREST)
+
+    def use(self, location: int) -> None:
+        """Bind it to a texture unit."""
+        GL.glActiveTexture(GL.GL_TEXTURE0 + location)
+        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
+
+    def release(self) -> None:
+        """Free texture and framebuffer."""
+        GL.glDeleteFramebuffers(1, [self._buffer])
+        GL.glDeleteTextures([self._texture])

@@ -1,0 +1,102 @@
+"""All that a frame does with clouds; nothing, where there are none."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.messages import CloudLayer
+from vrut_lite.render.air import FrameAir
+from vrut_lite.render.cloud_light import ClearLight, under_clouds
+from vrut_lite.render.cloud_pass import COARSER, CloudPass
+from vrut_lite.render.cloud_shadow import CloudShadowMap
+from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings
+from vrut_lite.render.light import Light
+from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.pyrender_scene import PyrenderScene
+from vrut_lite.render.targets import Targets
+
+_SHADOWS = "CLOUD_SHADOWS"
+Measure = Callable[[str], AbstractContextManager[Any]]
+
+
+class CloudStage:
+    """The clouds of a frame; made and used on the GL thread only.
+
+    The ledger counts "clouds" drawn, and what was skipped: where there are none, in a closed
+    room, and the copy of depths where no mesh reaches up to them.
+    """
+
+    def __init__(self, context: Any, ledger: Ledger):
+        self._context = context
+        self._ledger = ledger
+        # Made with the first layer: a frame without clouds compiles nothing of them.
+        self._clouds: CloudsOnGpu | None = None
+        self._pass: CloudPass | None = None
+        self._shadow: CloudShadowMap | None = None
+        self._drawn = False
+
+    def show(self, layer: CloudLayer | None) -> None:
+        """Draw this layer from the next frame on; None where there are no clouds."""
+        if self._clouds is None:
+            if layer is None:
+                return
+            self._clouds, self._pass = CloudsOnGpu(self._context), CloudPass(self._context)
+            self._shadow = CloudShadowMap(self._context, self._ledger)
+        self._clouds.show(layer)
+
+    def prepare(
+        self, scene: PyrenderScene, view: View, light: Light, air: FrameAir, size: tuple[int, int]
+    ) -> tuple[Light, FrameAir]:
+        """Bind the clouds of this frame; the light under them, and what shaders do besides."""
+        self._drawn = False
+        if self._clouds is None or self._clouds.layer is None:
+            self._ledger.skip("clouds: none")
+            return light, air
+        if light.is_none:
+            self._ledger.skip("clouds: in a closed room")
+            return light, air
+        self._drawn = True
+        around = CloudSurroundings(
+            eye_m=view.eye_m,
+            ground_level_m=scene.ground_level_m,
+            pixel_rad=2.0 / (float(view.projection[1, 1]) * size[1]),
+        )
+        assert self._shadow is not None
+        clear = ClearLight(light.sun_direction, light.sun_irradiance, light.irradiance_sh)
+        casts = self._shadow.bind(self._clouds, clear, around)
+        beneath = under_clouds(self._clouds.layer, clear)
+        dimmed = replace(light, irradiance_sh=beneath.astype(np.float32))
+        return dimmed, with_cloud_shadows(air) if casts else air
+
+    def draw(
+        self, scene: PyrenderScene, targets: Targets, view: View, air: FrameAir, still: bool
+    ) -> None:
+        """Clouds over the sky, and over meshes that stand behind them."""
+        if not self._drawn:
+            return
+        assert self._clouds is not None
+        assert self._pass is not None
+        assert self._clouds.layer is not None
+        base_m = self._clouds.layer.base_m
+        before_meshes = max(scene.centre_m[1] + scene.radius_m, view.eye_m[1]) > base_m
+        if not before_meshes:
+            self._ledger.skip("clouds: before meshes, all below them")
+        pixels = 1 if still else COARSER
+        self._pass.draw(self._clouds, targets, view, air.mesh, pixels, before_meshes)
+        self._ledger.did("clouds")
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        for thing in (self._clouds, self._pass, self._shadow):
+            if thing is not None:
+                thing.release()
+
+
+def with_cloud_shadows(air: FrameAir) -> FrameAir:
+    """What shaders define where clouds shade the sun; the sky's own ground only through air."""
+    sky = (*air.sky, _SHADOWS) if "AIR" in air.sky else air.sky
+    return FrameAir((*air.mesh, _SHADOWS), sky)

@@ -1,0 +1,180 @@
+"""The clouds of a frame on the GPU: their noise as textures, and the block of numbers beside it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.geometry.clouds import (
+    DETAIL_PERIOD_M,
+    NOISE_TURN_RAD,
+    PLANET_RADIUS_M,
+    SHAPE_PERIOD_M,
+    WEATHER_PERIODS_M,
+    WEATHER_TURN_RAD,
+    turned,
+)
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.geometry.sun_aloft import sun_aloft
+from vrut_lite.kernel.messages import CloudLayer
+from vrut_lite.render.cloud_light import ClearLight, sky_beneath
+from vrut_lite.render.gl_owner import rest
+
+# As cloud_block.glsl, cloud_density.glsl and cloud_light.glsl bind them.
+_BLOCK, _WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 1, 0, 1, 2, 3
+_BLOCK_BYTES = 4 * 44
+_SUNS, _LOWEST_SUN = 256, -0.1
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+class CloudSurroundings(NamedTuple):
+    """What else the clouds of a frame depend on.
+
+    Attributes:
+        eye_m: (3,), world axes.
+        ground_level_m: y of the ground behind the scene.
+        pixel_rad: what a pixel of the cloud picture spans.
+    """
+
+    eye_m: NDArray[np.float64]
+    ground_level_m: float
+    pixel_rad: float
+
+
+class ShadowPlane(NamedTuple):
+    """Where the cloud shadow map lies: see cloud_shadow.py.
+
+    `centre_m` (2,) is its middle, world x and z; `texels` are those of a side.
+    """
+
+    centre_m: NDArray[np.float64]
+    near_m: float
+    growth: float
+    least_sine: float
+    texels: int
+
+
+class CloudsOnGpu:
+    """The textures of one layer; made and used on the GL thread only."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._block = context.buffer(reserve=_BLOCK_BYTES)
+        self._noises: list[Any] = []
+        self._uploaded: tuple[NDArray, ...] = ()
+        self._suns: Any = None
+        self._levels_m: tuple[float, float] | None = None
+        self.layer: CloudLayer | None = None
+
+    def show(self, layer: CloudLayer | None) -> None:
+        """Show this layer from the next frame on; None where there are no clouds."""
+        self.layer = layer
+        if layer is None:
+            return
+        noises = layer.weather.values, layer.shape.values, layer.detail.values
+        # The module keeps a seed's noises: what is the same object is on the GPU already.
+        if [id(noise) for noise in noises] != [id(noise) for noise in self._uploaded]:
+            self._upload(*noises)
+            self._uploaded = noises
+        levels_m = layer.base_m, layer.base_m + layer.thickness_m
+        if levels_m != self._levels_m:
+            self._light(levels_m)
+            self._levels_m = levels_m
+
+    def bind(self, light: ClearLight, around: CloudSurroundings, plane: ShadowPlane) -> None:
+        """Hand layer, light and surroundings to all shaders that are drawn with next."""
+        assert self.layer is not None
+        self._block.write(_packed(self.layer, light, around, plane).tobytes())
+        self._block.bind_to_uniform_block(_BLOCK)
+
+    def bind_noises(self) -> None:
+        """Hand over what densities are made of."""
+        units = (_WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT)
+        for unit, texture in zip(units, [*self._noises, self._suns], strict=True):
+            texture.use(location=unit)
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        self._release_textures()
+        if self._suns is not None:
+            self._suns.release()
+        self._block.release()
+
+    def _upload(self, weather: NDArray, shape: NDArray, detail: NDArray) -> None:
+        self._release_textures()
+        context = self._context
+        self._noises = [
+            context.texture(weather.shape, 1, weather.tobytes(), dtype="nu2", alignment=1),
+            *(
+                context.texture3d(volume.shape, 1, volume.tobytes(), alignment=1)
+                for volume in (shape, detail)
+            ),
+        ]
+        for texture in self._noises:
+            texture.build_mipmaps()
+            texture.filter = (context.LINEAR_MIPMAP_LINEAR, context.LINEAR)
+            texture.repeat_x = texture.repeat_y = True
+        for volume in self._noises[1:]:
+            volume.repeat_z = True
+
+    def _light(self, levels_m: tuple[float, float]) -> None:
+        """The sun at base and top, for all heights of the sun: denser towards the lowest."""
+        row = np.linspace(0.0, 1.0, _SUNS)
+        sines = _LOWEST_SUN + (1.0 - _LOWEST_SUN) * row * row
+        table = np.stack([sun_aloft(level, sines) for level in levels_m]).astype(np.float32)
+        if self._suns is None:
+            self._suns = self._context.texture((_SUNS, 2), 3, dtype="f4", alignment=1)
+            self._suns.filter = (self._context.LINEAR, self._context.LINEAR)
+            self._suns.repeat_x = self._suns.repeat_y = False
+        self._suns.write(table.tobytes(), alignment=1)
+
+    def _release_textures(self) -> None:
+        if self._noises:
+            rest(self._context)
+            for texture in self._noises:
+                texture.release()
+        self._noises = []
+
+
+def _packed(
+    layer: CloudLayer, light: ClearLight, around: CloudSurroundings, plane: ShadowPlane
+) -> NDArray[np.float32]:
+    """The block `Clouds` of cloud_block.glsl."""
+    eye = around.eye_m
+    level = eye[[0, 2]]
+    base, top = layer.base_m, layer.base_m + layer.thickness_m
+    beneath = sky_beneath(layer, light)
+    ground = min(around.ground_level_m, float(eye[1]))
+    return np.array(
+        [
+            *light.sun_direction, PLANET_RADIUS_M + eye[1],
+            base, layer.thickness_m, layer.extinction_per_m, layer.threshold,
+            *_weather_origin(layer, level), *_noise_origin(layer, level),
+            *layer.phase, around.pixel_rad,
+            *(_squares_m2(altitude, float(eye[1])) for altitude in (top, base, ground)), eye[1],
+            *(evaluate_irradiance(light.irradiance_sh, _UP) / np.pi), beneath.scattered_share,
+            *beneath.light_from_below, layer.coverage,
+            *(level - plane.centre_m), plane.near_m, plane.growth,
+            *beneath.ground_by_sun, plane.least_sine,
+            *beneath.ground_by_sky, plane.texels,
+        ],
+        np.float32,
+    )  # fmt: skip
+
+
+def _squares_m2(altitude_m: float, eye_altitude_m: float) -> float:
+    """The difference of two radii's squares, factored."""
+    radii_m = 2.0 * PLANET_RADIUS_M + altitude_m + eye_altitude_m
+    return (altitude_m - eye_altitude_m) * radii_m
+
+
+def _weather_origin(layer: CloudLayer, level_m: NDArray) -> NDArray[np.float64]:
+    """The eye's place in the two views of the weather, in periods; the wind wrapped here."""
+    place = level_m - layer.drift_m
+    views = place, turned(place, WEATHER_TURN_RAD)
+    return np.concatenate([(v / p) % 1.0 for v, p in zip(views, WEATHER_PERIODS_M, strict=True)])
+
+
+def _noise_origin(layer: CloudLayer, level_m: NDArray) -> NDArray[np.float64]:
+    place = turned(level_m - layer.drift_m, NOISE_TURN_RAD)
+    return np.concatenate([(place / period) % 1.0 for period in (SHAPE_PERIOD_M, DETAIL_PERIOD_M)])

@@ -1,0 +1,27 @@
+// Sunlight that the air before a point lacks, because clouds shade it: differences of the tables'
+// sums, each with what the clouds take of it.
+
+const int CLOUD_SHAFT_STEPS = 24;
+
+vec3 shaded_by_clouds(AirRay ray, vec3 d, float metres) {
+    float last_m = min(metres, ray.entry_m + ray.span_m);
+    float sine = max(abs(d.y), 1e-4);
+    // Above the layer nothing is shaded.
+    float top_m = clouds.base_m + clouds.thickness_m - clouds.eye_altitude_m;
+    if (d.y > 0.0 && top_m > 0.0) last_m = min(last_m, top_m / sine);
+    float reach_m = last_m - ray.entry_m;
+    if (!(reach_m > 0.0)) return vec3(0.0);
+    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    vec3 missing = vec3(0.0), before = vec3(0.0);
+    for (int i = 0; i < CLOUD_SHAFT_STEPS; ++i) {
+        // Steps grow with the distance.
+        float near = float(i) / float(CLOUD_SHAFT_STEPS);
+        float middle = (float(i) + dither) / float(CLOUD_SHAFT_STEPS);
+        float far = float(i + 1) / float(CLOUD_SHAFT_STEPS);
+        vec3 sum = sunlit_before(ray, ray.entry_m + reach_m * far * far);
+        float lit = cloud_transmittance(d * (ray.entry_m + reach_m * middle * middle));
+        missing += (1.0 - lit) * max(sum - before, 0.0);
+        before = sum;
+    }
+    return missing;
+}
