@@ -1,4 +1,5 @@
-# make run    set up, then render every scene at four hours into out/
+# make run    set up, then open a scene in a window; without a display, render every scene at
+#             four hours into out/
 # make test   set up, then lint and run all tests
 # make lint   set up, then ruff and mypy alone
 # make clean  remove what running and testing made; .venv and .gl stay
@@ -15,7 +16,8 @@ ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 run:
 	@sh tools/bootstrap.sh run
-	@$(WITH_GL) $(BIN)/vrut-lite demo --out out
+	@$(WITH_GL) if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ]; then $(BIN)/vrut-lite run; \
+	else $(BIN)/vrut-lite demo --out out; fi
 
 test: lint
 	@$(WITH_GL) $(ONE_CORE) $(BIN)/python -m pytest -n 2 --durations=10 --durations-min=1

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes.shapes import Shape
 
-_FLOAT, _SHORT, _VERTICES, _INDICES = 5126, 5123, 34962, 34963
+_FLOAT, _SHORT, _SIGNED_BYTE, _BYTE = 5126, 5123, 5120, 5121
+_VERTICES, _INDICES = 34962, 34963
 _DECIMALS = 5
 
 
@@ -53,6 +54,44 @@ class GltfWriter:
         """A mesh of shapes with their materials."""
         primitives = [self._primitive(shape, material) for shape, material in parts]
         return self._add("meshes", {"name": name, "primitives": primitives})
+
+    def tiled_material(self, name: str, grain: bytes, bumps: bytes, side: float) -> int:
+        """A matt material for `painted_mesh`: PNGs of grain and normals, repeated.
+
+        `side` is their side in texture coordinates.
+        """
+        self._use("KHR_texture_transform")
+        once = 1.0 / side
+        maps = [
+            {"index": self._embedded(png), "extensions": {
+                "KHR_texture_transform": {"scale": [once, once]}}}
+            for png in (grain, bumps)
+        ]  # fmt: skip
+        pbr = {"baseColorTexture": maps[0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
+        return self._add(
+            "materials", {"name": name, "pbrMetallicRoughness": pbr, "normalTexture": maps[1]}
+        )
+
+    def painted_mesh(
+        self, name: str, shape: Shape, colours: NDArray[np.float64], material: int
+    ) -> int:
+        """A mesh in few bytes, with a linear colour (V, 3) in [0, 1] at each vertex.
+
+        Positions and texture coordinates are stored as whole numbers of 16 bits, normals and
+        colours in 8 bits a number (KHR_mesh_quantization).
+        """
+        self._use("KHR_mesh_quantization")
+        attributes = {
+            "POSITION": self._packed(shape.positions, "<u2", bounds=True),
+            "NORMAL": self._packed(np.round(127.0 * shape.normals), "i1"),
+            "COLOR_0": self._packed(np.round(255.0 * colours), "u1"),
+        }
+        if len(shape.uv):
+            attributes["TEXCOORD_0"] = self._packed(shape.uv, "<u2")
+        primitive = {
+            "attributes": attributes, "indices": self._indices(shape.faces), "material": material
+        }  # fmt: skip
+        return self._add("meshes", {"name": name, "primitives": [primitive]})
 
     def place(
         self,
@@ -132,17 +171,44 @@ class GltfWriter:
             accessor["min"], accessor["max"] = data.min(axis=0).tolist(), data.max(axis=0).tolist()
         return self._accessor(accessor, data.tobytes(), _VERTICES)
 
+    def _packed(self, values: NDArray[np.float64], kind: str, *, bounds: bool = False) -> int:
+        """Whole numbers (V, 2 or 3), each row filled up to whole words."""
+        rows, dtype = values.astype(kind), np.dtype(kind)
+        accessor: dict[str, Any] = {
+            "componentType": {"u2": _SHORT, "i1": _SIGNED_BYTE, "u1": _BYTE}[dtype.str[1:]],
+            "count": len(rows), "type": f"VEC{rows.shape[1]}", "normalized": dtype.itemsize == 1,
+        }  # fmt: skip
+        if bounds:
+            accessor["min"], accessor["max"] = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+        fill = -rows.shape[1] % (4 // dtype.itemsize)
+        rows = np.pad(rows, ((0, 0), (0, fill)))
+        return self._accessor(accessor, rows.tobytes(), _VERTICES, rows.shape[1] * dtype.itemsize)
+
+    def _embedded(self, png: bytes) -> int:
+        """A texture of an image within the binary."""
+        view = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(png)}
+        self._binary += png + b"\0" * (-len(png) % 4)
+        image = {"bufferView": self._add("bufferViews", view), "mimeType": "image/png"}
+        return self._add("textures", {"source": self._add("images", image)})
+
+    def _use(self, extension: str) -> None:
+        for key in ("extensionsUsed", "extensionsRequired"):
+            names = self._document.setdefault(key, [])
+            if extension not in names:
+                names.append(extension)
+
     def _indices(self, faces: NDArray[np.int64]) -> int:
         data = faces.reshape(-1).astype("<u2")
         accessor = {"componentType": _SHORT, "count": data.size, "type": "SCALAR"}
         return self._accessor(accessor, data.tobytes(), _INDICES)
 
-    def _accessor(self, accessor: dict[str, Any], data: bytes, target: int) -> int:
+    def _accessor(self, accessor: dict[str, Any], data: bytes, target: int, stride: int = 0) -> int:
         """The accessor of these bytes; equal bytes are stored once."""
         if (target, data) not in self._stored:
             view = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(data)}
             self._binary += data + b"\0" * (-len(data) % 4)
-            accessor["bufferView"] = self._add("bufferViews", {**view, "target": target})
+            layout = {"byteStride": stride} if stride else {}
+            accessor["bufferView"] = self._add("bufferViews", {**view, **layout, "target": target})
             self._stored[target, data] = self._add("accessors", accessor)
         return self._stored[target, data]
 

@@ -9,6 +9,7 @@ import zlib
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.noise import gradient_pull
 from vrut_lite.geometry.colour import srgb_encode
 
 SIZE_PX = 256
@@ -57,6 +58,46 @@ def checker() -> bytes:
     return _png(np.where(joint, 2, slab), tone, albedo)
 
 
+def ground_grain() -> bytes:
+    """What breaks the evenness of open land, 512 x 512: greys about a mean of two thirds."""
+    size = 2 * SIZE_PX
+    at = np.arange(size) / size
+    x, y = np.meshgrid(at, at)
+    tone = np.full((size, size), 0.5)
+    for octave, height in enumerate((0.10, 0.14, 0.18, 0.2, 0.2, 0.16)):
+        tone += height * _wrapped_noise(x, y, 8 * 2**octave, 101 + octave)
+    return _png(np.zeros((size, size), dtype=np.int64), tone, [(2 / 3, 2 / 3, 2 / 3)])
+
+
+def ground_bumps() -> bytes:
+    """Normals of the same land, 256 x 256: two metres of relief in a tile of 256 m."""
+    at = np.arange(SIZE_PX) / SIZE_PX
+    x, y = np.meshgrid(at, at)
+    height_m = np.zeros((SIZE_PX, SIZE_PX))
+    for octave, height in enumerate((1.6, 1.1, 0.7, 0.42, 0.22)):
+        height_m += height * (0.5 - np.abs(_wrapped_noise(x, y, 8 * 2**octave, 101 + octave)))
+    east = np.roll(height_m, -1, axis=1) - np.roll(height_m, 1, axis=1)
+    south = np.roll(height_m, -1, axis=0) - np.roll(height_m, 1, axis=0)
+    # A texel is a metre; the texture's second axis runs up the picture, to the north.
+    normal = np.stack([-0.5 * east, 0.5 * south, np.ones_like(east)], axis=-1)
+    normal /= np.sqrt(np.sum(normal * normal, axis=-1, keepdims=True))
+    return _png_of(np.round(255.0 * (0.5 + 0.5 * normal)).astype(np.uint8), 2, [])
+
+
+def _wrapped_noise(x: FloatArray, y: FloatArray, cells: int, seed: int) -> FloatArray:
+    """Gradient noise of so many cells a side that goes on across the borders."""
+    across, along = x * cells, y * cells
+    left, top = np.floor(across), np.floor(along)
+    u, v = across - left, along - top
+    pull = [
+        gradient_pull((left + i) % cells, (top + j) % cells, u - i, v - j, seed)
+        for j in (0, 1) for i in (0, 1)
+    ]  # fmt: skip
+    s, t = (w * w * w * (w * (w * 6.0 - 15.0) + 10.0) for w in (u, v))
+    upper = pull[0] + s * (pull[1] - pull[0])
+    return np.asarray(1.5 * (upper + t * (pull[2] + s * (pull[3] - pull[2]) - upper)))
+
+
 def _to_edge(fraction: FloatArray) -> FloatArray:
     return np.minimum(fraction, 1.0 - fraction)
 
@@ -79,10 +120,14 @@ def _png(kind: NDArray[np.int64], tone: FloatArray, albedo: ArrayLike) -> bytes:
     shades = np.asarray(albedo)[:, None, :] * np.linspace(0.5, 1.5, _LEVELS)[:, None]
     palette = np.round(255 * srgb_encode(shades.reshape(-1, 3))).astype(np.uint8)
     rows = (kind * _LEVELS + level).astype(np.uint8)
+    return _png_of(rows, 3, [(b"sRGB", b"\0"), (b"PLTE", palette.tobytes())])
+
+
+def _png_of(rows: NDArray[np.uint8], colour_type: int, told: list[tuple[bytes, bytes]]) -> bytes:
+    """A PNG of 8-bit rows (h, w) or (h, w, 3), with what is told before them."""
     raw = b"".join(b"\0" + row.tobytes() for row in rows)
-    header = struct.pack(">IIBBBBB", SIZE_PX, SIZE_PX, 8, 3, 0, 0, 0)
-    chunks = [(b"IHDR", header), (b"sRGB", b"\0"), (b"PLTE", palette.tobytes())]
-    chunks += [(b"IDAT", _stored(raw)), (b"IEND", b"")]
+    header = struct.pack(">IIBBBBB", rows.shape[1], rows.shape[0], 8, colour_type, 0, 0, 0)
+    chunks = [(b"IHDR", header), *told, (b"IDAT", _stored(raw)), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in chunks)
 
 

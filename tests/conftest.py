@@ -4,6 +4,16 @@ import pytest
 
 from vrut_lite.render.gl_environment import probe_gl
 
+# pytest-qt ends the whole run where Qt cannot be loaded: pyproject.toml keeps it from loading
+# itself, and it is loaded here where it can be.
+try:
+    import PySide6.QtWidgets  # noqa: F401
+
+    pytest_plugins = ["pytestqt.plugin"]
+    NO_QT = ""
+except ImportError as error:
+    NO_QT = str(error)
+
 
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
@@ -22,9 +32,10 @@ def pytest_collection_modifyitems(config, items):
 
 
 def pytest_report_header(config):
-    """Name the GL that the tests run on."""
+    """Name the GL and the Qt that the tests run on."""
     renderer, reason = probe_gl()
-    return f"OpenGL: {renderer or 'none, GL tests are skipped: ' + reason}"
+    qt = f"none, tests/app is skipped: {NO_QT}" if NO_QT else "found"
+    return [f"OpenGL: {renderer or 'none, GL tests are skipped: ' + reason}", f"Qt: {qt}"]
 
 
 @pytest.fixture(scope="session")

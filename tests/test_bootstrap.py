@@ -13,6 +13,12 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PLAIN_TOOLS = ["cat", "dirname", "env", "find", "head", "ln", "mkdir", "mv", "rm", "sed"]
 LIBRARIES = "\tlibEGL.so.1 (libc6,x86-64) => /x/libEGL.so.1\n\tlibGL.so.1 (libc6) => /x/libGL.so.1"
+QT_LIBRARIES = "".join(
+    f"\n\t{name} (libc6,x86-64) => /x/{name}"
+    for name in (
+        "libglib-2.0.so.0", "libfontconfig.so.1", "libxkbcommon.so.0", "libdbus-1.so.3"
+    )
+)  # fmt: skip
 
 APT_GET = """
 case $* in
@@ -234,7 +240,7 @@ case $1$2 in
 esac"""
     machine.has("python", body, machine.root / ".venv/bin")
     machine.has("pip", "", machine.root / ".venv/bin")
-    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+    machine.has("ldconfig", f"echo '{LIBRARIES}{QT_LIBRARIES}'")
 
 
 def installations(machine: Machine) -> list[str]:
@@ -247,23 +253,23 @@ def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
     """The stamp holds all that an installation depends on."""
     with_venv(machine)
     assert machine.shell("tools/bootstrap.sh", "test").returncode == 0
-    assert installations(machine) == ["[test,ref]"]
+    assert installations(machine) == ["[app,test,ref]"]
     done = machine.shell("tools/bootstrap.sh", "test")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert installations(machine) == []
     with (machine.root / "pyproject.toml").open("a") as file:
         file.write("# changed\n")
     machine.shell("tools/bootstrap.sh", "test")
-    assert installations(machine) == ["[test,ref]"]
+    assert installations(machine) == ["[app,test,ref]"]
 
 
 def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
     """`make run` after `make test` installs nothing; `make test` after `make run` does."""
     with_venv(machine)
     machine.shell("tools/bootstrap.sh", "run")
-    assert installations(machine) == [""]
+    assert installations(machine) == ["[app]"]
     machine.shell("tools/bootstrap.sh", "test")
-    assert installations(machine) == ["[test,ref]"]
+    assert installations(machine) == ["[app,test,ref]"]
     shutil.rmtree(machine.root / ".venv")
     with_venv(machine)
     machine.shell("tools/bootstrap.sh", "test")
@@ -278,7 +284,7 @@ def test_without_mitsuba_the_tests_still_run_and_it_is_tried_again(machine):
         done = machine.shell("tools/bootstrap.sh", "test")
         assert done.returncode == 0
         assert "without mitsuba" in done.stderr
-        assert installations(machine) == ["[test,ref]", "[test]"]
+        assert installations(machine) == ["[app,test,ref]", "[app,test]"]
 
 
 @pytest.mark.parametrize("purpose", ["run", "test"])
@@ -332,3 +338,38 @@ def test_bootstrap_asks_for_a_purpose(machine):
     assert done.returncode == 2
     assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test\n"
     assert not (machine.root / ".venv").exists()
+
+
+def test_qts_libraries_are_installed_where_they_are_missing(machine):
+    """PySide6's wheels bring Qt but not what Qt loads: glib, fontconfig, xkbcommon and D-Bus."""
+    with_venv(machine)
+    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+    machine.has("apt-get")
+    machine.user(0)
+    assert machine.shell("tools/bootstrap.sh", "test").returncode == 0
+    assert machine.calls("apt-get")[-1].endswith(
+        "install --yes --no-install-recommends "
+        "libglib2.0-0 libfontconfig1 libxkbcommon0 libdbus-1-3"
+    )
+
+
+@pytest.mark.parametrize(("purpose", "display"), [("run", ":0"), ("run", ""), ("test", ":0")])
+def test_x11s_libraries_are_installed_to_run_on_a_screen_alone(machine, purpose, display):
+    """libxcb-cursor0, without which Qt aborts since 6.5, is on few machines; tests need none."""
+    with_venv(machine)
+    machine.has("apt-get")
+    machine.user(0)
+    assert machine.shell("tools/bootstrap.sh", purpose, DISPLAY=display).returncode == 0
+    asked = any("libxcb-cursor0" in call for call in machine.calls("apt-get"))
+    assert asked == (purpose == "run" and display != "")
+
+
+def test_without_qts_libraries_set_up_goes_on(machine):
+    """One line names the packages; everything but windows works without them."""
+    with_venv(machine)
+    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+    done = machine.shell("tools/bootstrap.sh", "test")
+    assert done.returncode == 0
+    assert done.stderr.splitlines()[-1].startswith(
+        "vrut_lite: going on without windows: missing are the system's packages libglib2.0-0"
+    )

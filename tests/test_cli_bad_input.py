@@ -306,3 +306,10 @@ def test_what_a_project_says_wrong_is_named_by_its_place(refused, good_scene, tm
     project = tmp_path / "project.toml"
     project.write_text(text)
     refused("render", project, says=says)
+
+
+@pytest.mark.parametrize("option", ["--height", "--rotate"])
+@pytest.mark.parametrize("number", ["nan", "inf", "high"])
+def test_a_number_that_is_none(refused, option, number):
+    """A NaN lies outside no bound, and kernels that index with it would leave their arrays."""
+    refused("sky", *GOOD_TIME, "--place", "50,14", option, number, says=number)

@@ -118,6 +118,18 @@ def test_turbidity_changes_the_sky_of_both_modules_alike(vrut_lite, tmp_path):
 
 
 @pytest.mark.gl
+def test_what_is_left_open_is_left_to_who_knows_such(vrut_lite, tmp_path):
+    """Bruneton's sky takes "none" for a preset's own value; the other module has no such."""
+    said = ["--at", "2026-06-21T12:00Z", "--place", "50,14", "--size", "16"]
+    open_ = tmp_path / "open.npz"
+    plain = tmp_path / "plain.npz"
+    said += ["--sky", "bruneton_sky"]
+    vrut_lite("sky", *said, "--turbidity", "none", "--albedo", "none", "-o", open_)
+    vrut_lite("sky", *said, "-o", plain)
+    with np.load(open_) as one, np.load(plain) as other:
+        np.testing.assert_array_equal(one["radiance"], other["radiance"])
+
+
 def test_a_project_file_renders_like_its_options(vrut_lite, tmp_path):
     """The same scene, hour and setting, once as a project and once as options: equal pixels."""
     scene = SCENES / "spheres.glb"

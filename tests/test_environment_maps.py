@@ -151,3 +151,17 @@ def test_mitsuba_reads_the_metadata(sky):
     assert bitmap.metadata()["skyModel"] == "dynamic_skylight"
     assert bitmap.metadata()["time"] == "2026-06-21 16:30 CEST"
     assert "W m^-2 sr^-1" in bitmap.metadata()["unit"]
+
+
+def test_from_space_the_sun_is_the_observer_s(sky):
+    """Nothing of it is lost outside the air, by day and when it has set on the ground; the map
+    says from what height it was seen."""
+    height = ["--sky", "bruneton_sky", "--height", "3000000", "--at", "2026-06-21T23:00"]
+    bare, facts = npz(sky("bare.npz", *height))
+    whole, _ = npz(sky("whole.npz", *height, "--sun-disc"))
+    sun = vector(facts["sunIrradianceRgb"])
+    assert float(str(facts["observerHeightM"])) == 3e6
+    # G-173's extraterrestrial sunlight: 133 klx, somewhat less in the year's aphelion.
+    assert 683.0 * (sun @ [0.2126, 0.7152, 0.0722]) == pytest.approx(133e3, rel=0.03)
+    added = ((whole - bare) * LatLongMap(64).solid_angles()[..., None]).sum(axis=(0, 1))
+    np.testing.assert_allclose(added, sun, rtol=5e-3)

@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from vrut_lite_bench.photograph_fit import MODELS, bruneton, fit, hosek_wilkie, pixels_of
+from vrut_lite_bench.photograph_fit import (
+    MODELS,
+    bruneton,
+    bruneton_with,
+    contrast,
+    fit,
+    hosek_wilkie,
+    pixels_of,
+    residual_log10,
+)
 from vrut_lite_bench.photograph_mask import (
     HORIZON_MARGIN_DEG,
     Sun,
@@ -87,6 +96,39 @@ def test_what_is_no_sky_is_left_out_and_sky_is_kept():
     angle = np.degrees(np.arccos(lat_long_directions(HEIGHT) @ HIGH_SUN.direction()))
     clear = (elevation > 20.0)[:, None] & (angle > 15.0)
     assert usable[clear].mean() > 0.9
+
+
+def test_wires_and_sky_between_clouds_are_left_out():
+    """A wire 8 % darker than the sky is found by what lies beside it, and the 4 deg of sky
+    between two clouds are not trusted; the same sky 15 deg further up is."""
+    photo = photograph(hosek_wilkie, 3.0, HIGH_SUN)
+    wire, gap, above = (slice(40, 41), slice(130, 230)), (slice(25, 30), slice(97, 100)), 14
+    photo[wire] *= 0.92
+    photo[25:30, 100:107] *= 1.6
+    usable = masks_of(photo, HIGH_SUN).usable
+    assert usable[wire].mean() < 0.3
+    assert not usable[gap].any()
+    assert usable[above, gap[1]].all()
+
+
+def test_a_photograph_of_cut_range_shows_less_contrast():
+    """Luminance to the power 0.8 must read as 0.8 where the model is the true one, and as 1
+    untouched: that tells a camera's curve from a wrong sky."""
+    photo = photograph(bruneton, 3.0, HIGH_SUN)
+    for power in (1.0, 0.8):
+        cut = np.where(photo > 0.0, np.abs(photo) ** power, photo)
+        pixels = pixels_of(cut, _high_sky())
+        found = fit(pixels, bruneton, 3.0, HIGH_SUN)
+        residual = residual_log10(pixels, bruneton, found)
+        assert contrast(pixels, residual) == pytest.approx(power, abs=0.01)
+
+
+def test_another_phase_function_is_told_from_the_modules_own():
+    """A sky made with g = 0.6 is fitted by that to its noise of 0.0043, and not by 0.8."""
+    sky = bruneton_with(mie_g=0.6)
+    pixels = pixels_of(photograph(sky, 3.0, HIGH_SUN), _high_sky())
+    assert fit(pixels, sky, 3.0, HIGH_SUN).rms_log10 < 0.006
+    assert fit(pixels, bruneton, 3.0, HIGH_SUN).rms_log10 > 0.03
 
 
 def test_a_sun_below_the_horizon_is_found_by_its_twilight():

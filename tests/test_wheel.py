@@ -15,8 +15,11 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 PACKAGES = {
     "vrut_lite": ROOT / "vrut_lite",
     "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
+    "clouds": ROOT / "modules" / "clouds",
+    "path_tracer": ROOT / "modules" / "path_tracer",
     "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
     "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
+    "vrut_lite_studies": ROOT / "studies" / "vrut_lite_studies",
     "bruneton_sky": ROOT / "modules" / "bruneton_sky",
 }
 
@@ -27,7 +30,7 @@ def wheel(tmp_path_factory):
     source = tmp_path_factory.mktemp("source")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    for name in ("vrut_lite", "modules", "benchmarks"):
+    for name in ("vrut_lite", "modules", "benchmarks", "studies"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"],
@@ -69,7 +72,7 @@ def test_the_packages_are_marked_as_typed(wheel, package):
 
 
 def test_nothing_else_is_in_the_wheel(wheel):
-    """Tests, tools and studies would land as top-level packages in everybody's environment."""
+    """Tests and tools would land as top-level packages in everybody's environment."""
     tops = {name.split("/")[0] for name in wheel.namelist()}
     assert tops == {*PACKAGES, f"vrut_lite-{PROJECT['version']}.dist-info"}
 

@@ -1,11 +1,12 @@
 #!/bin/sh
 # Sets up what `make run` and `make test` need, in the checkout: .venv with the project and its
-# packages, then the system's GL libraries (bootstrap_gl.sh). Quick when there is nothing to do.
+# packages, then the system's GL libraries (bootstrap_gl.sh) and those of windows
+# (bootstrap_window.sh). Quick when there is nothing to do.
 #
 #   tools/bootstrap.sh run|test
 #
 # PYTHON names the interpreter to make .venv with; without it the first Python 3.11 or newer.
-# VRUT_LITE_GL is explained in bootstrap_gl.sh.
+# VRUT_LITE_GL is explained in bootstrap_gl.sh; it holds for windows too.
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
@@ -85,7 +86,7 @@ install_packages() {
     elif [ "$1" = test ]; then
         # Leaves no stamp, so that the next time tries again.
         say "trying without mitsuba: the tests that compare with it will be skipped"
-        pip_install '[test]'
+        pip_install '[app,test]'
     else
         return 1
     fi
@@ -93,10 +94,12 @@ install_packages() {
 
 # shellcheck source=tools/bootstrap_gl.sh
 . "$root/tools/bootstrap_gl.sh"
+# shellcheck source=tools/bootstrap_window.sh
+. "$root/tools/bootstrap_window.sh"
 
 case ${1-} in
-run) extras='' ;;
-test) extras='[test,ref]' ;;
+run) extras='[app]' ;;
+test) extras='[app,test,ref]' ;;
 *)
     say "usage: tools/bootstrap.sh run|test"
     exit 2
@@ -105,3 +108,4 @@ esac
 make_venv
 install_packages "$1" "$extras"
 provide_gl "$root"
+provide_window "$1"

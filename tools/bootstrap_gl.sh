@@ -31,10 +31,11 @@ apt_install() {
         --yes --no-install-recommends "$@" >/dev/null 2>&1
 }
 
-system_has_gl() {
+# system_has LIBRARY...: whether the loader knows them all.
+system_has() {
     # /sbin, where Debian keeps ldconfig, is seldom on a user's path.
     known=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null) || return 1
-    for library in libEGL.so.1 libGL.so.1; do
+    for library in "$@"; do
         case $known in
         *"$library "*) ;;
         *) return 1 ;;
@@ -115,7 +116,7 @@ provide_gl() {
     if [ "${VRUT_LITE_GL:-}" = none ]; then
         return
     fi
-    if system_has_gl; then
+    if system_has libEGL.so.1 libGL.so.1; then
         rm -f "$1/.gl/env"
         return
     fi

@@ -1,5 +1,6 @@
 """The host: a kernel with its modules, a scene manager, and the one owner of OpenGL."""
 
+from collections.abc import Callable
 from concurrent.futures import Future, wait
 
 from numpy.typing import ArrayLike
@@ -13,14 +14,20 @@ from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.render.skips import FrameSkips
-from vrut_lite.scene.backend import Picture
+from vrut_lite.scene.backend import Picture, SceneBackend
 from vrut_lite.scene.manager import SceneManager
 
 
 class Host:
-    """Everything that a picture needs, headless; `close` gives the GPU back."""
+    """Everything that a picture needs, headless; `close` gives the GPU back.
 
-    def __init__(self, cube_size: int = 256):
+    `watch` may stand itself between the scene manager and the backend that draws. Who pumps the
+    kernel on a thread of its own uses `draw_now` and `light_at_pixel`, on that thread.
+    """
+
+    def __init__(
+        self, cube_size: int = 256, watch: Callable[[SceneBackend], SceneBackend] | None = None
+    ):
         self.kernel, self.failures = daylight_kernel()
         self.faults = FaultCollector(self.kernel)
         self.gl = GlOwner()
@@ -30,7 +37,8 @@ class Host:
             self.gl.close()
             raise
         self.kernel.add_module(GlJobs, owner=self.gl, inject=self.kernel.inject)
-        self.kernel.add_module(SceneManager, backend=self._backend)
+        told = self._backend if watch is None else watch(self._backend)
+        self.kernel.add_module(SceneManager, backend=told)
         demand_light(self.kernel, SceneManager.manifest.name, cube_size)
         self.settle()
 
@@ -70,6 +78,10 @@ class Host:
         A still is finished; in a frame of many, blurred reflections may lag behind the sky.
         """
         self.settle()
+        return self.draw_now(still)
+
+    def draw_now(self, still: bool = True) -> Picture:
+        """Draw what the scene manager knows by now."""
         return self._backend.draw(still)
 
     @property
@@ -101,6 +113,10 @@ class Host:
         Its luminance is the picture's own: `draw().luminance_cd_m2(x, y)`.
         """
         self.settle()
+        return self.light_at_pixel(x, y)
+
+    def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
+        """The same by what the scene manager knows by now."""
         hit = self._backend.surface_at(x, y)
         return None if hit is None else self._backend.illuminance(hit.point_m, hit.normal)
 

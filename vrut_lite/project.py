@@ -64,6 +64,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     camera: CameraView | None = None
     exposure: Exposure = Exposure()
     size: tuple[Pixels, Pixels] = (960, 540)
+    air: bool = True
+    light_shafts: bool = False
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -134,9 +136,11 @@ def daylight_inputs(project: Project) -> list[Input]:
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """Scene, size, camera and exposure as inputs."""
+    """What is drawn, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
+        SetSetting(module="scene", name="air", value=project.air),
+        SetSetting(module="scene", name="light_shafts", value=project.light_shafts),
         Resize(width_px=project.size[0], height_px=project.size[1]),
         exposure,
         LoadScene(path=project.scene),

@@ -9,6 +9,7 @@ host's; there is no sun's disc.
 """
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,7 +69,7 @@ def fisheye(field: SourceField, sun_elevation_deg: float) -> Picture:
     around = surroundings(field, 0.0, sun(sun_elevation_deg, 0.0))
     directions, inside = fisheye_directions(FISHEYE_PX)
     radiance = sample_sky(background_cube(around, 256), directions) * inside[..., None]
-    return display_picture(radiance.astype(np.float32))
+    return display_picture(radiance.astype(np.float32), inside=inside)
 
 
 def sun(elevation_deg: float, azimuth_deg: float) -> NDArray[np.float64]:
@@ -105,7 +106,7 @@ def _as_bytes(values: NDArray[np.floating]) -> Picture:
     return np.asarray(Image.fromarray(picture).resize((480, 300), Image.Resampling.NEAREST))
 
 
-def sheet(pictures: list[tuple[str, Picture]], columns: int) -> Image.Image:
+def sheet(pictures: Sequence[tuple[str, Picture]], columns: int) -> Image.Image:
     """Pictures of one size in rows, captioned."""
     height, width = pictures[0][1].shape[:2]
     rows = -(-len(pictures) // columns)

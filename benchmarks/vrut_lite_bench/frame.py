@@ -5,9 +5,10 @@
 Every pass is done in every round, also what a frame would skip: shadow map and reflection are
 those of a sky that has just changed. On a GPU passes are timed by timer query; llvmpipe's does
 not see compute shaders, so there it is the CPU time of all its threads until the pass is
-finished. "whole frame" is what the caller waits for, the copy to the CPU and the metering of
-the exposure included: on a GPU in wall time, on llvmpipe in CPU time. "film frame" is the same
-with everything skipped that may be, from a camera that stands still.
+finished. Air has no pass of its own: "air" is by how much it lengthens those that draw, which
+are timed with it. "whole frame" is what the caller waits for, the copy to the CPU and the
+metering of the exposure included: on a GPU in wall time, on llvmpipe in CPU time. "film frame"
+is the same with everything skipped that may be, from a camera that stands still.
 """
 
 import argparse
@@ -19,12 +20,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vrut_lite.host import Host
+from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 from vrut_lite.render.skips import FrameSkips
 
 SCENE = Path(__file__).resolve().parents[2] / "scenes" / "pavilion.gltf"
 # The passes that run as compute shaders; all others draw.
 COMPUTE = ("reflection",)
+# Those in which air is drawn.
+DRAWING = ("mesh", "sky", "blended mesh")
 ROUNDS = 9
 
 
@@ -83,6 +87,11 @@ def measure(scene: Path, size: tuple[int, int], rounds: int = ROUNDS) -> FrameTi
         for _ in range(rounds):
             host.draw()
         seconds = {name: min(spent) for name, spent in timer.spent.items()}
+        timer.spent.clear()
+        host.inject(SetSetting(module="scene", name="air", value=False))
+        for _ in range(rounds):
+            host.draw()
+        seconds["air"] = sum(seconds[name] - min(timer.spent[name]) for name in DRAWING)
         name = "timer query" if by_query else "CPU time of all threads"
         ends = {"whole frame": whole, "film frame": film}
         return FrameTimes(host.gl.renderer.split(" (")[0], name, seconds | ends)

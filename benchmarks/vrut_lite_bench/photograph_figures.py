@@ -37,7 +37,9 @@ def strips(comparison: Comparison) -> Image.Image:
     photo = _upper(comparison.photo, reference) / reference.exposure
     usable = _upper(comparison.masks.usable, reference)
     ev100 = automatic_ev100(photo[usable].astype(np.float32))
-    panels = [("the photograph", photo), ("what of it counts", photo * usable[..., None])]
+    share = 100.0 * comparison.pixels.weight.sum() / _weight_of_sky(comparison.photo.shape[0])
+    counts = f"what of it counts: {share:.0f} % of the hemisphere"
+    panels = [("the photograph", photo), (counts, photo * usable[..., None])]
     for name in MODELS:
         found = comparison.fits[name]
         sky = _sky(name, found, comparison.photo.shape[0])
@@ -132,6 +134,11 @@ def _sky(name: str, found: Fit, height: int) -> FloatArray:
     direction = lat_long_directions(height)[: height // 2]
     radiance = MODELS[name](found.turbidity, centred, direction.reshape(-1, 3))
     return radiance.reshape(direction.shape) * (found.exposure * found.gains)
+
+
+def _weight_of_sky(height: int) -> float:
+    """What the weights of all pixels above the horizon would add up to."""
+    return float(2 * height * np.cos(np.radians(elevations_deg(height)[: height // 2])).sum())
 
 
 def _upper(picture: NDArray[Any], found: Fit) -> NDArray[Any]:

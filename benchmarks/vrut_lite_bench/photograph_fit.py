@@ -6,10 +6,11 @@ light and colour are compared. Pixels count by their solid angle.
 """
 
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from bruneton_sky.background import background_cube, surroundings
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
@@ -31,6 +32,7 @@ ALBEDO = 0.1
 _HUBER = 0.15
 _CUBE_SIZE = 128
 _AS_GOOD = 1.1
+_SETTINGS = BrunetonSkySettings(albedo=ALBEDO)
 
 
 class Pixels(NamedTuple):
@@ -80,13 +82,24 @@ def hosek_wilkie(turbidity: float, sun: Sun, direction: FloatArray) -> FloatArra
 
 def bruneton(turbidity: float, sun: Sun, direction: FloatArray) -> FloatArray:
     """The sky of the module bruneton_sky, seen from the ground."""
-    around = surroundings(_field(turbidity), 0.0, sun.direction())
+    return _bruneton_of(_SETTINGS, turbidity, sun, direction)
+
+
+def bruneton_with(**changes: float) -> Model:
+    """The same with other settings than the module's own, such as `mie_g`."""
+    return partial(_bruneton_of, msgspec.structs.replace(_SETTINGS, **changes))
+
+
+def _bruneton_of(
+    settings: BrunetonSkySettings, turbidity: float, sun: Sun, direction: FloatArray
+) -> FloatArray:
+    field = _field(msgspec.structs.replace(settings, turbidity=turbidity))
+    around = surroundings(field, 0.0, sun.direction())
     return sample_sky(background_cube(around, _CUBE_SIZE), direction)
 
 
 @lru_cache(maxsize=32)
-def _field(turbidity: float) -> SourceField:
-    settings = BrunetonSkySettings(turbidity=turbidity, albedo=ALBEDO)
+def _field(settings: BrunetonSkySettings) -> SourceField:
     return solve(atmosphere_of(settings), all_orders=True)
 
 
@@ -134,6 +147,24 @@ def fit(pixels: Pixels, model: Model, turbidity: float, sun: Sun) -> Fit:
         float(np.sqrt(share @ (apart**2).sum(axis=-1))),
         float(share @ _huber_loss(residual)),
     )
+
+
+def residual_log10(pixels: Pixels, model: Model, found: Fit) -> FloatArray:
+    """log10 (n,) of luminance, photograph over fitted model."""
+    sky = model(found.turbidity, found.sun, pixels.direction)
+    return np.log10(luminance(pixels.rgb) / (luminance(sky * found.gains) * found.exposure))
+
+
+def contrast(pixels: Pixels, residual: FloatArray) -> float:
+    """The power of the model's luminance that the photograph's goes with, 1 for a true pair.
+
+    Least squares in logarithms of what `residual_log10` gives; below 1 the photograph's range
+    is the smaller one, as it is where bright light was cut.
+    """
+    log = np.log10(luminance(pixels.rgb)) - residual
+    share = pixels.weight / pixels.weight.sum()
+    apart = log - share @ log
+    return float(1.0 + (share @ (apart * residual)) / (share @ apart**2))
 
 
 def spread_log10(pixels: Pixels) -> float:

@@ -29,6 +29,10 @@ _CLIPPED_SHARE = 0.7
 _TALLEST_DEG = 32.0
 # Natural logarithms: a step down at the edge of the land, and the roughness of clouds.
 _EDGE, _ROUGH = 0.3, 0.06
+# Wires and wisps differ less, but from what lies right beside them.
+_FINE = 0.025
+# Sky in gaps narrower than this, between clouds or wires, is not trusted to be clear.
+_GAP_DEG = 6.0
 # Away from the sun blue under this share of green is no sky: grass, leaves, lit walls.
 _LEAST_BLUE = 0.7
 
@@ -114,19 +118,20 @@ def find_azimuth_deg(photo: FloatArray, usable: BoolArray) -> float:
 
 
 def masks_of(photo: FloatArray, sun: Sun | None) -> Masks:
-    """What is land, cloud, clipped or glare; without a sun there is no glare."""
+    """What is land, cloud (with the gaps left), clipped or glare; without a disc no glare."""
     height = photo.shape[0]
     degree = height / 180.0
     brightest = photo.max(axis=(0, 1))
     # Values below zero are what compression makes of clipped neighbours.
     broken = (photo <= 0.0).any(axis=-1) | (photo >= _CLIPPED_SHARE * brightest).any(axis=-1)
     clipped = _grown(broken, 1.0 * degree)
-    angle = np.full(photo.shape[:2], 180.0)
+    glare = np.zeros(photo.shape[:2], dtype=bool)
     if sun is not None:
-        angle = np.degrees(_angle_from(height, sun))
-    glare = angle < (GLARE_DEG if sun is not None and sun.in_view else 0.0)
+        glare = np.degrees(_angle_from(height, sun)) < GLARE_DEG
     land = _land(photo, glare)
-    return Masks(land, _cloud(photo, land | clipped | glare), clipped, glare)
+    other = land | clipped | glare
+    closed = _closed(_cloud(photo, other) | other, 0.5 * _GAP_DEG * degree)
+    return Masks(land, closed & ~other, clipped, glare)
 
 
 def _land(photo: FloatArray, glare: BoolArray) -> BoolArray:
@@ -150,15 +155,21 @@ def _cloud(photo: FloatArray, other: BoolArray) -> BoolArray:
     """What differs from the smooth sky around it in light or in colour, moon and masts too."""
     degree = photo.shape[0] / 180.0
     safe = np.maximum(photo, 1e-6)
-    window = 2 * round(5.0 * degree) + 1
-    rough = np.zeros(other.shape, dtype=bool)
-    for quantity in (np.log(luminance(safe)), np.log(safe[..., 2] / safe[..., 0])):
-        # Land must not weigh in the median beside it: it takes the value of the sky above.
-        filled = _filled_from_above(quantity, other)
-        wrapped = np.pad(filled, ((0, 0), (window, window)), mode="wrap")
-        smooth = ndimage.median_filter(wrapped, window, mode="nearest")[:, window:-window]
-        rough |= np.abs(filled - smooth) > _ROUGH
+    # Land must not weigh in a median beside it: it takes the value of the sky above.
+    light = _filled_from_above(np.log(luminance(safe)), other)
+    colour = _filled_from_above(np.log(safe[..., 2] / safe[..., 0]), other)
+    rough = _departure(light, 5.0 * degree) > _ROUGH
+    rough |= _departure(colour, 5.0 * degree) > _ROUGH
+    rough |= _departure(light, 2.0 * degree) > _FINE
     return _grown(rough & ~other, 1.5 * degree)
+
+
+def _departure(quantity: FloatArray, reach_px: float) -> FloatArray:
+    """Distance (h, w) of each pixel from the median of the square around it."""
+    window = 2 * round(reach_px) + 1
+    wrapped = np.pad(quantity, ((0, 0), (window, window)), mode="wrap")
+    smooth = ndimage.median_filter(wrapped, window, mode="nearest")[:, window:-window]
+    return np.abs(quantity - smooth)
 
 
 def _filled_from_above(quantity: FloatArray, holes: BoolArray) -> FloatArray:
@@ -173,6 +184,11 @@ def _grown(mask: BoolArray, radius_px: float) -> BoolArray:
     wrapped = np.pad(mask, ((0, 0), (pad, pad)), mode="wrap")
     near: BoolArray = ndimage.distance_transform_edt(~wrapped) <= radius_px
     return near[:, pad:-pad] if mask.any() else mask
+
+
+def _closed(mask: BoolArray, radius_px: float) -> BoolArray:
+    """The mask with its gaps narrower than twice a radius."""
+    return ~_grown(~_grown(mask, radius_px), radius_px)
 
 
 def _at_pixel(height: int, row: float, column: float) -> Sun:

@@ -3,8 +3,9 @@
     python -m vrut_lite_bench.sky_photographs PHOTO_FOLDER OUT_FOLDER
 
 Reads park.exr, sunrise.exr and dawn.exr (lat-long, linear RGB, +Y up; by Poly Haven, CC0),
-leaves out what is not clear sky, finds the sun, fits turbidity, exposure and gains, prints a
-Markdown table and writes photo_NAME.jpg (strips) and photo_NAME_profile.png for each.
+leaves out what is not clear sky, finds the sun, fits turbidity, exposure and gains, and writes
+photo_NAME.jpg (strips) and photo_NAME_profile.png for each. Prints two Markdown tables: the
+fits, and what other air does to Bruneton's.
 """
 
 import sys
@@ -18,10 +19,14 @@ from vrut_lite_bench.photograph_fit import (
     MODELS,
     Fit,
     FloatArray,
+    Model,
     Pixels,
     best_fit,
+    bruneton_with,
+    contrast,
     fit,
     pixels_of,
+    residual_log10,
     spread_log10,
 )
 from vrut_lite_bench.photograph_mask import Masks, Sun, find_azimuth_deg, find_disc, masks_of
@@ -36,6 +41,24 @@ _HEADER = (
     "| photograph | sun elevation, azimuth | model | turbidity (as good) | exposure "
     "| gains R, G, B | rms log10 luminance | rms u'v' |\n|---|---|---|---:|---:|---|---:|---:|"
 )
+# Physics that may explain what remains: the air of Bruneton's model, changed one by one.
+OTHER_AIR: dict[str, Model] = {
+    "as the module has it": bruneton_with(),
+    "haze, g = 0.9": bruneton_with(mie_g=0.9),
+    "haze, g = 0.7": bruneton_with(mie_g=0.7),
+    "haze, g = 0.6": bruneton_with(mie_g=0.6),
+    "haze, g = 0.5": bruneton_with(mie_g=0.5),
+    "haze, scale height 3 km": bruneton_with(mie_scale_height_m=3000.0),
+    "haze, scattering 0.8 of its light": bruneton_with(mie_albedo=0.8),
+    "ground of albedo 0.3": bruneton_with(albedo=0.3),
+    "no ozone": bruneton_with(ozone_du=0.0),
+    "450 DU of ozone": bruneton_with(ozone_du=450.0),
+}
+_AIR_HEADER = (
+    "| photograph | Bruneton's sky | turbidity | rms log10 luminance | rms u'v' "
+    "| mean log10 within 25° of the sun | contrast |\n|---|---|---:|---:|---:|---:|---:|"
+)
+_NEAR_SUN_DEG = 25.0
 
 
 class Comparison(NamedTuple):
@@ -96,18 +119,42 @@ def table_rows(name: str, comparison: Comparison) -> list[str]:
     return [*rows, f"| {name} | | an even sky | | | | {even:.3f} | |"]
 
 
+def air_rows(
+    name: str, comparison: Comparison, turbidities: tuple[float, ...] = TURBIDITIES
+) -> list[str]:
+    """Lines of the Markdown table of other air for one photograph, each at its own turbidity."""
+    pixels = pixels_of(comparison.photo, comparison.masks.usable, _SEARCH_STEP)
+    sun = comparison.fits["Bruneton"].sun
+    near = pixels.direction @ sun.direction() > np.cos(np.radians(_NEAR_SUN_DEG))
+    rows = []
+    for air, model in OTHER_AIR.items():
+        found, _ = best_fit(pixels, model, turbidities, [sun])
+        residual = residual_log10(pixels, model, found)
+        rows.append(
+            f"| {name} | {air} | {found.turbidity:g} | {found.rms_log10:.3f} | {found.rms_uv:.4f} "
+            f"| {np.average(residual[near], weights=pixels.weight[near]):+.3f} "
+            f"| {contrast(pixels, residual):.2f} |"
+        )
+    return rows
+
+
 def main(photo_folder: Path, out_folder: Path) -> None:
-    """Fit, print and draw all photographs."""
+    """Fit, print and draw all photographs, then try other air."""
     # Drawing needs matplotlib, an extra; fitting does not.
     from vrut_lite_bench.photograph_figures import profile_figure, strips
 
     out_folder.mkdir(parents=True, exist_ok=True)
     print(_HEADER)
+    comparisons = {}
     for name in PHOTOGRAPHS:
         comparison = compare(read_photograph(photo_folder / f"{name}.exr"))
+        comparisons[name] = comparison
         print("\n".join(table_rows(name, comparison)), flush=True)
         strips(comparison).save(out_folder / f"photo_{name}.jpg", quality=85)
         profile_figure(comparison, out_folder / f"photo_{name}_profile.png")
+    print(f"\n{_AIR_HEADER}")
+    for name, comparison in comparisons.items():
+        print("\n".join(air_rows(name, comparison)), flush=True)
 
 
 if __name__ == "__main__":

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import Literal, Self, get_args
+from typing import Literal, NamedTuple, Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+_FOG = ("fog_scattering", "fog_extinction")
 _SPECTRAL = (
     "solar_irradiance",
     "rayleigh_scattering",
@@ -14,22 +15,34 @@ _SPECTRAL = (
     "mie_extinction",
     "absorption_extinction",
     "ground_albedo",
+    *_FOG,
 )
 _POSITIVE = (
     "ground_radius_m",
     "top_altitude_m",
     "rayleigh_scale_height_m",
     "mie_scale_height_m",
+    "fog_scale_height_m",
     "sun_angular_radius_rad",
 )
 _SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
+# Optical depth that leaves the 2 % of contrast which visibility is defined by: -log(0.02).
+KOSCHMIEDER = 3.912
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
+
+
+class Scatterer(NamedTuple):
+    """What scatters: coefficients (C,) at altitude zero in 1/m, and their exponential's height."""
+
+    scale_height_m: float
+    extinction: NDArray[np.float64]
+    scattering: NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Atmosphere:
-    """A spherical atmosphere: exponential molecules and aerosol, a piecewise linear absorber.
+    """A spherical atmosphere: exponential molecules, aerosol and fog, a piecewise linear absorber.
 
     Spectral values are tuples, one number per wavelength; a single number is repeated for all.
     Coefficients are those at altitude zero (the absorber's: where its density is 1), in 1/m.
@@ -42,6 +55,8 @@ class Atmosphere:
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
+        fog_scattering, fog_extinction, fog_scale_height_m: a second, shallow layer of what has
+            the aerosol's phase function: fog. There is none where its extinction is zero.
 
     Raises:
         ValueError: a value is outside what it can physically be; the sentence names it.
@@ -64,10 +79,17 @@ class Atmosphere:
     sun_angular_radius_rad: float
     mu_s_min: float
     mie_phase: MiePhaseForm = "cornette-shanks"
+    fog_scattering: tuple[float, ...] = (0.0,)
+    fog_extinction: tuple[float, ...] = (0.0,)
+    fog_scale_height_m: float = 100.0
 
     def __post_init__(self) -> None:
         for name in self._numeric():
             object.__setattr__(self, name, _as_numbers(name, getattr(self, name)))
+        for name in _FOG:
+            # No fog is none at any number of wavelengths, which `replace` may change.
+            if not any(_as_tuple(getattr(self, name))):
+                object.__setattr__(self, name, 0.0)
         count = len(_as_tuple(self.wavelength_nm))
         object.__setattr__(self, "wavelength_nm", _as_tuple(self.wavelength_nm))
         for name in _SPECTRAL:
@@ -120,6 +142,44 @@ class Atmosphere:
             mie_g=self.mie_g if mie_g is None else mie_g,
         )
 
+    def with_fog(self, visibility_m: float, scale_height_m: float) -> Self:
+        """This air with white fog on its ground, through which one sees so far there.
+
+        Visibility is the meteorological optical range, at which a black object has 2 % contrast
+        with the horizon: 3.912 over the extinction of all the air at 550 nm (Koschmieder 1924).
+        Air that is hazier already gets no fog. Droplets are far larger than light's wavelengths:
+        their extinction is grey, and they absorb nothing that is visible.
+
+        Raises:
+            ValueError: a length is not positive.
+        """
+        _require(visibility_m > 0, "visibility_m", "must be positive")
+        order = np.argsort(self.wavelength_nm)
+        clear = np.add(self.rayleigh_scattering, self.mie_extinction)
+        at_550 = np.interp(
+            _ANGSTROM_WAVELENGTH_NM, np.take(self.wavelength_nm, order), np.take(clear, order)
+        )
+        fog = (max(KOSCHMIEDER / visibility_m - float(at_550), 0.0),) * order.size
+        return replace(
+            self, fog_scattering=fog, fog_extinction=fog, fog_scale_height_m=scale_height_m
+        )
+
+    def scatterers(self) -> tuple[Scatterer, ...]:
+        """Molecules, aerosol and, where there is any, fog."""
+        molecules = np.asarray(self.rayleigh_scattering)
+        aerosol = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
+        fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
+        some = (
+            Scatterer(self.rayleigh_scale_height_m, molecules, molecules),
+            Scatterer(self.mie_scale_height_m, *aerosol),
+        )
+        return (*some, Scatterer(self.fog_scale_height_m, *fog)) if self.foggy else some
+
+    @property
+    def foggy(self) -> bool:
+        """Whether there is fog."""
+        return any(self.fog_extinction)
+
     def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the absorber at altitudes (...,)."""
         height = np.asarray(altitude_m, dtype=float)
@@ -149,10 +209,12 @@ class Atmosphere:
         _require(max(self.ground_albedo) <= 1, "ground_albedo", "must not exceed 1")
         _require(-1 < self.mie_g < 1, "mie_g", "must lie between -1 and 1")
         _require(-1 <= self.mu_s_min < 1, "mu_s_min", "must be a cosine below 1")
-        pairs = zip(self.mie_scattering, self.mie_extinction, strict=True)
-        # Rounding of scattering = albedo * extinction may pass the extinction by one unit.
-        bounded = all(s <= e * (1 + 1e-12) for s, e in pairs)
-        _require(bounded, "mie_scattering", "must not exceed mie_extinction")
+        for name in ("mie", "fog"):
+            scattering = getattr(self, f"{name}_scattering")
+            pairs = zip(scattering, getattr(self, f"{name}_extinction"), strict=True)
+            # Rounding of scattering = albedo * extinction may pass the extinction by one unit.
+            bounded = all(s <= e * (1 + 1e-12) for s, e in pairs)
+            _require(bounded, f"{name}_scattering", f"must not exceed {name}_extinction")
         heights = self.absorber_altitude_m
         rising = len(heights) >= 2 and all(np.diff(heights) > 0) and heights[0] >= 0
         _require(rising, "absorber_altitude_m", "must hold two or more rising altitudes")

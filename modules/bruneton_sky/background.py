@@ -1,19 +1,18 @@
 """The whole sphere around an observer, and the light that falls on the scene."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.sky_view import STANDING_M, SkyView, fill_cube, sky_view
+from bruneton_sky.sky_view import SkyView, fill_cube, light_view, sky_view, standing_m
 from bruneton_sky.solver import SourceField
-from bruneton_sky.sun_light import sun_irradiance_rgb
+from bruneton_sky.sun_light import DiscLight, disc_light, sun_irradiance_rgb
 from vrut_lite.geometry.colour import rgb_from_spectrum
-from vrut_lite.geometry.spherical_harmonics import (
-    horizontal_irradiance,
-    irradiance_coefficients,
-)
+from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
+from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 
 LIGHT_SIZE = 64
 
@@ -22,13 +21,15 @@ class Surroundings(NamedTuple):
     """Light of sun, sky and ground at one place; RGB is linear sRGB.
 
     `view`: what the observer sees. `standing`: what is seen from the ground, where the scene
-    is; the same for an observer who stands there.
+    is; what an observer sees who stands there, else a small table. `disc`: the sun as it is seen
+    from aloft, None for an observer who stands.
     """
 
     view: SkyView
     standing: SkyView
     sun_irradiance_rgb: NDArray[np.float64]
     ground_radiance_rgb: NDArray[np.float64]
+    disc: DiscLight | None
 
 
 def surroundings(
@@ -37,6 +38,7 @@ def surroundings(
     sun_direction: ArrayLike,
     visible_disc_fraction: float = 1.0,
     sunlight: Atmosphere | None = None,
+    known: Surroundings | None = None,
 ) -> Surroundings:
     """Sun, sky and ground for an observer above level ground.
 
@@ -47,18 +49,32 @@ def surroundings(
         visible_disc_fraction: how much of the disc the horizon leaves.
         sunlight: the same atmosphere at more wavelengths, for the colour of a low sun; that of
             the field where there is none.
+        known: the same for another altitude, if it is at hand: the light on the scene is taken
+            from there.
     """
-    spectral = sunlight or field.atmosphere
     direction = np.asarray(sun_direction, dtype=float)
     direction = direction / np.linalg.norm(direction)
+    stands = altitude_m <= standing_m(field.atmosphere)
+    view = sky_view(field, 0.0 if stands else altitude_m, direction)
+    spectral = sunlight or field.atmosphere
     mu_s = float(np.clip(direction[1], -1.0, 1.0))
-    standing = sky_view(field, 0.0, direction)
-    view = standing if altitude_m <= STANDING_M else sky_view(field, altitude_m, direction)
+    disc = None if stands else disc_light(spectral, altitude_m, mu_s)
+    if known is not None:
+        return known._replace(view=view, disc=disc)
+    standing = view if stands else light_view(field, direction)
     sun = sun_irradiance_rgb(spectral, 0.0, mu_s, visible_disc_fraction)
     # The sky lights the ground through its own small cube: no picture size changes the light.
-    sky = horizontal_irradiance(fill_cube(standing, LIGHT_SIZE, np.zeros(3)))
+    cube = fill_cube(standing, LIGHT_SIZE, np.zeros(3))
+    sky = _level_weights() @ cube.reshape(-1, 3)
     reflected = albedo_rgb(spectral) / np.pi * (sky + sun * max(mu_s, 0.0))
-    return Surroundings(view, standing, sun, reflected)
+    return Surroundings(view, standing, sun, reflected, disc)
+
+
+@lru_cache(maxsize=1)
+def _level_weights() -> NDArray[np.float32]:
+    """What each texel (6 * n * n,) of a light's cube adds to a level surface, in sr."""
+    cosine = np.maximum(texel_directions(LIGHT_SIZE)[..., 1], 0.0)
+    return (cosine * texel_solid_angles(LIGHT_SIZE)).astype(np.float32).ravel()
 
 
 def background_cube(around: Surroundings, size: int) -> NDArray[np.float32]:

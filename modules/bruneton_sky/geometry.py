@@ -82,7 +82,8 @@ def distance_to_top(
     h = np.asarray(altitude_m, dtype=float)
     b = (ground_radius_m + h) * np.asarray(mu, dtype=float)
     c = (top_altitude_m - h) * (2.0 * ground_radius_m + top_altitude_m + h)
-    root = np.sqrt(b * b + c)
+    # A node of a ray that ends at the top may lie above it by a rounding.
+    root = np.sqrt(np.maximum(b * b + c, 0.0))
     far = root + np.abs(b)
     near = np.divide(c, far, out=np.zeros_like(far), where=far > 0)
     return np.where(b > 0, near, far)

@@ -1,21 +1,17 @@
 """A sky-view table's cube map as a job for the GPU: the table goes up, the cube stays there."""
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.phase import MiePhase
 from bruneton_sky.shader_source import shader_source
-from bruneton_sky.sky_view import SkyView, level_direction
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob, UniformValue
+from bruneton_sky.sky_view import SkyView
+from bruneton_sky.sky_view_shader import floats, look_up_uniforms, nodes_buffer
+from vrut_lite.geometry.encoding import float16_scale
+from vrut_lite.kernel.gpu_job import GpuJob
 
 _GROUP = 8
-_NODES_BINDING = 1
 _ALL_FACES = (0, 1, 2, 3, 4, 5)
-# Radiance over the scale stays below 2^15, as `geometry.encoding` has it.
-_TOP_EXPONENT = 15
 
 
 def sky_view_job(
@@ -39,39 +35,25 @@ def sky_view_job(
         wanted: the faces to compute; of the others the texels are anyone's.
         read_back: whether the result is an array, not a texture.
     """
-    scale = 2.0 ** (np.frexp(_brightest(view, ground_radiance_rgb))[1] - _TOP_EXPONENT)
+    scale = float16_scale(_brightest(view, ground_radiance_rgb))
     groups = -(-size // _GROUP)
     made = GpuJob(
         module=module,
         job=job,
         compute_shader=shader_source("sky_view_cube.comp"),
         uniforms={
-            **_uniforms(view, ground_radiance_rgb, float(scale)),
+            **look_up_uniforms(view),
+            "ground": floats(ground_radiance_rgb),
+            "inverse_scale": 1.0 / scale,
             "faces": (*wanted, *(0,) * (len(_ALL_FACES) - len(wanted))),
         },
-        buffers=((_NODES_BINDING, Array(view.nodes.view())),),
+        buffers=(nodes_buffer(view),),
         output="cube",
         size=size,
         groups=(groups, groups, len(wanted)),
         read_back=read_back,
     )
-    return made, float(scale)
-
-
-def _uniforms(view: SkyView, ground: ArrayLike, scale: float) -> dict[str, UniformValue]:
-    above, below, columns = view.shape
-    g, factor, form = view.phase
-    return {
-        "rows_above": above,
-        "rows_below": below,
-        "columns": columns,
-        "horizon": _floats(view.depth),
-        "sun": _floats(view.sun_direction),
-        "sun_azimuth": _floats(level_direction(view.sun_direction)),
-        "phase": _floats((factor, form, (1.0 - g) ** 2, 2.0 * g)),
-        "ground": _floats(ground),
-        "inverse_scale": 1.0 / scale,
-    }
+    return made, scale
 
 
 def _brightest(view: SkyView, ground: ArrayLike) -> float:
@@ -90,9 +72,3 @@ def _brightest(view: SkyView, ground: ArrayLike) -> float:
 def _mie_phase(phase: MiePhase, nu: float) -> float:
     g, factor, form = phase
     return float(factor * (1.0 + form * nu * nu) / ((1.0 - g) ** 2 + 2.0 * g * (1.0 - nu)) ** 1.5)
-
-
-def _floats(values: Iterable[float] | ArrayLike) -> tuple[float, ...]:
-    # As the shader reads them: a last bit of float64, which processors differ in, would change
-    # the job's recipe.
-    return tuple(float(value) for value in np.asarray(values, dtype=np.float32))

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.gpu_atmosphere import atmosphere_uniforms
-from bruneton_sky.quadrature import CLUSTERING, HAZE_DEPTH, unit_nodes
+from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
 from bruneton_sky.rules_classical import checked_intervals
 from bruneton_sky.shader_source import shader_source
 from bruneton_sky.single_scattering import Rule
@@ -118,6 +118,7 @@ def quadrature_uniforms(rule: Rule, samples: int | tuple[int, int]) -> dict[str,
         "gauss_node": _floats(nodes) + padding,
         "gauss_weight": _floats(weights) + padding,
         "clustering": (CLUSTERING, HAZE_DEPTH),
+        "fog_top": FOG_TOP,
     }
 
 

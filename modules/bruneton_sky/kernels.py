@@ -18,7 +18,7 @@ from bruneton_sky.path_kernels import (
     layered_path,
     make_ray,
 )
-from bruneton_sky.quadrature import CLUSTERING, HAZE_DEPTH, unit_nodes
+from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
 
 FloatArray = NDArray[np.float64]
 
@@ -43,19 +43,13 @@ def fast_scattered_without_phase(
     Returns:
         Rayleigh and Mie radiance (n, C) each, W m^-2 sr^-1 nm^-1 over the phase function.
     """
-    extinction = np.array(
-        [
-            atmosphere.rayleigh_scattering,
-            atmosphere.mie_extinction,
-            atmosphere.absorption_extinction,
-        ]
-    )
-    scattering = np.array([atmosphere.rayleigh_scattering, atmosphere.mie_scattering])
-    out = np.zeros((2, len(mu), len(atmosphere.wavelength_nm)))
+    scatterers = atmosphere.scatterers()
+    out = np.zeros((len(scatterers), len(mu), len(atmosphere.wavelength_nm)))
     _trace_rays(
         (atmosphere.ground_radius_m, atmosphere.top_altitude_m),
-        (atmosphere.rayleigh_scale_height_m, atmosphere.mie_scale_height_m),
-        extinction,
+        np.array([kind.scale_height_m for kind in scatterers]),
+        np.array([kind.extinction for kind in scatterers]),
+        np.array(atmosphere.absorption_extinction),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *unit_nodes(samples),
@@ -65,20 +59,23 @@ def fast_scattered_without_phase(
         np.ascontiguousarray(nu, dtype=float),
         out,
     )
+    scattering = np.array([kind.scattering for kind in scatterers])
     out *= (scattering * np.asarray(atmosphere.solar_irradiance))[:, None, :]
-    return out[0], out[1]
+    return out[0], out[1:].sum(axis=0)
 
 
 @compiled
 def _trace_rays(  # type: ignore[no-untyped-def]
-    planet, scales, extinction, absorber_altitude, absorber_density, nodes, weights, rule, place,
-    mu, nu, out,
+    planet, scales, extinction, absorption, absorber_altitude, absorber_density, nodes, weights,
+    rule, place, mu, nu, out,
 ):  # fmt: skip
-    breaks = np.empty((2, 5))
+    foggy = scales.size > 2
+    breaks = np.empty((2, 7 if foggy else 5))
+    fog_top = FOG_TOP * scales[2] if foggy else 0.0
     for i in range(mu.size):
         ray = make_ray(planet[0], place[0], mu[i])
-        _fill_break_points(planet, ray, place[1], nu[i], breaks)
-        for segment in range(4):
+        _fill_break_points(planet, ray, place[1], nu[i], fog_top, breaks)
+        for segment in range(breaks.shape[1] - 1):
             length, low_y, low_altitude = _segment(breaks, segment)
             middle = 0.5 * (breaks[0, segment] + breaks[0, segment + 1])
             if length == 0.0 or _is_dark(planet, ray, middle, place[1], nu[i]):
@@ -96,40 +93,52 @@ def _trace_rays(  # type: ignore[no-untyped-def]
                 weight = weights[k] * b * (part + 1.0) / whole
                 metres = abs(length) * weight * jacobian(ray[2], y)
                 _add_node(
-                    planet, scales, extinction, absorber_altitude, absorber_density,
+                    planet, scales, extinction, absorption, absorber_altitude, absorber_density,
                     ray, altitude, y, place[1], nu[i], metres, out[:, i],
                 )  # fmt: skip
 
 
 @compiled
 def _add_node(  # type: ignore[no-untyped-def]
-    planet, scales, extinction, absorber_altitude, absorber_density, ray, altitude, y, mu_s, nu,
-    metres, out,
+    planet, scales, extinction, absorption, absorber_altitude, absorber_density, ray, altitude, y,
+    mu_s, nu, metres, out,
 ):  # fmt: skip
     sun = make_ray(planet[0], altitude, _sun_cosine(planet[0], ray, altitude, y, mu_s, nu))
     sun_y = max(math.sqrt(max(planet[1] - sun[3], 0.0)), sun[4])
     rayleigh_path, rayleigh_density = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[0])
     mie_path, mie_density = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[1])
-    absorbed = 0.0
-    if extinction[2].any():
+    fog_path, fog_density, absorbed = 0.0, 0.0, 0.0
+    if scales.size > 2:
+        fog_path, fog_density = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[2])
+    if absorption.any():
         absorbed = layered_path(ray, y, absorber_altitude, absorber_density)
         absorbed += layered_path(sun, sun_y, absorber_altitude, absorber_density)
     for c in range(extinction.shape[1]):
         depth = extinction[0, c] * rayleigh_path + extinction[1, c] * mie_path
-        light = metres * math.exp(-depth - extinction[2, c] * absorbed)
+        if scales.size > 2:
+            depth += extinction[2, c] * fog_path
+        light = metres * math.exp(-depth - absorption[c] * absorbed)
         out[0, c] += light * rayleigh_density
         out[1, c] += light * mie_density
+        if scales.size > 2:
+            out[2, c] += light * fog_density
 
 
 @compiled
 def _extinction(extinction, scales, altitude):  # type: ignore[no-untyped-def]
     molecules = extinction[0].max() * math.exp(-altitude / scales[0])
-    return molecules + extinction[1].max() * math.exp(-altitude / scales[1])
+    total = molecules + extinction[1].max() * math.exp(-altitude / scales[1])
+    if scales.size > 2:
+        total += extinction[2].max() * math.exp(-altitude / scales[2])
+    return total
 
 
 @compiled
-def _fill_break_points(planet, ray, mu_s, nu, breaks):  # type: ignore[no-untyped-def]
-    """y and altitude of start, perigee, both shadow edges and end, sorted by y."""
+def _fill_break_points(planet, ray, mu_s, nu, fog_top, breaks):  # type: ignore[no-untyped-def]
+    """y and altitude of start, perigee, both shadow edges and end, sorted by y.
+
+    With room for two more, there are those where fog begins and ends.
+    """
     altitude, radius, p, perigee, start, along = ray
     hits = along < 0 and perigee <= 0
     end = -math.sqrt(-perigee) if hits else math.sqrt(max(planet[1] - perigee, 0.0))
@@ -141,6 +150,9 @@ def _fill_break_points(planet, ray, mu_s, nu, breaks):  # type: ignore[no-untype
     q = -(b + math.copysign(math.sqrt(max(discriminant, 0.0)), b))
     breaks[0, :] = start
     breaks[0, 1], breaks[0, 4] = min(max(0.0, start), end), end
+    if breaks.shape[1] > 5:
+        fog = math.sqrt(max(fog_top - perigee, 0.0))
+        breaks[0, 5], breaks[0, 6] = min(max(-fog, start), end), min(max(fog, start), end)
     for k in range(2):
         numerator, denominator = (q, a) if k == 0 else (c, q)
         if discriminant > 0 and abs(denominator) > abs(numerator) * 1e-9:
@@ -150,7 +162,7 @@ def _fill_break_points(planet, ray, mu_s, nu, breaks):  # type: ignore[no-untype
                 crossing = d / math.sqrt(max(p + math.sqrt(p * p + d * d), 1e-300))
                 breaks[0, 2 + k] = min(max(crossing, start), end)
     breaks[0].sort()
-    for k in range(5):
+    for k in range(breaks.shape[1]):
         breaks[1, k] = perigee + breaks[0, k] ** 2
         if breaks[0, k] == start:
             breaks[1, k] = altitude

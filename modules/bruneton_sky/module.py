@@ -1,4 +1,4 @@
-"""The module: answers the sun's moves with a background, a sun light and an ambient light.
+"""The module: answers the sun's moves with a background, sun light, ambient light and air.
 
 A changed atmosphere is solved by a background job; until its result is there the sky is that
 of the one before. A moved sun or camera needs no such job: the sky-view table is made on the
@@ -17,16 +17,19 @@ from bruneton_sky.background import Surroundings, surroundings
 from bruneton_sky.observer import altitude_step_m, same_to_the_eye
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver_job import ORDER_TOLERANCE, solve_air
+from bruneton_sky.solver_job import solve_air
 from vrut_lite.errors import UserError
+from vrut_lite.geometry.air_reach import rung_m
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
     Demand,
     Derived,
     JobResult,
     MoveCamera,
+    SceneNeeds,
     SetPlace,
     SlotChanged,
     SunLightChanged,
@@ -34,11 +37,17 @@ from vrut_lite.kernel.messages import (
     Vector,
 )
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.kernel.observer import eye_height_m
 
 # Edge of the cube map for who names no size.
 DEFAULT_SIZES = {"cpu": 256, "gpu": 1024}
 SOLVE = "solve"
-PRODUCTS: tuple[type[Derived], ...] = (BackgroundChanged, SunLightChanged, AmbientChanged)
+PRODUCTS: tuple[type[Derived], ...] = (
+    BackgroundChanged,
+    SunLightChanged,
+    AmbientChanged,
+    AirChanged,
+)
 # Settings that say where a sky is computed, not what it is.
 _NOT_AIR = {"cube_device": "cpu"}
 
@@ -74,8 +83,11 @@ class BrunetonSky(Module):
 
     def __init__(self, link: Link, settings: BrunetonSkySettings):
         super().__init__(link, settings)
-        self._posted: dict[type[Derived], tuple[Recipe, int, bool]] = {}
+        # Recipe, size or reach, whether the GPU works on it.
+        self._posted: dict[type[Derived], tuple[Recipe, float, bool]] = {}
+        self._shown: Recipe | None = None
         self._made: tuple[Recipe, Surroundings] | None = None
+        self._reach_m = 0.0
         self._solved: tuple[AirKey, SourceField] | None = None
         self._asked: AirKey | None = None
         self._refused: AirKey | None = None
@@ -89,6 +101,13 @@ class BrunetonSky(Module):
     def light_changed(self, _message: SunMoved | SetPlace | MoveCamera | Demand) -> None:
         """Post what is wanted and new."""
         self._update()
+
+    @handles(SceneNeeds)
+    def needs_changed(self, _message: SceneNeeds) -> None:
+        """Things stand farther off, or nearer: so must air be made. The eye may have moved."""
+        moved = self._shown is not None and eye_height_m(self.link) != self._shown.altitude_m
+        if moved or self._air_reach_m() != self._reach_m:
+            self._update()
 
     @handles(SlotChanged)
     def slot_changed(self, message: SlotChanged) -> None:
@@ -122,7 +141,7 @@ class BrunetonSky(Module):
         self.ledger.did("atmosphere solved")
         for what, count in field.skipped.items():
             if count:
-                self.ledger.skip(f"{what} of the atmosphere: zero or below {ORDER_TOLERANCE:g}")
+                self.ledger.skip(f"{what} of the atmosphere: zero or too small")
         self._update()
 
     def _cube_made(self, result: JobResult) -> None:
@@ -158,21 +177,24 @@ class BrunetonSky(Module):
         for product in (product for product, demand in wishes.items() if demand is None):
             self.ledger.skip(f"{product.__name__}: nobody wants it")
         wanted = {product: demand for product, demand in wishes.items() if demand is not None}
+        self._reach_m = self._air_reach_m()
+        if AirChanged in wanted and not self._reach_m:
+            self.ledger.skip("AirChanged: nothing stands in it")
+            del wanted[AirChanged]
         if wanted:
             self._solve_if_new()
         if wanted and self._solved is not None:
             self._show(self._recipe(sun, self._solved[0]), wanted)
 
     def _show(self, recipe: Recipe, wanted: dict[type[Derived], Demand]) -> None:
+        self._shown = recipe
         for product, demand in wanted.items():
-            paints = product is BackgroundChanged
-            on_gpu = paints and self._gpu_serves()
-            size = self._size(demand) if paints else 0
-            wish = (recipe, size, on_gpu)
+            on_gpu = product is BackgroundChanged and self._gpu_serves()
+            wish = (_recipe_of(product, recipe), self._size(product, demand), on_gpu)
             if self._posted.get(product) == wish:
                 self.ledger.skip(f"{product.__name__}: nothing changed")
                 continue
-            self._post(self._make(product, *wish))
+            self._post(self._make(product, recipe, *wish[1:]))
             self._posted[product] = wish
 
     def _post(self, message: Derived) -> None:
@@ -198,12 +220,16 @@ class BrunetonSky(Module):
             settings=msgspec.structs.replace(self.settings, **_NOT_AIR),
             ground_altitude_m=place.altitude_m if place is not None else 0.0,
         )
-        if air in (self._asked, self._refused):
+        if air == self._asked:
             return
         if self._asked is not None:
             self.ledger.skip("atmosphere overtaken by a newer one")
             self._asked = None
             self.link.cancel_job(SOLVE)
+        if air == self._refused:
+            return
+        # Who comes back to it later is to be told again.
+        self._refused = None
         if self._solved is not None and air == self._solved[0]:
             return
         try:
@@ -216,29 +242,39 @@ class BrunetonSky(Module):
 
     def _recipe(self, sun: SunMoved, air: AirKey) -> Recipe:
         """What is to be shown: that of before if nobody would see a difference."""
-        camera = self.link.last(MoveCamera)
-        height_m = max(camera.eye_m[1], 0.0) if camera is not None else 0.0
+        height_m = eye_height_m(self.link)
         now = Recipe(air, sun.direction, sun.visible_disc_fraction, height_m)
-        if self._made is None or now == self._made[0]:
+        shown = self._shown
+        if shown is None or now == shown:
             return now
-        shown = self._made[0]
-        stays = abs(height_m - shown.altitude_m) <= altitude_step_m(shown.altitude_m)
+        atmosphere = atmosphere_of(air.settings, air.ground_altitude_m)
+        stays = abs(height_m - shown.altitude_m) <= altitude_step_m(shown.altitude_m, atmosphere)
         kept = msgspec.structs.replace(
             now,
             altitude_m=shown.altitude_m if stays else height_m,
             sun_direction=shown.sun_direction
-            if same_to_the_eye(shown.sun_direction, sun.direction)
+            if same_to_the_eye(shown.sun_direction, sun.direction, atmosphere.mie_g)
             else sun.direction,
         )
         if kept != now:
             self.ledger.skip("sun or observer moved unseen")
         return kept
 
-    def _size(self, demand: Demand) -> int:
+    def _air_reach_m(self) -> float:
+        """How far the air is to be made: what the scene needs, or the rung that still serves."""
+        needs = self.link.last(SceneNeeds)
+        return rung_m(needs.air_reach_m, self._reach_m) if needs is not None else 0.0
+
+    def _size(self, product: type[Derived], demand: Demand) -> float:
+        if product is not BackgroundChanged:
+            return self._reach_m if product is AirChanged else 0
         # A demand of 1 is the default of a consumer that leaves the size to the sky.
         return demand.size if demand.size > 1 else DEFAULT_SIZES[self.settings.cube_device]
 
-    def _make(self, product: type[Derived], recipe: Recipe, size: int, on_gpu: bool) -> Derived:
+    def _make(self, product: type[Derived], recipe: Recipe, size: float, on_gpu: bool) -> Derived:
+        if product is AirChanged:
+            assert self._solved is not None
+            return products.air(self._solved[1], recipe.altitude_m, recipe.sun_direction, size)
         around = self._surroundings(recipe)
         if product is AmbientChanged:
             return products.ambient(around)
@@ -248,15 +284,21 @@ class BrunetonSky(Module):
         if not on_gpu:
             # What the GPU still works on would come too late.
             self._awaited.clear()
-            return products.background(around, size)
-        job, background = products.gpu_background(around, size)
+            return products.background(around, int(size))
+        job, background = products.gpu_background(around, int(size))
         self._awaited.pop(job.recipe, None)
         self._awaited[job.recipe] = background
         return job
 
     def _surroundings(self, recipe: Recipe) -> Surroundings:
-        if self._made is not None and self._made[0] == recipe:
-            return self._made[1]
+        known = None
+        if self._made is not None:
+            before, around = self._made
+            if before == recipe:
+                return around
+            if _light_recipe(before) == _light_recipe(recipe):
+                self.ledger.skip("light on the scene: only the observer moved")
+                known = around
         assert self._solved is not None
         made = surroundings(
             self._solved[1],
@@ -264,7 +306,18 @@ class BrunetonSky(Module):
             recipe.sun_direction,
             recipe.visible_disc_fraction,
             spectral_atmosphere_of(recipe.air.settings, recipe.air.ground_altitude_m),
+            known,
         )
         self._made = (recipe, made)
         self.ledger.did("sky-view table")
         return made
+
+
+def _recipe_of(product: type[Derived], recipe: Recipe) -> Recipe:
+    """What a product depends on: the scene's light does not depend on who looks."""
+    on_scene = product in (SunLightChanged, AmbientChanged)
+    return _light_recipe(recipe) if on_scene else recipe
+
+
+def _light_recipe(recipe: Recipe) -> Recipe:
+    return msgspec.structs.replace(recipe, altitude_m=0.0)

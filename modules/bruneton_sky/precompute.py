@@ -12,7 +12,7 @@ from bruneton_sky.optical_path import exponential_path, layered_path
 from bruneton_sky.tables.cache import TableCache
 from bruneton_sky.tables.coordinates import node_coordinates
 from bruneton_sky.tables.parametrisation_flat import transmittance_state
-from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables, table_shapes
 
 Backend = Literal["cpu", "gpu"]
@@ -32,7 +32,8 @@ def precompute(
     """The tables of an atmosphere, in the parametrisation of 2017.
 
     Args:
-        orders: how often light is scattered or reflected at most, 1 or more.
+        orders: how often light is scattered or reflected at most, 1 or more. The irradiance of
+            the GPU's tables is, as published, of one order less, that of the CPU's is not.
         backend: "cpu" is the fast solver (`bruneton_sky.solver`); "gpu" the thesis's pipeline
             (`bruneton_sky.gpu_pipeline`) in an OpenGL context of its own, which becomes the
             thread's: a thread that has a context uses `GpuPipeline` itself.
@@ -41,18 +42,19 @@ def precompute(
         cache: where the tables are looked for first, and kept.
 
     Raises:
-        ValueError: for no order at all, another backend, or tables too large for a GPU.
+        ValueError: for no order at all, another backend, fog, or tables too large for a GPU.
         UserError: there is no OpenGL for the GPU.
     """
-    if orders < 1:
-        raise ValueError(f"orders must be 1 or more, not {orders}")
+    if not isinstance(orders, int) or orders < 1:
+        raise ValueError(f"orders must be a whole number, 1 or more, not {orders!r}")
     if backend not in ("cpu", "gpu"):
         raise ValueError(f'backend must be "cpu" or "gpu", not {backend!r}')
+    refuse_fog(atmosphere)
     size = sizes or TableSizes()
     recipe = (backend, atmosphere, orders, size)
     # Some arrays are of single precision: what was made with it needs no more room.
     arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)
-    if arrays is None:
+    if arrays is None or _shapes(arrays) != table_shapes(atmosphere, size):
         make = _on_cpu if backend == "cpu" else _on_gpu
         arrays = make(atmosphere, orders, size, progress or _nobody)
         if cache is not None:
@@ -62,6 +64,10 @@ def precompute(
     return Tables(
         atmosphere=atmosphere, sizes=size, orders=orders, parametrisation="2017", **arrays
     )
+
+
+def _shapes(arrays: dict[str, Any]) -> dict[str, tuple[int, ...]]:
+    return {name: array.shape for name, array in arrays.items()}
 
 
 def _nobody(_share: float) -> None:
@@ -101,12 +107,12 @@ def transmittance_table(atmosphere: Atmosphere, sizes: TableSizes) -> NDArray[np
     air, shape = atmosphere, (sizes.transmittance_altitude, sizes.transmittance_mu)
     altitude, mu = transmittance_state(air, shape, *np.ix_(*map(node_coordinates, shape)))
     ray = make_ray(air.ground_radius_m, altitude, mu)
+    scatterers = air.scatterers()
     # The last of the rays grazes the ground: none of them ends there.
     end_y = y_at_top(ray, air.top_altitude_m)
     paths = (
-        exponential_path(ray, air.top_altitude_m, end_y, air.rayleigh_scale_height_m),
-        exponential_path(ray, air.top_altitude_m, end_y, air.mie_scale_height_m),
+        *(exponential_path(ray, air.top_altitude_m, end_y, k.scale_height_m) for k in scatterers),
         layered_path(ray, end_y, air.absorber_altitude_m, air.absorber_density),
     )
-    extinction = air.rayleigh_scattering, air.mie_extinction, air.absorption_extinction
+    extinction = *(kind.extinction for kind in scatterers), air.absorption_extinction
     return np.exp(-np.tensordot(np.stack(paths), np.asarray(extinction), axes=(0, 0)))

@@ -1,12 +1,16 @@
 """What BrunetonSky says, made from an observer's surroundings."""
 
+from bruneton_sky.air_volume import air_is_seen, air_volume
 from bruneton_sky.background import Surroundings, ambient_coefficients, background_cube
 from bruneton_sky.gpu_cube import sky_view_job
+from bruneton_sky.sky_view_shader import view_shader
+from bruneton_sky.solver import SourceField
 from bruneton_sky.sun_light import limb_darkening_rgb
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
     SunLightChanged,
@@ -49,8 +53,31 @@ def ambient(around: Surroundings) -> AmbientChanged:
     return AmbientChanged(irradiance_sh_rgb=Array(ambient_coefficients(around)), source=NAME)
 
 
+def air(field: SourceField, altitude_m: float, sun_direction: Vector, reach_m: float) -> AirChanged:
+    """The air before things that stand up to `reach_m` from the eye."""
+    # From above the air, the way to it is empty.
+    above_m = max(altitude_m - field.atmosphere.top_altitude_m, 0.0)
+    in_air_m = reach_m - above_m
+    if not air_is_seen(field.atmosphere, altitude_m, in_air_m):
+        return AirChanged(volume=None, source=NAME)
+    return AirChanged(volume=air_volume(field, altitude_m, sun_direction, in_air_m), source=NAME)
+
+
 def _background(around: Surroundings, cube: Array | GpuTexture, scale: float) -> BackgroundChanged:
     red, green, blue = around.ground_radiance_rgb.tolist()
     return BackgroundChanged(
-        cube=cube, radiance_scale=scale, ground_radiance_rgb=(red, green, blue), source=NAME
+        cube=cube,
+        radiance_scale=scale,
+        ground_radiance_rgb=(red, green, blue),
+        source=NAME,
+        ground_through_air=around.view.shape[1] > 0,
+        view=view_shader(around.view, around.disc) if around.disc is not None else None,
+        seen_sun_irradiance_rgb=_seen_sun(around),
     )
+
+
+def _seen_sun(around: Surroundings) -> Vector | None:
+    if around.disc is None:
+        return None
+    red, green, blue = around.disc.seen_rgb.tolist()
+    return (red, green, blue)

@@ -12,6 +12,12 @@ Without an absorber, twelve nodes a segment leave relative errors of at most 1e-
 above the horizon and 3e-4 in twilight. The kinks of an ozone tent slow the convergence where
 the sun grazes it: 2e-5 with the sun 17 degrees up, but 2e-3 at sunset and 1e-2 in twilight
 with 12 nodes (2e-3 with 16, 1e-4 with 64).
+
+Ground fog ends in so few metres that no map could serve it and the air above: segments end at
+the top of the fog too, FOG_TOP of its scale heights up, as many as the air has of its own. In
+fog of visibility 1 km 12 nodes leave 4e-4; at 200 m 24 leave 1e-4, where 12 err by 0.3 on rays
+that sink slowly through it, whose nodes cluster at the far end; at 50 m 24 leave 0.05 on those
+(fog 20 m high).
 """
 
 from functools import lru_cache
@@ -26,6 +32,7 @@ from bruneton_sky.optical_path import jacobian
 FloatArray = NDArray[np.float64]
 CLUSTERING = 2.25
 HAZE_DEPTH = 60.0
+FOG_TOP = 8.0
 
 
 @lru_cache(maxsize=16)
@@ -40,10 +47,10 @@ def view_nodes(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes on a ray (...,): altitude, y and weight in m, each (..., segments * count).
 
-    Segments end at the perigee and at the edge of the planet's shadow, across which the
-    integrand jumps; the weights of dark segments are zero.
+    Segments end at the perigee, at the top of fog and at the edge of the planet's shadow, across
+    which the integrand jumps; the weights of dark segments are zero.
     """
-    y, altitude = _break_points(ray, atmosphere.top_altitude_m, mu_s, nu)
+    y, altitude = _break_points(atmosphere, ray, mu_s, nu)
     ascending = y[..., 1:] > 0
     low_y = np.where(ascending, y[..., :-1], y[..., 1:])
     low_altitude = np.where(ascending, altitude[..., :-1], altitude[..., 1:])
@@ -80,25 +87,34 @@ def sun_cosine(
 
 
 def _extinction(atmosphere: Atmosphere, altitude_m: FloatArray) -> FloatArray:
-    """Extinction (...,) of molecules and aerosol in 1/m where it is largest in the spectrum."""
-    molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
-    aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
-    return (
-        max(atmosphere.rayleigh_scattering) * molecules + max(atmosphere.mie_extinction) * aerosol
+    """Extinction (...,) of all that scatters in 1/m where it is largest in the spectrum."""
+    return sum(
+        (
+            kind.extinction.max() * np.exp(-altitude_m / kind.scale_height_m)
+            for kind in atmosphere.scatterers()
+        ),
+        np.zeros(()),
     )
 
 
 def _break_points(
-    ray: Ray, top_altitude_m: float, mu_s: ArrayLike, nu: ArrayLike
+    atmosphere: Atmosphere, ray: Ray, mu_s: ArrayLike, nu: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Sorted y and altitude (..., 5): start, perigee, two shadow edges, end; some coincide."""
-    end_altitude, end_y = end_of_ray(ray, top_altitude_m)
+    """Sorted y and altitude (..., 5): start, perigee, two shadow edges, end; some coincide.
+
+    In fog there are two more, where it begins and ends.
+    """
+    end_altitude, end_y = end_of_ray(ray, atmosphere.top_altitude_m)
     points = [ray.y, np.zeros_like(ray.y), end_y]
     for distance in shadow_boundary(ray, mu_s, nu):
         along = ray.radius_m * ray.mu + distance
         p = ray.perigee_radius_m
         crossing = along / np.sqrt(np.maximum(p + np.sqrt(p * p + along * along), 1e-300))
         points.append(np.where(distance > 0, crossing, ray.y))
+    if atmosphere.foggy:
+        fog_top_m = FOG_TOP * atmosphere.fog_scale_height_m
+        fog_y = np.sqrt(np.maximum(fog_top_m - ray.perigee_altitude_m, 0.0))
+        points += [-fog_y, fog_y]
     inside = [np.clip(point, ray.y, end_y) for point in points]
     y = np.sort(np.stack(np.broadcast_arrays(*inside), axis=-1), axis=-1)
     one = _add_axes(ray, 1)

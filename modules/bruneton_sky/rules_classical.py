@@ -29,8 +29,8 @@ def classical_integrals(
     nu: FloatArray,
     rule: str,
     samples: int | tuple[int, int],
-) -> tuple[FloatArray, FloatArray]:
-    """I_R and I_M (..., C) in m, as `single_scattering` defines them.
+) -> list[FloatArray]:
+    """I_X (..., C) in m of each scatterer, as `single_scattering` defines them.
 
     Raises:
         ValueError: the rule is unknown, or the intervals do not suit it.
@@ -41,7 +41,9 @@ def classical_integrals(
     radius = atmosphere.ground_radius_m
     distance = length[..., None] * fraction
     start, cosine = altitude_m[..., None], mu[..., None]
-    altitude = np.maximum(altitude_along(radius, start, cosine, distance), 0.0)
+    there_m = altitude_along(radius, start, cosine, distance)
+    # Rounding must not put a node outside the air.
+    altitude = np.clip(there_m, 0.0, atmosphere.top_altitude_m)
     view_depth = _optical_depth(
         atmosphere,
         [accumulate(rule, d, length[..., None] / view) for d in _densities(atmosphere, altitude)],
@@ -58,12 +60,9 @@ def classical_integrals(
     )
     lit = ~in_earth_shadow(radius, altitude, mu_s_there)
     reaching = np.exp(-view_depth - light_depth) * lit[..., None]
-    rayleigh, mie, _ = _densities(atmosphere, altitude)
+    *scatterers, _ = _densities(atmosphere, altitude)
     metres = length[..., None] * weight
-    return (
-        np.einsum("...n,...nc->...c", metres * rayleigh, reaching),
-        np.einsum("...n,...nc->...c", metres * mie, reaching),
-    )
+    return [np.einsum("...n,...nc->...c", metres * density, reaching) for density in scatterers]
 
 
 def rule_nodes(rule: str, intervals: int) -> tuple[FloatArray, FloatArray]:
@@ -129,19 +128,14 @@ def _light_depth(
 
 
 def _densities(atmosphere: Atmosphere, altitude_m: FloatArray) -> list[FloatArray]:
-    """Relative densities (...,) of molecules, aerosol and absorber."""
-    return [
-        np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m),
-        np.exp(-altitude_m / atmosphere.mie_scale_height_m),
-        atmosphere.absorber(altitude_m),
-    ]
+    """Relative densities (...,) of each scatterer and of the absorber."""
+    scatterers = atmosphere.scatterers()
+    densities = [np.exp(-altitude_m / kind.scale_height_m) for kind in scatterers]
+    return [*densities, atmosphere.absorber(altitude_m)]
 
 
 def _optical_depth(atmosphere: Atmosphere, paths: list[FloatArray]) -> FloatArray:
-    coefficients = (
-        atmosphere.rayleigh_scattering,
-        atmosphere.mie_extinction,
-        atmosphere.absorption_extinction,
-    )
+    scatterers = atmosphere.scatterers()
+    coefficients = *(kind.extinction for kind in scatterers), atmosphere.absorption_extinction
     pairs = zip(paths, coefficients, strict=True)
     return sum((p[..., None] * np.asarray(k) for p, k in pairs), np.zeros(()))

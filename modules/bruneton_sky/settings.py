@@ -1,5 +1,6 @@
 """What can be set, and the atmosphere that it makes."""
 
+import math
 from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated, Literal
@@ -13,6 +14,7 @@ from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm
 from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.raised_ground import raise_ground
+from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 
 PresetName = Literal[
@@ -68,6 +70,27 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         | None
     ) = None
     mie_phase: Annotated[MiePhaseForm, Meta(description="Phase function of the haze")] | None = None
+    fog_visibility_m: (
+        Annotated[
+            float,
+            Meta(
+                ge=50,
+                le=20_000,
+                description="How far one sees through fog on the ground; none is no fog",
+                extra={"unit": "m"},
+            ),
+        ]
+        | None
+    ) = None
+    fog_height_m: Annotated[
+        float,
+        Meta(
+            ge=5,
+            le=1000,
+            description="Height over which fog thins by a factor e",
+            extra={"unit": "m"},
+        ),
+    ] = 100.0
     ground_radius_m: (
         Annotated[
             float, Meta(ge=1e5, le=1e8, description="Radius of the planet", extra={"unit": "m"})
@@ -83,7 +106,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ) = None
     orders: Annotated[
         int, Meta(ge=1, le=40, description="Times that light is scattered at most")
-    ] = 20
+    ] = MOST_ORDERS
     cube_device: Annotated[
         Literal["cpu", "gpu"],
         Meta(description="What computes the sky's cube map; the GPU where there is one"),
@@ -94,7 +117,7 @@ def atmosphere_of(settings: BrunetonSkySettings, ground_altitude_m: float = 0.0)
     """The atmosphere of the settings above a ground at an altitude, as its sky is solved.
 
     It has the four wavelengths of which the colour of skylight is made. Other scale heights
-    leave the amount of matter above each square metre as it was.
+    leave the amount of matter above each square metre, up to the air's top, as it was.
     """
     return _atmosphere(settings, ground_altitude_m, SKYLIGHT_NM)
 
@@ -113,7 +136,7 @@ def _atmosphere(
     air = _preset(settings.preset, wavelength_nm)
     for change in (_with_planet, _with_aerosol, _with_gases):
         air = change(air, settings)
-    return raise_ground(air, ground_altitude_m)
+    return _with_fog(raise_ground(air, ground_altitude_m), settings)
 
 
 def _preset(name: PresetName, wavelength_nm: tuple[float, ...]) -> Atmosphere:
@@ -121,6 +144,13 @@ def _preset(name: PresetName, wavelength_nm: tuple[float, ...]) -> Atmosphere:
         depth = float(optical_depth_of_turbidity(DEFAULT_TURBIDITY))
         return earth_spectral(wavelength_nm).with_aerosol(depth, ANGSTROM_EXPONENT)
     return preset(name, wavelength_nm)
+
+
+def _with_fog(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
+    """Fog starts at the local ground, however high that is."""
+    if settings.fog_visibility_m is None:
+        return air
+    return air.with_fog(settings.fog_visibility_m, settings.fog_height_m)
 
 
 def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
@@ -143,7 +173,7 @@ def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     if settings.mie_albedo is not None:
         scattering = extinction * settings.mie_albedo
     height_m = settings.mie_scale_height_m or air.mie_scale_height_m
-    thinner = air.mie_scale_height_m / height_m
+    thinner = _thinner(air.mie_scale_height_m, height_m, air.top_altitude_m)
     return replace(
         air,
         mie_extinction=tuple(extinction * thinner),
@@ -154,9 +184,20 @@ def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     )
 
 
+def _thinner(before_m: float, after_m: float, top_m: float) -> float:
+    """How much thinner on the ground as much matter lies that has another scale height."""
+    return _column_m(before_m, top_m) / _column_m(after_m, top_m)
+
+
+def _column_m(scale_height_m: float, top_m: float) -> float:
+    """Matter above a square metre, up to the top, over the density on the ground."""
+    return -scale_height_m * math.expm1(-top_m / scale_height_m)
+
+
 def _with_gases(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     height_m = settings.rayleigh_scale_height_m or air.rayleigh_scale_height_m
-    factor = settings.rayleigh_factor * air.rayleigh_scale_height_m / height_m
+    thinner = _thinner(air.rayleigh_scale_height_m, height_m, air.top_altitude_m)
+    factor = settings.rayleigh_factor * thinner
     air = replace(
         air,
         rayleigh_scattering=tuple(np.asarray(air.rayleigh_scattering) * factor),

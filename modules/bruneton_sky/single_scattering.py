@@ -3,7 +3,8 @@
 S = E_sun (beta_R P_R(nu) I_R + beta_M P_M(nu) I_M), with, for each substance X,
 I_X = integral along the view ray of density_X exp(-tau(eye, point) - tau(point, sun)),
 where the extinction of molecules, aerosol and absorber together makes tau (Nishita et al.
-1993; Bruneton and Neyret 2008, section 2, with Mie extinction in the optical depth).
+1993; Bruneton and Neyret 2008, section 2, with Mie extinction in the optical depth). Fog is a
+third substance, which has the aerosol's phase function and is counted with it.
 """
 
 from typing import Literal
@@ -66,7 +67,10 @@ def scattered_without_phase(
     rule: Rule = "gauss-legendre",
     samples: int | tuple[int, int] = 12,
 ) -> tuple[FloatArray, FloatArray]:
-    """The Rayleigh and the Mie part (..., C) of `single_scattering`, without phase functions."""
+    """The Rayleigh and the Mie part (..., C) of `single_scattering`, without phase functions.
+
+    Fog is in the Mie part.
+    """
     altitude = _within("altitude_m", altitude_m, 0.0, atmosphere.top_altitude_m)
     cosines = [_within(n, v, -1.0, 1.0) for n, v in (("mu", mu), ("mu_s", mu_s), ("nu", nu))]
     h, view, sun_s, cosine = np.broadcast_arrays(altitude, *cosines)
@@ -77,10 +81,9 @@ def scattered_without_phase(
     else:
         integrals = classical_integrals(atmosphere, h, view, sun_s, cosine, rule, samples)
     sun = np.asarray(atmosphere.solar_irradiance)
-    return (
-        sun * np.asarray(atmosphere.rayleigh_scattering) * integrals[0],
-        sun * np.asarray(atmosphere.mie_scattering) * integrals[1],
-    )
+    pairs = zip(atmosphere.scatterers(), integrals, strict=True)
+    rayleigh, mie, *fog = (sun * kind.scattering * integral for kind, integral in pairs)
+    return rayleigh, sum(fog, mie)
 
 
 def optical_depth_to_top(
@@ -100,15 +103,11 @@ def optical_depth(
     atmosphere: Atmosphere, ray: Ray, end_altitude_m: FloatArray, end_y: FloatArray
 ) -> FloatArray:
     """Optical depth (..., C) from a ray's start to a point on it."""
-    parts = [
-        (atmosphere.rayleigh_scattering, atmosphere.rayleigh_scale_height_m),
-        (atmosphere.mie_extinction, atmosphere.mie_scale_height_m),
-    ]
     depth = np.zeros((*np.broadcast(ray.y, end_y).shape, len(atmosphere.wavelength_nm)))
-    for coefficient, scale_height_m in parts:
-        if any(coefficient):
-            path = exponential_path(ray, end_altitude_m, end_y, scale_height_m)
-            depth += path[..., None] * np.asarray(coefficient)
+    for kind in atmosphere.scatterers():
+        if kind.extinction.any():
+            path = exponential_path(ray, end_altitude_m, end_y, kind.scale_height_m)
+            depth += path[..., None] * kind.extinction
     if any(atmosphere.absorption_extinction):
         layers = atmosphere.absorber_altitude_m, atmosphere.absorber_density
         absorbed = layered_path(ray, end_y, *layers)
@@ -123,8 +122,8 @@ def _gauss_legendre_integrals(
     mu_s: FloatArray,
     nu: FloatArray,
     count: int,
-) -> tuple[FloatArray, FloatArray]:
-    """I_R and I_M (..., C) in m."""
+) -> list[FloatArray]:
+    """I_X (..., C) in m of each of the atmosphere's scatterers."""
     ray = make_ray(atmosphere.ground_radius_m, altitude_m, mu)
     node_altitude, node_y, metres = view_nodes(atmosphere, ray, mu_s, nu, count)
     along = Ray(*(part[..., None] for part in ray))
@@ -132,9 +131,8 @@ def _gauss_legendre_integrals(
     mu_s_there = sun_cosine(along, node_altitude, node_y, mu_s[..., None], nu[..., None])
     depth += optical_depth_to_top(atmosphere, node_altitude, mu_s_there)
     light = np.exp(-depth) * metres[..., None]
-    density_r = np.exp(-node_altitude / atmosphere.rayleigh_scale_height_m)[..., None]
-    density_m = np.exp(-node_altitude / atmosphere.mie_scale_height_m)[..., None]
-    return (light * density_r).sum(axis=-2), (light * density_m).sum(axis=-2)
+    densities = (np.exp(-node_altitude / kind.scale_height_m) for kind in atmosphere.scatterers())
+    return [(light * density[..., None]).sum(axis=-2) for density in densities]
 
 
 def _within(name: str, value: ArrayLike, low: float, high: float) -> FloatArray:

@@ -10,32 +10,57 @@ of ten between neighbouring rows, and a straight line through the roots follows 
 below zero, a colour outside the gamut, becomes zero.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, GroundLight, ground_radiance
-from bruneton_sky.phase import MiePhase, mie_phase, mie_phase_parameters, rayleigh_phase
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
+from bruneton_sky.phase import MiePhase, mie_phase_parameters
 from bruneton_sky.sky_view_rows import Rows, table_rows
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import LANES, groups_of_air, wavelengths_of_groups
+from bruneton_sky.solver.air import LANES, groups_of_air, is_hazy
+from bruneton_sky.solver.coordinates import SunGrid
 from bruneton_sky.solver.view import source_of_group
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 
 # Rows above and below the horizon for an observer who stands, inside the air, and above it, from
 # where all of the air is a thin limb.
-_STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (24, 64)
+_STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (36, 64)
 COLUMNS = 40
 # Below this altitude the ground fills what is below the level, and the air before it is left
 # to whoever draws the ground.
 STANDING_M = 10.0
-# Steps along a ray, and bins for light scattered once and more. In twilight and from space the
-# planet's shadow cuts through the rays, and a bin that it cuts is coarse: twice as many are taken.
-_DAY, _FINE = (48, 24, 12), (96, 48, 12)
+# Of a fog's height, where that is lower: fog is a fifth thinner there.
+_STANDING_IN_FOG = 0.2
+# Steps along a ray, and bins for light scattered once and more. In twilight the planet's shadow
+# cuts through the rays, and a bin that it cuts is coarse: more are taken. From space a ray passes
+# through all of the air twice.
+_DAY, _DAY_OUTSIDE = (48, 24, 12), (64, 24, 12)
+_TWILIGHT, _TWILIGHT_ALOFT = (96, 48, 12), (64, 32, 12)
 _TWILIGHT_BELOW_MU_S = 0.1
+# In haze light that is scattered more than once changes within less air.
+_HAZE_BINS = 16
+# Rows and columns of a table that only light is made from, by day and in twilight.
+_LIGHT_BY_DAY, _LIGHT_IN_TWILIGHT = (32, 24), (24, 16)
+# Suns between which the ground's colour is interpolated, and numbers of a node.
+_SUNS, _NODE = 192, 8
 _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)
+
+
+class GroundColours(NamedTuple):
+    """The ground's colours (suns * 4 * 4,) by wavelength, under suns with zenith cosines mu_s.
+
+    A fourth number fills each colour up to a register. `grid` places a cosine among `mu_s`: see
+    `SunGrid.constants`.
+    """
+
+    mu_s: NDArray[np.float32]
+    grid: NDArray[np.float32]
+    light: NDArray[np.float32]
 
 
 class SkyView(NamedTuple):
@@ -65,41 +90,111 @@ def sky_view(field: SourceField, altitude_m: float, sun_direction: NDArray[np.fl
         altitude_m: above the ground; above the air's top too.
         sun_direction: unit vector (3,) in world axes, at the observer.
     """
-    mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
-    inside = altitude_m <= field.atmosphere.top_altitude_m
-    above, below = _INSIDE_ROWS if inside else _OUTSIDE_ROWS
-    if altitude_m <= STANDING_M:
+    top_m = field.atmosphere.top_altitude_m
+    above, below = _INSIDE_ROWS if altitude_m <= top_m else _OUTSIDE_ROWS
+    if altitude_m <= standing_m(field.atmosphere):
         above, below = _STANDING_ROWS
-    rows = table_rows(field.atmosphere, altitude_m, mu_s, above, below, COLUMNS)
-    rgb = _radiance_rgb(field, rows, _DAY if inside and mu_s > _TWILIGHT_BELOW_MU_S else _FINE)
-    nodes = np.zeros((rgb.shape[0] * rgb.shape[1], 2, 4), dtype=np.float32)
-    nodes[..., :3] = np.sqrt(np.sqrt(np.maximum(rgb, 0.0))).reshape(-1, 2, 3)
+    counts = table_counts(field.atmosphere, altitude_m, float(sun_direction[1]))
+    return _table(field, altitude_m, sun_direction, (above, below, COLUMNS), counts)
+
+
+def standing_m(atmosphere: Atmosphere) -> float:
+    """Below which altitude an observer stands: his table is that of the ground."""
+    if not atmosphere.foggy:
+        return STANDING_M
+    return min(STANDING_M, _STANDING_IN_FOG * atmosphere.fog_scale_height_m)
+
+
+def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyView:
+    """A small table for one who stands on the ground, to make light from: nobody looks at it.
+
+    What falls on a level surface is that of the large table within 0.2 %, as near to the truth.
+    """
+    day = sun_direction[1] > _TWILIGHT_BELOW_MU_S
+    rows, columns = _LIGHT_BY_DAY if day else _LIGHT_IN_TWILIGHT
+    counts = _in_this_air(field.atmosphere, _DAY if day else _TWILIGHT_ALOFT)
+    return _table(field, 0.0, sun_direction, (rows, 0, columns), counts)
+
+
+def _table(
+    field: SourceField,
+    altitude_m: float,
+    sun_direction: NDArray[np.float64],
+    shape: tuple[int, int, int],
+    counts: tuple[int, int, int],
+) -> SkyView:
+    mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
+    rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
     return SkyView(
-        nodes.reshape(-1, 8),
-        (above, below, COLUMNS),
+        _nodes(field, rows, counts),
+        shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
         mie_phase_parameters(field.atmosphere),
     )
 
 
-def _radiance_rgb(
-    field: SourceField, rows: Rows, counts: tuple[int, int, int]
-) -> NDArray[np.float64]:
-    """Linear sRGB (rows, columns, 2, 3): all light with its phase but for that which aerosol
-    scatters once, and that without its phase."""
-    once, more, transmittance, length_m = trace(field, rows, counts)
-    phased = once[0] * rayleigh_phase(rows.nu)[..., None] + more
-    wavelength_nm = field.atmosphere.wavelength_nm
-    rgb = rgb_from_spectrum(np.stack([phased, once[1]], axis=-2), wavelength_nm, SKYLIGHT_EXPONENT)
-    # A low sun's light off aerosol lies outside the gamut: what it lacks the rest makes up for.
-    lacking = np.minimum(rgb[:, :, 1], 0.0)
-    rgb[:, :, 0] += lacking * mie_phase(field.atmosphere, rows.nu)[..., None]
-    if rows.hits.any():
-        ground = _ground_at_end(field, rows, length_m)
-        seen = (part * transmittance[rows.hits, None] for part in ground)
-        rgb[rows.hits, :, 0] += GroundLight(*seen).rgb(wavelength_nm)
-    return rgb
+def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tuple[int, int, int]:
+    """Steps of a table's rays, bins for light scattered once, bins for more."""
+    if mu_s > _TWILIGHT_BELOW_MU_S:
+        counts = _DAY if altitude_m <= atmosphere.top_altitude_m else _DAY_OUTSIDE
+    else:
+        counts = _TWILIGHT if altitude_m <= standing_m(atmosphere) else _TWILIGHT_ALOFT
+    return _in_this_air(atmosphere, counts)
+
+
+def _in_this_air(atmosphere: Atmosphere, counts: tuple[int, int, int]) -> tuple[int, int, int]:
+    """More bins in fog, which lies in one half of a ray's, the air beyond in the other."""
+    steps, once, more = counts
+    if atmosphere.foggy:
+        return steps, 2 * once, 2 * more
+    return (steps, once, _HAZE_BINS) if is_hazy(atmosphere) else counts
+
+
+def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDArray[np.float32]:
+    """What a table holds for its rays; `counts`: steps, bins for light scattered once, and more."""
+    from bruneton_sky.sky_view_kernels import add_rows, finish_rows
+
+    mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
+    nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
+    colours, ground = _colours(field)
+    for k, air in enumerate(groups_of_air(field.atmosphere)):
+        add_rows(
+            air, rows.altitude_m, rows.mu, rows.hits, mu_s, nu,
+            field.transmittance[k], source_of_group(field, k), counts,
+            colours[k], ground[k], nodes,
+        )  # fmt: skip
+    finish_rows(nu, _phase_numbers(mie_phase_parameters(field.atmosphere)), nodes)
+    return nodes.reshape(-1, _NODE)
+
+
+def _phase_numbers(phase: MiePhase) -> tuple[np.float32, ...]:
+    """The phase function as kernels and shaders take it: factor, form, (1 - g)^2 and 2 g."""
+    g, factor, form = phase
+    return tuple(np.float32(v) for v in (factor, form, (1.0 - g) ** 2, 2.0 * g))
+
+
+@lru_cache(maxsize=4)
+def _colours(field: SourceField) -> tuple[NDArray[np.float32], list[GroundColours]]:
+    """Colours (groups, 4 * 4) of the wavelengths in skylight, and of the ground under any sun."""
+    air, wavelength_nm = field.atmosphere, field.atmosphere.wavelength_nm
+    one_each = np.eye(len(wavelength_nm))
+    skylight = rgb_from_spectrum(one_each, wavelength_nm, SKYLIGHT_EXPONENT)
+    sunlight = rgb_from_spectrum(one_each, wavelength_nm, SUNLIGHT_EXPONENT)
+    suns = SunGrid(air, _SUNS)
+    light = ground_radiance(field, suns.mu_s)
+    coloured = light.sun[..., None] * sunlight + light.sky[..., None] * skylight
+    grid, mu_s = suns.constants(), suns.mu_s.astype(np.float32)
+    ground = (GroundColours(mu_s, grid, part) for part in _in_groups(coloured))
+    return _in_groups(skylight), list(ground)
+
+
+def _in_groups(colours: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(..., C, 3) as float32 (groups, ... * 4 * 4), filled up with black and with zeros."""
+    padding = -colours.shape[-2] % LANES
+    padded = np.pad(colours, [*[(0, 0)] * (colours.ndim - 2), (0, padding), (0, 1)])
+    groups = np.moveaxis(padded.reshape(*padded.shape[:-2], -1, LANES, 4), -3, 0)
+    return np.ascontiguousarray(groups.reshape(len(groups), -1), dtype=np.float32)
 
 
 def fill_cube(
@@ -114,8 +209,7 @@ def fill_cube(
     cube = np.empty((6, size, size, 3), dtype=np.float32)
     sun = np.concatenate([view.sun_direction, level_direction(view.sun_direction)])
     ground = np.asarray(ground_radiance_rgb, dtype=np.float32)
-    g, factor, form = view.phase
-    phase = tuple(np.float32(v) for v in (factor, form, (1.0 - g) ** 2, 2.0 * g))
+    phase = _phase_numbers(view.phase)
     centres = texel_centres(size).astype(np.float32)
     horizon = view.depth.astype(np.float32)
     fill_faces(
@@ -129,44 +223,3 @@ def level_direction(direction: NDArray[np.float64]) -> NDArray[np.float64]:
     level = direction[[0, 2]]
     length = float(np.hypot(*level))
     return level / length if length > 1e-12 else np.array([0.0, -1.0])
-
-
-def trace(
-    field: SourceField, rows: Rows, counts: tuple[int, int, int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Light along rays, in W m^-2 sr^-1 nm^-1.
-
-    Scattered once (2, rows, columns, C), by molecules and by aerosol without their phase
-    functions, and more often (rows, columns, C); the transmittance
-    (rows, C) and the length (rows,) of the rays. `counts`: steps, bins for light scattered once,
-    bins for more.
-    """
-    from bruneton_sky.sky_view_kernels import trace_rows
-
-    groups = groups_of_air(field.atmosphere)
-    shape = rows.nu.shape
-    once = np.empty((len(groups), 2, *shape, LANES), dtype=np.float32)
-    more = np.empty((len(groups), *shape, LANES), dtype=np.float32)
-    end = np.empty((len(groups), shape[0], LANES + 1))
-    mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
-    for k, air in enumerate(groups):
-        trace_rows(
-            air, rows.altitude_m, rows.mu, rows.hits, mu_s, nu,
-            field.transmittance[k], source_of_group(field, k), counts,
-            once[k].reshape(2, shape[0], -1), more[k].reshape(shape[0], -1), end[k],
-        )  # fmt: skip
-    count = len(field.atmosphere.wavelength_nm)
-    return (
-        wavelengths_of_groups(once, count),
-        np.maximum(wavelengths_of_groups(more, count), 0.0),
-        wavelengths_of_groups(end[..., :LANES], count),
-        end[0, :, LANES],
-    )
-
-
-def _ground_at_end(field: SourceField, rows: Rows, length_m: NDArray[np.float64]) -> GroundLight:
-    """The ground's radiance (rows below, columns, C) where the rays end."""
-    radius = field.atmosphere.ground_radius_m
-    start_m, metres = rows.altitude_m[rows.hits, None], length_m[rows.hits, None]
-    along = (radius + start_m) * rows.mu_s[rows.hits] + metres * rows.nu[rows.hits]
-    return ground_radiance(field, np.clip(along / radius, -1.0, 1.0))

@@ -1,15 +1,16 @@
 """Compiled look-up of a sky-view table for every texel of a cube map, in single precision.
 
-A row of texels is worked in three passes over short buffers: coordinates in the table (a loop
-that vectorises over texels), the bilinear look-up (vectorised over a node's eight numbers),
-powers and phase function (over texels again). Importing this module imports numba: do it only
-where the first cube is filled.
+A row of texels is worked in two passes over short buffers: coordinates in the table and the phase
+function (a loop that vectorises over texels), and the bilinear look-up (vectorised over a node's
+eight numbers). Importing this module imports numba: do it only where the first cube is filled.
 """
 
 import math
 
 import numpy as np
 from numba import njit
+
+from bruneton_sky.sky_view_lanes import shade_texel
 
 # Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
 NODE = 8
@@ -37,18 +38,31 @@ def fill_faces(  # type: ignore[no-untyped-def]
     first_node = np.empty(size, dtype=np.int32)
     fraction = np.empty((2, size), dtype=np.float32)
     mie_phase = np.empty(size, dtype=np.float32)
-    blended = np.empty((size, NODE), dtype=np.float32)
+    flat_nodes, rows = nodes.reshape(-1), cube.reshape(6, size, 3 * size)
     for face in range(6):
         for i in range(size):
             if shape[1] == 0 and axes[face, 0, 1] + centres[i] * axes[face, 2, 1] < 0.0:
                 cube[face, i, :, :] = ground
                 continue
+            if horizon[1] <= _ONE and _deepest(axes[face], centres[i]) >= horizon[1]:
+                # An observer above the air sees nothing shine above its edge.
+                cube[face, i, :, :] = _ZERO
+                continue
             _place_row(
                 axes[face], centres, centres[i], shape, horizon, sun, phase,
                 first_node, fraction, mie_phase,
             )  # fmt: skip
-            _blend_row(nodes, shape[2], first_node, fraction, blended)
-            _shade_row(blended, mie_phase, cube[face, i])
+            _shade_row(flat_nodes, shape[2], first_node, fraction, mie_phase, rows[face, i])
+
+
+@_compiled
+def _deepest(axes, t):  # type: ignore[no-untyped-def]
+    """1 + mu in the middle of a row of texels, where those that look down look most so."""
+    y = axes[0, 1] + t * axes[2, 1]
+    x, z = axes[0, 0] + t * axes[2, 0], axes[0, 2] + t * axes[2, 2]
+    level = x * x + z * z
+    length = math.sqrt(level + y * y)
+    return level / (length * (length - y)) if y < 0 else _ONE + y / length
 
 
 @_compiled
@@ -58,6 +72,7 @@ def _place_row(  # type: ignore[no-untyped-def]
     """Node and fractions of each texel, and the phase function of its angle from the sun."""
     above, below, columns = shape
     rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
+    outside = horizon[1] <= _ONE
     factor, bend, near, forward = phase
     for j in range(centres.size):
         s = centres[j]
@@ -74,8 +89,13 @@ def _place_row(  # type: ignore[no-untyped-def]
         if below == 0:
             # A texel on the level may fall below it by a last digit.
             height = max(height, _ZERO)
-        row = math.sqrt(abs(height) * (rise if height >= 0 else fall))
-        row = min(row, _ONE) * np.float32(above - 1 if height >= 0 else below - 1)
+        share = min(abs(height) * (rise if height >= 0 else fall), _ONE)
+        row = math.sqrt(share)
+        if outside and height >= 0:
+            low = share < _HALF
+            row = math.sqrt(_HALF * (share if low else _ONE - share))
+            row = row if low else _ONE - row
+        row = row * np.float32(above - 1 if height >= 0 else below - 1)
         last = above - 2 if height >= 0 else below - 2
         i = min(np.int32(row), np.int32(last))
         # Half the chord between the level directions is the sine of half the azimuth.
@@ -92,23 +112,13 @@ def _place_row(  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _blend_row(nodes, columns, first_node, fraction, blended):  # type: ignore[no-untyped-def]
-    for j in range(first_node.size):
-        a = np.uintp(first_node[j])
-        b = a + np.uintp(columns)
-        u, v = fraction[0, j], fraction[1, j]
-        one = np.uintp(1)
-        for k in range(NODE):
-            near = nodes[a, k] + v * (nodes[a + one, k] - nodes[a, k])
-            far = nodes[b, k] + v * (nodes[b + one, k] - nodes[b, k])
-            blended[j, k] = near + u * (far - near)
-
-
-@_compiled
-def _shade_row(blended, mie_phase, row):  # type: ignore[no-untyped-def]
-    """The table holds fourth roots: see `sky_view`."""
+def _shade_row(nodes, columns, first_node, fraction, mie_phase, row):  # type: ignore[no-untyped-def]
+    """Radiance (n * 3,) of the texels; the table holds fourth roots: see `sky_view`."""
+    node, three = np.uintp(NODE), np.uintp(3)
+    below = np.uintp(columns) * node
     for j in range(mie_phase.size):
-        for c in range(3):
-            rest = blended[j, c] * blended[j, c]
-            mie = blended[j, c + 4] * blended[j, c + 4]
-            row[j, c] = rest * rest + mie_phase[j] * (mie * mie)
+        near = np.uintp(first_node[j]) * node
+        shade_texel(
+            row, np.uintp(j) * three, mie_phase[j], nodes, near, near + below,
+            fraction[1, j], fraction[0, j],
+        )  # fmt: skip

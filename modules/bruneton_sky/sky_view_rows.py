@@ -3,8 +3,10 @@
 Rows above the ground's horizon are mu = mu_h + (mu_top - mu_h) x^2, those below
 mu_h - (1 + mu_h) x^2, with x uniform in [0, 1]: dense toward the horizon on both sides, where
 radiance changes fast. mu_top is the zenith for an observer inside the air, and the edge of the
-air for one above it, whose rays start where they enter. Columns are t = sin(phi / 2), uniform
-in [0, 1], dense toward the sun's azimuth; the other half of the sky is its mirror image.
+air for one above it, whose rays start where they enter, and whose rows are as dense toward that
+edge: 2 x^2 up to the middle of the limb, 1 - 2 (1 - x)^2 above it, in the place of x^2. Columns
+are t = sin(phi / 2), uniform in [0, 1], dense toward the sun's azimuth; the other half of the
+sky is its mirror image.
 """
 
 from typing import NamedTuple
@@ -47,7 +49,8 @@ def table_rows(
     depth = np.array([_depth(atmosphere, 0.0, altitude_m), 2.0])
     if not inside:
         depth[1] = _depth(atmosphere, atmosphere.top_altitude_m, altitude_m)
-    up, down = np.linspace(0.0, 1.0, above) ** 2, np.linspace(0.0, 1.0, below) ** 2
+    up, down = np.linspace(0.0, 1.0, above), np.linspace(0.0, 1.0, below) ** 2
+    up = up**2 if inside else np.where(up < 0.5, 2.0 * up**2, 1.0 - 2.0 * (1.0 - up) ** 2)
     one_plus_mu = np.concatenate([depth[0] + (depth[1] - depth[0]) * up, depth[0] * (1.0 - down)])
     hits = np.arange(above + below) >= above
     cos_phi = 1.0 - 2.0 * np.linspace(0.0, 1.0, columns) ** 2

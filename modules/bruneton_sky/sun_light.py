@@ -1,7 +1,9 @@
 """The sun as a light: what of it arrives, and how its disc darkens toward the limb."""
 
+from typing import NamedTuple
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
@@ -10,22 +12,83 @@ from vrut_lite.geometry.colour import rgb_from_spectrum
 
 RGB_WAVELENGTH_NM = (680.0, 550.0, 440.0)
 _SUNLIGHT_EXPONENT = 0.0
+# Nodes over the disc, from low orbit two kilometres of air apart, and over how many of its radii.
+_DISC_NODES, _DISC_MARGIN, _DISC_STRIPS = 12, 1.2, 64
+
+FloatArray = NDArray[np.float64]
 
 
-def sun_irradiance(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> NDArray[np.float64]:
-    """Irradiance (C,) on a plane that faces the whole disc, W m^-2 nm^-1.
+class DiscLight(NamedTuple):
+    """The sun's light by where in the disc it is seen from, for one observer.
 
-    The transmittance is that of the disc's centre; below the horizon, while a part of the
-    disc still shows, that of the horizon.
+    `depth` (n,): 1 + mu of points from the disc's lowest to its highest, uniform.
+    `irradiance_rgb` (n, 3): that of a whole sun that is seen there, linear sRGB, W m^-2;
+    `seen_rgb` (3,): that of what is seen of the disc.
+    """
+
+    depth: NDArray[np.float64]
+    irradiance_rgb: NDArray[np.float64]
+    seen_rgb: NDArray[np.float64]
+
+
+def sun_irradiance(atmosphere: Atmosphere, altitude_m: float, mu_s: ArrayLike) -> FloatArray:
+    """Irradiance (..., C) on a plane that faces the whole disc, W m^-2 nm^-1.
+
+    The transmittance is that of the disc's centre, at cosines (...,) of its zenith angle; below
+    the horizon, while a part of the disc still shows, that of the horizon. The observer may be
+    above the air.
     """
     lowest = float(horizon_mu(atmosphere.ground_radius_m, altitude_m))
-    depth = optical_depth_to_top(atmosphere, altitude_m, max(mu_s, lowest))
+    mu = np.maximum(np.asarray(mu_s, dtype=float), lowest)
+    entry_m, entry_mu = altitude_m, mu
+    if altitude_m > atmosphere.top_altitude_m:
+        entry_m, entry_mu = atmosphere.top_altitude_m, _mu_at_top(atmosphere, altitude_m, mu)
+    depth = optical_depth_to_top(atmosphere, entry_m, entry_mu)
     return np.asarray(atmosphere.solar_irradiance) * np.exp(-depth)
+
+
+def _mu_at_top(atmosphere: Atmosphere, altitude_m: float, mu: FloatArray) -> FloatArray:
+    """Cosines of rays from above the air where they enter it; 1 of those that never do."""
+    top_radius = atmosphere.ground_radius_m + atmosphere.top_altitude_m
+    perigee = (atmosphere.ground_radius_m + altitude_m) * np.sqrt((1.0 - mu) * (1.0 + mu))
+    squared = (top_radius - perigee) * (top_radius + perigee)
+    enters = (mu < 0.0) & (squared > 0.0)
+    return np.where(enters, -np.sqrt(np.maximum(squared, 0.0)) / top_radius, 1.0)
+
+
+def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLight:
+    """What the air leaves of each part of the disc, for an observer at any altitude."""
+    zenith_angle = np.arccos(np.clip(mu_s, -1.0, 1.0))
+    reach = _DISC_MARGIN * atmosphere.sun_angular_radius_rad
+    ends = np.clip(zenith_angle + np.array([reach, -reach]), 0.0, np.pi)
+    # 1 + cos z is 2 cos^2(z / 2): no cancellation at the nadir.
+    lowest, highest = 2.0 * np.cos(0.5 * ends) ** 2
+    depth = np.linspace(lowest, highest, _DISC_NODES)
+    light = sun_irradiance(atmosphere, altitude_m, depth - 1.0)
+    rgb = rgb_from_spectrum(light, atmosphere.wavelength_nm, _SUNLIGHT_EXPONENT)
+    seen = seen_irradiance_rgb(atmosphere, altitude_m, mu_s)
+    return DiscLight(depth, np.maximum(rgb, 0.0), seen)
+
+
+def seen_irradiance_rgb(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> FloatArray:
+    """Irradiance (3,) of what an observer sees of the disc, linear sRGB, W m^-2.
+
+    The disc by level strips, those below the horizon left out; its darkening toward the limb is
+    not counted.
+    """
+    height = (np.arange(_DISC_STRIPS) + 0.5) * 2.0 / _DISC_STRIPS - 1.0
+    chord = np.sqrt((1.0 - height) * (1.0 + height))
+    zenith_angle = np.arccos(np.clip(mu_s, -1.0, 1.0)) - atmosphere.sun_angular_radius_rad * height
+    horizon = np.arccos(horizon_mu(atmosphere.ground_radius_m, altitude_m))
+    seen = chord / chord.sum() * (np.abs(zenith_angle) <= horizon)
+    spectral = seen @ sun_irradiance(atmosphere, altitude_m, np.cos(zenith_angle))
+    rgb = rgb_from_spectrum(spectral, atmosphere.wavelength_nm, _SUNLIGHT_EXPONENT)
+    return np.maximum(rgb, 0.0)
 
 
 def sun_irradiance_rgb(
     atmosphere: Atmosphere, altitude_m: float, mu_s: float, visible_disc_fraction: float
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Irradiance (3,) of the visible part of the disc, linear sRGB, W m^-2.
 
     A component below zero, a sun redder than the gamut, is clamped.

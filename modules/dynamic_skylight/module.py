@@ -24,25 +24,32 @@ from dynamic_skylight.products import NAME
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun_step import sun_step_rad
 from vrut_lite.errors import UserError
+from vrut_lite.geometry.air_reach import rung_m
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
     ClockMoved,
     Demand,
     Derived,
     JobResult,
+    MoveCamera,
+    SceneNeeds,
     SetPlace,
     SlotChanged,
     SunLightChanged,
     SunMoved,
 )
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.kernel.observer import eye_height_m
 
 # Edge of the cube map for who names no size.
 DEFAULT_SIZES = {"cpu": 256, "gpu": 1024}
-SKY = (BackgroundChanged, SunLightChanged, AmbientChanged)
+SKY = (BackgroundChanged, SunLightChanged, AmbientChanged, AirChanged)
 Recipe = tuple[object, ...]
+# By how much an observer may rise or sink unseen: haze thins by 1 % over 12 m.
+_ALTITUDE_STEP_M, _ALTITUDE_SHARE = 5.0, 0.01
 
 
 class DynamicSkyLight(Module):
@@ -65,6 +72,8 @@ class DynamicSkyLight(Module):
         self._shown: tuple[Daylight, SunMoved] | None = None
         self._awaited: dict[str, BackgroundChanged] = {}
         self._gpu_failed = False
+        # Altitude and reach of the air that is shown.
+        self._air: tuple[float, float] = (0.0, 0.0)
 
     @handles(ClockMoved)
     @handles(SetPlace)
@@ -88,6 +97,13 @@ class DynamicSkyLight(Module):
     def sky_needed(self, _message: SunMoved | Demand) -> None:
         """The sun moved, or someone wants what nobody wanted before."""
         self._light_sky()
+
+    @handles(MoveCamera)
+    @handles(SceneNeeds)
+    def view_changed(self, _message: MoveCamera | SceneNeeds) -> None:
+        """The eye is elsewhere, or other things are in view: so may other air be."""
+        if self._shown is not None and self.link.holds("sky"):
+            self._fill_air(*self._shown)
 
     @handles(JobResult)
     def cube_done(self, result: JobResult) -> None:
@@ -148,6 +164,29 @@ class DynamicSkyLight(Module):
             )
         if self._demand(AmbientChanged) is not None:
             self._post_if_new(AmbientChanged, (daylight,), lambda: products.ambient(daylight))
+        self._fill_air(daylight, sun)
+
+    def _fill_air(self, daylight: Daylight, sun: SunMoved) -> None:
+        if self._demand(AirChanged) is None:
+            return
+        altitude_m, reach_m = self._air = self._air_around()
+        if not reach_m:
+            self.ledger.skip("AirChanged without things in it")
+            return
+        self._post_if_new(
+            AirChanged,
+            (daylight, sun.direction, altitude_m, reach_m),
+            lambda: products.air(daylight, sun.direction, altitude_m, reach_m),
+        )
+
+    def _air_around(self) -> tuple[float, float]:
+        """The observer's altitude and the reach of the air; those of before if they still serve."""
+        needs = self.link.last(SceneNeeds)
+        shown_m, reach_m = self._air
+        altitude_m = eye_height_m(self.link)
+        stays = abs(altitude_m - shown_m) <= _ALTITUDE_STEP_M + _ALTITUDE_SHARE * shown_m
+        needed_m = needs.air_reach_m if needs is not None else 0.0
+        return shown_m if stays else altitude_m, rung_m(needed_m, reach_m)
 
     def _paint(self, daylight: Daylight, size: int) -> None:
         """Make the background, or have it made."""

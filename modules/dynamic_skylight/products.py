@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from dynamic_skylight.air import TOP_ALTITUDE_M, air_is_seen, air_volume
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
@@ -11,6 +12,7 @@ from vrut_lite.geometry.frames import world_from_enu
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
     ClockMoved,
@@ -92,6 +94,16 @@ def ambient(daylight: Daylight) -> AmbientChanged:
     """The light of sky and ground on surfaces."""
     coefficients = daylight.ambient().astype(np.float32)
     return AmbientChanged(irradiance_sh_rgb=Array(coefficients), source=NAME)
+
+
+def air(daylight: Daylight, direction: Vector, altitude_m: float, reach_m: float) -> AirChanged:
+    """The air before things that stand up to `reach_m` from the eye."""
+    # From above the air, the way to it is empty.
+    in_air_m = reach_m - max(altitude_m - TOP_ALTITUDE_M, 0.0)
+    if not air_is_seen(daylight.turbidity, altitude_m, in_air_m):
+        return AirChanged(volume=None, source=NAME)
+    volume = air_volume(daylight, direction, altitude_m, in_air_m)
+    return AirChanged(volume=volume, source=NAME)
 
 
 def _vector(values: NDArray[np.float64]) -> Vector:

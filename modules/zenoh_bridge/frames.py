@@ -16,7 +16,7 @@ from zenoh_bridge.inputs import RemoteMessage
 from zenoh_bridge.shareable import revive, texture_in
 
 VERSION = 1
-# The shareable messages hold one array at most; a forged one could ask for many.
+# The air's four are the most that a shareable message holds; a forged one could ask for many.
 _MOST_ARRAYS = 4
 
 FetchArray = Callable[[Handle], Array]

@@ -3,13 +3,21 @@
 import math
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel import messages
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import ClockMoved, Derived, SceneNeeds
+from vrut_lite.kernel.messages import (
+    AirChanged,
+    AirVolume,
+    BackgroundChanged,
+    ClockMoved,
+    Derived,
+    SceneNeeds,
+)
 from vrut_lite.kernel.recording.codec import FindArray, arrays_of, decode, no_arrays
 
 # All that a slot's holder says, and what producers of light ask after.
@@ -54,6 +62,9 @@ def revive(type_name: str, fields: Any, find_array: FindArray = no_arrays) -> De
     if type_name not in BY_NAME:
         raise UserError(f"a message of type {type_name[:40]!r} cannot cross")
     message = decode(BY_NAME[type_name], fields, find_array)
+    if isinstance(message, BackgroundChanged):
+        # A stranger's shader is not run; the cube map shows the same, less sharply.
+        message = msgspec.structs.replace(message, view=None)
     _check(message)
     return message
 
@@ -72,6 +83,22 @@ def _check(message: Derived) -> None:
     if name in _SHAPES:
         for array in arrays_of(message):
             _check_array(name, array, *_SHAPES[name])
+    if isinstance(message, AirChanged) and message.volume is not None:
+        _check_air(message.volume)
+
+
+def _check_air(volume: AirVolume) -> None:
+    """Refuse tables that do not go with each other, or have nothing to blend between."""
+    slices, rows, columns, _ = (*volume.shaded.shape, 0, 0, 0, 0)[:4]
+    shapes = [part.shape for part in (volume.shaded, volume.direct, volume.aerosol)]
+    fits = all(shape == (slices, rows, columns, 3) for shape in shapes)
+    fits &= volume.extinction.shape == (slices, rows, 3) and min(slices, columns) >= 2
+    fits &= rows == volume.rows_above + volume.rows_below
+    fits &= min(volume.rows_above, volume.rows_below) >= 2
+    dtypes = [array.dtype.str for array in arrays_of(volume)]
+    lengths = volume.reach_m, volume.ground_radius_m, volume.top_altitude_m
+    if not fits or dtypes != ["<f2"] * 3 + ["<f4"] or min(lengths) <= 0.0:
+        raise UserError("AirChanged: the tables of its volume do not fit each other")
 
 
 def _check_array(name: str, array: Array, shape: tuple[int, ...], dtypes: tuple[str, ...]) -> None:
@@ -84,6 +111,8 @@ def _check_array(name: str, array: Array, shape: tuple[int, ...], dtypes: tuple[
 
 
 def _finite(value: Any) -> bool:
+    if isinstance(value, AirVolume):
+        return all(_finite(getattr(value, name)) for name in value.__struct_fields__)
     if isinstance(value, tuple):
         return all(_finite(item) for item in value)
     return not isinstance(value, float | np.floating) or math.isfinite(value)

@@ -235,13 +235,16 @@ def test_many_wavelengths_become_colour() -> None:
 @given(
     azimuth=st.floats(0.0, 360.0),
     elevation=st.floats(-90.0, 90.0) | st.sampled_from([-90.0, -0.1, 0.0, 90.0]),
-    height_m=st.floats(0.0, 60_000.0) | st.sampled_from([0.0, 60_000.0]),
+    height_m=st.floats(0.0, 60_000.0)
+    | st.floats(4.0, 8.6).map(lambda power: 10.0**power)
+    | st.sampled_from([0.0, 10.0, 10.000001, 60_000.0, 60_000.000001, 61_000.0, 4e8]),
     g=st.sampled_from([0.0, 0.8, 0.95]),
 )
 def test_every_sun_gives_a_finite_sky(
     azimuth: float, elevation: float, height_m: float, g: float
 ) -> None:
-    """From nadir to zenith, ground to top: no NaN and no negative radiance, odd sizes too."""
+    """From nadir to zenith, from the ground to as far as the moon: no NaN and no negative
+    radiance, odd sizes too."""
     air = HAZY.with_aerosol(0.2, mie_g=g)
     cube = background_cube(surroundings(solved(air), height_m, world_sun(azimuth, elevation)), 7)
     assert np.isfinite(cube).all()

@@ -6,6 +6,7 @@ from typing import Any, get_args
 import msgspec
 import numpy as np
 import pytest
+from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.module import DEFAULT_SIZES, BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings, PresetName, atmosphere_of
 
@@ -23,6 +24,7 @@ from vrut_lite.kernel.messages import (
     JobResult,
     Message,
     MoveCamera,
+    SceneNeeds,
     SetPlace,
     SetSetting,
     SlotChanged,
@@ -239,6 +241,34 @@ def test_an_impossible_atmosphere_is_refused_once(sky: BrunetonSky, link: FakeLi
     assert link.taken() == [SunLightChanged] * 2
 
 
+def test_what_was_refused_is_refused_again(sky: BrunetonSky, link: FakeLink) -> None:
+    """After a good atmosphere in between; or the settings would say what is not shown."""
+    link.want(SunLightChanged)
+    tell(sky, link, sun_at(30.0))
+    high = SetPlace(latitude_deg=0.0, longitude_deg=0.0, altitude_m=30_000.0)
+    for _ in range(2):
+        link.memory[SetPlace] = high
+        choose(sky, top_altitude_m=40_000.0)
+        with pytest.raises(UserError, match="no such atmosphere"):
+            choose(sky, top_altitude_m=20_000.0)
+
+
+def test_a_scene_s_own_camera_takes_the_observer_along(sky: BrunetonSky, link: FakeLink) -> None:
+    """No MoveCamera tells of it: SceneNeeds does, and counts more than an older camera."""
+    link.want(BackgroundChanged)
+    tell(sky, link, camera_at(2.0))
+    tell(sky, link, sun_at(30.0))
+    on_ground = link.posted[-1]
+    needs = SceneNeeds(
+        sky_in_view=True, visible_faces=(0,), receives_light=True, eye_height_m=24_000.0
+    )
+    tell(sky, link, needs)
+    aloft = link.posted[-1]
+    assert aloft is not on_ground
+    assert aloft.ground_through_air
+    assert not on_ground.ground_through_air
+
+
 def test_a_job_that_fails_leaves_the_sky(sky: BrunetonSky, link: FakeLink) -> None:
     """The kernel tells the fault; the module goes on with what it has and does not try again."""
     link.want(SunLightChanged)
@@ -253,16 +283,40 @@ def test_a_job_that_fails_leaves_the_sky(sky: BrunetonSky, link: FakeLink) -> No
 
 
 def test_the_camera_takes_the_observer_along(sky: BrunetonSky, link: FakeLink) -> None:
-    """From 10 km the sky darkens; the light on the scene, which stays below, does not change."""
+    """From 10 km the sky darkens; the light on the scene, which stays below, does not change: it
+    is neither made nor told again, and the ledger counts that."""
     link.want(*PRODUCTS)
     tell(sky, link, sun_at(30.0))
-    tell(sky, link, camera_at(10_000.0))
+    for height_m in (10_000.0, 20_000.0, 0.0):
+        tell(sky, link, camera_at(height_m))
     backgrounds = [m for m in link.posted if isinstance(m, BackgroundChanged)]
     zenith = [decode_float16(m.cube.values, m.radiance_scale)[2, 8, 8, 2] for m in backgrounds]
     assert zenith[1] < 0.7 * zenith[0]
-    ambients = [m for m in link.posted if isinstance(m, AmbientChanged)]
-    values = [m.irradiance_sh_rgb.values for m in ambients]
-    np.testing.assert_array_equal(values[0], values[1])
+    assert zenith[2] < 0.7 * zenith[1]
+    assert zenith[3] == zenith[0]
+    assert len({m.ground_radiance_rgb for m in backgrounds}) == 1
+    for product in (SunLightChanged, AmbientChanged):
+        assert sum(isinstance(m, product) for m in link.posted) == 1
+        assert sky.ledger.skipped[f"{product.__name__}: nothing changed"] == 3
+    assert sky.ledger.skipped["light on the scene: only the observer moved"] == 3
+
+
+def test_light_does_not_depend_on_who_looks(link: FakeLink) -> None:
+    """Under one sun an observer aloft lights the scene as one on the ground does: within 0.2 %,
+    what the small table that is made aloft adds to the error of the large one."""
+    lights = []
+    for height_m in (0.0, 5_000.0, 4e5):
+        sky = BrunetonSky(link, BrunetonSkySettings())
+        link.want(AmbientChanged, SunLightChanged)
+        link.memory[MoveCamera] = camera_at(height_m)
+        tell(sky, link, sun_at(30.0))
+        lights.append(link.posted[-2:])
+    sun, ambient = lights[0]
+    for other_sun, other_ambient in lights[1:]:
+        assert other_sun == sun
+        ours = other_ambient.irradiance_sh_rgb.values  # type: ignore[attr-defined]
+        theirs = ambient.irradiance_sh_rgb.values  # type: ignore[attr-defined]
+        np.testing.assert_allclose(ours, theirs, atol=2e-3 * np.abs(theirs).max())
 
 
 def test_a_walk_and_a_second_of_time_are_unseen(sky: BrunetonSky, link: FakeLink) -> None:
@@ -314,17 +368,32 @@ def test_settings_make_the_atmosphere() -> None:
 
 @pytest.mark.parametrize("preset", get_args(PresetName))
 def test_every_preset_makes_an_atmosphere(preset: PresetName) -> None:
-    """What is left open is the preset's own; a moved layer keeps its matter per square metre."""
-    air = atmosphere_of(BrunetonSkySettings(preset=preset))
-    changed = atmosphere_of(
-        BrunetonSkySettings(preset=preset, rayleigh_scale_height_m=5000.0, mie_scale_height_m=700.0)
-    )
-    for kind in ("rayleigh", "mie"):
-        columns = [
-            np.asarray(getattr(a, f"{kind}_scattering")) * getattr(a, f"{kind}_scale_height_m")
-            for a in (air, changed)
-        ]
-        np.testing.assert_allclose(columns[0], columns[1])
+    """What is left open is the preset's own; a moved layer keeps its matter per square metre, also
+    one as high as the air, of which the top cuts a third off."""
+    for top_m, height_m in ((None, 5000.0), (20_000.0, 20_000.0)):
+        air, moved = (
+            atmosphere_of(
+                BrunetonSkySettings(preset=preset, top_altitude_m=top_m, **heights)
+            )
+            for heights in (
+                {}, {"rayleigh_scale_height_m": height_m, "mie_scale_height_m": 0.1 * height_m},
+            )
+        )  # fmt: skip
+        for column, same in zip(_columns(air), _columns(moved), strict=True):
+            np.testing.assert_allclose(column, same, rtol=1e-6)
+
+
+def _columns(air: Atmosphere) -> list[np.ndarray]:
+    """Depth of scattering by molecules and aerosol, summed over fine layers up to the top."""
+    edges = np.linspace(0.0, air.top_altitude_m, 200_001)
+    middle, thickness = 0.5 * (edges[1:] + edges[:-1]), edges[1]
+    return [
+        np.asarray(scattering) * (np.exp(-middle / height_m).sum() * thickness)
+        for scattering, height_m in (
+            (air.rayleigh_scattering, air.rayleigh_scale_height_m),
+            (air.mie_scattering, air.mie_scale_height_m),
+        )
+    ]
 
 
 def test_ozone_is_measured_in_dobson_units() -> None:

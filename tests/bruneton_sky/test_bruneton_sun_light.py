@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
+from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.sun_light import (
     limb_darkening,
     limb_darkening_rgb,
+    seen_irradiance_rgb,
     sun_irradiance,
     sun_irradiance_rgb,
 )
@@ -57,3 +59,21 @@ def test_limb_darkening_averages_to_one(polynomial: tuple[float, ...]) -> None:
 def test_limb_darkening_strength(nm: float, disc_over_centre: float) -> None:
     """Disc mean over centre of Hosek and Wilkie's independent data set, to its two digits."""
     assert 1.0 / limb_darkening(nm).sum() == pytest.approx(disc_over_centre, abs=0.011)
+
+
+@pytest.mark.parametrize("height_m", [3e6, 4e8])
+def test_from_space_the_sun_is_whole_until_the_planet_hides_it(height_m: float) -> None:
+    """Outside the air nothing is lost; behind the planet's middle nothing is left; when its limb
+    cuts the disc, less than half, for the lower air takes its part."""
+    air = Atmosphere.earth()
+    whole = rgb_from_spectrum(np.asarray(air.solar_irradiance), air.wavelength_nm, 0.0)
+    horizon = float(np.arccos(horizon_mu(air.ground_radius_m, height_m)))
+
+    def seen(zenith_angle: float) -> np.ndarray:
+        return seen_irradiance_rgb(air, height_m, float(np.cos(zenith_angle)))
+
+    assert seen(0.3) == pytest.approx(whole, rel=1e-6)
+    assert (seen(np.pi) == 0.0).all()
+    cut = seen(horizon)
+    assert (cut > 0.0).all()
+    assert (cut < 0.5 * whole).all()

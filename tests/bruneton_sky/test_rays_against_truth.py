@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.sky_view import trace
 from bruneton_sky.sky_view_rows import Rows
-from bruneton_sky.solver import SourceField, solve
+from bruneton_sky.solver import SourceField
+from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
+from spectral_rows import total_radiance
 
 TRUTH = np.load(Path(__file__).parents[1] / "data" / "bruneton_truth.npz")
 FINE = (96, 48, 12)
@@ -26,7 +26,7 @@ def field(aerosol_factor: int) -> SourceField:
         mie_scattering=tuple(np.multiply(earth.mie_scattering, aerosol_factor)),
         mie_extinction=tuple(np.multiply(earth.mie_extinction, aerosol_factor)),
     )
-    return solve(air, orders=20, all_orders=True, tolerance=0.02)
+    return solve_air(air)
 
 
 def compare(
@@ -34,7 +34,6 @@ def compare(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Differences of total radiance over the larger of truth and a thousandth of the brightest,
     and the truth's standard errors in the same measure; both (n, C)."""
-    air = field(aerosol_factor).atmosphere
     truth = {name: TRUTH[name][chosen & (TRUTH["aerosol_factor"] == aerosol_factor)] for name in (
         "entry_altitude_m", "entry_mu", "entry_mu_s", "nu", "hits_ground", "first", "multiple",
         "multiple_error",
@@ -44,8 +43,7 @@ def compare(
         truth["entry_altitude_m"], truth["entry_mu"], truth["hits_ground"].astype(bool),
         truth["entry_mu_s"][:, None], nu, np.zeros(2),
     )  # fmt: skip
-    once, more, _, _ = trace(field(aerosol_factor), rows, FINE)
-    ours = once[0] * rayleigh_phase(nu)[..., None] + once[1] * mie_phase(air, nu)[..., None] + more
+    ours = total_radiance(field(aerosol_factor), rows, FINE)
     total = truth["first"] + truth["multiple"]
     scale = np.maximum(total, 1e-3 * total.max())
     return (ours[:, 0] - total) / scale, truth["multiple_error"] / scale

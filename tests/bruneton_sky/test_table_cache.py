@@ -1,6 +1,7 @@
 import logging
 import multiprocessing
 import os
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,9 @@ def test_another_atmosphere_is_another_entry(tmp_path):
     assert cache.get((Atmosphere.earth(), 3)) is None
 
 
-@pytest.mark.parametrize("damage", ["truncated", "a bit", "empty", "foreign", "older version"])
+@pytest.mark.parametrize(
+    "damage", ["truncated", "a bit", "empty", "foreign", "older version", "no arrays"]
+)
 def test_a_damaged_entry_is_no_entry(tmp_path, caplog, damage):
     """Damaged tables would make a wrong sky: they are refused, with one line, and made again."""
     cache = TableCache(tmp_path)
@@ -55,6 +58,10 @@ def test_a_damaged_entry_is_no_entry(tmp_path, caplog, damage):
         "empty": b"",
         "foreign": b"PK\x03\x04" + bytes(100),
         "older version": content.replace(b"tables 1", b"tables 0", 1),
+        # With a digest that is right for it.
+        "no arrays": content[: content.index(b"\n") + 1]
+        + blake2b(b"PK", digest_size=32).digest()
+        + b"PK",
     }
     path.write_bytes(replacement[damage])
     with caplog.at_level(logging.WARNING):

@@ -109,16 +109,26 @@ def test_the_sun_is_that_of_the_evaluation_framework():
     assert our_y == pytest.approx(their_y, rel=5e-3)
 
 
+@pytest.mark.parametrize("brightness", [1e-28, 1e-34, 1e-38, 1e-42, 1e-45, 0.0])
+def test_no_darkness_is_too_dark_for_half_precision(brightness):
+    """Scale and inverse stay float32, as shaders have them; what is lost is lost to zero."""
+    radiance = np.array([brightness, 0.5 * brightness], np.float32)
+    encoded, scale = encode_float16(radiance)
+    assert np.isfinite(np.float32(1.0) / np.float32(scale))
+    np.testing.assert_allclose(decode_float16(encoded, scale), radiance, rtol=2e-3, atol=1e-37)
+
+
 @settings(deadline=None)
 @given(
     arrays(np.float32, (4, 3), elements=st.floats(0, 1, width=32)),
     st.floats(-30, 30).map(lambda e: 2.0**e),
 )
 def test_half_precision_keeps_eleven_bits_at_any_brightness(values, brightness):
-    """From the night sky to the sun: half a step of 2^-11, or 2^-39 of the largest value."""
+    """From the night sky to the sun: half a step of 2^-11, 2^-39 of the largest, or 2^-125."""
     radiance = values.astype(np.float64) * brightness
     encoded, scale = encode_float16(radiance)
     assert np.isfinite(encoded).all()
     assert np.frexp(scale)[0] == 0.5
     error = np.abs(decode_float16(encoded, scale) - radiance)
-    assert (error <= np.maximum(radiance * 2.0**-11, radiance.max() * 2.0**-38)).all()
+    step = np.maximum(radiance * 2.0**-11, radiance.max() * 2.0**-38)
+    assert (error <= np.maximum(step, 2.0**-125)).all()

@@ -17,6 +17,7 @@ from vrut_lite.kernel.messages import (
     Fault,
     Input,
     Message,
+    MoveCamera,
     RestartModule,
     SetPlace,
     SetSetting,
@@ -391,3 +392,35 @@ def test_a_place_that_is_none_reaches_no_module(wrong):
     assert kernel.last(SetPlace) == good
     assert faults[0].for_user
     assert next(iter(wrong)) in faults[0].error
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"eye_m": (0.0, float("nan"), 0.0)}, "finite"),
+        ({"target_m": (float("inf"), 0.0, 0.0)}, "finite"),
+        ({"target_m": (0.0, 2.0, 0.0)}, "one point"),
+        ({"vertical_field_of_view_rad": 0.0}, "between 0 and pi"),
+        ({"vertical_field_of_view_rad": float("nan")}, "between 0 and pi"),
+    ],
+)
+def test_a_camera_that_is_none_reaches_no_module(wrong, says):
+    """A NaN of a journal or another process would come into every picture."""
+
+    class Seeing(Module):
+        manifest = Manifest(name="seeing", title="Seeing", version="1")
+        cameras: ClassVar[list] = []
+
+        @handles(MoveCamera)
+        def on_camera(self, message: MoveCamera) -> None:
+            self.cameras.append(message)
+
+    Seeing.cameras.clear()
+    kernel = kernel_with(Seeing)
+    faults = faults_of(kernel)
+    good = MoveCamera(eye_m=(0.0, 2.0, 0.0), target_m=(0.0, 2.0, -1.0))
+    for camera in (good, msgspec.structs.replace(good, **wrong)):
+        kernel.inject(camera)
+        kernel.pump()
+    assert Seeing.cameras == [good]
+    assert says in faults[0].error

@@ -74,7 +74,9 @@ def test_a_pixel_is_what_a_ray_through_it_meets(rays):
     np.testing.assert_allclose(side.normal, (0, 0, 1), atol=1e-12)
     assert side.point_m[2] == pytest.approx(1.0)
     ground = surface_at(rays, camera, size, 2, 60)
-    assert ground.point_m[1] == pytest.approx(0.0, abs=1e-12)
+    # Four metres off its middle the ground has fallen by a micrometre.
+    across_m = np.hypot(*ground.point_m[[0, 2]])
+    assert ground.point_m[1] == pytest.approx(-(across_m**2) / (2 * 6.36e6), abs=1e-12)
     assert surface_at(rays, camera, size, 40, 5) is None
 
 

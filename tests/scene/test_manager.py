@@ -132,11 +132,12 @@ def test_a_new_scene_brings_its_own_view(stage, box):
     assert backend.latest["set_camera"] != (moved,)
 
 
-def test_a_camera_that_looks_nowhere_is_refused(stage, box):
-    """Eye and target in one point give no direction."""
-    play, _ = stage
-    heard = play(LoadScene(path=box), MoveCamera(eye_m=(1.0,) * 3, target_m=(1.0,) * 3))
-    assert "one point" in only(heard, Fault)[0].error
+def test_the_eye_s_height_is_told_also_of_a_scene_s_own_camera(stage, box):
+    """Who computes the sky for the observer's altitude hears of no other camera."""
+    play, backend = stage
+    heard = play(LoadScene(path=box))
+    own = backend.latest["set_camera"][0]
+    assert only(heard, SceneNeeds)[-1].eye_height_m == own.eye_m[1]
 
 
 def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):

@@ -84,6 +84,12 @@ def test_wide_ground_is_its_own(tmp_path: Path) -> None:
     assert not has_own_ground(ground_scene(tmp_path, slab(400)))
 
 
+def test_a_satellite_stands_on_nothing(tmp_path: Path) -> None:
+    """A disc under it would hide the planet; a hut on the highest mountain does get one."""
+    assert has_own_ground(ground_scene(tmp_path, slab(5, y=4e5)))
+    assert not has_own_ground(ground_scene(tmp_path, slab(5, y=8848.0)))
+
+
 def test_far_things_are_no_ground(tmp_path: Path) -> None:
     """Towers at the corners of a wide square leave the ground between them open."""
     towers = [slab(20).apply_translation([x, 0, z]) for x in (-700, 700) for z in (-700, 700)]

@@ -13,13 +13,33 @@ from vrut_lite.kernel.settings import SettingSpec, describe
 from vrut_lite.project import Project, in_words
 
 Command = Callable[..., Any]
+
+
+class FiniteRange(click.FloatRange):
+    """A number within bounds: click's own range lets a NaN through, for it is outside of none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number.
+
+        Raises:
+            click.BadParameter: it is no number, or outside the bounds.
+        """
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if math.isnan(number):
+            self.fail(f"{value} is not a number from {self.min:g} to {self.max:g}", param, ctx)
+        return super().convert(number, param, ctx)
+
+
 _PREFIX = "setting_"
 
 
 def daylight_options(command: Command) -> Command:
     """Add --at, --place, --north-offset, --sky, --set and one option per setting name."""
-    for name, (spec, modules) in reversed(_settings_by_name().items()):
-        command = _setting_option(name, spec, modules)(command)
+    for name, specs in reversed(_settings_by_name().items()):
+        command = _setting_option(name, specs)(command)
     shared = [
         click.option("--at", metavar="TIME", help="ISO time; local at the place if it has no "
                      "offset, as 2026-06-21T18:30 or 2026-06-21T16:30Z."),
@@ -55,10 +75,10 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
 
 def _merged_settings(project: Project, options: dict[str, Any]) -> dict[str, dict[str, Any]]:
     merged = {module: dict(values) for module, values in project.settings.items()}
-    for name, (_, modules) in _settings_by_name().items():
+    for name, specs in _settings_by_name().items():
         value = options.pop(_PREFIX + name, None)
         if value is not None:
-            for module in modules:
+            for module in _takers(specs, value):
                 merged.setdefault(module, {})[name] = value
     for assignment in options.pop("assignments"):
         target, equals, value = assignment.partition("=")
@@ -77,24 +97,39 @@ def _checked(project: Project) -> Project:
         raise UserError(in_words(error)) from None
 
 
-def _settings_by_name() -> dict[str, tuple[SettingSpec, list[str]]]:
-    """Every setting name of the installed modules, and the modules that have it."""
-    found: dict[str, tuple[SettingSpec, list[str]]] = {}
-    # What a bridge to the outside needs is no matter of daylight: --set reaches it.
-    modules = [module for module in discover()[0] if not module.brings]
+def _takers(specs: dict[str, SettingSpec], value: str) -> list[str]:
+    """The modules that an option is for: a value left open only for those that know such."""
+    if value != "none":
+        return list(specs)
+    return [module for module, spec in specs.items() if spec.may_be_none] or list(specs)
+
+
+def _settings_by_name() -> dict[str, dict[str, SettingSpec]]:
+    """Every setting name of the installed modules, and what it is in each that has it."""
+    found: dict[str, dict[str, SettingSpec]] = {}
+    # What a bridge to the outside or an engine needs is no matter of daylight: --set reaches it.
+    modules = [
+        module for module in discover()[0] if not (module.brings or hasattr(module, "engine"))
+    ]
     for module in modules:
         for name, spec in describe(module.settings_type).items():
-            found.setdefault(name, (spec, []))[1].append(module.manifest.name)
+            found.setdefault(name, {})[module.manifest.name] = spec
     return found
 
 
-def _setting_option(name: str, spec: SettingSpec, modules: list[str]) -> Command:
-    unit = f" {spec.unit}" if spec.unit else ""
-    text = f"{spec.help.rstrip('.')} ({', '.join(modules)}; {spec.range_text()}; "
+def _setting_option(name: str, specs: dict[str, SettingSpec]) -> Command:
+    first = next(iter(specs.values()))
+    each: dict[str, list[str]] = {}
+    for module, spec in specs.items():
+        unit = f" {spec.unit}" if spec.unit else ""
+        each.setdefault(f"{spec.range_text()}; default {spec.default_text()}{unit}", []).append(
+            module
+        )
+    said = "; ".join(f"{', '.join(modules)}: {text}" for text, modules in each.items())
     # A text, so that the refusal of a bad value reads the same here and in a project file.
     return click.option(
         "--" + name.replace("_", "-"),
         _PREFIX + name,
-        metavar="|".join(spec.choices) or "VALUE",
-        help=f"{text}default {spec.default_text()}{unit}).",
+        metavar="|".join(first.choices) or "VALUE",
+        help=f"{first.help.rstrip('.')} ({said}).",
     )

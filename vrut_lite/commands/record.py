@@ -12,7 +12,7 @@ from rich.progress import track
 
 from vrut_lite.commands.headless_scene import add_headless_scene
 from vrut_lite.commands.open_kernel import open_kernel
-from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.options import FiniteRange, daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
@@ -43,7 +43,7 @@ MOST_STEPS = 100_000
 @click.option(
     "--step",
     "step_minutes",
-    type=click.FloatRange(0.01, 1440),
+    type=FiniteRange(0.01, 1440),
     default=60.0,
     show_default=True,
     metavar="MINUTES",

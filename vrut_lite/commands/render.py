@@ -6,6 +6,7 @@ from typing import Any
 import click
 import msgspec
 
+from vrut_lite.commands.engines import engine_options, with_engine
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.picture_options import bits_option, picture_bits
 from vrut_lite.commands.pictures import make_pictures, said_of
@@ -52,6 +53,13 @@ FORMATS = (".png", ".exr")
     help="Show daylight of this colour temperature white; DUV leads off the daylight "
     "locus, towards green. Default 6504: colours as they are.",
 )
+@click.option("--air/--no-air", default=None, help="See the scene through the air (default).")
+@click.option(
+    "--light-shafts/--no-light-shafts",
+    default=None,
+    help="Let the scene's shadows show in the air. Default: no.",
+)
+@engine_options
 @bits_option
 @span_options
 @worker_options
@@ -74,14 +82,17 @@ def render(
 
     Example: vrut-lite render scenes/street.toml -o day_%04d.png --at 2026-06-21T00:00
     --from 05:00 --to 21:00 --step 10m
+
+    Example: vrut-lite render scenes/street.toml -o street.exr --engine path-tracer --spp 256
     """
     suffix = picture_format(output, FORMATS)
     is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
     project = load_project(scene) if is_project else Project(scene=scene)
     project = _with_view(with_options(project, options), options)
+    project, engine = with_engine(project, options)
     wanted = wanted_pictures(output, project, options)
     check_writable(wanted[0].path)
-    plan = ScenePlan(project, picture_bits(bits, suffix))
+    plan = ScenePlan(project, picture_bits(bits, suffix), engine)
     with workers_of(jobs, dask, len(wanted)) as workers:
         captions = make_pictures(plan, wanted, workers)
     click.echo(said_of(wanted, captions))
@@ -92,7 +103,8 @@ def _with_view(project: Project, options: dict[str, Any]) -> Project:
     if options["size"] is not None:
         project = msgspec.structs.replace(project, size=_size(options["size"]))
     camera = _camera(project.camera, options)
-    project = msgspec.structs.replace(project, camera=camera)
+    seen = {name: options[name] for name in ("air", "light_shafts") if options[name] is not None}
+    project = msgspec.structs.replace(project, camera=camera, **seen)
     exposure = msgspec.structs.asdict(project.exposure)
     if options["exposure"] is not None:
         exposure.update(_exposure(options["exposure"]))

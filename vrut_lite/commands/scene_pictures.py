@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
+from vrut_lite.commands.engines import GL, EngineHost
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.picture_metadata import picture_metadata, receives_light
 from vrut_lite.commands.time_span import at_instant, other_side
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ScenePlan:
-    """A project, whose hour only begins it, and the bits of a PNG's channels."""
+    """A project, whose hour only begins it, the bits of a PNG's channels, and what draws."""
 
     project: Project
     bits: Bits = 8
+    engine: str = GL
 
     def open(self) -> "SceneStudio":
         """A host with the scene open.
@@ -38,10 +40,8 @@ class ScenePlan:
         # Bad words are told before the GPU is asked for.
         inputs = [*daylight_inputs(self.project), *view_inputs(self.project)]
         setting_inputs(self.project, daylight_kernel()[0])
-        host = open_host()
+        host = self._open_host()
         try:
-            # A reflection that lags unseen behind the sky would tell which picture came before.
-            host.frame_skips = replace(host.frame_skips, reflection=False)
             host.inject(*setting_inputs(self.project, host.kernel), *inputs)
             host.settle()
         except BaseException:
@@ -49,11 +49,19 @@ class ScenePlan:
             raise
         return SceneStudio(self, host)
 
+    def _open_host(self) -> "Host | EngineHost":
+        if self.engine != GL:
+            return EngineHost(self.engine, self.project)
+        host = open_host()
+        # A reflection that lags unseen behind the sky would tell which picture came before.
+        host.frame_skips = replace(host.frame_skips, reflection=False)
+        return host
+
 
 class SceneStudio:
     """A `Studio` for one scene."""
 
-    def __init__(self, plan: ScenePlan, host: "Host"):
+    def __init__(self, plan: ScenePlan, host: "Host | EngineHost"):
         self._plan, self._host = plan, host
         self._hour = plan.project.instant()
 
@@ -74,7 +82,10 @@ class SceneStudio:
             **picture_metadata(project, self._host.kernel),
             "exposureEv100": picture.ev100,
             "toneMap": project.exposure.tone_map,
+            "engine": self._plan.engine,
         }
+        if isinstance(self._host, EngineHost):
+            metadata["samplesPerPixel"] = self._host.samples
         return SceneShot(picture, metadata, self._plan)
 
     def close(self) -> None:

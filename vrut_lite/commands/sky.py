@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.options import FiniteRange, daylight_options, with_options
 from vrut_lite.commands.picture_options import bits_option, picture_bits
 from vrut_lite.commands.pictures import make_pictures, said_of
 from vrut_lite.commands.sky_pictures import PROJECTIONS, Projection, SkyPlan
@@ -33,7 +33,7 @@ from vrut_lite.render.image_files import check_writable, picture_format
 @click.option(
     "--height",
     "height_m",
-    type=click.FloatRange(0.0, 1e9),
+    type=FiniteRange(0.0, 1e9),
     default=0.0,
     help="Of the observer above the place, in metres: into the air, and to space.",
 )
@@ -46,7 +46,7 @@ from vrut_lite.render.image_files import check_writable, picture_format
 @click.option(
     "--rotate",
     "turned_deg",
-    type=click.FloatRange(-360.0, 360.0),
+    type=FiniteRange(-360.0, 360.0),
     default=0.0,
     show_default=True,
     metavar="DEG",

@@ -145,9 +145,11 @@ class SkyStudio:
             **_map_metadata(plan, sun),
             "skyHorizontalIrradianceRgb": vector_text(np.tensordot(level, radiance, level.ndim)),
         }
+        seen_rgb = background.seen_sun_irradiance_rgb or sun.irradiance_rgb
+        facts["sunIrradianceRgb"] = vector_text(seen_rgb)
         if plan.sun_disc:
             radiance = radiance + disc_radiance(
-                plan.sky_map, sun.direction, sun.irradiance_rgb, sun.angular_radius_rad,
+                plan.sky_map, sun.direction, seen_rgb, sun.angular_radius_rad,
                 sun.limb_darkening_rgb,
             )  # fmt: skip
         return SkyShot(radiance, facts, plan)
@@ -188,9 +190,18 @@ class SkyShot:
             elif suffix == ".hdr":
                 write_hdr(path, flat, self.metadata)
             else:
-                write_png(path, display_picture(flat, bits=self.plan.bits), self.metadata)
+                display = display_picture(flat, bits=self.plan.bits, inside=self._inside())
+                write_png(path, display, self.metadata)
         if self.plan.sidecar:
             write_json(path.with_name(path.name + ".json"), json_values(self.metadata))
+
+    def _inside(self) -> NDArray[np.bool_]:
+        """Which pixels (h, w) of the flat picture show a direction: space is black too."""
+        angles = self.plan.sky_map.solid_angles()
+        flat: NDArray[np.floating] = angles
+        if angles.ndim == 3:
+            flat = unfold_cube(angles[..., None])[..., 0]
+        return flat > 0.0
 
 
 def _sampled(
@@ -211,6 +222,7 @@ def _map_metadata(plan: SkyPlan, sun: SunLightChanged) -> dict[str, str | float]
     """What places the map and its sun: for programs that light with it."""
     facts: dict[str, str | float] = {
         "projection": plan.projection,
+        "observerHeightM": plan.height_m,
         "sunDisc": "in the picture" if plan.sun_disc else "not in the picture",
         "sunAngularRadiusDeg": degrees(sun.angular_radius_rad),
     }

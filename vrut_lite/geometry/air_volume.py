@@ -1,7 +1,10 @@
 """Where the nodes of an `AirVolume` lie, and what light its values make: the twin of air.glsl.
 
-Slices are distances from where a ray enters the air (the eye, if that is inside it), the square
-of what is uniform: dense near the eye. Rows are heights of view directions,
+Slices share out a ray's span, which begins where the ray enters the air (the eye, if that is
+inside it) and ends after `reach_m` of air, or before: where a ray above the horizon leaves the
+air, and `BELOW_LEVEL_M` under the ground's level. They lie at the shares u (2 b + (1 - 2 b) u), u
+uniform in [0, 1]: dense near an eye on the ground, where b is 0, even at 5 km, and dense near the
+ground, where the haze is, for an eye high up. Rows are heights of view directions,
 mu = mu_h + (mu_top - mu_h) x^2 above the horizon and mu_h - (1 + mu_h) x^2 below it, x uniform in
 [0, 1]: dense toward the horizon, where radiance changes fast; mu_top is the zenith, or the edge of
 the air for an eye above it. Columns are t = sin(phi / 2), uniform in [0, 1], phi the azimuth from
@@ -21,6 +24,14 @@ from vrut_lite.kernel.messages import AirVolume
 FloatArray = NDArray[np.float64]
 
 
+# How deep things may stand below the level: past that, air counts no more.
+BELOW_LEVEL_M = 500.0
+# From this altitude slices are even.
+_EVEN_ALTITUDE_M = 5000.0
+# Spans that grazing the edge of the air, or standing on it, would make zero.
+SHORTEST_SPAN_M = 1.0
+
+
 class AirLight(NamedTuple):
     """What air does before points (...,): transmittance (..., 3), and light added (..., 3)."""
 
@@ -29,14 +40,86 @@ class AirLight(NamedTuple):
     sunlit: FloatArray
 
 
-def slice_distances_m(slices: int, reach_m: float) -> FloatArray:
-    """Distances (slices,) from where the ray enters the air; the first is 0, the last `reach_m`."""
-    return reach_m * np.linspace(0.0, 1.0, slices) ** 2
+class NodeRays(NamedTuple):
+    """The rays of a volume's rows (r,) and columns (c,).
+
+    `altitude_m`, `mu`: where and how a ray enters the air, or leaves the eye. `span_m`: how much
+    of it the slices share out. `mu_s`, `nu` (r, c): cosines of the sun's zenith angle at the
+    ray's start and of the angle between ray and sun.
+    """
+
+    altitude_m: FloatArray
+    mu: FloatArray
+    span_m: FloatArray
+    mu_s: FloatArray
+    nu: FloatArray
 
 
-def horizon_depth(volume: AirVolume) -> FloatArray:
+class Grid(NamedTuple):
+    """What the places of nodes depend on; its names are those of `AirVolume`."""
+
+    observer_altitude_m: float
+    ground_radius_m: float
+    top_altitude_m: float
+    reach_m: float
+    rows_above: int
+    rows_below: int
+
+
+def grid_of(volume: AirVolume) -> Grid:
+    """The grid of a volume."""
+    return Grid(*(getattr(volume, name) for name in Grid._fields))
+
+
+def slice_shares(slices: int, observer_altitude_m: float) -> FloatArray:
+    """Which share (slices,) of a ray's span lies before each slice: from 0 to 1."""
+    even, u = evenness(observer_altitude_m), np.linspace(0.0, 1.0, slices)
+    return u * (2.0 * even + (1.0 - 2.0 * even) * u)
+
+
+def span_m(grid: Grid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayLike) -> FloatArray:
+    """How much (...,) of rays the slices share out, in m.
+
+    Args:
+        start_altitude_m, mu: where and how the ray enters the air, or leaves the eye in it.
+        below: whether it points below the ground's horizon.
+    """
+    start = np.asarray(start_altitude_m, dtype=float)
+    along = (grid.ground_radius_m + start) * np.asarray(mu, dtype=float)
+    sum_m = 2.0 * grid.ground_radius_m + start
+    # To the sphere below the level; a ray that passes over it has that sphere's tangent or more.
+    down = (start + BELOW_LEVEL_M) * (sum_m - BELOW_LEVEL_M)
+    root = np.sqrt(np.maximum(along * along - down, 0.0))
+    to_depth = down / np.maximum(root - along, 1e-30)
+    # To the edge of the air, from inside.
+    up = np.maximum(grid.top_altitude_m - start, 0.0) * (sum_m + grid.top_altitude_m)
+    root = np.sqrt(along * along + up)
+    to_edge = np.where(along > 0.0, up / np.maximum(root + along, 1e-300), root - along)
+    whole = np.where(below, to_depth, to_edge)
+    return np.clip(whole, min(SHORTEST_SPAN_M, grid.reach_m), grid.reach_m)
+
+
+def node_rays(grid: Grid, columns: int, mu_s: float) -> NodeRays:
+    """The rays of all nodes under a sun whose zenith angle has the cosine mu_s at the observer."""
+    one_plus = row_heights(horizon_depth(grid), grid.rows_above, grid.rows_below)
+    mu, sine = one_plus - 1.0, np.sqrt(one_plus * (2.0 - one_plus))
+    across = sine * np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
+    nu = np.clip((mu * mu_s)[:, None] + across[:, None] * column_cosines(columns), -1.0, 1.0)
+    below = np.arange(mu.size) >= grid.rows_above
+    suns = np.full(nu.shape, mu_s)
+    start, entering = np.full(mu.shape, grid.observer_altitude_m), mu
+    if grid.observer_altitude_m > grid.top_altitude_m:
+        radius = grid.ground_radius_m + grid.observer_altitude_m
+        top_radius = grid.ground_radius_m + grid.top_altitude_m
+        half_chord, entry = _entry(grid, mu, sine)
+        start, entering = np.full(mu.shape, grid.top_altitude_m), -half_chord / top_radius
+        suns = np.clip((radius * mu_s + entry[:, None] * nu) / top_radius, -1.0, 1.0)
+    return NodeRays(start, entering, span_m(grid, start, entering, below), suns, nu)
+
+
+def horizon_depth(grid: AirVolume | Grid) -> FloatArray:
     """1 + mu (2,) of the ground's horizon and of the highest row, for the volume's observer."""
-    return row_depth(volume.ground_radius_m, volume.top_altitude_m, volume.observer_altitude_m)
+    return row_depth(grid.ground_radius_m, grid.top_altitude_m, grid.observer_altitude_m)
 
 
 def row_depth(ground_radius_m: float, top_altitude_m: float, altitude_m: float) -> FloatArray:
@@ -59,32 +142,24 @@ def column_cosines(columns: int) -> FloatArray:
 
 def entry_distance_m(volume: AirVolume, direction: ArrayLike) -> FloatArray:
     """How far from the eye rays (..., 3) enter the air: 0 inside it, infinite if they miss it."""
-    mu = np.asarray(direction, dtype=float)[..., 1]
-    above_m = volume.observer_altitude_m - volume.top_altitude_m
-    if above_m <= 0.0:
-        return np.zeros_like(mu)
-    radius = volume.ground_radius_m + volume.observer_altitude_m
-    top_radius = volume.ground_radius_m + volume.top_altitude_m
-    sine_squared = (1.0 - mu) * (1.0 + mu)
-    # Half the chord in the air; the difference of squares is factored.
-    squared = above_m * -(radius + top_radius) + (radius * mu) ** 2
-    hits = (squared >= 0.0) & (mu < 0.0) & (sine_squared <= (top_radius / radius) ** 2)
-    half_chord = np.sqrt(np.maximum(squared, 0.0))
-    entry = above_m * (radius + top_radius) / np.maximum(half_chord - radius * mu, 1e-300)
-    return np.where(hits, entry, np.inf)
+    return _enter(grid_of(volume), np.asarray(direction, dtype=float)).distance_m
 
 
 def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) -> AirLight:
     """The air before points in directions (..., 3), unit vectors, at distances (...,).
 
-    Past the volume's reach, as at its end. `sunlit` is what a shadow would take away.
+    Past a ray's span, as at its end. `sunlit` is what a shadow would take away.
     """
     view, metres = np.asarray(direction, dtype=float), np.asarray(distance_m, dtype=float)
-    entry = entry_distance_m(volume, view)
-    inside_m = np.clip(np.where(np.isfinite(entry), metres - entry, 0.0), 0.0, volume.reach_m)
-    row = _rows_of(volume, view)
-    slices = volume.extinction.shape[0]
-    depth = np.sqrt(inside_m / volume.reach_m) * (slices - 1)
+    grid = grid_of(volume)
+    entry = _enter(grid, view)
+    row, below = _rows_of(grid, view)
+    span = span_m(grid, entry.altitude_m, entry.mu, below)
+    before = np.where(np.isfinite(entry.distance_m), metres - entry.distance_m, 0.0)
+    inside_m = np.clip(before, 0.0, span)
+    depth = _slice_of(inside_m / span, grid.observer_altitude_m) * (
+        len(volume.extinction.values) - 1
+    )
     column = _columns_of(volume, view)
     extinction = _blend(volume.extinction.values[:, :, None], depth, row, np.zeros_like(column))
     optical_depth = extinction * inside_m[..., None]
@@ -114,19 +189,64 @@ def _grazing_depth(ground_radius_m: float, grazed_altitude_m: float, altitude_m:
     return float(sine * sine / (1.0 + cosine))
 
 
-def _rows_of(volume: AirVolume, view: FloatArray) -> FloatArray:
-    """Which row (...,), as a fraction, a direction lies on."""
+class _Entry(NamedTuple):
+    """Where rays (...,) enter the air: distance from the eye (infinite: never), altitude, mu."""
+
+    distance_m: FloatArray
+    altitude_m: FloatArray
+    mu: FloatArray
+
+
+def _enter(grid: Grid, view: FloatArray) -> _Entry:
+    mu = view[..., 1]
+    if grid.observer_altitude_m <= grid.top_altitude_m:
+        return _Entry(np.zeros_like(mu), np.full(mu.shape, grid.observer_altitude_m), mu)
+    half_chord, distance = _entry(grid, mu, np.hypot(view[..., 0], view[..., 2]))
+    hits = (mu < 0.0) & (half_chord > 0.0)
+    top_radius = grid.ground_radius_m + grid.top_altitude_m
+    return _Entry(
+        np.where(hits, distance, np.inf),
+        np.full(mu.shape, grid.top_altitude_m),
+        -half_chord / top_radius,
+    )
+
+
+def _entry(grid: Grid, mu: FloatArray, sine: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Half the chord in the air (...,), and the distance to it, of an eye above the air."""
+    radius = grid.ground_radius_m + grid.observer_altitude_m
+    top_radius = grid.ground_radius_m + grid.top_altitude_m
+    perigee = radius * sine
+    # The difference of squares is factored.
+    half_chord = np.sqrt(np.maximum((top_radius - perigee) * (top_radius + perigee), 0.0))
+    squares = (grid.observer_altitude_m - grid.top_altitude_m) * (radius + top_radius)
+    return half_chord, squares / np.maximum(half_chord - radius * mu, 1e-30)
+
+
+def evenness(observer_altitude_m: float) -> float:
+    """b of the slices' shares."""
+    return observer_altitude_m / (observer_altitude_m + _EVEN_ALTITUDE_M)
+
+
+def _slice_of(share: FloatArray, observer_altitude_m: float) -> FloatArray:
+    """u (...,) of a share of the span: the inverse of `slice_shares`."""
+    even = evenness(observer_altitude_m)
+    root = np.sqrt(np.maximum(even * even + (1.0 - 2.0 * even) * share, 0.0))
+    return np.clip(share / np.maximum(even + root, 1e-300), 0.0, 1.0)
+
+
+def _rows_of(grid: Grid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Which row (...,), as a fraction, a direction lies on, and whether below the horizon."""
     level = view[..., 0] ** 2 + view[..., 2] ** 2
     # 1 + mu without cancellation near the nadir, where a far observer has all of the planet.
     one_plus = np.where(
         view[..., 1] < 0.0, level / (1.0 + np.abs(view[..., 1])), 1.0 + view[..., 1]
     )
-    depth = horizon_depth(volume)
-    above = one_plus >= depth[0]
+    depth = horizon_depth(grid)
+    below = one_plus < depth[0]
     up = np.sqrt(np.clip((one_plus - depth[0]) / (depth[1] - depth[0]), 0.0, 1.0))
     down = np.sqrt(np.clip((depth[0] - one_plus) / depth[0], 0.0, 1.0))
-    lowest = volume.rows_above + down * (volume.rows_below - 1)
-    return np.where(above, up * (volume.rows_above - 1), lowest)
+    lowest = grid.rows_above + down * (grid.rows_below - 1)
+    return np.where(below, lowest, up * (grid.rows_above - 1)), below
 
 
 def _columns_of(volume: AirVolume, view: FloatArray) -> FloatArray:

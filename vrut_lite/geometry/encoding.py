@@ -2,19 +2,25 @@
 
 Night skies lie below half precision's normal range and bright ones near its top, so the
 scale moves the largest value to [2^14, 2^15): every value down to 2^-28 of it keeps 11 bits.
+Scales stay above 2^-100, so that they and their inverses are float32; what is darker than that
+allows, a millionth of starlight's millionth, loses bits and ends as zero.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-_TOP_EXPONENT = 15
+_TOP_EXPONENT, _LOWEST_EXPONENT = 15, -100
+
+
+def float16_scale(largest: float) -> float:
+    """The power of two by which radiance up to `largest` is divided before it becomes float16."""
+    exponent = int(np.frexp(largest)[1]) - _TOP_EXPONENT if largest > 0 else 0
+    return float(2.0 ** max(exponent, _LOWEST_EXPONENT))
 
 
 def encode_float16(radiance: NDArray[np.floating]) -> tuple[NDArray[np.float16], float]:
     """Values as float16 and the scale that brings them back: radiance = values * scale."""
-    largest = float(radiance.max())
-    exponent = int(np.frexp(largest)[1]) - _TOP_EXPONENT if largest > 0 else 0
-    scale = float(2.0**exponent)
+    scale = float16_scale(float(radiance.max()))
     return (radiance * (1.0 / scale)).astype(np.float16), scale
 
 

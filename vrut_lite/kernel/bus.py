@@ -24,7 +24,7 @@ from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION, Lifecycle
 from vrut_lite.kernel.link import POSTS_PER_TRANSACTION, ModuleLink
 from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, Message
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.places import check_place
+from vrut_lite.kernel.places import check_camera, check_place
 from vrut_lite.kernel.seat import Seat
 from vrut_lite.kernel.slots import Slots
 from vrut_lite.kernel.trace import Trace
@@ -180,6 +180,7 @@ class Kernel:
             Demand: ("demand", self.lifecycle.demands.note),
             JobResult: ("job", self._job_done),
             messages.SetPlace: ("place", check_place),
+            messages.MoveCamera: ("camera", check_camera),
             messages.SetClock: ("clock", lambda m: self.lifecycle.say(self._clock.set(m))),
             messages.SetClockRate: ("clock", self._clock.set_rate),
             messages.Tick: ("clock", lambda m: self.lifecycle.say(self._clock.tick(m))),

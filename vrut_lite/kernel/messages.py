@@ -16,6 +16,7 @@ Vector = tuple[float, float, float]
 # In order of precedence: who wants float32 cannot use float16, the reverse can be had.
 Encoding = Literal["", "u8", "float16", "float32"]
 ToneMap = Literal["agx", "exponential", "none"]
+Number = float | int
 Matrix = tuple[tuple[float, float, float, float], ...]
 
 
@@ -273,13 +274,14 @@ class SceneNeeds(Derived, frozen=True, kw_only=True):
     """What the scene asks of light: producers compute nothing else.
 
     `air_reach_m`: how far from the eye things stand between which and the eye air is to be
-    drawn; 0 where none is.
+    drawn; 0 where none is. `eye_height_m`: the eye's y, also of a camera that a scene brings.
     """
 
     sky_in_view: bool
     visible_faces: tuple[int, ...]
     receives_light: bool
     air_reach_m: float = 0.0
+    eye_height_m: float = 0.0
 
 
 class SunMoved(Derived, frozen=True, kw_only=True):
@@ -294,13 +296,37 @@ class SunMoved(Derived, frozen=True, kw_only=True):
     visible_disc_fraction: float
 
 
+class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is seen behind the scene, pixel by pixel, for who can run a shader.
+
+    `source` is GLSL 4.30 of a fragment shader, without a `#version` line, that defines
+
+        vec3 background_radiance(vec3 direction)   // sky and planet, W m^-2 sr^-1
+        vec3 background_sunlight(vec3 direction)   // irradiance by a sun that is seen there, W m^-2
+
+    of a unit vector in world axes, in linear sRGB: the second through whatever air lies there,
+    on a plane that faces it, and zero where a planet hides it. Functions are called for every
+    pixel alike, so that derivatives may be taken. All names that it declares begin with
+    `background_`. It reads `uniforms` by name, and `buffers`, pairs of a binding and what a
+    std430 storage buffer there holds: an `Array` of float32.
+    """
+
+    source: str
+    uniforms: dict[str, Number | tuple[Number, ...]]
+    buffers: tuple[tuple[int, Array], ...] = ()
+
+
 class BackgroundChanged(Derived, frozen=True, kw_only=True):
     """A new sky without its disc, as a cube map in world axes.
 
     cube (6, size, size, 3) float16, or a cube texture that stays on the GPU; linear sRGB
     radiance in W m^-2 sr^-1 is cube times `radiance_scale`, a power of two. The lower half
     holds `ground_radiance_rgb` (W m^-2 sr^-1): bare, so that who draws the air draws it before
-    that ground too, or, `ground_through_air`, as it is seen through the air.
+    that ground too, or, `ground_through_air`, as it is seen through the air. Where a cube map
+    would blur what is seen there is a `view` too, which shows the same, and the sun's disc as it
+    is seen from there; the cube goes on lighting and being mirrored. `seen_sun_irradiance_rgb`
+    (W m^-2) is what the eye's own place receives of the sun that is seen there, where that
+    differs from the scene's.
     """
 
     slot: ClassVar[str | None] = "sky"
@@ -310,6 +336,8 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
     ground_radiance_rgb: Vector
     source: str
     ground_through_air: bool = False
+    view: ViewShader | None = None
+    seen_sun_irradiance_rgb: Vector | None = None
     color_space: Literal["linear-srgb"] = "linear-srgb"
     frame: Literal["world"] = "world"
 
@@ -330,7 +358,7 @@ class SunLightChanged(Derived, frozen=True, kw_only=True):
     source: str
 
 
-class AirVolume(msgspec.Struct, frozen=True, kw_only=True):
+class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The air between one eye and whatever stands in any direction, at any distance up to a reach.
 
     Values are kept at nodes (slices, rows, columns) by distance, height and azimuth from the
@@ -348,7 +376,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True):
             exp(-extinction * distance).
         aerosol_phase: g, factor and form: factor (1 + form nu^2) / (1 + g^2 - 2 g nu)^1.5.
         rows_above, rows_below: of the rows, how many lie above and below the horizon.
-        reach_m: distance of the last slice, counted from where the ray enters the air.
+        reach_m: how much of a ray's air the slices span at most, from where it enters the air.
     """
 
     shaded: Array
@@ -372,6 +400,43 @@ class AirChanged(Derived, frozen=True, kw_only=True):
     slot: ClassVar[str | None] = "sky"
 
     volume: AirVolume | None
+    source: str
+
+
+class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
+    """One layer of clouds between two altitudes; `vrut_lite.geometry.clouds` says what it holds.
+
+    Altitudes count from world y = 0, azimuths as the world's.
+
+    Attributes:
+        extinction_per_m: of a cloud's full density.
+        coverage: share of the sky's zenith that is cloud, 0 to 1.
+        threshold: what of `weather` lies above it bears cloud.
+        column_density: mean over clouds of density times share of the thickness.
+        drift_m: how far the wind has carried the pattern, along world x and z.
+        phase: two lobes of Henyey and Greenstein: g forward, g backward, share of the first.
+        weather: (n, n) uint16, where clouds stand; periodic.
+        shape: (n, n, n) uint8 (y, z, x), their billows; periodic.
+        detail: (n, n, n) uint8 (y, z, x), what frays their edges; periodic.
+    """
+
+    base_m: float
+    thickness_m: float
+    extinction_per_m: float
+    coverage: float
+    threshold: float
+    column_density: float
+    drift_m: tuple[float, float]
+    phase: tuple[float, float, float]
+    weather: Array
+    shape: Array
+    detail: Array
+
+
+class CloudsChanged(Derived, frozen=True, kw_only=True):
+    """The clouds; no layer where there are none."""
+
+    layer: CloudLayer | None
     source: str
 
 

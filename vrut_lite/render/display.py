@@ -17,16 +17,16 @@ def display_picture(
     curve: ToneMap = "agx",
     white_balance: NDArray[np.float64] | None = None,
     bits: Bits = 8,
+    inside: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """sRGB (h, w, 3) in 8 or 16 bits of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
 
-    Without `ev100` the exposure is metered from the picture itself, black pixels (outside a
-    fisheye, say) left out. `white_balance` is a matrix (3, 3) on linear sRGB. Steps of 8 bits are
-    dithered; those of 16 nobody sees.
+    Without `ev100` the exposure is metered from the picture itself, what is not `inside` (h, w)
+    left out: the corners around a fisheye, say. `white_balance` is a matrix (3, 3) on linear sRGB.
+    Steps of 8 bits are dithered; those of 16 nobody sees.
     """
     if ev100 is None:
-        seen = radiance[radiance.max(axis=-1) > 0.0]
-        ev100 = exposure.automatic_ev100(seen if seen.size else radiance)
+        ev100 = exposure.automatic_ev100(radiance if inside is None else radiance[inside])
     balanced = radiance if white_balance is None else radiance @ white_balance.T
     encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), curve)
     if bits == 16:

@@ -8,16 +8,24 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import SetExposure
+from vrut_lite.kernel.messages import AirVolume, CloudLayer, SetExposure, ViewShader
 from vrut_lite.render import exposure
+from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
+from vrut_lite.render.cloud_stage import CloudStage
 from vrut_lite.render.culling import in_view
 from vrut_lite.render.gl_owner import rest
-from vrut_lite.render.light import Light, Reflection, Shadow
-from vrut_lite.render.mesh_renderer import MeshRenderer, View, in_order
+from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
+from vrut_lite.render.mesh_renderer import (
+    SHADOW_UNIT,
+    MeshRenderer,
+    View,
+    in_order,
+    shadow_from_eye,
+)
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reflection import reflectance_table
 from vrut_lite.render.reversed_depth import reversed_depth
-from vrut_lite.render.shadow_map import ShadowMap
+from vrut_lite.render.shadow_map import ShadowMaps
 from vrut_lite.render.skips import FrameSkips
 from vrut_lite.render.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.specular_filter import SpecularFilter
@@ -49,10 +57,24 @@ class Frame:
         self._meshes = MeshRenderer()
         self._sky = SkyPass(context)
         self._tone = TonePass(context)
-        self._shadow = ShadowMap(context, self.ledger)
+        self._shadow = ShadowMaps(context, self.ledger)
         self._filter = SpecularFilter(context, self.ledger)
+        self._air = AirOnGpu(context)
+        self._clouds = CloudStage(context, self.ledger)
         self._reflectance = _table_texture(context)
         self._targets: Targets | None = None
+
+    def show_view(self, view: ViewShader | None) -> None:
+        """Draw this behind the scene; None or an error: the cube map (see `SkyPass`)."""
+        self._sky.show_view(view)
+
+    def show_air(self, volume: AirVolume | None) -> None:
+        """Draw this air from the next frame on; None where there is none to be seen."""
+        self._air.show(volume)
+
+    def show_clouds(self, layer: CloudLayer | None) -> None:
+        """Draw these clouds from the next frame on; None where there are none."""
+        self._clouds.show(layer)
 
     def draw(
         self,
@@ -63,10 +85,12 @@ class Frame:
         wish: SetExposure,
         size: tuple[int, int],
         still: bool = True,
+        light_shafts: bool = False,
     ) -> Picture:
         """Draw a scene, the sky and the sun; size is (width, height) in pixels.
 
         A `still` is finished in every respect; otherwise what may lag is done in slices.
+        With `light_shafts` the scene shades the air too.
         """
         targets = self._targets_of(size)
         self._meshes.update(scene)
@@ -74,11 +98,15 @@ class Frame:
         with self.measure("reflection"):
             reflection = self._reflection(light, seen, still)
         with self.measure("shadow"):
-            shadow = self._shadow.update(self._meshes, scene, light, not self.skips.shadow)
+            always = not self.skips.shadow
+            shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always)
+        air = self._air_before(scene, view, light, shadows.scene, light_shafts)
+        with self.measure("cloud shadows"):
+            light, air = self._clouds.prepare(scene, view, light, air, size)
         targets.multisampled.use()
         targets.multisampled.clear()
         with reversed_depth():
-            self._draw_seen(scene, seen, view, light, disc, shadow, reflection)
+            self._draw_seen(scene, seen, view, light, disc, shadows, reflection, air, still)
         with self.measure("resolve"):
             self._context.copy_framebuffer(targets.resolved, targets.multisampled)
         with self.measure("copy and meter"):
@@ -93,7 +121,8 @@ class Frame:
         """Free everything, on the GL thread."""
         rest(self._context)
         self._meshes.delete()
-        for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance):
+        for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
+                      self._air, self._clouds):  # fmt: skip
             thing.release()
         if self._targets is not None:
             self._targets.release()
@@ -105,27 +134,56 @@ class Frame:
         view: View,
         light: Light,
         disc: SunDisc,
-        shadow: Shadow,
+        shadows: Shadows,
         reflection: Reflection,
+        air: FrameAir,
+        still: bool,
     ) -> None:
-        """Opaque meshes, the sky in what they leave, and what lets both through."""
+        """Opaque meshes, the sky in what they leave, clouds, and what lets all through."""
+        assert self._targets is not None
         opaque, blended = in_order(seen, view.eye_m)
         if not self.skips.sky:
-            self._draw_sky(view, light, disc)
+            self._draw_sky(view, light, disc, air)
         with self.measure("mesh"):
-            self._meshes.draw(scene, opaque, view, light, shadow, reflection)
+            self._meshes.draw(scene, opaque, view, light, shadows, reflection, air.mesh)
         if self.skips.sky:
-            self._draw_sky(view, light, disc)
+            self._draw_sky(view, light, disc, air)
+        with self.measure("clouds"):
+            self._clouds.draw(scene, self._targets, view, air, still)
         with self.measure("blended mesh"):
-            self._meshes.draw(scene, blended, view, light, shadow, reflection)
+            self._meshes.draw(scene, blended, view, light, shadows, reflection, air.mesh)
 
-    def _draw_sky(self, view: View, light: Light, disc: SunDisc) -> None:
+    def _air_before(
+        self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool
+    ) -> FrameAir:
+        """Bind the air of this frame; what the shaders are to do with it."""
+        if light.is_none:
+            self.ledger.skip("air: in a closed room")
+            return FrameAir()
+        if self._air.volume is None:
+            self.ledger.skip("air: none to be seen")
+            return FrameAir()
+        shafts = shafts and any(light.sun_irradiance)
+        around = AirSurroundings(
+            eye_altitude_m=float(view.eye_m[1]),
+            ground_level_m=scene.ground_level_m,
+            ground_is_bare=not light.sky.ground_through_air,
+            shadow_from_eye=shadow_from_eye(shadow, view),
+        )
+        self._air.bind(around)
+        if shafts:
+            shadow.texture.use(location=SHADOW_UNIT)
+            self.ledger.did("light shafts")
+        self.ledger.did("air")
+        return FrameAir.of(around, shafts)
+
+    def _draw_sky(self, view: View, light: Light, disc: SunDisc, air: FrameAir) -> None:
         assert self._targets is not None
         if light.is_none and self.skips.unlit:
             self.ledger.skip("sky sample: in a closed room", self._targets.samples)
             return
         with self.measure("sky"):
-            drawn = self._sky.draw(view, light, disc, only_uncovered=self.skips.sky)
+            drawn = self._sky.draw(view, light, disc, self.skips.sky, air.sky)
         self.ledger.did("sky sample", drawn)
         self.ledger.skip("sky sample: covered", self._targets.samples - drawn)
 

@@ -2,16 +2,16 @@
 
 from typing import Any
 
-from vrut_lite.render.shader_files import shader_source
+from vrut_lite.render.shader_files import Defines, defined, shader_source
 
 
 class FullScreen:
     """A fragment shader for every pixel; made and used on the GL thread only."""
 
-    def __init__(self, context: Any, fragment_shader: str):
+    def __init__(self, context: Any, fragment_shader: str, defines: Defines = ()):
         self.program = context.program(
             vertex_shader=shader_source("full_screen.vert"),
-            fragment_shader=shader_source(fragment_shader),
+            fragment_shader=defined(shader_source(fragment_shader), dict.fromkeys(defines, 1)),
         )
         self._triangle = context.vertex_array(self.program, [])
 

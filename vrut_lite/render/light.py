@@ -7,11 +7,15 @@ from numpy.typing import NDArray
 
 
 class Sky(NamedTuple):
-    """A cube texture and the factor to its radiance; `owner` keeps the texels from reuse."""
+    """A cube texture and the factor to its radiance; `owner` keeps the texels from reuse.
+
+    The ground in its lower half is bare, or shown `ground_through_air`.
+    """
 
     texture: Any
     scale: float
     owner: Any
+    ground_through_air: bool = False
 
 
 @dataclass(frozen=True)
@@ -35,12 +39,20 @@ class Light:
 class Shadow(NamedTuple):
     """A depth texture from the sun, the width of its texels, and the matrix (4, 4) into it.
 
-    The matrix maps positions that count from the scene's centre to clip space.
+    The matrix maps positions that count from a centre (3,) in the world to clip space.
     """
 
     texture: Any
     matrix: NDArray
     texel_m: float
+    centre_m: NDArray
+
+
+class Shadows(NamedTuple):
+    """The shadows of all the scene, and finer ones around the eye where those are coarse."""
+
+    scene: Shadow
+    near: Shadow | None
 
 
 class Reflection(NamedTuple):

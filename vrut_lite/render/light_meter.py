@@ -5,9 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.geometry.clouds import sun_transmittance
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.kernel.messages import AmbientChanged, MoveCamera, SunLightChanged
+from vrut_lite.kernel.messages import AmbientChanged, CloudLayer, MoveCamera, SunLightChanged
+from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.scene.camera import look_at
 
@@ -30,19 +32,27 @@ def illuminance(
     ambient: AmbientChanged,
     point_m: ArrayLike,
     normal: ArrayLike,
+    clouds: CloudLayer | None = None,
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
-    The scene shades the sun, with a sharp edge; the sky is the whole one, as in the picture.
+    The scene shades the sun, with a sharp edge, and clouds do; the sky is the whole one, as in
+    the picture.
     """
     n = np.asarray(normal, dtype=float)
     n = n / np.linalg.norm(n)
     direction = np.asarray(sun.direction)
     cosine = max(0.0, float(n @ direction))
     lit = cosine > 0.0 and rays.is_free(point_m, n, direction)
-    sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
+    harmonics = ambient.irradiance_sh_rgb.values
+    through = float(lit)
+    if clouds is not None:
+        clear = ClearLight(sun.direction, sun.irradiance_rgb, harmonics)
+        harmonics = under_clouds(clouds, clear)
+        through = sun_transmittance(clouds, point_m, direction) if lit else 0.0
+    sky = evaluate_irradiance(harmonics, n)
     return Illuminance(
-        sun_lux=lit * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
+        sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
         sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,
     )
 

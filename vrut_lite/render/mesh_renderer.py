@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.light import Light, Reflection, Shadow
+from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reflection import DIELECTRIC_F0
-from vrut_lite.render.shader_files import SHADERS, shader_source
+from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
 from vrut_lite.render.specular_filter import LEVEL_ROUGHNESS
 
 pyrender = import_pyrender()
@@ -25,7 +25,7 @@ from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E402
 
 # As mesh.frag binds them; the first units are a material's textures, which pyrender numbers.
-_SKY_UNIT, _SHADOW_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 9, 10, 11
+_SKY_UNIT, SHADOW_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT, _NEAR_SHADOW_UNIT = 8, 9, 10, 11, 15
 _LAYER_UNIFORMS = {
     "base_color_layer": "baseColorTexture",
     "metallic_roughness_layer": "metallicRoughnessTexture",
@@ -48,13 +48,13 @@ class _Program(ShaderProgram):
     """A program of our shaders, with pyrender's names defined as GLSL has it."""
 
     def _load(self, shader_filename: str) -> str:
-        version, rest = shader_source(Path(shader_filename).name).split("\n", 1)
-        defines = "".join(f"#define {name} {value}\n" for name, value in self.defines.items())
-        return f"{version}\n{defines}{rest}"
+        return defined(shader_source(Path(shader_filename).name), self.defines)
 
 
 class _Programs(ShaderProgramCache):
-    """Programs by their shaders and defines."""
+    """Programs by their shaders and defines, pyrender's and `also` ours."""
+
+    also: Defines = ()
 
     def get_program(
         self,
@@ -64,9 +64,10 @@ class _Programs(ShaderProgramCache):
         defines: Mapping[str, int] | None = None,
     ) -> ShaderProgram:
         known = self._program_cache
-        key = (vertex_shader, fragment_shader, *sorted((defines or {}).items()))
+        all_defines = {**(defines or {}), **dict.fromkeys(self.also, 1)}
+        key = (vertex_shader, fragment_shader, *sorted(all_defines.items()))
         if key not in known:
-            known[key] = _Program(vertex_shader, fragment_shader, defines=defines)
+            known[key] = _Program(vertex_shader, fragment_shader, defines=all_defines)
         return known[key]
 
 
@@ -92,13 +93,18 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         placed_in_order: Iterable[PlacedPrimitive],
         view: View,
         light: Light,
-        shadow: Shadow,
+        shadows: Shadows,
         reflection: Reflection,
+        defines: Defines,
     ) -> None:
-        """Draw meshes of the scene, one after another, with the depth test that is set."""
+        """Draw meshes of the scene, one after another, with the depth test that is set.
+
+        The `defines` say what else the shader does, as air.py has it.
+        """
         GL.glEnable(GL.GL_DEPTH_TEST)
-        shadow_matrix = shadow.matrix @ translation(view.eye_m - scene.centre_m)
-        _bind_maps(light, shadow, reflection)
+        self._program_cache.also = (*defines, "NEAR_SHADOW") if shadows.near else defines
+        shadow_uniforms = _shadow_uniforms(shadows, view)
+        _bind_maps(light, shadows, reflection)
         for placed in placed_in_order:
             primitive = placed.primitive
             program = self._get_primitive_program(
@@ -107,8 +113,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program._bind()
             program.set_uniform("V", view.rotation)
             program.set_uniform("P", view.projection)
-            program.set_uniform("shadow_matrix", shadow_matrix)
-            program.set_uniform("shadow_texel_m", float(shadow.texel_m))
+            for name, value in shadow_uniforms.items():
+                program.set_uniform(name, value)
             program.set_uniform("reflection_scale", float(reflection.scale))
             program.set_uniform("level_roughness", np.array(LEVEL_ROUGHNESS))
             _set_light(program, light)
@@ -119,12 +125,12 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
 
-    def draw_depth(self, scene: PyrenderScene, clip_from_centre: NDArray) -> None:
-        """Draw the depth of what casts shadows, both sides of every face.
-
-        The matrix (4, 4) takes positions that count from the scene's centre.
-        """
+    def draw_depth(self, scene: PyrenderScene, shadow: Shadow) -> None:
+        """Draw the depth of what casts shadows, both sides of every face."""
         GL.glEnable(GL.GL_DEPTH_TEST)
+        # What stands between the sun and the map's box casts into it too.
+        GL.glEnable(GL.GL_DEPTH_CLAMP)
+        self._program_cache.also = ()
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
@@ -134,11 +140,12 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
             program._bind()
             program.set_uniform("V", np.eye(4))
-            program.set_uniform("P", clip_from_centre)
-            program.set_uniform("M", translation(-scene.centre_m) @ placed.world_from_model)
+            program.set_uniform("P", shadow.matrix)
+            program.set_uniform("M", translation(-shadow.centre_m) @ placed.world_from_model)
             self._set_cut_out(program, primitive.material)
             self._draw_both_sides(primitive)
             self._reset_active_textures()
+        GL.glDisable(GL.GL_DEPTH_CLAMP)
         GL.glUseProgram(0)
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
@@ -164,6 +171,20 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         primitive._unbind()
 
 
+def shadow_from_eye(shadow: Shadow, view: View) -> NDArray[np.float64]:
+    """Matrix (4, 4) of positions relative to the eye into the shadow map's clip space."""
+    return np.asarray(shadow.matrix @ translation(view.eye_m - shadow.centre_m))
+
+
+def _shadow_uniforms(shadows: Shadows, view: View) -> dict[str, Any]:
+    uniforms: dict[str, Any] = {}
+    for name, shadow in (("shadow", shadows.scene), ("near_shadow", shadows.near)):
+        if shadow is not None:
+            uniforms[f"{name}_matrix"] = shadow_from_eye(shadow, view)
+            uniforms[f"{name}_texel_m"] = float(shadow.texel_m)
+    return uniforms
+
+
 def translation(offset_m: NDArray) -> NDArray[np.float64]:
     """Matrix (4, 4) that moves by an offset (3,)."""
     matrix = np.eye(4)
@@ -181,9 +202,11 @@ def in_order(
     return opaque, blended[::-1]
 
 
-def _bind_maps(light: Light, shadow: Shadow, reflection: Reflection) -> None:
+def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
     light.sky.texture.use(location=_SKY_UNIT)
-    shadow.texture.use(location=_SHADOW_UNIT)
+    shadows.scene.texture.use(location=SHADOW_UNIT)
+    if shadows.near is not None:
+        shadows.near.texture.use(location=_NEAR_SHADOW_UNIT)
     reflection.texture.use(location=_REFLECTION_UNIT)
     reflection.reflectance.use(location=_REFLECTANCE_UNIT)
 

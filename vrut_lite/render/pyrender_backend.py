@@ -10,8 +10,11 @@ from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
+    CloudLayer,
+    CloudsChanged,
     MoveCamera,
     SetExposure,
     SunLightChanged,
@@ -43,6 +46,7 @@ class _Told:
     ambient: AmbientChanged | None = None
     camera: MoveCamera | None = None
     sheltered: bool = False
+    light_shafts: bool = False
     exposure: SetExposure = field(default_factory=SetExposure)
     size: tuple[int, int] = (960, 540)
 
@@ -58,6 +62,7 @@ class PyrenderBackend:
         self._uploaded: Any = None
         self._loaded: tuple[LoadedScene, GroundDisc | None] | None = None
         self._rays: SceneRays | None = None
+        self._clouds: CloudLayer | None = None
 
     def show_scene(self, scene: LoadedScene, ground: GroundDisc | None) -> None:
         """Build the pyrender scene; its buffers reach the GPU with the next frame."""
@@ -65,9 +70,14 @@ class PyrenderBackend:
         self._loaded, self._rays = (scene, ground), None
 
     def set_background(self, background: BackgroundChanged) -> None:
-        """Upload the cube map, or take the texture that has never left the GPU as it is."""
+        """Upload the cube map, or take the texture that has never left the GPU as it is.
+
+        Raises:
+            UserError: the background's own shader does not compile; its cube map is shown.
+        """
         self._told.background = background
         self._owner.call(lambda context: self._show_sky(context, background.cube))
+        self._owner.call(lambda context: self._frame.show_view(background.view))
 
     def set_sun_light(self, light: SunLightChanged) -> None:
         """Light with this sun."""
@@ -76,6 +86,19 @@ class PyrenderBackend:
     def set_ambient(self, ambient: AmbientChanged) -> None:
         """Light with this sky."""
         self._told.ambient = ambient
+
+    def set_air(self, air: AirChanged) -> None:
+        """Upload the air, if there is any to be seen."""
+        self._owner.call(lambda context: self._frame.show_air(air.volume))
+
+    def set_clouds(self, clouds: CloudsChanged) -> None:
+        """Upload the clouds, if there are any."""
+        self._clouds = clouds.layer
+        self._owner.call(lambda context: self._frame.show_clouds(clouds.layer))
+
+    def set_light_shafts(self, light_shafts: bool) -> None:
+        """Let the scene shade the air, or not."""
+        self._told.light_shafts = light_shafts
 
     def set_ground_albedo(self, albedo_rgb: NDArray[np.float64]) -> None:
         """Paint the ground disc."""
@@ -128,10 +151,11 @@ class PyrenderBackend:
 
     def illuminance(self, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Lux on a plane with this normal (3,) at a point (3,), world axes."""
-        if self._told.sun is None or self._told.ambient is None:
+        told = self._told
+        if told.sun is None or told.ambient is None:
             raise RuntimeError("nothing to measure yet: no light")
         rays = self._scene_rays()
-        return illuminance(rays, self._told.sun, self._told.ambient, point_m, normal)
+        return illuminance(rays, told.sun, told.ambient, point_m, normal, self._clouds)
 
     def _scene_rays(self) -> SceneRays:
         if self._loaded is None:
@@ -186,6 +210,7 @@ class PyrenderBackend:
             wish=told.exposure,
             size=told.size,
             still=still,
+            light_shafts=told.light_shafts,
         )
 
     def _light(self, sun: SunLightChanged) -> Light:
@@ -193,7 +218,12 @@ class PyrenderBackend:
         assert told.background is not None
         assert told.ambient is not None
         harmonics = told.ambient.irradiance_sh_rgb.values
-        sky = Sky(self._sky_texture, told.background.radiance_scale, told.background)
+        sky = Sky(
+            self._sky_texture,
+            told.background.radiance_scale,
+            told.background,
+            told.background.ground_through_air,
+        )
         if told.sheltered:
             return Light(sun.direction, (0.0, 0.0, 0.0), 0.0 * harmonics, sky._replace(scale=0.0))
         return Light(sun.direction, sun.irradiance_rgb, harmonics, sky)

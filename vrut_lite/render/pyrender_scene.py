@@ -42,6 +42,8 @@ class PyrenderScene:
         self._known: set[int] = set()
         self.centre_m = 0.5 * (loaded.lower_m + loaded.upper_m)
         self.radius_m = max(0.5 * float(np.linalg.norm(loaded.upper_m - loaded.lower_m)), 1e-6)
+        # Where the ground behind the scene lies.
+        self.ground_level_m = 0.0 if ground is None else ground.height_m
         self._ground_material: Any = None
         shared: dict[int, tuple[Any, NDArray[np.float64]]] = {}
         for placed in loaded.meshes:

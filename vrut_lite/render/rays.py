@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.scene.ground_disc import PLANET_RADIUS_M, GroundDisc, fall_m
 from vrut_lite.scene.loading import LoadedScene
 
 # A ray starts this share of the scene's size off its surface.
@@ -71,8 +71,15 @@ class SceneRays:
         return np.where(hit, distance, np.inf)
 
     def _ground_distance_m(self, eye: NDArray, ray: NDArray) -> float:
-        if self._ground is None or ray[1] >= 0.0 or eye[1] <= self._ground.height_m:
+        if self._ground is None:
             return float(np.inf)
-        distance_m = float((self._ground.height_m - eye[1]) / ray[1])
-        across = (eye + distance_m * ray)[[0, 2]] - self._ground.centre_xz_m
-        return distance_m if np.linalg.norm(across) <= self._ground.radius_m else float(np.inf)
+        # The ground bends: height over it is a t^2 + 2 b t + c along the ray.
+        start, along = eye[[0, 2]] - self._ground.centre_xz_m, ray[[0, 2]]
+        c = float(eye[1] - self._ground.height_m + fall_m(np.linalg.norm(start)))
+        b = 0.5 * float(ray[1] + start @ along / PLANET_RADIUS_M)
+        squared = b * b - float(fall_m(np.linalg.norm(along))) * c
+        if c <= 0.0 or b >= 0.0 or squared < 0.0:
+            return float(np.inf)
+        distance_m = c / (np.sqrt(squared) - b)
+        inside = np.linalg.norm(start + distance_m * along) <= self._ground.radius_m
+        return float(distance_m) if inside else float(np.inf)

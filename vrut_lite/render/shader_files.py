@@ -1,6 +1,7 @@
 """Shader sources, with what they share put in."""
 
 import re
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
@@ -8,8 +9,18 @@ SHADERS = Path(__file__).parent / "shaders"
 _INCLUDE = re.compile(r"^//!include (\S+)$", re.MULTILINE)
 
 
+Defines = tuple[str, ...]
+
+
 @lru_cache(maxsize=32)
 def shader_source(name: str) -> str:
     """The text of a shader; a line `//!include FILE` stands for that file."""
     text = (SHADERS / name).read_text()
     return _INCLUDE.sub(lambda found: shader_source(found.group(1)), text)
+
+
+def defined(source: str, names: Mapping[str, int]) -> str:
+    """The text with these names defined, after the version that GLSL wants first."""
+    version, rest = source.split("\n", 1)
+    defines = "".join(f"#define {name} {value}\n" for name, value in names.items())
+    return f"{version}\n{defines}{rest}"

@@ -5,9 +5,12 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
+from vrut_lite.kernel.messages import ViewShader
+from vrut_lite.render.background_view import BackgroundView
 from vrut_lite.render.full_screen import FullScreen
 from vrut_lite.render.light import Light
 from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.shader_files import Defines
 
 
 class SunDisc:
@@ -21,6 +24,7 @@ class SunDisc:
     ):
         # 2 sin^2(r / 2) is 1 - cos(r) without its cancellation.
         solid_angle = 4 * np.pi * np.sin(0.5 * angular_radius_rad) ** 2
+        self.solid_angle = float(solid_angle)
         self.mean_radiance = np.asarray(irradiance) / solid_angle
         self.angular_radius_rad = angular_radius_rad
         self.limb_darkening = np.zeros((3, 6))
@@ -33,26 +37,42 @@ class SkyPass:
 
     def __init__(self, context: Any):
         self._context = context
-        self._screen = FullScreen(context, "sky.frag")
+        self._screens: dict[Defines, FullScreen] = {}
+        self._view = BackgroundView(context)
         # moderngl has queries too, but none that can be released.
         self._query = int(GL.glGenQueries(1)[0])
 
-    def draw(self, view: View, light: Light, disc: SunDisc, only_uncovered: bool) -> int:
+    def show_view(self, view: ViewShader | None) -> None:
+        """Draw the background by a module's own shader, or from the cube map again.
+
+        Raises:
+            UserError: the shader does not compile; the cube map is drawn.
+        """
+        self._view.show(view)
+
+    def draw(
+        self, view: View, light: Light, disc: SunDisc, only_uncovered: bool, defines: Defines
+    ) -> int:
         """Draw the sky, also where something was drawn unless `only_uncovered`.
+
+        The `defines` say what else the shader does, as air.py has it.
 
         Returns:
             The number of samples that were drawn.
         """
-        screen = self._screen
+        seen = None if light.is_none else self._view.screen(defines)
+        screen = seen or self._screen(defines)
         ray_from_clip = np.linalg.inv(view.projection @ view.rotation)
         screen.set("ray_from_clip", ray_from_clip.T.ravel())
         screen.set("sky_scale", light.sky.scale)
         screen.set("sun_direction", light.sun_direction)
         screen.set("sun_disc_radiance", disc.mean_radiance)
+        screen.set("sun_solid_angle", disc.solid_angle)
         screen.set("sun_angular_radius", disc.angular_radius_rad)
         screen.program["limb_darkening"].value = [tuple(row) for row in disc.limb_darkening.T]
-        light.sky.texture.use(location=0)
-        screen.program["sky"].value = 0
+        if seen is None:
+            light.sky.texture.use(location=0)
+            screen.program["sky"].value = 0
         # At infinity, where nothing was drawn, depth is exactly the sky's.
         GL.glDepthFunc(GL.GL_GEQUAL if only_uncovered else GL.GL_ALWAYS)
         self._context.enable(self._context.DEPTH_TEST)
@@ -65,7 +85,14 @@ class SkyPass:
         GL.glDepthFunc(GL.GL_GREATER)
         return int(GL.glGetQueryObjectuiv(self._query, GL.GL_QUERY_RESULT))
 
+    def _screen(self, defines: Defines) -> FullScreen:
+        if defines not in self._screens:
+            self._screens[defines] = FullScreen(self._context, "sky.frag", defines)
+        return self._screens[defines]
+
     def release(self) -> None:
         """Free the GL objects."""
-        self._screen.release()
+        self._view.release()
+        for screen in self._screens.values():
+            screen.release()
         GL.glDeleteQueries(1, [self._query])

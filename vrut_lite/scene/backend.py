@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
+    CloudsChanged,
     MoveCamera,
     SetExposure,
     SunLightChanged,
@@ -56,6 +58,15 @@ class SceneBackend(Protocol):
 
     def set_ambient(self, ambient: AmbientChanged) -> None:
         """Light with this sky."""
+
+    def set_air(self, air: AirChanged) -> None:
+        """Show the scene through this air."""
+
+    def set_clouds(self, clouds: CloudsChanged) -> None:
+        """Show these clouds."""
+
+    def set_light_shafts(self, light_shafts: bool) -> None:
+        """Whether the scene shades the air."""
 
     def set_ground_albedo(self, albedo_rgb: NDArray[np.float64]) -> None:
         """Paint the ground disc; (3,) linear sRGB."""

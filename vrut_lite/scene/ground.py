@@ -7,6 +7,10 @@ from vrut_lite.scene.placed import PlacedMesh
 
 # From an eye at 1.7 m an edge at 500 m lies 0.2 degrees below the horizon: a few pixels.
 FAR_M = 500.0
+# What is wider than this brings a planet of its own, whose sides a level ground would cut.
+PLANETARY_M = 2e5
+# What hangs higher than mountains stands on nothing.
+FLOATING_M = 1e4
 _LEAST_COVER = 0.5
 _LEAST_UP = np.cos(np.radians(45.0))
 
@@ -16,11 +20,17 @@ def has_own_ground(scene: LoadedScene) -> bool:
 
     The rule: in plan the scene reaches at least `FAR_M` from its middle to the east and west,
     north and south, and its triangles that face up (within 45 degrees) cover at least half of
-    that rectangle, seen from above. Roofs count, which errs only for a city without streets.
+    that rectangle, seen from above. Roofs count, which errs only for a city without streets. Or
+    it reaches `PLANETARY_M`: then it is a planet, or seen from where none is. Or all of it is
+    higher than `FLOATING_M`, as a satellite is.
     """
+    if scene.lower_m[1] > FLOATING_M:
+        return True
     half_m = (scene.upper_m - scene.lower_m)[[0, 2]] / 2.0
     if np.any(half_m < FAR_M):
         return False
+    if np.all(half_m > PLANETARY_M):
+        return True
     covered_m2 = sum(_area_from_above_m2(place) for place in scene.meshes)
     return bool(covered_m2 >= _LEAST_COVER * 4.0 * half_m[0] * half_m[1])
 

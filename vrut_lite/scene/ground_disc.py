@@ -1,4 +1,8 @@
-"""The level ground that a scene stands on when it brings none that reaches the horizon."""
+"""The ground that a scene stands on when it brings none that reaches the horizon.
+
+It bends down with the planet: seen through air, also from high up, it then goes over into the
+sky's own ground at its rim.
+"""
 
 from dataclasses import dataclass
 
@@ -9,13 +13,17 @@ from numpy.typing import ArrayLike, NDArray
 # radiance, goes on.
 _RADII = 60.0
 _SEGMENTS = 96
+# The Earth's. Any planet may be below, but where a kilometre's bend shows it is this one's.
+PLANET_RADIUS_M = 6.36e6
+# Beyond it the bend would no longer be small.
+_WIDEST_M = 2e5
 # Just below the scene's base, so that floors that lie on it do not flicker.
 _DROP = 2e-3
 
 
 @dataclass(frozen=True)
 class GroundDisc:
-    """A disc at a height, around a point (x, z); metres, world axes."""
+    """A disc at a height, around a point (x, z) where it is level; metres, world axes."""
 
     centre_xz_m: tuple[float, float]
     height_m: float
@@ -30,8 +38,13 @@ def disc_under(lower_m: ArrayLike, upper_m: ArrayLike) -> GroundDisc:
     return GroundDisc(
         centre_xz_m=(float(centre[0]), float(centre[2])),
         height_m=float(lower[1]) - _DROP * radius,
-        radius_m=_RADII * radius,
+        radius_m=min(_RADII * radius, _WIDEST_M),
     )
+
+
+def fall_m(across_m: ArrayLike) -> NDArray[np.float64]:
+    """How far (...,) the ground falls away from level, so far from the disc's middle."""
+    return np.square(np.asarray(across_m, dtype=float)) / (2.0 * PLANET_RADIUS_M)
 
 
 def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
@@ -43,7 +56,9 @@ def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint3
     angle = 2 * np.pi * np.arange(_SEGMENTS) / _SEGMENTS
     radii = disc.radius_m * 3.0 ** -np.arange(6.0)[::-1]
     rim = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)], axis=-1)
-    vertices = np.concatenate([np.zeros((1, 3)), *(radius * rim for radius in radii)])
+    down = np.array([0.0, -1.0, 0.0])
+    rings = (radius * rim + fall_m(radius) * down for radius in radii)
+    vertices = np.concatenate([np.zeros((1, 3)), *rings])
     i, j = np.arange(_SEGMENTS), (np.arange(_SEGMENTS) + 1) % _SEGMENTS
     triangles = [np.stack([np.zeros_like(i), 1 + i, 1 + j], axis=-1)]
     for ring in range(len(radii) - 1):

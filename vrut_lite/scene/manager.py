@@ -1,16 +1,18 @@
 """The scene manager: opens scenes, frames them, and tells a backend how they are lit."""
 
-from typing import Any
+from typing import Annotated, Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite import __version__
-from vrut_lite.errors import UserError
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.messages import (
+    AirChanged,
     AmbientChanged,
     BackgroundChanged,
+    CloudsChanged,
     Demand,
     Derived,
     LoadScene,
@@ -19,6 +21,7 @@ from vrut_lite.kernel.messages import (
     SceneLoaded,
     SceneNeeds,
     SetExposure,
+    SlotChanged,
     SunLightChanged,
     Vector,
 )
@@ -29,7 +32,7 @@ from vrut_lite.scene.darkness import no_ambient, no_background, no_sun
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.ground_disc import disc_under
 from vrut_lite.scene.loading import LoadedScene, load_scene
-from vrut_lite.scene.needs import visible_faces
+from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.shelter import Shelter
 
 NAME = "scene"
@@ -37,12 +40,26 @@ LIGHT: tuple[type[Derived], ...] = (BackgroundChanged, SunLightChanged, AmbientC
 _UP = np.array([0.0, 1.0, 0.0])
 # Darker than this, what ground and light say of each other is rounding.
 _DARKEST_IRRADIANCE = 1e-12
+_NO_AIR = AirChanged(volume=None, source=NAME)
+_NO_CLOUDS = CloudsChanged(layer=None, source=NAME)
+
+
+class SceneSettings(msgspec.Struct, frozen=True):
+    """What is drawn besides the scene itself."""
+
+    air: Annotated[bool, msgspec.Meta(description="Whether the scene is seen through the air.")] = (
+        True
+    )
+    light_shafts: Annotated[
+        bool, msgspec.Meta(description="Whether the scene's shadows are seen in the air.")
+    ] = False
 
 
 class SceneManager(Module):
     """Hands scene, light and camera to a `SceneBackend`; knows nothing of how it draws."""
 
     manifest = Manifest(name=NAME, title="Scene", version=__version__)
+    settings_type = SceneSettings
 
     def __init__(self, link: Link, settings: Any, backend: SceneBackend):
         super().__init__(link, settings)
@@ -51,6 +68,10 @@ class SceneManager(Module):
         self._shelter: Shelter | None = None
         self._sheltered = False
         self._wanted_light: dict[type[Derived], Demand] = {}
+        self._ground_level_m = 0.0
+        self._wants_air = False
+        self._wants_clouds = False
+        self._clouds = _NO_CLOUDS
         self._camera: MoveCamera | None = None
         self._size = Resize(width_px=960, height_px=540)
         self._background: BackgroundChanged | None = None
@@ -63,7 +84,12 @@ class SceneManager(Module):
         scene = load_scene(message.path)
         ground = None if has_own_ground(scene) else disc_under(scene.lower_m, scene.upper_m)
         self._backend.show_scene(scene, ground)
-        self._scene, self._camera, self._shelter = scene, None, Shelter(scene)
+        self._scene, self._camera, self._shelter = scene, None, None
+        if ground is None:
+            self.ledger.skip("search for closed rooms: the scene is a land")
+        else:
+            self._shelter = Shelter(scene)
+        self._ground_level_m = 0.0 if ground is None else ground.height_m
         self.link.post(
             SceneLoaded(
                 path=message.path,
@@ -78,8 +104,6 @@ class SceneManager(Module):
     @handles(MoveCamera)
     def on_camera(self, message: MoveCamera) -> None:
         """Look from there instead of the scene's own or the framing camera."""
-        if message.eye_m == message.target_m:
-            raise UserError("the camera's eye and target are one point: move one of them")
         self._camera = message
         self._show_camera()
 
@@ -123,6 +147,35 @@ class SceneManager(Module):
         self._backend.set_ambient(message)
         self._paint_ground()
 
+    @handles(AirChanged)
+    def on_air(self, message: AirChanged) -> None:
+        """Show the scene through this air."""
+        if self._wants_air:
+            self._backend.set_air(message)
+
+    @handles(CloudsChanged)
+    def on_clouds(self, message: CloudsChanged) -> None:
+        """Show these clouds; the air before them reaches farther than the scene's."""
+        if not self._wants_clouds:
+            return
+        others = _altitudes(message) != _altitudes(self._clouds)
+        self._clouds = message
+        self._backend.set_clouds(message)
+        if others:
+            self._show_camera()
+
+    @handles(SlotChanged)
+    def on_slot(self, message: SlotChanged) -> None:
+        """Keep no air of another sky than the one that is shown."""
+        if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
+            self._backend.set_air(_NO_AIR)
+
+    def settings_changed(self, name: str) -> None:
+        """Switch air or light shafts."""
+        if name == "light_shafts":
+            self._backend.set_light_shafts(self.settings.light_shafts)
+        self._show_camera()
+
     def _paint_ground(self) -> None:
         """Give the ground the albedo that makes its radiance that of the sky's lower half."""
         if self._scene and self._background and self._sun and self._ambient:
@@ -138,13 +191,47 @@ class SceneManager(Module):
         aspect = self._size.width_px / self._size.height_px
         faces, sky_in_view = visible_faces(camera, aspect)
         outside = not self._sheltered
+        self._want_air(outside and self._scene is not None)
+        self._want_clouds(outside and self._scene is not None)
         self.link.post(
             SceneNeeds(
                 sky_in_view=sky_in_view and outside,
                 visible_faces=faces if outside else (),
                 receives_light=self._scene is not None and outside,
+                air_reach_m=self._air_reach_m(camera, aspect),
+                eye_height_m=camera.eye_m[1],
             )
         )
+
+    def _air_reach_m(self, camera: MoveCamera, aspect: float) -> float:
+        if self._scene is None or not self._wants_air:
+            return 0.0
+        bounds = self._scene.lower_m, self._scene.upper_m
+        scene_m = air_reach_m(camera, aspect, *bounds, self._ground_level_m)
+        layer = self._clouds.layer
+        return scene_m if layer is None else max(scene_m, cloud_reach_m(camera, layer))
+
+    def _want_clouds(self, useful: bool) -> None:
+        """Ask for clouds outside; show none inside."""
+        if useful == self._wants_clouds:
+            return
+        self._wants_clouds = useful
+        self.link.demand(CloudsChanged, int(useful))
+        self._clouds = (self.link.last(CloudsChanged) if useful else None) or _NO_CLOUDS
+        if self._clouds.layer is not None or not useful:
+            self._backend.set_clouds(self._clouds)
+
+    def _want_air(self, useful: bool) -> None:
+        """Ask for air where it is seen, unless it is switched off; show none where it is not."""
+        if useful and not self.settings.air:
+            self.ledger.skip("air: switched off")
+        wanted = useful and self.settings.air
+        if wanted == self._wants_air:
+            return
+        self._wants_air = wanted
+        self.link.demand(AirChanged, int(wanted))
+        told = self.link.last(AirChanged) if wanted else None
+        self._backend.set_air(told or _NO_AIR)
 
     def _go_inside(self, sheltered: bool) -> None:
         """In a closed room ask nobody for light; outside, ask again."""
@@ -191,6 +278,11 @@ def ground_albedo(
     direct = np.asarray(sun.irradiance_rgb) * max(0.0, sun.direction[1])
     irradiance = evaluate_irradiance(ambient.irradiance_sh_rgb.values, _UP) + direct
     return np.clip(np.pi * radiance / np.maximum(irradiance, _DARKEST_IRRADIANCE), 0.0, 1.0)
+
+
+def _altitudes(clouds: CloudsChanged) -> tuple[float, float] | None:
+    layer = clouds.layer
+    return None if layer is None else (layer.base_m, layer.thickness_m)
 
 
 def _vector(values: NDArray) -> Vector:

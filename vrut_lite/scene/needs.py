@@ -1,14 +1,19 @@
-"""What a view needs of the sky: which cube faces it can show."""
+"""What a view needs: which cube faces of the sky it can show, and how far its air reaches."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.kernel.messages import MoveCamera
+from vrut_lite.kernel.messages import CloudLayer, MoveCamera
 from vrut_lite.scene.camera import look_at
+from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
 
 # Coarse directions stand for whole texels, so the view is widened by one texel's reach.
 _PROBE_SIZE = 16
 _MARGIN = 1.5 / _PROBE_SIZE
+# Of half a picture's side, between rays through its border.
+_BORDER_STEPS = 17
+_WIDENED = 1.02
 
 
 def visible_faces(camera: MoveCamera, aspect: float) -> tuple[tuple[int, ...], bool]:
@@ -28,3 +33,65 @@ def visible_faces(camera: MoveCamera, aspect: float) -> tuple[tuple[int, ...], b
     above = texel_directions(_PROBE_SIZE)[..., 1] > 0.0
     faces = tuple(int(face) for face in np.flatnonzero(inside.any(axis=(1, 2))))
     return faces, bool((inside & above).any())
+
+
+def air_reach_m(
+    camera: MoveCamera,
+    aspect: float,
+    lower_m: ArrayLike,
+    upper_m: ArrayLike,
+    ground_level_m: float,
+) -> float:
+    """How far from the eye the farthest thing in view may stand, in m; 0 if there is none.
+
+    Things are the scene in its bounds (3,), if its sphere reaches into the view, and the ground
+    at a level, out to the horizon if that is in view and else to the highest ray that meets it.
+    """
+    height_m = max(camera.eye_m[1] - ground_level_m, 0.0)
+    scene_m = _scene_reach_m(camera, aspect, np.asarray(lower_m), np.asarray(upper_m))
+    return max(scene_m, _ground_reach_m(height_m, *_heights_in_view(camera, aspect)))
+
+
+def cloud_reach_m(camera: MoveCamera, layer: CloudLayer) -> float:
+    """How far from the eye the last clouds over the horizon stand, in m."""
+    heights_m = np.array([camera.eye_m[1], layer.base_m + layer.thickness_m])
+    return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * PLANET_RADIUS_M).sum())
+
+
+def _scene_reach_m(camera: MoveCamera, aspect: float, lower_m: NDArray, upper_m: NDArray) -> float:
+    """To the farthest corner of a scene whose sphere is in the cone around the view."""
+    to_centre = 0.5 * (lower_m + upper_m) - np.asarray(camera.eye_m)
+    radius_m = 0.5 * float(np.linalg.norm(upper_m - lower_m))
+    distance_m = float(np.linalg.norm(to_centre))
+    if distance_m > radius_m:
+        forward = np.asarray(camera.target_m) - np.asarray(camera.eye_m)
+        cosine = forward @ to_centre / (np.linalg.norm(forward) * distance_m)
+        tangent = np.tan(0.5 * camera.vertical_field_of_view_rad) * np.hypot(1.0, aspect)
+        apart = np.arccos(np.clip(cosine, -1.0, 1.0)) - np.arcsin(radius_m / distance_m)
+        if apart > np.arctan(_WIDENED * tangent):
+            return 0.0
+    farthest = np.maximum(np.abs(lower_m - camera.eye_m), np.abs(upper_m - camera.eye_m))
+    return float(np.linalg.norm(farthest))
+
+
+def _heights_in_view(camera: MoveCamera, aspect: float) -> tuple[float, float]:
+    """The least and the greatest sine of elevation in the view."""
+    turn = look_at(camera.eye_m, camera.target_m)[:3, :3]
+    tangent = _WIDENED * np.tan(0.5 * camera.vertical_field_of_view_rad)
+    steps = np.linspace(-1.0, 1.0, _BORDER_STEPS)
+    across, up = np.meshgrid(steps * tangent * aspect, steps * tangent)
+    rays = np.stack([across, up, -np.ones_like(up)], axis=-1)
+    heights = (rays @ turn)[..., 1] / np.linalg.norm(rays, axis=-1)
+    return float(heights.min()), float(heights.max())
+
+
+def _ground_reach_m(height_m: float, lowest: float, highest: float) -> float:
+    """To the farthest ground between two sines of elevation, from so high above it; 0 if none."""
+    radius_m = PLANET_RADIUS_M + height_m
+    tangent_m2 = height_m * (PLANET_RADIUS_M + radius_m)
+    horizon = -np.sqrt(tangent_m2) / radius_m
+    if lowest >= horizon:
+        return 0.0
+    down_m = -radius_m * min(highest, horizon)
+    root_m = np.sqrt(max(down_m * down_m - tangent_m2, 0.0))
+    return float(tangent_m2 / max(down_m + root_m, 1e-300))

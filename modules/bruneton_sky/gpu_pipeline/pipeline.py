@@ -11,7 +11,7 @@ from bruneton_sky.gpu_pipeline.air import LANES, buffers_of_air
 from bruneton_sky.gpu_pipeline.passes import Pass, Workspace, passes
 from bruneton_sky.gpu_pipeline.programs import check_sizes, compile_programs
 from bruneton_sky.gpu_pipeline.tables import GpuTables, read_flat, read_scattering
-from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.errors import UserError
 
@@ -53,7 +53,7 @@ class GpuPipeline:
             progress: is told the share done, from 0 to 1.
 
         Raises:
-            ValueError: for no order at all.
+            ValueError: for no order at all, or for fog.
         """
         made = self.run_on_gpu(atmosphere, orders, progress)
         try:
@@ -93,6 +93,7 @@ class GpuPipeline:
         """
         if orders < 1:
             raise ValueError(f"orders must be 1 or more, not {orders}")
+        refuse_fog(atmosphere)
         airs = list(buffers_of_air(atmosphere))
         made: list[GpuTables] = []
         try:

@@ -19,20 +19,21 @@ LOBE_DAY, LOBE_DUSK, LOBE_BELOW = 0.05, 0.5, 0.4
 
 
 @compiled
-def set_scattering(medium, thin, haze, cosine, factor):  # type: ignore[no-untyped-def]
+def set_scattering(medium, thin, haze, fog, cosine, factor):  # type: ignore[no-untyped-def]
     """Scattering coefficients (C,) in 1/(m sr) at a cosine from the old direction."""
     squared = cosine * cosine
     rayleigh = 3.0 / (16.0 * math.pi) * (1.0 + squared) * thin
     g, scale, form = medium.mie_phase
-    mie = scale * (1.0 + form * squared) * _peak(cosine, g) * haze
+    mie = scale * (1.0 + form * squared) * _peak(cosine, g)
+    by_haze, by_fog = mie * haze, mie * fog
     for c in range(factor.size):
-        factor[c] = medium.scattering[0, c] * rayleigh + medium.scattering[1, c] * mie
+        factor[c] = medium.scattering[0, c] * rayleigh + medium.scattering[1, c] * by_haze
+        factor[c] += medium.scattering[2, c] * by_fog
 
 
 @compiled
-def draw_direction(g, aerosol_share, mu_s, lobe, u, v, direction):  # type: ignore[no-untyped-def]
+def draw_direction(g, aerosol_share, lobes, lobe, u, v, direction):  # type: ignore[no-untyped-def]
     """Turn a direction by two uniform numbers; the cosine of the turn, the density in 1/sr."""
-    lobes = LOBE_DAY + (LOBE_DUSK - LOBE_DAY) * min(max(1.0 - mu_s / LOBE_BELOW, 0.0), 1.0)
     aerosol = (1.0 - lobes) * aerosol_share
     old = (direction[0], direction[1], direction[2])
     if u < lobes:
@@ -50,6 +51,16 @@ def draw_direction(g, aerosol_share, mu_s, lobe, u, v, direction):  # type: igno
     density += 0.5 * lobes * _henyey_greenstein(toward, LOBE_G_WIDE)
     density += 0.5 * lobes * _henyey_greenstein(toward, LOBE_G_NARROW)
     return cosine, density
+
+
+@compiled
+def lobe_share(mu_s, fog_share):  # type: ignore[no-untyped-def]
+    """Share of the directions drawn toward the sun: none in fog, whose light has no direction.
+
+    There a path scatters so often that its weight would grow beyond bounds.
+    """
+    dusk = min(max(1.0 - mu_s / LOBE_BELOW, 0.0), 1.0)
+    return (LOBE_DAY + (LOBE_DUSK - LOBE_DAY) * dusk) * (1.0 - fog_share)
 
 
 @compiled

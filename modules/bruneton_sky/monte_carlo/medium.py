@@ -21,12 +21,17 @@ IMPORTANCE_POWER, LEAST_SCATTERING = -1.5, 1e-2
 
 
 class Medium(NamedTuple):
-    """An atmosphere as compiled code reads it; coefficients (3 or 2, C) in 1/m, lengths in m."""
+    """An atmosphere as compiled code reads it; coefficients (4 or 3, C) in 1/m, lengths in m.
+
+    Extinction of molecules, aerosol, absorber, fog; scattering of molecules, aerosol, fog, whose
+    scale is 0 where there is none.
+    """
 
     radius: float
     top: float
     rayleigh_scale: float
     mie_scale: float
+    fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
     absorber_altitude: FloatArray
@@ -40,19 +45,21 @@ class Medium(NamedTuple):
 def medium_of(atmosphere: Atmosphere) -> Medium:
     """An atmosphere of any number of wavelengths."""
     molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
-    extinction = [molecules, atmosphere.mie_extinction, atmosphere.absorption_extinction]
+    absorption, fog = atmosphere.absorption_extinction, atmosphere.fog_scattering
+    extinction = [molecules, atmosphere.mie_extinction, absorption, atmosphere.fog_extinction]
     return Medium(
         atmosphere.ground_radius_m,
         atmosphere.top_altitude_m,
         atmosphere.rayleigh_scale_height_m,
         atmosphere.mie_scale_height_m,
+        atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
-        np.array([molecules, aerosol]),
+        np.array([molecules, aerosol, fog]),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         mie_phase_parameters(atmosphere),
         np.array(atmosphere.ground_albedo),
-        _importance(np.array(molecules) + np.array(aerosol)),
+        _importance(np.array(molecules) + np.array(aerosol) + np.array(fog)),
     )
 
 
@@ -72,9 +79,13 @@ def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def
     absorbed = 0.0
     if medium.extinction[2].any():
         absorbed = layered_path(ray, y, medium.absorber_altitude, medium.absorber_density)
+    fog = 0.0
+    if medium.fog_scale > 0.0:
+        fog = path_to(ray, altitude, y, medium.fog_scale)
     extinction = medium.extinction
     for c in range(weight.size):
         depth = extinction[0, c] * rayleigh + extinction[1, c] * mie + extinction[2, c] * absorbed
+        depth += extinction[3, c] * fog
         weight[c] *= scale * math.exp(-depth)
 
 
@@ -99,8 +110,10 @@ def meets_ground(ray):  # type: ignore[no-untyped-def]
 
 @compiled
 def densities(medium, altitude):  # type: ignore[no-untyped-def]
-    """Relative densities of molecules and aerosol."""
-    return math.exp(-altitude / medium.rayleigh_scale), math.exp(-altitude / medium.mie_scale)
+    """Relative densities of molecules, aerosol and fog."""
+    fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
+    thin = math.exp(-altitude / medium.rayleigh_scale)
+    return thin, math.exp(-altitude / medium.mie_scale), fog
 
 
 @compiled

@@ -15,11 +15,12 @@ import numpy as np
 from bruneton_sky.monte_carlo.directions import (
     draw_direction,
     lobe_axis,
+    lobe_share,
     set_scattering,
     turn,
     upward,
 )
-from bruneton_sky.monte_carlo.distances import BINS, draw_distance, set_edges, weigh_bins
+from bruneton_sky.monte_carlo.distances import BINS, FOG_BINS, draw_distance, set_edges, weigh_bins
 from bruneton_sky.monte_carlo.medium import (
     compiled,
     cosine_at,
@@ -51,7 +52,8 @@ def trace(medium, altitudes, points, directions, sun, numbers, seed, may_land, s
     np.random.seed(seed)
     orders, count = sums.shape
     weight, scratch = np.empty(count), np.empty(count)
-    edges, cumulative = np.empty(BINS + 1), np.empty((2, BINS))
+    bins = FOG_BINS if medium.fog_scale > 0.0 else BINS
+    edges, cumulative = np.empty(bins + 1), np.empty((2, bins))
     for path in range(altitudes.size):
         point, direction, altitude = points[path].copy(), directions[path].copy(), altitudes[path]
         weight[:] = medium.importance
@@ -112,13 +114,13 @@ def _advance(  # type: ignore[no-untyped-def]
     if may_land and meets_ground(ray):
         for c in range(weight.size):
             ground += weight[c] * math.exp(-depth[c]) * medium.albedo[c]
-    total = cumulative[0, BINS - 1] + ground
+    total = cumulative[0, -1] + ground
     if total <= 0.0:
         return -1.0, False
     ground /= total
     if u < ground:
-        dim(medium, ray, 0.0, edges[BINS], 1.0 / ground, weight)
-        _move(point, direction, distance_to(ray, edges[BINS]), medium.radius)
+        dim(medium, ray, 0.0, edges[-1], 1.0 / ground, weight)
+        _move(point, direction, distance_to(ray, edges[-1]), medium.radius)
         return 0.0, True
     y, density = draw_distance(cumulative, edges, aim[0], (u - ground) / (1.0 - ground))
     density *= (1.0 - ground) / jacobian(ray[2], y)
@@ -143,19 +145,22 @@ def _add_sun(medium, altitude, point, sun, weight, factor, out):  # type: ignore
 @compiled
 def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out):  # type: ignore[no-untyped-def]
     """Add the sun's light scattered here, and draw the direction that the path goes on in."""
-    thin, haze = densities(medium, altitude)
-    set_scattering(medium, thin, haze, dot(direction, sun), factor)
+    thin, haze, fog = densities(medium, altitude)
+    set_scattering(medium, thin, haze, fog, dot(direction, sun), factor)
     _add_sun(medium, altitude, point, sun, weight, factor, out)
-    molecules, aerosol = 0.0, 0.0
+    molecules, aerosol, droplets = 0.0, 0.0, 0.0
     for c in range(weight.size):
         molecules += weight[c] * medium.scattering[0, c] * thin
         aerosol += weight[c] * medium.scattering[1, c] * haze
+        droplets += weight[c] * medium.scattering[2, c] * fog
+    aerosol += droplets
     share = aerosol / (aerosol + molecules) if aerosol > 0.0 else 0.0
-    mu_s = cosine_at(point, sun, medium.radius + altitude)
+    foggy = droplets / (aerosol + molecules) if droplets > 0.0 else 0.0
+    lobes = lobe_share(cosine_at(point, sun, medium.radius + altitude), foggy)
     cosine, density = draw_direction(
-        medium.mie_phase.g, share, mu_s, lobe_axis(point, sun), v, w, direction
+        medium.mie_phase.g, share, lobes, lobe_axis(point, sun), v, w, direction
     )
-    set_scattering(medium, thin, haze, cosine, factor)
+    set_scattering(medium, thin, haze, fog, cosine, factor)
     for c in range(weight.size):
         weight[c] *= factor[c] / density
 

@@ -15,7 +15,7 @@ from bruneton_sky.pipeline.setting import Setting
 from bruneton_sky.pipeline.single_scattering import single_scattering
 from bruneton_sky.pipeline.transmittance import transmittance
 from bruneton_sky.tables.coordinates import FloatArray, Year
-from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables
 
 Observe = Callable[[str, int, FloatArray], None]
@@ -38,10 +38,11 @@ def run_pipeline(
             scattering_density and delta_multiple_scattering (2 and more).
 
     Raises:
-        ValueError: for no order at all, or a parametrisation that does not exist.
+        ValueError: for no order at all, for fog, or a parametrisation that does not exist.
     """
     if orders < 1:
         raise ValueError(f"orders must be 1 or more, not {orders}")
+    refuse_fog(atmosphere)
     setting = Setting(atmosphere, sizes or TableSizes(), parametrisation)
     clear = transmittance(setting)
     observe("transmittance", 0, clear)

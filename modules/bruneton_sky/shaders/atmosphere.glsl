@@ -5,9 +5,12 @@ uniform float ground_radius_m;
 uniform float top_altitude_m;
 uniform vec2 scale_height_m;            // of molecules, of aerosol
 uniform vec3 solar_irradiance;          // W m^-2 nm^-1
-uniform vec3 rayleigh_scattering;       // 1/m at altitude 0, as the next two
+uniform vec3 rayleigh_scattering;       // 1/m at altitude 0, as the next four
 uniform vec3 mie_scattering;
 uniform vec3 mie_extinction;
+uniform vec3 fog_scattering;
+uniform vec3 fog_extinction;
+uniform float fog_scale_height_m;       // 0: no fog
 uniform vec3 absorption_extinction;     // 1/m where the absorber's density is 1
 uniform vec3 mie_phase;                 // g, factor and form, see phase.py
 
@@ -23,6 +26,10 @@ vec2 densities_at(float altitude) {
     return exp(-altitude / scale_height_m);
 }
 
+float fog_at(float altitude) {
+    return fog_scale_height_m > 0.0 ? exp(-altitude / fog_scale_height_m) : 0.0;
+}
+
 // Relative density of the absorber: linear between its nodes, zero outside them.
 float absorber_at(float altitude) {
     for (int k = 0; k + 1 < absorber_nodes; ++k) {
@@ -36,10 +43,11 @@ float absorber_at(float altitude) {
     return 0.0;
 }
 
-// Optical depth of paths through molecules, aerosol (x, y) and absorber, in metres of density 1.
-vec3 optical_depth(vec2 paths, float absorbed) {
+// Optical depth of paths through molecules, aerosol (x, y), fog and absorber, in metres of
+// density 1.
+vec3 optical_depth(vec2 paths, float fog, float absorbed) {
     return rayleigh_scattering * paths.x + mie_extinction * paths.y
-        + absorption_extinction * absorbed;
+        + absorption_extinction * absorbed + fog_extinction * fog;
 }
 
 float rayleigh_phase_at(float nu) {

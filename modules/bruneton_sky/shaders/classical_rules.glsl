@@ -30,7 +30,8 @@ float node_weight(int i, int count) {
 float distance_to_top(Ray ray) {
     float above = top_altitude_m - ray.altitude;
     float c = above * (2.0 * ground_radius_m + top_altitude_m + ray.altitude);
-    float root = sqrt(ray.along * ray.along + c);
+    // A node of a ray that ends at the top may lie above it by a rounding.
+    float root = sqrt(max(ray.along * ray.along + c, 0.0));
     return ray.along > 0.0 ? c / (root + ray.along) : root - ray.along;
 }
 
@@ -41,17 +42,17 @@ float distance_to_ground(Ray ray) {
     return far > 0.0 ? horizon * horizon / far : 0.0;
 }
 
-// Densities of molecules, aerosol and absorber.
-vec3 all_densities_at(float altitude) {
-    return vec3(densities_at(altitude), absorber_at(altitude));
+// Densities of molecules, aerosol, absorber and fog.
+vec4 all_densities_at(float altitude) {
+    return vec4(densities_at(altitude), absorber_at(altitude), fog_at(altitude));
 }
 
 // Paths from a point to the top of the atmosphere.
-vec3 light_paths(float altitude, float mu_s) {
+vec4 light_paths(float altitude, float mu_s) {
     Ray ray = make_ray(altitude, mu_s);
     int count = intervals.y;
     float interval = distance_to_top(ray) / float(count);
-    vec3 paths = vec3(0.0);
+    vec4 paths = vec4(0.0);
     for (int i = 0; i <= last_node(count); ++i) {
         float distance = (float(i) + first_node()) * interval;
         float h = max(altitude_after(ray, distance), 0.0);
@@ -62,13 +63,13 @@ vec3 light_paths(float altitude, float mu_s) {
 
 // The paths up to node i over the interval: `whole` is the sum that even nodes hand on, and the
 // densities are those of the two nodes before, of this and of the next one.
-vec3 paths_to_node(int i, vec3 before[2], vec3 here, vec3 next, inout vec3 whole) {
+vec4 paths_to_node(int i, vec4 before[2], vec4 here, vec4 next, inout vec4 whole) {
     if (rule == MIDPOINT) {
         whole += here;
         return whole - 0.5 * here;
     }
     if (i == 0) {
-        return vec3(0.0);
+        return vec4(0.0);
     }
     if (rule == TRAPEZOID) {
         whole += 0.5 * (before[1] + here);
@@ -97,22 +98,24 @@ Integrals classical_integrals(float altitude, float mu, float mu_s, float nu) {
     float length = hits_ground(ray) ? distance_to_ground(ray) : distance_to_top(ray);
     float interval = length / float(count);
     float h = node_altitude(ray, 0, interval);
-    vec3 before[2] = vec3[2](vec3(0.0), vec3(0.0));
-    vec3 here = all_densities_at(h);
-    vec3 whole = vec3(0.0);
-    Integrals sum = Integrals(vec3(0.0), vec3(0.0));
+    vec4 before[2] = vec4[2](vec4(0.0), vec4(0.0));
+    vec4 here = all_densities_at(h);
+    vec4 whole = vec4(0.0);
+    Integrals sum = Integrals(vec3(0.0), vec3(0.0), vec3(0.0));
     for (int i = 0; i <= last_node(count); ++i) {
         float distance = (float(i) + first_node()) * interval;
         float next_h = node_altitude(ray, i + 1, interval);
-        vec3 next = all_densities_at(next_h);
-        vec3 paths = paths_to_node(i, before, here, next, whole) * interval;
+        vec4 next = all_densities_at(next_h);
+        vec4 paths = paths_to_node(i, before, here, next, whole) * interval;
         float sun = (ray.radius * mu_s + distance * nu) / (ground_radius_m + h);
         sun = clamp(sun, -1.0, 1.0);
         if (!in_shadow(h, sun)) {
             paths += light_paths(h, sun);
-            vec3 light = node_weight(i, count) * interval * exp(-optical_depth(paths.xy, paths.z));
+            vec3 depth = optical_depth(paths.xy, paths.w, paths.z);
+            vec3 light = node_weight(i, count) * interval * exp(-depth);
             sum.rayleigh += light * here.x;
             sum.mie += light * here.y;
+            sum.fog += light * here.w;
         }
         before[0] = before[1];
         before[1] = here;

@@ -22,21 +22,20 @@ vec2 erfcx(vec2 x) {
 }
 
 // What lies beyond a place, away from the perigee, over sqrt(pi H).
-vec2 tail(float y, vec2 density) {
-    return density * erfcx(abs(y) * inversesqrt(scale_height_m));
+vec2 tail(float y, vec2 density, vec2 scale) {
+    return density * erfcx(abs(y) * inversesqrt(scale));
 }
 
 // From the start of a ray, where densities and tails are d0 and tail0, to a place with d1.
-vec2 exponential_paths(Ray ray, vec2 d0, vec2 tail0, Place end, vec2 d1) {
-    vec2 scale = scale_height_m;
-    vec2 tail1 = tail(end.y, d1);
+vec2 exponential_paths(Ray ray, vec2 d0, vec2 tail0, Place end, vec2 d1, vec2 scale) {
+    vec2 tail1 = tail(end.y, d1, scale);
     vec2 t0;
     if (ray.y >= 0.0) {
         t0 = tail0 - tail1;
     } else if (end.y <= 0.0) {
         t0 = tail1 - tail0;
     } else {
-        t0 = 2.0 * densities_at(max(ray.perigee_altitude, 0.0)) - tail0 - tail1;
+        t0 = 2.0 * exp(-max(ray.perigee_altitude, 0.0) / scale) - tail0 - tail1;
     }
     t0 *= sqrt(PI * scale);
     float y_squared = ray.y * ray.y;
@@ -47,6 +46,16 @@ vec2 exponential_paths(Ray ray, vec2 d0, vec2 tail0, Place end, vec2 d1) {
     float a1 = 1.0 / ray.radius - 0.5 * inverse_q;
     float a2 = inverse_q * (0.375 * inverse_q - 0.5 / ray.radius);
     return max(ray.radius * sqrt(inverse_q) * (t0 + a1 * t1 + a2 * t2), 0.0);
+}
+
+// The same through fog, to a place where its density is d1.
+float fog_path(Ray ray, Place end, float d1) {
+    if (fog_scale_height_m == 0.0) {
+        return 0.0;
+    }
+    vec2 scale = vec2(fog_scale_height_m);
+    vec2 d0 = vec2(fog_at(ray.altitude));
+    return exponential_paths(ray, d0, tail(ray.y, d0, scale), end, vec2(d1), scale).x;
 }
 
 // Where an ascending ray that starts at `low` reaches an altitude.
@@ -101,6 +110,8 @@ float absorber_path(Ray ray, Place end) {
 vec3 optical_depth_to(Ray ray, Place end) {
     vec2 d0 = densities_at(ray.altitude);
     vec2 d1 = densities_at(end.altitude);
-    vec2 paths = exponential_paths(ray, d0, tail(ray.y, d0), end, d1);
-    return optical_depth(paths, absorber_path(ray, end));
+    vec2 tail0 = tail(ray.y, d0, scale_height_m);
+    vec2 paths = exponential_paths(ray, d0, tail0, end, d1, scale_height_m);
+    float fog = fog_path(ray, end, fog_at(end.altitude));
+    return optical_depth(paths, fog, absorber_path(ray, end));
 }

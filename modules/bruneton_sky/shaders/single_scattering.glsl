@@ -8,16 +8,17 @@
 const int GAUSS_LEGENDRE = 0;
 uniform int rule;       // 0 Gauss-Legendre, 1 midpoint, 2 trapezoid, 3 Simpson
 
-// I_R and I_M of single_scattering.py, in m.
+// I_R, I_M and that of fog of single_scattering.py, in m.
 struct Integrals {
     vec3 rayleigh;
     vec3 mie;
+    vec3 fog;
 };
 
 #include "gauss_legendre.glsl"
 #include "classical_rules.glsl"
 
-// Radiance of the Rayleigh and the Mie part without their phase functions.
+// Radiance of the Rayleigh and the Mie part without their phase functions; fog is in the latter.
 Integrals scattered_without_phase(float altitude, float mu, float mu_s, float nu) {
     Integrals integrals;
     if (rule == GAUSS_LEGENDRE) {
@@ -27,6 +28,7 @@ Integrals scattered_without_phase(float altitude, float mu, float mu_s, float nu
     }
     integrals.rayleigh *= solar_irradiance * rayleigh_scattering;
     integrals.mie *= solar_irradiance * mie_scattering;
+    integrals.mie += solar_irradiance * fog_scattering * integrals.fog;
     return integrals;
 }
 

@@ -6,7 +6,7 @@ scattering a product of harmonics; `multiple_scattering` looks at it from one pl
 """
 
 from bruneton_sky.solver.march import irradiance_table, march_tables
-from bruneton_sky.solver.orders import solve
+from bruneton_sky.solver.orders import MOST_ORDERS, order_tolerance, real_time_sizes, solve
 from bruneton_sky.solver.sizes import SolverSizes
 from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.view import (
@@ -16,12 +16,15 @@ from bruneton_sky.solver.view import (
 )
 
 __all__ = [
+    "MOST_ORDERS",
     "SolverSizes",
     "SourceField",
     "ground_irradiance",
     "irradiance_table",
     "march_tables",
     "multiple_scattering",
+    "order_tolerance",
+    "real_time_sizes",
     "single_scattering_fast",
     "solve",
 ]

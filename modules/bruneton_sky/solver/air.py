@@ -12,20 +12,29 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 
 LANES = 4
+# Where fog or haze is dense, light changes within a part of its scale height.
+FOG_REACH, FOG_SHARE = 3.0, 0.4
+HAZE_REACH, HAZE_SHARE = 1.0, 0.4
+# Optical depth from which on aerosol counts as haze: turbidity 2 has 0.1 at 550 nm.
+_HAZE = 0.1
 
 
 class Air(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
-    `extinction` (3, 4): of molecules, aerosol, absorber; `scattering` (2, 4): of molecules and
-    aerosol; `absorber` (2, n): altitudes and relative densities of its nodes; one
-    node makes no layer, where it absorbs nothing.
+    `extinction` (4, 4): of molecules, aerosol, absorber, fog; `scattering` (3, 4): of molecules,
+    aerosol, fog; `absorber` (2, n): altitudes and relative densities of its nodes; one
+    node makes no layer, where it absorbs nothing. `fog_scale_height_m` is 0 where there is no
+    fog. `layer_reach_m`, `layer_share`: see `altitude_kernels`; a share of 0 is no layer.
     """
 
     ground_radius_m: float
     top_altitude_m: float
     rayleigh_scale_height_m: float
     mie_scale_height_m: float
+    fog_scale_height_m: float
+    layer_reach_m: float
+    layer_share: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
     absorber: NDArray[np.float64]
@@ -40,9 +49,12 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
             atmosphere.rayleigh_scattering,
             atmosphere.mie_extinction,
             atmosphere.absorption_extinction,
+            atmosphere.fog_extinction,
         ]
     )
-    scattering = _in_fours([atmosphere.rayleigh_scattering, atmosphere.mie_scattering])
+    scattering = _in_fours(
+        [atmosphere.rayleigh_scattering, atmosphere.mie_scattering, atmosphere.fog_scattering]
+    )
     sun_and_ground = _in_fours([atmosphere.solar_irradiance, atmosphere.ground_albedo])
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
     return [
@@ -51,6 +63,8 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
             atmosphere.top_altitude_m,
             atmosphere.rayleigh_scale_height_m,
             atmosphere.mie_scale_height_m,
+            atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
+            *dense_layer(atmosphere),
             extinction[group],
             scattering[group],
             layers if extinction[group, 2].any() else layers[:, :1].copy(),
@@ -59,6 +73,20 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
         )
         for group in range(len(extinction))
     ]
+
+
+def is_hazy(atmosphere: Atmosphere) -> bool:
+    """Whether the aerosol alone dims a sun in the zenith by a tenth at any wavelength."""
+    return max(atmosphere.mie_extinction) * atmosphere.mie_scale_height_m >= _HAZE
+
+
+def dense_layer(atmosphere: Atmosphere) -> tuple[float, float]:
+    """How far a layer of dense air reaches, in m, and its share of an axis of altitudes."""
+    if atmosphere.foggy:
+        return FOG_REACH * atmosphere.fog_scale_height_m, FOG_SHARE
+    if is_hazy(atmosphere):
+        return HAZE_REACH * atmosphere.mie_scale_height_m, HAZE_SHARE
+    return atmosphere.top_altitude_m, 0.0
 
 
 def wavelengths_of_groups(groups: ArrayLike, count: int) -> NDArray[np.float64]:

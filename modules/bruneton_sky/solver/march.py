@@ -8,7 +8,7 @@ from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.view import sky_irradiance, source_of_group
 from bruneton_sky.tables.coordinates import Coordinates, Year, node_coordinates, parametrisation_of
 from bruneton_sky.tables.parametrisation_flat import irradiance_state
-from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 
 FloatArray = NDArray[np.float64]
 SingleArray = NDArray[np.float32]
@@ -22,9 +22,13 @@ def march_tables(
     W m^-2 sr^-1 nm^-1. The first holds light scattered once by molecules without its phase
     function, and all later orders over Rayleigh's; the second light scattered once by aerosol,
     without its phase function. `year` names the parametrisation.
+
+    Raises:
+        ValueError: the atmosphere has fog.
     """
     from bruneton_sky.solver.view_kernels import march_rays
 
+    refuse_fog(field.atmosphere)
     size = sizes or TableSizes()
     axes = np.ix_(*(node_coordinates(count) for count in size.scattering_shape))
     at = parametrisation_of(year).to_state(field.atmosphere, size, Coordinates(*axes))
@@ -44,7 +48,12 @@ def march_tables(
 
 
 def irradiance_table(field: SourceField, sizes: TableSizes | None = None) -> FloatArray:
-    """The sky's irradiance (altitude, mu_s, C) on a level surface, without the direct sun."""
+    """The sky's irradiance (altitude, mu_s, C) on a level surface, without the direct sun.
+
+    Raises:
+        ValueError: the atmosphere has fog.
+    """
+    refuse_fog(field.atmosphere)
     size = sizes or TableSizes()
     shape = size.irradiance_altitude, size.irradiance_mu_s
     axes = np.ix_(*(node_coordinates(count) for count in shape))

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from bruneton_sky.solver.cells_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner
-from bruneton_sky.solver.ray_bins_kernels import STEP_COLUMNS, Bins, fill_bins
+from bruneton_sky.solver.ray_bins_kernels import Bins, empty_steps, fill_bins
 from bruneton_sky.solver.source_kernels import empty_slab, gather_later, sun_place
 from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
 
@@ -18,7 +18,7 @@ _f4 = np.float32
 @fast
 def bin_nodes(air, altitude, mu, downward, steps, bins):  # type: ignore[no-untyped-def]
     """Bins of the rays from all nodes: as in `Bins`, with axes (altitudes, mu) before."""
-    scratch = np.empty((steps, STEP_COLUMNS))
+    scratch = empty_steps(air, steps)
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
             fill_bins(air, altitude[i], mu[i, q], downward[q], scratch, _bins_at(bins, i, q))

@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 Lanes = NDArray[np.float32]
 # Of the phase functions, over sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
 _PHASE_NODES = 1024
-_TRANSMITTANCE_SHAPE = (64, 256)
+_TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 
 
 class Nodes(NamedTuple):
@@ -82,7 +82,7 @@ class Nodes(NamedTuple):
         mie = np.empty(shape, dtype=np.float32)
         if self.air.scattering[0].any():
             rayleigh = self.operator.scatter_by_molecules(coefficients)
-        if self.air.scattering[1].any():
+        if self.air.scattering[1:].any():
             mie = self.operator.scatter(coefficients, self.mie_chi)
         return make_source(rayleigh, mie, self.suns)
 
@@ -110,10 +110,13 @@ class Nodes(NamedTuple):
 
 def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
     """The nodes of an atmosphere for a group of wavelengths."""
+    from bruneton_sky.solver.altitude_kernels import layer_nodes, nodes_of_axis
     from bruneton_sky.solver.node_kernels import bin_nodes
     from bruneton_sky.solver.ray_bins_kernels import Bins
 
     altitude = altitude_nodes(atmosphere, sizes.altitude)
+    if air.layer_share > 0.0:
+        altitude = layer_nodes(air, nodes_of_axis(sizes.altitude, air.layer_share))
     operator = scattering_operator(atmosphere.ground_radius_m, tuple(altitude), sizes)
     mu, downward = operator.directions.mu, operator.directions.downward
     shape = (*mu.shape, sizes.node_bins)
@@ -139,11 +142,13 @@ def make_source(rayleigh: Lanes, mie: Lanes, suns: SunGrid) -> "Source":
 
 def make_transmittance(air: Air) -> Lanes:
     """Transmittance (altitudes, columns * 4) of the sun's light, see `fill_transmittance`."""
+    from bruneton_sky.solver.altitude_kernels import nodes_of_axis
     from bruneton_sky.solver.sun_kernels import fill_transmittance
 
-    table = np.empty((*_TRANSMITTANCE_SHAPE, LANES), dtype=np.float32)
+    rows = nodes_of_axis(_TRANSMITTANCE_ROWS, air.layer_share)
+    table = np.empty((rows, _TRANSMITTANCE_COLUMNS, LANES), dtype=np.float32)
     fill_transmittance(air, table)
-    return table.reshape(_TRANSMITTANCE_SHAPE[0], -1)
+    return table.reshape(rows, -1)
 
 
 def phase_table(atmosphere: Atmosphere) -> Lanes:

@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bruneton_sky.quadrature import FOG_TOP
 from bruneton_sky.solver.cells_kernels import fast, inner
 
-# Columns of the scratch array of steps.
+# Columns of the scratch array of steps; the middle is the centre of the light.
 _END, _MIDDLE, _MASS, _WEIGHT = 0, 1, 2, 3
 STEP_COLUMNS = 11
 
@@ -44,6 +45,12 @@ def empty_bins(count):  # type: ignore[no-untyped-def]
 
 
 @inner
+def empty_steps(air, count):  # type: ignore[no-untyped-def]
+    """Room for so many fine steps of a ray, and for as many in fog if there is any."""
+    return np.empty((2 * count if air.fog_scale_height_m > 0.0 else count, STEP_COLUMNS))
+
+
+@inner
 def fill_bins(air, altitude, mu, hits, steps, bins):  # type: ignore[no-untyped-def]
     """Bin the ray from an altitude along mu; `steps` (n, STEP_COLUMNS) is scratch.
 
@@ -57,7 +64,7 @@ def fill_bins(air, altitude, mu, hits, steps, bins):  # type: ignore[no-untyped-
 def bins_of_ray(air, altitude, mu, sizes):  # type: ignore[no-untyped-def]
     """The bins of one ray; `sizes`: steps, bins."""
     bins = empty_bins(sizes[1])
-    steps = np.empty((sizes[0], STEP_COLUMNS))
+    steps = empty_steps(air, sizes[0])
     fill_bins(air, altitude, mu, hits_ground(air, altitude, mu), steps, bins)
     return bins
 
@@ -115,6 +122,14 @@ def _place_centres(air, altitude, mu, bins):  # type: ignore[no-untyped-def]
 @inner
 def fill_steps(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-def]
     """Fine steps of a ray: distances of end and middle, mass, eight weights."""
+    if air.fog_scale_height_m > 0.0:
+        _fill_steps_in_fog(air, altitude, mu, hits, steps, end)
+    else:
+        _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end)
+
+
+@inner
+def _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-def]
     count = steps.shape[0]
     radius = air.ground_radius_m + altitude
     length = ray_length(air, altitude, mu, hits)
@@ -132,17 +147,21 @@ def fill_steps(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-
         middle = _altitude_along(radius, altitude, mu, distance + 0.5 * metres)
         far = _altitude_along(radius, altitude, mu, stop)
         step = steps[s]
-        step[_END], step[_MIDDLE] = stop, distance + 0.5 * metres
+        step[_END] = stop
         molecules = metres * _mean_density(near, middle, far, air.rayleigh_scale_height_m)
         aerosol = metres * _mean_density(near, middle, far, air.mie_scale_height_m)
-        _weigh_step(air, molecules, aerosol, metres * _absorber(air, middle), end, step)
+        centre = _weigh_step(air, molecules, aerosol, metres * _absorber(air, middle), end, step)
+        step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
 
 
 @inner
 def _weigh_step(air, molecules, aerosol, absorber, light, step):  # type: ignore[no-untyped-def]
-    """Weights of a step whose matter is given in m, and what light is left after it."""
-    mass = 0.0
+    """Weights of a step whose matter is given in m, and what light is left after it.
+
+    Returns where in the step, from 0 to 1, the centre of its light lies.
+    """
+    mass, moment = 0.0, 0.0
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
         depth += air.extinction[2, c] * absorber
@@ -150,9 +169,18 @@ def _weigh_step(air, molecules, aerosol, absorber, light, step):  # type: ignore
         mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
         step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
         step[_WEIGHT + 4 + c] = light[c] * mean * air.scattering[1, c] * aerosol
-        mass += step[_WEIGHT + c] + step[_WEIGHT + 4 + c]
+        part = step[_WEIGHT + c] + step[_WEIGHT + 4 + c]
+        mass += part
+        moment += part * _centre(depth, passed)
         light[c] *= passed
     step[_MASS] = mass
+    return moment / mass if mass > 0.0 else 0.5
+
+
+@inner
+def _centre(depth, passed):  # type: ignore[no-untyped-def]
+    """Mean place in [0, 1] of light scattered evenly over a depth, of which `passed` is left."""
+    return 1.0 / depth - passed / (1.0 - passed) if depth > 1e-2 else 0.5 - depth / 12.0
 
 
 @inner
@@ -169,6 +197,84 @@ def _dense_place(along, length, hits, count):  # type: ignore[no-untyped-def]
     near, far = math.sqrt(dense), math.sqrt(length - dense)
     before = min(int(count * near / max(near + far, 1e-300) + 0.5), count - 1)
     return (dense, before) if before > 0 else (0.0, 0)
+
+
+@inner
+def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-def]
+    """What `fill_steps` does, for air with fog: half of the steps lie in it.
+
+    It stands apart so that compiled code for clear air, to its last digit, knows of no fog.
+    """
+    count = steps.shape[0]
+    radius = air.ground_radius_m + altitude
+    length = ray_length(air, altitude, mu, hits)
+    dense, before = _dense_place(radius * mu, length, hits, count)
+    foggy = _length_in_fog(air, altitude, radius * mu, hits)
+    end[0], end[1], end[2], end[3], end[4] = 1.0, 1.0, 1.0, 1.0, length
+    distance, near = 0.0, altitude
+    for s in range(count):
+        if s < before:
+            stop = dense - _spread(1.0 - (s + 1) / before, dense, foggy)
+        else:
+            stop = dense + _spread((s - before + 1) / (count - before), length - dense, foggy)
+        metres = stop - distance
+        middle = _altitude_along(radius, altitude, mu, distance + 0.5 * metres)
+        far = _altitude_along(radius, altitude, mu, stop)
+        step = steps[s]
+        step[_END] = stop
+        molecules = metres * _mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        aerosol = metres * _mean_density(near, middle, far, air.mie_scale_height_m)
+        fog = metres * _mean_density(near, middle, far, air.fog_scale_height_m)
+        absorber = metres * _absorber(air, middle)
+        centre = _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, end, step)
+        step[_MIDDLE] = distance + centre * metres
+        distance, near = stop, far
+
+
+@inner
+def _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, light, step):  # type: ignore[no-untyped-def]
+    """What `_weigh_step` does, with fog."""
+    mass, moment = 0.0, 0.0
+    for c in range(4):
+        depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
+        depth += air.extinction[2, c] * absorber + air.extinction[3, c] * fog
+        passed = math.exp(-depth)
+        mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
+        haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * fog
+        step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
+        step[_WEIGHT + 4 + c] = light[c] * mean * haze
+        part = step[_WEIGHT + c] + step[_WEIGHT + 4 + c]
+        mass += part
+        moment += part * _centre(depth, passed)
+        light[c] *= passed
+    step[_MASS] = mass
+    return moment / mass if mass > 0.0 else 0.5
+
+
+@inner
+def _length_in_fog(air, altitude, along, hits):  # type: ignore[no-untyped-def]
+    """How far fog reaches along a ray from its densest place, in m: on either side the same."""
+    double = 2.0 * air.ground_radius_m + altitude
+    top = FOG_TOP * air.fog_scale_height_m
+    # Squared distances from the perigee to an altitude, on the ray's line.
+    to_top = along * along + (top - altitude) * (double + top)
+    densest = max(along, 0.0) ** 2
+    if hits:
+        densest = along * along - altitude * double
+    return max(math.sqrt(max(to_top, 0.0)) - math.sqrt(max(densest, 0.0)), 0.0)
+
+
+@inner
+def _spread(x, whole, foggy):  # type: ignore[no-untyped-def]
+    """Distance from the densest place at x in [0, 1]: the first half of it lies in fog.
+
+    In both halves steps shrink quadratically toward that place.
+    """
+    if foggy >= whole:
+        return whole * x * x
+    if x < 0.5:
+        return foggy * 4.0 * x * x
+    return foggy + (whole - foggy) * (2.0 * x - 1.0) ** 2
 
 
 @inner

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bruneton_sky.solver.directions import Directions, azimuths, make_directions
 from bruneton_sky.solver.harmonics import legendre
+from bruneton_sky.solver.linear_fit import fit_lines
 from bruneton_sky.solver.sizes import SolverSizes
 
 FloatArray = NDArray[np.float32]
@@ -34,8 +35,8 @@ class ScatteringOperator(NamedTuple):
         turn_in, turn_in_later: (m, azimuths), cosines times the azimuth's weight, for the
             azimuths of the first order and of later ones.
         polar_in: (altitudes, harmonics, mu), times the weight of mu.
-        polar_out: (source mu, harmonics).
-        turn_out: (source azimuths, m); the azimuths are uniform in sin(phi / 2).
+        polar_out, turn_out: (source mu, harmonics) and (source azimuths, m), such that lines
+            between them fit the harmonics; the azimuths are uniform in sin(phi / 2).
         degree: (harmonics,), l of each.
         first: (m + 1,), where the harmonics of each m begin.
     """
@@ -88,15 +89,24 @@ def scattering_operator(
     source_mu = np.linspace(-1.0, 1.0, sizes.source_mu)
     orders = range(sizes.degree + 1)
     polar_in = np.concatenate([legendre(order, sizes.degree, directions.mu) for order in orders])
-    polar_out = np.concatenate([legendre(order, sizes.degree, source_mu) for order in orders])
+    polar_out = fit_lines(
+        lambda mu: np.concatenate([legendre(order, sizes.degree, mu) for order in orders]).T,
+        source_mu,
+        lambda mu: 0.5 * mu + 0.5,
+        # In the zenith the azimuth must not matter.
+        keep_ends=True,
+    )
     source_azimuth = 2.0 * np.arcsin(np.linspace(0.0, 1.0, sizes.source_azimuth))
+    turn_out = fit_lines(
+        lambda turn: np.cos(np.outer(turn, m)), source_azimuth, lambda turn: np.sin(0.5 * turn)
+    )
     return ScatteringOperator(
         directions,
         _turn_matrix(m, sizes.direction_azimuth),
         _turn_matrix(m, sizes.later_azimuth),
         (polar_in * directions.weight).transpose(1, 0, 2).astype(np.float32, "C"),
-        polar_out.T.astype(np.float32, "C"),
-        np.cos(np.outer(source_azimuth, m)).astype(np.float32),
+        polar_out.astype(np.float32, "C"),
+        turn_out.astype(np.float32),
         np.concatenate([np.arange(order, sizes.degree + 1) for order in orders]),
         np.concatenate([[0], np.cumsum(sizes.degree + 1 - m)]),
     )

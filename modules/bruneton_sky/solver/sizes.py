@@ -6,16 +6,19 @@ from typing import Self
 
 @dataclass(frozen=True, kw_only=True)
 class SolverSizes:
-    """Nodes and bins of the solver; the defaults are for real time.
+    """Nodes and bins of the solver; the defaults are for real time in clear air.
+
+    Other sizes serve haze and fog better: `solve` knows which.
 
     Attributes:
-        altitude, mu_s: nodes of the source function, by altitude and by sun zenith angle.
+        altitude, mu_s: nodes of the source function, by altitude and by sun zenith angle; haze
+            and fog add two thirds to the altitudes, for their own layer.
         direction_mu, direction_azimuth: directions at each node, over all zenith angles (half
             of them below the horizon) and over half a turn of azimuth.
         later_azimuth: azimuths for the light of orders two and up, which varies less.
         degree: of the spherical harmonics in which light is scattered.
         source_mu, source_azimuth: directions in which the source function is tabulated.
-        steps: fine steps along a ray, which are merged into bins.
+        steps: fine steps along a ray, which are merged into bins; in fog twice as many.
         node_bins: bins of a ray between nodes.
         single_bins, multiple_bins: bins of a table's ray, for light scattered once and more.
         irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
@@ -47,6 +50,26 @@ class SolverSizes:
             raise ValueError("direction_mu of the solver must be even: half looks down")
         if max(self.node_bins, self.single_bins, self.multiple_bins) > self.steps:
             raise ValueError("steps of the solver must not be fewer than its bins")
+
+    @classmethod
+    def in_fog(cls) -> Self:
+        """For fog, where light comes from near and mostly goes on as it came: more bins, and more
+        directions of the source function. Its steps and altitudes the fog itself adds."""
+        return cls(source_mu=64, source_azimuth=24, node_bins=24, single_bins=48, multiple_bins=24)
+
+    @classmethod
+    def in_haze(cls) -> Self:
+        """For haze, where light changes within a few hundred metres and a bright lobe surrounds the
+        sun: more steps, bins and azimuths. Haze adds two thirds to its few altitudes."""
+        return cls(
+            altitude=14,
+            direction_mu=24,
+            later_azimuth=12,
+            source_azimuth=16,
+            steps=72,
+            node_bins=24,
+            multiple_bins=18,
+        )
 
     @classmethod
     def converged(cls) -> Self:

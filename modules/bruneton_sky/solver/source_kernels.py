@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bruneton_sky.solver.altitude_kernels import altitude_place
 from bruneton_sky.solver.cells_kernels import HALF, ONE, ZERO, inner
 from bruneton_sky.solver.four_lanes import add_four
 
@@ -86,11 +87,9 @@ def _suns_in_sight(air, altitude, bins, b, cells, source):  # type: ignore[no-un
 @inner
 def _blend(air, bins, b, source, low, high, slab):  # type: ignore[no-untyped-def]
     """Fill a slab's columns from `low` to `high` with the light of bin b."""
-    ground, top = air.ground_radius_m, air.top_altitude_m
-    altitude, mu = bins.centre[b, 1], bins.centre[b, 2]
-    squared = altitude * (2.0 * ground + altitude) / (top * (2.0 * ground + top))
+    mu = bins.centre[b, 2]
     count = max(source.rayleigh.shape[0], source.mie.shape[0])
-    place = math.sqrt(max(squared, 0.0)) * (count - 1)
+    place = altitude_place(air, bins.centre[b, 1]) * (count - 1)
     i = min(int(place), count - 2)
     u = place - i
     if source.rayleigh.shape[0] > 0:

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from bruneton_sky.path_kernels import exponential_path, layered_path, make_ray
+from bruneton_sky.solver.altitude_kernels import altitude_at, altitude_place
 from bruneton_sky.solver.cells_kernels import HALF, ONE, ZERO, fast, inner
 from bruneton_sky.solver.four_lanes import add_two
 
@@ -21,7 +22,7 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
     """Transmittance (altitudes, columns, 4) to the top of the atmosphere.
 
     The grid is that of Bruneton 2017: rows uniform in sqrt(r^2 - Rg^2), columns in the
-    distance to the top, from the zenith to the horizon.
+    distance to the top, from the zenith to the horizon. Fog and haze have rows of their own.
     """
     rows, columns = table.shape[0], table.shape[1]
     ground, top = air.ground_radius_m, air.top_altitude_m
@@ -29,6 +30,9 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
     for i in range(rows):
         squared = whole * (i / (rows - 1)) ** 2
         altitude = min(squared / (math.sqrt(squared + ground * ground) + ground), top)
+        if air.layer_share > 0.0:
+            altitude = altitude_at(air, i / (rows - 1)) if i > 0 else 0.0
+            squared = altitude * (2.0 * ground + altitude)
         nearest = top - altitude
         span = math.sqrt(squared) + math.sqrt(whole) - nearest
         for j in range(columns):
@@ -42,8 +46,12 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
             molecules = _path_to_top(air.rayleigh_scale_height_m, top, ray, end)
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
+            fog = 0.0
+            if air.fog_scale_height_m > 0.0:
+                fog = _path_to_top(air.fog_scale_height_m, top, ray, end)
             for c in range(4):
                 depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
+                depth += air.extinction[3, c] * fog
                 table[i, j, c] = _f4(math.exp(-depth - air.extinction[2, c] * absorber))
 
 
@@ -102,9 +110,7 @@ def _find_shadow(air, altitude, mu, cells):  # type: ignore[no-untyped-def]
 @inner
 def _blend_row(air, altitude, table, row):  # type: ignore[no-untyped-def]
     """The row (columns * 4,) of the transmittance at an altitude."""
-    ground, top = air.ground_radius_m, air.top_altitude_m
-    share = altitude * (2.0 * ground + altitude) / (top * (2.0 * ground + top))
-    place = math.sqrt(max(share, 0.0)) * (table.shape[0] - 1)
+    place = altitude_place(air, altitude) * (table.shape[0] - 1)
     i = min(int(place), table.shape[0] - 2)
     far = _f4(place - i)
     near = ONE - far

@@ -17,8 +17,8 @@ from bruneton_sky.solver.cells_kernels import (
     some_cells,
 )
 from bruneton_sky.solver.ray_bins_kernels import (
-    STEP_COLUMNS,
     empty_bins,
+    empty_steps,
     fill_bins,
     hits_ground,
     merge_steps,
@@ -35,7 +35,7 @@ def trace_view(air, altitude, mu, mu_s, nu, source, sizes, out):  # type: ignore
 
     Neighbours of the same mu share their bins. `sizes`: steps, bins.
     """
-    bins, steps = empty_bins(sizes[1]), np.empty((sizes[0], STEP_COLUMNS))
+    bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     slab, all_cells = empty_slab(source), empty_cells(mu.size)
     all_cells.mu_s[:], all_cells.nu[:] = mu_s, nu
     out[:] = ZERO
@@ -55,7 +55,7 @@ def trace_first(air, altitude, mu, mu_s, nu, table, sizes, rayleigh, mie):  # ty
 
     Arguments as for `trace_view`; `table` is the sun's transmittance.
     """
-    bins, steps = empty_bins(sizes[1]), np.empty((sizes[0], STEP_COLUMNS))
+    bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     row, all_cells = np.empty(table.shape[1], _f4), empty_cells(mu.size)
     all_cells.mu_s[:], all_cells.nu[:] = mu_s, nu
     start = 0
@@ -88,7 +88,7 @@ def fill_irradiance(  # type: ignore[no-untyped-def]
     `mu` (n,) are upward directions, `weight` (n,) what each adds per azimuth. `sizes`: steps,
     bins.
     """
-    bins, steps = empty_bins(sizes[1]), np.empty((sizes[0], STEP_COLUMNS))
+    bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     slab, cells = empty_slab(source), empty_cells(sun.size * turn_cosine.size)
     rayleigh, mie = np.empty(4 * cells.nu.size, _f4), np.empty(4 * cells.nu.size, _f4)
     light, row = np.empty(4 * cells.nu.size, _f4), np.empty(table.shape[1], _f4)
@@ -113,7 +113,7 @@ def march_rays(air, altitude, mu, hits, mu_s, nu, table, source, sizes, first, s
     mu_s do not allow is moved to the nearest that they do: most of those fall together, and
     are computed once. `sizes`: steps, bins of light scattered once, bins of later orders.
     """
-    steps = np.empty((sizes[0], STEP_COLUMNS))
+    steps = empty_steps(air, sizes[0])
     few, many = empty_bins(sizes[2]), empty_bins(sizes[1])
     all_cells, slab = empty_cells(mu_s.size * nu.size), empty_slab(source)
     where = np.empty(mu_s.size * nu.size, np.intp)

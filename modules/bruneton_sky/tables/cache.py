@@ -12,6 +12,7 @@ import logging
 import os
 import tempfile
 import time
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -56,11 +57,11 @@ class TableCache:
             return None
         start = len(_MAGIC) + _DIGEST_BYTES
         payload = content[start:]
-        if content[:start] != _MAGIC + _digest(payload):
+        whole = content[:start] == _MAGIC + _digest(payload)
+        arrays = _arrays(payload) if whole else None
+        if arrays is None:
             _log.warning("the table cache %s is damaged: its tables are made again", path)
-            return None
-        with np.load(io.BytesIO(payload), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return arrays
 
     def put(self, recipe: object, arrays: Arrays) -> None:
         """Keep the arrays made from a recipe, if the folder can be written."""
@@ -100,6 +101,15 @@ class TableCache:
                 return
             total -= path.stat().st_size
             path.unlink(missing_ok=True)
+
+
+def _arrays(payload: bytes) -> dict[str, NDArray[np.floating]] | None:
+    """What a file holds; None if it is no archive of arrays, digest or no digest."""
+    try:
+        with np.load(io.BytesIO(payload), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except (ValueError, EOFError, OSError, zipfile.BadZipFile, AttributeError):
+        return None
 
 
 def _digest(payload: bytes) -> bytes:

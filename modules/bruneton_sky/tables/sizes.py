@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, fields
 
+from bruneton_sky.atmosphere import Atmosphere
+
 
 @dataclass(frozen=True, kw_only=True)
 class TableSizes:
@@ -36,3 +38,17 @@ class TableSizes:
     def scattering_shape(self) -> tuple[int, int, int, int]:
         """Axes altitude, mu, nu, mu_s."""
         return self.altitude, self.mu, self.nu, self.mu_s
+
+
+def refuse_fog(atmosphere: Atmosphere) -> None:
+    """Tables are published with 32 altitudes from the ground to space: a layer of fog would lie
+    between the lowest two.
+
+    Raises:
+        ValueError: the atmosphere has fog.
+    """
+    if atmosphere.foggy:
+        raise ValueError(
+            "tables of 32 altitudes from the ground to space cannot hold ground fog: "
+            "ask the solver (bruneton_sky.solver), or leave the fog out"
+        )

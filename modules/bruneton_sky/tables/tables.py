@@ -15,7 +15,7 @@ from bruneton_sky.tables.observer import (
     checked_point,
     view_from,
 )
-from bruneton_sky.tables.sizes import TableSizes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from vrut_lite.geometry.colour import rgb_from_spectrum
 
 _SKYLIGHT_EXPONENT = 3.0
@@ -40,8 +40,8 @@ class Tables:
         single_mie: likewise light scattered once by aerosol, without its phase function.
 
     Raises:
-        ValueError: an array has not the shape that `sizes` says; in methods, a point or a
-            direction is unusable.
+        ValueError: an array has not the shape that `sizes` says, or the atmosphere has fog; in
+            methods, a point or a direction is unusable.
     """
 
     atmosphere: Atmosphere
@@ -55,6 +55,7 @@ class Tables:
 
     def __post_init__(self) -> None:
         parametrisation_of(self.parametrisation)
+        refuse_fog(self.atmosphere)
         for name, shape in table_shapes(self.atmosphere, self.sizes).items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} of the tables must have the shape {shape}")

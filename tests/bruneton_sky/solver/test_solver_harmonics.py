@@ -6,6 +6,7 @@ from bruneton_sky.phase import cornette_shanks_phase, henyey_greenstein_phase, r
 from bruneton_sky.solver import SolverSizes
 from bruneton_sky.solver.directions import azimuths
 from bruneton_sky.solver.harmonics import phase_coefficients
+from bruneton_sky.solver.linear_fit import fit_lines
 from bruneton_sky.solver.scattering_operator import ScatteringOperator, scattering_operator
 
 SIZES = SolverSizes(direction_mu=64, degree=12, source_mu=9, source_azimuth=7)
@@ -24,11 +25,20 @@ def field_of(light: np.ufunc | object) -> np.ndarray:
     return np.asarray(value, dtype=np.float32)[..., None]
 
 
-def source_directions() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    mu = np.linspace(-1.0, 1.0, SIZES.source_mu)[:, None]
+def in_lines(light: object) -> np.ndarray:
+    """A field f(x, y, z) of directions, as lines between the source's nodes fit it best."""
+
+    def by_turn(turn: np.ndarray) -> np.ndarray:
+        def by_mu(mu: np.ndarray) -> np.ndarray:
+            sine = np.sqrt(1.0 - mu * mu)[:, None]
+            x, y = sine * np.cos(turn), sine * np.sin(turn)
+            return np.asarray(light(x, y, mu[:, None] + 0.0 * turn))  # type: ignore[operator]
+
+        mu = np.linspace(-1.0, 1.0, SIZES.source_mu)
+        return fit_lines(by_mu, mu, lambda mu: 0.5 * mu + 0.5, keep_ends=True).T
+
     turn = 2.0 * np.arcsin(np.linspace(0.0, 1.0, SIZES.source_azimuth))
-    sine = np.sqrt(1.0 - mu * mu)
-    return sine * np.cos(turn), sine * np.sin(turn), mu + 0.0 * turn
+    return fit_lines(by_turn, turn, lambda turn: np.sin(0.5 * turn)).T
 
 
 def test_phase_coefficients_of_known_functions() -> None:
@@ -56,25 +66,25 @@ def test_harmonic_fields_are_scattered_exactly(degree: int, light: object) -> No
     chi = phase_coefficients(lambda nu: cornette_shanks_phase(nu, 0.7), SIZES.degree)
     coefficients = operator().project(field_of(light))
     ours = operator().scatter(coefficients, chi)[..., 0]
-    exact = chi[degree] * np.asarray(light(*source_directions()))  # type: ignore[operator]
+    exact = chi[degree] * in_lines(light)
     scale = np.abs(exact).max()
     assert ours == pytest.approx(np.broadcast_to(exact, ours.shape), abs=2e-5 * scale)
 
 
 def test_molecules_scatter_by_four_coefficients() -> None:
     """The polynomial kept for molecules is the harmonic sum with chi = 1, 0, 1/10."""
-    x, _, z = source_directions()
     light = field_of(lambda x, y, z: np.exp(z + 0.8 * x))
     coefficients = operator().project(light)
     chi = np.zeros(SIZES.degree + 1)
     chi[[0, 2]] = 1.0, 0.1
     exact = operator().scatter(coefficients, chi)[..., 0]
-    c = operator().scatter_by_molecules(coefficients)[:, :, 0, None, None]
-    sine = np.sqrt(1.0 - z * z)
-    turn = np.divide(x, sine, out=np.ones_like(x), where=sine > 0)
-    twice = (1.0 - z * z) * (2.0 * turn * turn - 1.0)
-    ours = c[:, 0] + c[:, 1] * (3 * z * z - 1) + c[:, 2] * z * sine * turn + c[:, 3] * twice
-    assert ours == pytest.approx(exact, rel=1e-5)
+    for i, c in enumerate(operator().scatter_by_molecules(coefficients)[:, :, 0]):
+        ours = in_lines(
+            lambda x, y, z, c=c: (
+                c[0] + c[1] * (3.0 * z * z - 1.0) + c[2] * z * x + c[3] * (x * x - y * y)
+            )
+        )
+        assert ours == pytest.approx(exact[i], rel=1e-5)
 
 
 def test_any_light_keeps_its_energy() -> None:

@@ -52,11 +52,17 @@ layout(binding = 11) uniform sampler2D reflectance;   // render/reflection.py's 
 layout(binding = 9) uniform sampler2DShadow shadow_map;
 uniform mat4 shadow_matrix;          // from positions relative to the eye
 uniform float shadow_texel_m;
+#ifdef NEAR_SHADOW
+layout(binding = 15) uniform sampler2DShadow near_shadow_map;  // finer, around the eye
+uniform mat4 near_shadow_matrix;
+uniform float near_shadow_texel_m;
+const float NEAR_RIM = 0.25;         // of its half width, where it goes over into the other
+#endif
 
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
 centroid in vec3 eye_to_sample;      // inside the triangle, also at its edge
 #ifdef NORMAL_LOC
-in vec3 world_normal;
+centroid in vec3 world_normal;
 #endif
 #ifdef TEXCOORD_0_LOC
 in vec2 first_uv;
@@ -65,7 +71,7 @@ in vec2 first_uv;
 in vec2 second_uv;
 #endif
 #ifdef COLOR_0_LOC
-in vec4 vertex_color;
+centroid in vec4 vertex_color;
 #endif
 
 out vec4 frag_radiance;
@@ -155,22 +161,46 @@ vec3 point_in_triangle(vec3 face) {
     return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
 }
 
-// Share of the sun that reaches this point: 3 x 3 taps of a linearly filtered comparison.
+// Share of the sun at a place in a shadow map: 3 x 3 taps of a linearly filtered comparison.
+float lit_share(sampler2DShadow map, vec3 at) {
+    at = at * 0.5 + 0.5;
+    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
+    float depth = min(at.z, 1.0);
+    vec2 texel = 1.0 / vec2(textureSize(map, 0));
+    float lit = 0.0;
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j)
+            lit += texture(map, vec3(at.xy + vec2(i, j) * texel, depth));
+    return lit / 9.0;
+}
+
+// Share of the sun that reaches this point.
 float sun_visibility(vec3 face, float cos_face) {
     // The receiver is moved off its own surface by what the taps can span, more where the
     // light grazes it: one texel, and one of the filter, both along the diagonal. Measured in
     // texels it is free of acne at any scale.
     float sin_face = sqrt(max(0.0, 1.0 - cos_face * cos_face));
-    vec3 p = point_in_triangle(face) + face * (shadow_texel_m * (0.5 + 2.83 * sin_face));
-    vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
-    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
-    float depth = min(at.z, 1.0);
-    vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
-    float lit = 0.0;
-    for (int i = -1; i <= 1; ++i)
-        for (int j = -1; j <= 1; ++j)
-            lit += texture(shadow_map, vec3(at.xy + vec2(i, j) * texel, depth));
-    return lit / 9.0;
+    vec3 p = point_in_triangle(face), off = face * (0.5 + 2.83 * sin_face);
+    vec3 at = (shadow_matrix * vec4(p + off * shadow_texel_m, 1.0)).xyz;
+#ifdef NEAR_SHADOW
+    vec3 near_at = (near_shadow_matrix * vec4(p + off * near_shadow_texel_m, 1.0)).xyz;
+    vec3 from_middle = abs(near_at);
+    float to_rim = 1.0 - max(from_middle.x, max(from_middle.y, from_middle.z));
+    float share = clamp(to_rim / NEAR_RIM, 0.0, 1.0);
+    if (share <= 0.0) return lit_share(shadow_map, at);
+    float near_lit = lit_share(near_shadow_map, near_at);
+    return share >= 1.0 ? near_lit : mix(lit_share(shadow_map, at), near_lit, share);
+#else
+    return lit_share(shadow_map, at);
+#endif
+}
+
+// Share of the sun that is left where a triangle of a rounded surface turns away from it, so that
+// no edge of a triangle shows there; 1 where triangle and normal agree (Chiang et al. 2019,
+// "Taming the shadow terminator").
+float before_terminator(float nl, float cos_face, float cos_between) {
+    float g = clamp(cos_face / max(nl * cos_between, 1e-9), 0.0, 1.0);
+    return g * (1.0 + g * (1.0 - g));
 }
 
 // Reflectance at grazing angles: 1, but for what is darker at normal incidence than any real
@@ -225,6 +255,15 @@ vec3 reflected_sky(vec3 d, float roughness) {
     return textureLod(reflection, d, level).rgb * reflection_scale;
 }
 
+#ifdef CLOUD_SHADOWS
+//!include cloud_block.glsl
+//!include cloud_shadow.glsl
+#endif
+
+#ifdef AIR
+//!include air.glsl
+#endif
+
 vec4 base_color() {
     vec4 base = material.base_color_factor;
 #ifdef HAS_BASE_COLOR_TEX
@@ -234,7 +273,8 @@ vec4 base_color() {
 #endif
 #endif
 #ifdef COLOR_0_LOC
-    base *= vertex_color;
+    // Some rasterisers reach beyond the triangle for the centroid too.
+    base *= clamp(vertex_color, 0.0, 1.0);
 #endif
     return base;
 }
@@ -279,7 +319,11 @@ void main() {
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
     if (nl > 0.0 && cos_face > 0.0) {
-        vec3 sun = sun_irradiance * (nl * sun_visibility(face, cos_face));
+        float terminator = before_terminator(nl, cos_face, dot(n, face));
+        vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face, cos_face));
+#ifdef CLOUD_SHADOWS
+        sun *= cloud_transmittance(eye_to_sample);
+#endif
         float mean = share.z * grazing(vec3(dielectric_f0)).r;
         diffuse += sun * (through * (1.0 - coat(shares(nl, roughness).xy)) / (1.0 - mean));
         vec3 h = normalize(sun_direction + view);
@@ -289,5 +333,8 @@ void main() {
     radiance += albedo * diffuse / PI;
     vec3 once = f0 * share.x + grazing(f0) * share.y;
     radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
+#ifdef AIR
+    radiance = through_air(radiance, -view, length(eye_to_sample));
+#endif
     frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
 }

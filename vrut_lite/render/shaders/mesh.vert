@@ -25,7 +25,7 @@ uniform mat4 P;
 out vec3 eye_to_point;
 centroid out vec3 eye_to_sample;
 #ifdef NORMAL_LOC
-out vec3 world_normal;
+centroid out vec3 world_normal;
 #endif
 #ifdef TEXCOORD_0_LOC
 out vec2 first_uv;
@@ -34,7 +34,7 @@ out vec2 first_uv;
 out vec2 second_uv;
 #endif
 #ifdef COLOR_0_LOC
-out vec4 vertex_color;
+centroid out vec4 vertex_color;
 #endif
 
 void main() {

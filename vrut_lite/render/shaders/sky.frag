@@ -13,7 +13,21 @@ out vec4 frag_radiance;
 
 //!include sky_lookup.glsl
 
-vec3 sun_disc(vec3 d) {
+#ifdef CLOUD_SHADOWS
+//!include cloud_block.glsl
+//!include cloud_shadow.glsl
+#endif
+
+#ifdef AIR
+//!include air.glsl
+#endif
+
+#ifdef BACKGROUND
+uniform float sun_solid_angle;
+//!background
+#endif
+
+vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     // asin of the cross product keeps its precision where acos of the dot product has none.
     float angle = dot(d, sun_direction) > 0.0 ? asin(min(1.0, length(cross(d, sun_direction)))) : 3.0;
     float edge = max(fwidth(angle), 1e-6);
@@ -22,12 +36,36 @@ vec3 sun_disc(vec3 d) {
     float c = sqrt(max(0.0, 1.0 - ratio * ratio));
     vec3 darkening = limb_darkening[5];
     for (int k = 4; k >= 0; --k) darkening = darkening * c + limb_darkening[k];
-    return sun_disc_radiance * max(darkening, 0.0) * covered;
+    return mean_radiance * max(darkening, 0.0) * covered;
 }
 
 void main() {
     vec3 d = normalize(ray);
-    float above = clamp(d.y / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
-    vec3 upper = sky_on_side(sky, d, 1.0) * sky_scale + sun_disc(d);
-    frag_radiance = vec4(mix(sky_on_side(sky, d, -1.0) * sky_scale, upper, above), 1.0);
+    float over_horizon = d.y;
+#ifdef AIR
+    over_horizon -= air.horizon_height;
+#endif
+    float above = clamp(over_horizon / max(fwidth(d.y), 1e-7) + 0.5, 0.0, 1.0);
+#ifdef BACKGROUND
+    vec3 upper = background_radiance(d) + sun_disc(d, background_sunlight(d) / sun_solid_angle);
+    vec3 lower = upper;
+#else
+    vec3 upper = sky_on_side(sky, d, 1.0) * sky_scale + sun_disc(d, sun_disc_radiance);
+    vec3 lower = sky_on_side(sky, d, -1.0) * sky_scale;
+#endif
+#ifdef AIR
+    float ground_m = ground_distance_m(d);
+#ifdef CLOUD_SHADOWS
+    if (air.ground_is_bare > 0.5) lower *= ground_under_clouds(d * ground_m);
+#endif
+    if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m);
+#ifdef LIGHT_SHAFTS
+    // What has its air already lacks what the scene shades of it.
+    AirRay shaded = air_ray(d);
+    upper = max(upper - shadowed_light(shaded, d, MISSES_AIR), 0.0);
+    if (air.ground_is_bare < 0.5)
+        lower = max(lower - shadowed_light(shaded, d, ground_m), 0.0);
+#endif
+#endif
+    frag_radiance = vec4(mix(lower, upper, above), 1.0);
 }

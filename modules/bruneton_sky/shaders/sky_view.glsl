@@ -1,0 +1,58 @@
+// Looking up a sky-view table: the twin of sky_view_fill.py, where the formulas are explained.
+
+// Two of each node, fourth roots of radiance: that with its phase function, that without.
+layout(std430, binding = 1) restrict readonly buffer BackgroundNodes { vec4 background_nodes[]; };
+
+uniform ivec3 background_shape;      // rows above the horizon, rows below it, columns
+uniform vec2 background_horizon;     // 1 + mu of the ground's horizon and of the air's end
+uniform vec3 background_sun;         // unit vector
+uniform vec2 background_sun_azimuth; // its level part, a unit vector
+uniform vec4 background_phase;       // factor, form, (1 - g)^2 and 2 g
+
+float background_mie_phase(float nu) {
+    float spread = background_phase.z + background_phase.w * (1.0 - nu);
+    return background_phase.x * (1.0 + background_phase.y * nu * nu) / (spread * sqrt(spread));
+}
+
+vec4 background_blended(int node, vec2 far, int kind) {
+    int at = 2 * node + kind;
+    int next = at + 2 * background_shape.z;
+    vec4 near_row = mix(background_nodes[at], background_nodes[at + 2], far.x);
+    return mix(near_row, mix(background_nodes[next], background_nodes[next + 2], far.x), far.y);
+}
+
+vec3 background_fourth_power(vec3 root) {
+    vec3 square = root * root;
+    return square * square;
+}
+
+// 1 + mu above that of the ground's horizon, without cancellation at the nadir, where a far
+// observer has all of the planet.
+float background_height(vec3 direction) {
+    float sum = 1.0 + abs(direction.y);
+    float depth = direction.y < 0.0 ? dot(direction.xz, direction.xz) / sum : sum;
+    return depth - background_horizon.x;
+}
+
+// Radiance on one side of the horizon, `up` or down; what lies beyond is drawn to the edge.
+vec3 background_on_side(vec3 direction, float height, bool up) {
+    float span = up ? background_horizon.y - background_horizon.x : background_horizon.x;
+    int rows = up ? background_shape.x : background_shape.y;
+    float share = clamp((up ? height : -height) / span, 0.0, 1.0);
+    float x = sqrt(share);
+    // From above the air: dense toward the edge of the air too.
+    if (up && background_horizon.y <= 1.0)
+        x = share < 0.5 ? sqrt(0.5 * share) : 1.0 - sqrt(0.5 - 0.5 * share);
+    float row = x * float(rows - 1);
+    int i = min(int(row), rows - 2);
+    // Half the chord between the level directions is the sine of half the azimuth.
+    float level = dot(direction.xz, direction.xz);
+    vec2 chord = direction.xz * inversesqrt(max(level, 1e-30)) - background_sun_azimuth;
+    float column = 0.5 * length(chord) * float(background_shape.z - 1);
+    int k = min(int(column), background_shape.z - 2);
+    int node = (up ? i : i + background_shape.x) * background_shape.z + k;
+    vec2 far = vec2(column - float(k), row - float(i));
+    vec3 phased = background_fourth_power(background_blended(node, far, 0).rgb);
+    vec3 mie = background_fourth_power(background_blended(node, far, 1).rgb);
+    return phased + background_mie_phase(dot(direction, background_sun)) * mie;
+}

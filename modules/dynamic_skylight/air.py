@@ -1,0 +1,170 @@
+"""A simple air to go with a measured or fitted sky: two exponential layers, lit as the sky is.
+
+Molecules and aerosol thin with height over 8 and 1.2 km. What they scatter is known in total: an
+endless path through them must look as the sky does in its direction, or, below the horizon,
+as the sky just above it. So light is the sky's, times 1 - T of the path over 1 - T of all the air
+in that direction, and hills fade into the very sky behind them. Of this light, sunlight scattered
+once, which a shadow takes away, is the sun's irradiance times albedo and phase function, by the
+shares of molecules and aerosol at the eye, but nine tenths of it at most: the sky's aureole is
+softer than the phase function's. All of it is kept with its phase. The rest is light scattered
+again; with the sun below the horizon all is of that kind, though high up the sun may still shine.
+
+Turbidity is turned into aerosol by Preetham's use of Angstrom's formula,
+beta = 0.04608 T - 0.04586 at 1 micrometre with exponent 1.3 (Preetham, Shirley and Smits 1999,
+appendix A.1); molecules scatter as in Bruneton's 2017 demonstration, 1.24062e-6 per m at 1
+micrometre. The aerosol's albedo is 0.9, its phase function Cornette and Shanks' with g = 0.8.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamic_skylight.daylight import Daylight
+from vrut_lite.geometry.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.geometry.air_reach import UNSEEN_SHARE
+from vrut_lite.geometry.air_volume import (
+    Grid,
+    NodeRays,
+    column_cosines,
+    node_rays,
+    slice_shares,
+)
+from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import AirVolume, Vector
+
+FloatArray = NDArray[np.float64]
+GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
+SCALE_HEIGHTS_M = np.array([8000.0, 1200.0])
+SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 40, 24, 32
+_AEROSOL_ALBEDO, _G = 0.9, 0.8
+_MOST_SUNLIT = 0.9
+# High up little air is left to make the sky's light: it is not to shine more than so much more.
+_LEAST_LOST = 0.02
+# The model's radiance has an infinite slope on the horizon, which would draw a line across the
+# hills at the eye's level: within half a degree of it the sky a little higher stands in for it.
+_SOFT_MU = 0.006
+# The first node is in the eye, where the light is its own limit: that of so much of a slice.
+_FIRST_SHARE = 0.01
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
+
+
+def extinction(turbidity: float) -> FloatArray:
+    """Coefficients (2, 4) in 1/m of molecules and aerosol at the ground, at SKYLIGHT_NM."""
+    micrometre = np.asarray(SKYLIGHT_NM) / 1000.0
+    vertical = max(0.04608 * turbidity - 0.04586, 0.0) * micrometre**-1.3
+    return np.stack([1.24062e-6 * micrometre**-4.0, vertical / SCALE_HEIGHTS_M[1]])
+
+
+def air_is_seen(turbidity: float, altitude_m: float, reach_m: float) -> bool:
+    """Whether so many metres of air may show: none of it is denser than the lowest within reach."""
+    if reach_m <= 0.0:
+        return False
+    lowest_m = max(min(altitude_m, TOP_ALTITUDE_M) - reach_m, 0.0)
+    densest = np.exp(-lowest_m / SCALE_HEIGHTS_M) @ extinction(turbidity)
+    return bool(-np.expm1(-densest.max() * reach_m) > UNSEEN_SHARE)
+
+
+def air_volume(
+    daylight: Daylight, sun_direction: Vector, altitude_m: float, reach_m: float
+) -> AirVolume:
+    """The air around an observer; the sun's direction is the apparent one, in world axes."""
+    grid = Grid(altitude_m, GROUND_RADIUS_M, TOP_ALTITUDE_M, reach_m, ROWS_ABOVE, ROWS_BELOW)
+    rays = node_rays(grid, COLUMNS, float(np.clip(sun_direction[1], -1.0, 1.0)))
+    coefficients = extinction(daylight.turbidity)
+    depth = _depths(rays, coefficients, _distances(rays.span_m, altitude_m))
+    light = _mean_light(daylight, grid, rays, coefficients)
+    values, scale = encode_float16(light.astype(np.float32))
+    shaded, direct, aerosol = (_on_slices(part) for part in values)
+    return AirVolume(
+        shaded=shaded,
+        direct=direct,
+        aerosol=aerosol,
+        extinction=Array(np.ascontiguousarray(np.moveaxis(depth, 0, 1), dtype=np.float32)),
+        radiance_scale=scale,
+        aerosol_phase=(_G, _phase_factor(), 1.0),
+        sun_direction=sun_direction,
+        **grid._asdict(),
+    )
+
+
+def _mean_light(
+    daylight: Daylight, grid: Grid, rays: NodeRays, coefficients: FloatArray
+) -> FloatArray:
+    """Mean radiance (3, rows, columns, 3): light scattered again, scattered once, nothing."""
+    sky = _sky_behind(daylight, rays, grid.rows_above)
+    total = sky / np.maximum(_whole_lost(grid, rays, coefficients), _LEAST_LOST)[:, None]
+    sunlit = np.minimum(_sunlit(daylight, grid, rays, coefficients), _MOST_SUNLIT * total)
+    return np.stack([total - sunlit, sunlit, np.zeros_like(total)])
+
+
+def _sky_behind(daylight: Daylight, rays: NodeRays, rows_above: int) -> FloatArray:
+    """The sky's radiance (rows, columns, 3); below the level, more and more that on the horizon."""
+    up = np.where(np.arange(rays.mu.size) < rows_above, np.maximum(rays.mu, 0.0), rays.mu)
+    mu = np.minimum(0.5 * (up + np.hypot(up, 2.0 * _SOFT_MU)), 1.0)
+    sun = daylight.sky.sun_elevation_rad
+    level = np.sqrt((1.0 - mu) * (1.0 + mu)) * np.cos(sun)
+    nu = mu[:, None] * np.sin(sun) + level[:, None] * column_cosines(rays.nu.shape[1])
+    gamma = np.arccos(np.clip(nu, -1.0, 1.0))
+    return daylight.sky.radiance(np.broadcast_to(np.arccos(mu)[:, None], gamma.shape), gamma)
+
+
+def _whole_lost(grid: Grid, rays: NodeRays, coefficients: FloatArray) -> FloatArray:
+    """1 - T (rows, 3) of all the air in each direction; below the horizon, of that on it."""
+    endless = node_rays(grid._replace(reach_m=np.inf), 1, 0.0)
+    above = NodeRays(*(part[: grid.rows_above] for part in endless))
+    distance = _distances(above.span_m, grid.observer_altitude_m)
+    paths = _paths(above, distance)[:, -1]
+    lost, _ = lost_and_depth(-np.expm1(-paths @ coefficients), _shares())
+    return np.concatenate([lost, np.broadcast_to(lost[:1], (grid.rows_below, 3))])
+
+
+def _sunlit(daylight: Daylight, grid: Grid, rays: NodeRays, coefficients: FloatArray) -> FloatArray:
+    """Radiance (rows, columns, 3) of sunlight scattered once, per extinction of the eye's air."""
+    here = np.exp(-grid.observer_altitude_m / SCALE_HEIGHTS_M)[:, None] * (coefficients @ _shares())
+    of_molecules, of_aerosol = here / np.maximum(here.sum(axis=0), 1e-300)
+    nu = rays.nu[..., None]
+    molecules = 3.0 / (16.0 * np.pi) * (1.0 + nu * nu)
+    aerosol = _phase_factor() * (1.0 + nu * nu) / ((1.0 - _G) ** 2 + 2.0 * _G * (1.0 - nu)) ** 1.5
+    scattered = of_molecules * molecules + _AEROSOL_ALBEDO * of_aerosol * aerosol
+    return np.asarray(daylight.sun.irradiance_rgb * scattered)
+
+
+def _depths(rays: NodeRays, coefficients: FloatArray, distance: FloatArray) -> FloatArray:
+    """Extinction (rows, slices, 3) in 1/m, mean up to the distances."""
+    lost = -np.expm1(-_paths(rays, distance) @ coefficients)
+    return lost_and_depth(lost, _shares())[1] / distance[..., None]
+
+
+def _distances(span_m: FloatArray, altitude_m: float) -> FloatArray:
+    """Distances (rows, slices) of the nodes, the first of them a little before the eye."""
+    shares = slice_shares(SLICES, altitude_m)
+    shares[0] = _FIRST_SHARE * shares[1]
+    return span_m[:, None] * shares
+
+
+def _paths(rays: NodeRays, distance: FloatArray) -> FloatArray:
+    """Paths (rows, slices, 2) in m through either layer up to the distances; by Gauss-Legendre."""
+    start = np.concatenate([np.zeros_like(distance[:, :1]), distance[:, :-1]], axis=1)
+    half = 0.5 * (distance - start)[..., None]
+    metres = start[..., None] + half * (1.0 + _GAUSS_X)
+    radius = GROUND_RADIUS_M + rays.altitude_m[:, None, None]
+    step = metres * (metres + 2.0 * radius * rays.mu[:, None, None])
+    rise = step / (np.sqrt(np.maximum(step + radius * radius, 0.0)) + radius)
+    altitude = np.maximum(rays.altitude_m[:, None, None] + rise, 0.0)
+    density = np.exp(-altitude[..., None] / SCALE_HEIGHTS_M)
+    return np.cumsum(np.einsum("rsg,rsgk->rsk", half * _GAUSS_W, density), axis=1)
+
+
+def _shares() -> FloatArray:
+    return shares_of_white(SKYLIGHT_NM, solar_irradiance(SKYLIGHT_NM))
+
+
+def _phase_factor() -> float:
+    """Of Cornette and Shanks' phase function, in sr^-1."""
+    return float(3.0 / (8.0 * np.pi) * (1.0 - _G) * (1.0 + _G) / (2.0 + _G * _G))
+
+
+def _on_slices(part: NDArray[np.float16]) -> Array:
+    """(rows, columns, 3), the same at every distance."""
+    return Array(np.repeat(part[None], SLICES, axis=0))

@@ -1,0 +1,44 @@
+"""Air made by hand: volumes whose light can be worked out on paper."""
+
+import numpy as np
+
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import AirChanged, AirVolume
+
+EARTH_M, TOP_M = 6.36e6, 6e4
+ISOTROPIC = (0.0, 1.0, 0.0)
+
+
+def volume_of(extinction, shaded, direct=0.0, aerosol=0.0, **changes):
+    """A volume of nodes (slices, rows, columns, 3); extinction has no columns."""
+    nodes = {"slices": 8, "rows_above": 6, "rows_below": 5, "columns": 4}
+    nodes |= {name: changes.pop(name) for name in list(changes) if name in nodes}
+    rows = nodes["rows_above"] + nodes["rows_below"]
+    shape = (nodes["slices"], rows, nodes["columns"], 3)
+
+    def values(given, shape, dtype):
+        return Array(np.ascontiguousarray(np.broadcast_to(given, shape), dtype=dtype))
+
+    known = {
+        "radiance_scale": 1.0,
+        "aerosol_phase": ISOTROPIC,
+        "reach_m": 2e5,
+        "observer_altitude_m": 1.7,
+        "ground_radius_m": EARTH_M,
+        "top_altitude_m": TOP_M,
+        "sun_direction": (0.6, 0.8, 0.0),
+    }
+    return AirVolume(
+        shaded=values(shaded, shape, np.float16),
+        direct=values(direct, shape, np.float16),
+        aerosol=values(aerosol, shape, np.float16),
+        extinction=values(extinction, (shape[0], rows, 3), np.float32),
+        rows_above=nodes["rows_above"],
+        rows_below=nodes["rows_below"],
+        **(known | changes),
+    )
+
+
+def air_of(volume):
+    """The message."""
+    return AirChanged(volume=volume, source="test")

@@ -1,0 +1,142 @@
+"""Shadows in the air, against a march along every ray in double precision."""
+
+import numpy as np
+import pytest
+import trimesh
+from air_stage import air_of, volume_of
+from scene_stage import light, look
+
+from vrut_lite.scene.loading import load_scene
+
+pytestmark = pytest.mark.gl
+SIZE = (64, 48)
+EXTINCTION, SHADED, SUNLIT = 3e-3, 1.0, 8.0
+SUN = np.array([0.55, 0.8, 0.25]) / np.linalg.norm([0.55, 0.8, 0.25])
+# Middles and sizes: two slabs with a gap between them, and the wall that closes the view.
+BOXES = [
+    ((-30.0, 40.0, -60.0), (40.0, 3.0, 80.0)),
+    ((25.0, 40.0, -60.0), (50.0, 3.0, 80.0)),
+    ((0.0, 40.0, -150.0), (220.0, 120.0, 4.0)),
+]
+EYE, TARGET, FIELD_OF_VIEW_RAD = (0.0, 10.0, 30.0), (5.0, 22.0, -100.0), 0.7
+
+
+@pytest.fixture
+def backend(gl_owner):
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    backend.set_size(*SIZE)
+    yield backend
+    backend.close()
+
+
+def show(backend, folder, boxes, sun=SUN, sky=0.0):
+    """Black boxes, in a sun that lights the air and nothing else."""
+    black = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=[0, 0, 0, 1.0], metallicFactor=1.0, roughnessFactor=1.0
+    )
+    meshes = []
+    for middle, extents in boxes:
+        box = trimesh.creation.box(extents).apply_translation(middle)
+        box.visual = trimesh.visual.TextureVisuals(material=black)
+        meshes.append(box)
+    path = folder / "boxes.glb"
+    trimesh.Scene(meshes).export(path)
+    backend.show_scene(load_scene(path), None)
+    light(backend, np.full((6, 8, 8, 3), sky), sun_direction=sun, sun_irradiance=(1.0,) * 3)
+    backend.set_air(air_of(volume_of(EXTINCTION, SHADED, SUNLIT, sun_direction=tuple(sun))))
+
+
+def hits(start, direction):
+    """Distance (...,) of rays to the nearest box, infinite where there is none."""
+    nearest = np.full(start.shape[:-1], np.inf)
+    for middle, extents in BOXES:
+        with np.errstate(divide="ignore"):
+            a, b = ((middle + s * 0.5 * np.array(extents) - start) / direction for s in (-1, 1))
+        enter = np.minimum(a, b).max(axis=-1)
+        leave = np.maximum(a, b).min(axis=-1)
+        nearest = np.where((leave > enter) & (leave > 0.0), np.minimum(nearest, enter), nearest)
+    return nearest
+
+
+def marched(rays):
+    """Light added before the boxes, or in 1 km, along unit rays (n, 3): 4000 steps, lit or not."""
+    far = np.minimum(hits(np.array(EYE), rays), 1e3)
+    share = (np.arange(4000) + 0.5) / 4000
+    metres = far[:, None] * share
+    points = np.array(EYE) + rays[:, None] * metres[..., None]
+    lit = ~np.isfinite(hits(points, SUN))
+    source = SHADED + SUNLIT * lit
+    return (source * EXTINCTION * np.exp(-EXTINCTION * metres)).mean(axis=1) * far
+
+
+def pixel_rays(x, y):
+    from vrut_lite.scene.camera import look_at
+
+    tangent = np.tan(0.5 * FIELD_OF_VIEW_RAD)
+    right = (2 * (x + 0.5) / SIZE[0] - 1) * tangent * SIZE[0] / SIZE[1]
+    up = (1 - 2 * (y + 0.5) / SIZE[1]) * tangent
+    rays = np.stack([right, up, -np.ones_like(up)], axis=-1) @ look_at(EYE, TARGET)[:3, :3]
+    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+
+
+def test_shafts_are_those_of_a_march_in_double_precision(backend, tmp_path):
+    """Two slabs and a gap: nine pixels of ten within 0.2 % of the light of lit air, each in 1.5 %.
+
+    The first is the shadow map's texels, and where edges are found: 1/2000 of the ray. The last
+    is a piece of shadow shorter than a step, 1/64 of the ray, which may be passed over.
+    """
+    show(backend, tmp_path, BOXES)
+    backend.set_light_shafts(True)
+    view = (EYE, TARGET, FIELD_OF_VIEW_RAD)
+    picture = look(backend, *view).radiance[..., 1]
+    backend.set_light_shafts(False)
+    whole = look(backend, *view).radiance[..., 1]
+    x, y = (side.ravel() for side in np.meshgrid(np.arange(1, 64, 3), np.arange(1, 48, 3)))
+    rays = pixel_rays(x, y)
+    # Pixels on the boxes' edges are means of several depths.
+    corners = [pixel_rays(x + i, y + j) for i in (-0.6, 0.6) for j in (-0.6, 0.6)]
+    depths = [np.minimum(hits(np.array(EYE), ray), 1e9) for ray in corners]
+    inside = (np.ptp(depths, axis=0) < 2.0) & (np.max(depths, axis=0) < 1e3)
+    wanted, found = marched(rays), picture[y, x]
+    lost = whole[y, x] - wanted
+    assert (lost > 0.2 * whole[y, x]).sum() > 30
+    assert inside.sum() > 150
+    error = np.abs(found - wanted)[inside] / whole[y, x][inside]
+    assert np.percentile(error, 90) < 0.002
+    assert error.max() < 0.015
+
+
+def test_where_nothing_casts_shafts_change_nothing(backend, tmp_path):
+    """One wall, its shadow behind it: the same picture within 2e-4, a texel's own shade."""
+    show(backend, tmp_path, BOXES[2:], sun=np.array([0.0, 0.6, 0.8]))
+    view = (EYE, TARGET, 0.3)
+    without = look(backend, *view).radiance
+    backend.set_light_shafts(True)
+    np.testing.assert_allclose(look(backend, *view).radiance, without, rtol=2e-4)
+    assert backend.ledger.done["light shafts"] == 1
+
+
+def test_the_sky_behind_a_shadow_is_darker(backend, tmp_path):
+    """Under a slab, towards the free sky: less by the sunlit light of the shaded piece, 0.2 %."""
+    slab = [((0.0, 50.0, 0.0), (100.0, 2.0, 100.0))]
+    show(backend, tmp_path, slab, sun=np.array([0.0, 1.0, 1e-3]), sky=20.0)
+    backend.set_light_shafts(True)
+    eye = np.array([0.0, 5.0, 0.0])
+    picture = look(backend, eye, np.add(eye, (0.0, 0.05, -1.0)), 0.02)
+    shaded_m = 50.0 * np.hypot(1.0, 0.05)
+    expected = 20.0 - SUNLIT * (1.0 - np.exp(-EXTINCTION * shaded_m))
+    np.testing.assert_allclose(picture.radiance[24, 32], expected, rtol=2e-3)
+
+
+def test_shafts_cost_nothing_when_off_or_without_sun(backend, tmp_path):
+    """Off by default; without a sun there is nothing to shade: the plain shader, bit for bit."""
+    show(backend, tmp_path, BOXES)
+    light(backend, np.full((6, 8, 8, 3), 2.0), sun_direction=SUN)
+    view = (EYE, TARGET, FIELD_OF_VIEW_RAD)
+    plain = look(backend, *view).radiance
+    backend.set_light_shafts(True)
+    np.testing.assert_array_equal(look(backend, *view).radiance, plain)
+    assert backend.ledger.done["light shafts"] == 0
+    assert backend.ledger.done["air"] == 2

@@ -1,0 +1,165 @@
+"""How far the air reaches that a view asks for, and who asks for it."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    AirChanged,
+    ChooseSlot,
+    LoadScene,
+    MoveCamera,
+    Resize,
+    SceneNeeds,
+    SetSetting,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
+from vrut_lite.scene.manager import SceneManager
+from vrut_lite.scene.needs import air_reach_m
+from vrut_lite.scene.recording_backend import RecordingBackend
+
+LOWER, UPPER = (-3.0, 0.0, -4.0), (3.0, 5.0, 4.0)
+
+
+def reach(eye, target, lower=LOWER, upper=UPPER, field_of_view_rad=0.8):
+    camera = MoveCamera(
+        eye_m=tuple(map(float, eye)),
+        target_m=tuple(map(float, target)),
+        vertical_field_of_view_rad=field_of_view_rad,
+    )
+    return air_reach_m(camera, 1.5, lower, upper, 0.0)
+
+
+def horizon_m(height_m):
+    return np.sqrt(height_m * (2 * PLANET_RADIUS_M + height_m))
+
+
+@pytest.mark.parametrize("height_m", [0.1, 1.7, 100.0, 3e3, 1e5, 1e7])
+def test_with_the_horizon_in_view_it_reaches_there(height_m):
+    """sqrt(h (2 R + h)): 4.65 km for someone who stands, 3,700 km from a satellite."""
+    far = horizon_m(height_m)
+    down = -np.arcsin(far / (PLANET_RADIUS_M + height_m))
+    level = reach((0, height_m, 50), (0, height_m + np.tan(down + 1e-3), 49))
+    # The scene itself is within 60 m.
+    assert far * (1 - 1e-9) <= level <= max(far * (1 + 1e-9), 60.0)
+
+
+def test_from_above_it_reaches_to_the_farthest_corner():
+    """A table seen from 3 m up needs no air to the horizon: ground and corners are all near."""
+    assert reach((0, 8, 0), (0.1, 0, 0), field_of_view_rad=0.5) == pytest.approx(
+        np.linalg.norm([3, 8, 4])
+    )
+
+
+def test_into_the_sky_alone_it_does_not_reach():
+    """Neither scene nor ground are in the picture: no air is asked for."""
+    assert reach((0, 30, 0), (0, 60, -10)) == 0.0
+
+
+def test_a_far_scene_counts_when_it_is_in_view():
+    """A mountain over the horizon is farther than the horizon; behind the back it is nothing."""
+    lower, upper = (-1e3, 0.0, -51e3), (1e3, 2e3, -49e3)
+    ahead = reach((0, 1.7, 0), (0, 2, -10), lower, upper)
+    assert ahead == pytest.approx(np.linalg.norm([1e3, 2e3 - 1.7, 51e3]))
+    assert reach((0, 1.7, 0), (0, 2, 10), lower, upper) == pytest.approx(horizon_m(1.7))
+
+
+def test_it_grows_without_a_step_as_the_view_is_raised():
+    """From steeply down to the horizon: no step longer than its share, then it stays."""
+    angles = np.linspace(-1.3, 0.3, 3000)
+    found = [reach((0, 50, 0), (0, 50 + np.tan(a), -1)) for a in angles]
+    assert np.all(np.diff(found) >= -1e-6)
+    assert found[-1] == pytest.approx(horizon_m(50.0))
+
+
+class Sky(Module):
+    """Posts air, without a volume, when somebody wants it and the needs change."""
+
+    manifest = Manifest(name="sky", title="Sky", version="1", provides=("sky",))
+
+    @handles(SceneNeeds)
+    def on_needs(self, message: SceneNeeds) -> None:
+        if self.link.wanted(AirChanged) and self.link.holds("sky"):
+            self.link.post(AirChanged(volume=None, source=self.manifest.name))
+
+
+class OtherSky(Sky):
+    """A sky without air."""
+
+    manifest = Manifest(name="other_sky", title="Other sky", version="1", provides=("sky",))
+
+    @handles(SceneNeeds)
+    def on_needs(self, message: SceneNeeds) -> None:
+        """Nothing to say."""
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """A kernel with a sky and an open scene; the backend."""
+    kernel, backend = Kernel(), RecordingBackend()
+    for module in (Sky, OtherSky):
+        kernel.add_module(module)
+    kernel.add_module(SceneManager, backend=backend)
+    path = tmp_path / "box.glb"
+    trimesh.creation.box((2, 4, 2)).export(path)
+    play(kernel, ChooseSlot(slot="sky", module="sky"), LoadScene(path=str(path)))
+    yield kernel, backend
+    kernel.close()
+
+
+def play(kernel, *inputs):
+    for message in inputs:
+        kernel.inject(message)
+        kernel.pump_until_idle()
+
+
+def test_air_is_asked_for_and_handed_on(stage):
+    """With a scene open the manager demands it, says how far it reaches and tells the backend."""
+    kernel, backend = stage
+    assert kernel.wanted(AirChanged).size == 1
+    assert kernel.last(SceneNeeds).air_reach_m > 1000.0
+    assert backend.latest["set_air"][0].source == "sky"
+
+
+def test_switched_off_nobody_is_asked(stage):
+    """No demand, no reach, no air in the backend, and the ledger counts it; on again all return."""
+    kernel, backend = stage
+    for wanted in (False, True):
+        play(kernel, SetSetting(module="scene", name="air", value=wanted))
+        play(kernel, Resize(width_px=64, height_px=32))
+        assert (kernel.wanted(AirChanged) is not None) is wanted
+        assert (kernel.last(SceneNeeds).air_reach_m > 0.0) is wanted
+        assert backend.latest["set_air"][0].source == ("sky" if wanted else "scene")
+        assert backend.latest["set_air"][0].volume is None
+    assert kernel.seats["scene"].module.ledger.skipped["air: switched off"] == 2
+
+
+def test_another_sky_does_not_inherit_the_air(stage):
+    """A sky that makes none must not be seen through the air of the last."""
+    kernel, backend = stage
+    play(kernel, ChooseSlot(slot="sky", module="other_sky"))
+    assert backend.latest["set_air"][0].source == "scene"
+
+
+def test_light_shafts_are_handed_on(stage):
+    """Off until someone wants them."""
+    kernel, backend = stage
+    assert backend.latest.get("set_light_shafts", (False,)) == (False,)
+    play(kernel, SetSetting(module="scene", name="light_shafts", value=True))
+    assert backend.latest["set_light_shafts"] == (True,)
+
+
+def test_in_a_closed_room_there_is_no_air(tmp_path):
+    """Inside the demand is taken back, outside it returns."""
+    kernel, backend = Kernel(), RecordingBackend()
+    kernel.add_module(SceneManager, backend=backend)
+    walls = trimesh.creation.box((4, 3, 5))
+    walls.invert()
+    walls.export(tmp_path / "room.glb")
+    play(kernel, LoadScene(path=str(tmp_path / "room.glb")))
+    for eye, inside in (((0.0, 0.0, 9.0), False), ((0.0, 0.0, 1.0), True), ((0, 9.0, 0), False)):
+        play(kernel, MoveCamera(eye_m=eye, target_m=(0.1, 0.2, 0.3)))
+        assert (kernel.wanted(AirChanged) is None) is inside
+        assert (kernel.last(SceneNeeds).air_reach_m == 0.0) is inside

@@ -1,0 +1,82 @@
+"""Air between two processes: four arrays in a structure, and what is refused of them."""
+
+import msgspec
+import numpy as np
+import pytest
+from bridge_samples import BACKGROUND
+from zenoh_bridge.frames import encode_frame, read_frame, remote_message
+from zenoh_bridge.shareable import revive
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import AirChanged, AirVolume, ViewShader
+from vrut_lite.kernel.recording.codec import arrays_of, to_plain
+
+LIGHT = np.linspace(0, 9, 3 * 4 * 2 * 3).astype(np.float16).reshape(3, 4, 2, 3)
+AIR = AirChanged(
+    volume=AirVolume(
+        shaded=Array(LIGHT.copy()),
+        direct=Array(LIGHT + np.float16(1.0)),
+        aerosol=Array(LIGHT + np.float16(2.0)),
+        extinction=Array(np.full((3, 4, 3), 1e-5, np.float32)),
+        radiance_scale=0.25,
+        aerosol_phase=(0.8, 0.1, 1.0),
+        rows_above=2,
+        rows_below=2,
+        reach_m=1e5,
+        observer_altitude_m=2.0,
+        ground_radius_m=6_360_000.0,
+        top_altitude_m=60_000.0,
+        sun_direction=(0.0, 0.6, -0.8),
+    ),
+    source="sample",
+)
+NO_AIR = AirChanged(volume=None, source="sample")
+
+
+def fetched(message):
+    """A message's arrays as a fetch would bring them."""
+    arrays = {array.digest: array for array in arrays_of(message)}
+    return lambda handle: arrays[handle["$array"]]
+
+
+@pytest.mark.parametrize("message", [AIR, NO_AIR])
+def test_air_crosses(message):
+    """Air must arrive as it was sent, its arrays fetched by digest."""
+    frame = read_frame(encode_frame(message, 2**16), "AirChanged", 2**16, 2**20)
+    fields = remote_message(frame, fetched(message)).fields
+    assert revive("AirChanged", fields) == message
+
+
+def test_a_stranger_s_shader_does_not_cross():
+    """The cube map of a sky seen from aloft arrives; code for the GPU of another is left out."""
+    view = ViewShader(
+        source="vec3 background_radiance(vec3 d) { return d; }",
+        uniforms={"background_shape": (1, 2, 3)},
+        buffers=((1, Array(np.zeros((4, 8), np.float32))),),
+    )
+    aloft = msgspec.structs.replace(BACKGROUND, view=view, ground_through_air=True)
+    frame = read_frame(encode_frame(aloft, 2**16), "BackgroundChanged", 2**16, 2**20)
+    fields = remote_message(frame, fetched(aloft)).fields
+    assert revive("BackgroundChanged", fields) == msgspec.structs.replace(aloft, view=None)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"reach_m": float("nan")}, "not finite"),
+        ({"sun_direction": (0.0, float("inf"), 0.0)}, "not finite"),
+        ({"reach_m": 0.0}, "do not fit"),
+        ({"rows_above": 1, "rows_below": 3}, "do not fit"),
+        ({"rows_above": 3}, "do not fit"),
+        ({"direct": Array(LIGHT[:2].copy())}, "do not fit"),
+        ({"shaded": Array(LIGHT[..., 0].copy())}, "do not fit"),
+        ({"aerosol": Array(LIGHT.astype(np.float32))}, "do not fit"),
+        ({"extinction": Array(np.ones((4, 3, 3), np.float32))}, "do not fit"),
+    ],
+)
+def test_forged_air_is_refused(changes, said):
+    """Tables that do not go with each other would be read past their ends by who draws them."""
+    forged = msgspec.structs.replace(AIR, volume=msgspec.structs.replace(AIR.volume, **changes))
+    with pytest.raises(UserError, match=said):
+        revive("AirChanged", to_plain(forged), fetched(forged))

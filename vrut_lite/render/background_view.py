@@ -1,0 +1,96 @@
+"""A background that a module's own shader draws, pixel by pixel."""
+
+from typing import Any
+
+import numpy as np
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.messages import ViewShader
+from vrut_lite.render.full_screen import FullScreen
+from vrut_lite.render.shader_files import Defines, defined, shader_source
+
+_PLACE = "//!background"
+
+
+class ViewScreen(FullScreen):
+    """The sky's shader with a module's own functions in it."""
+
+    def __init__(self, context: Any, source: str, defines: Defines):
+        names = dict.fromkeys((*defines, "BACKGROUND"), 1)
+        text = defined(shader_source("sky.frag"), names).replace(_PLACE, source)
+        self.program = context.program(
+            vertex_shader=shader_source("full_screen.vert"), fragment_shader=text
+        )
+        self._triangle = context.vertex_array(self.program, [])
+
+
+class BackgroundView:
+    """The shader that is shown, compiled once for each text, and what it reads.
+
+    Made and used on the GL thread only.
+    """
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._screens: dict[tuple[str, Defines], ViewScreen | None] = {}
+        self._buffers: list[tuple[int, Any]] = []
+        self._shown: ViewShader | None = None
+
+    def show(self, view: ViewShader | None) -> None:
+        """Draw this from the next frame on; with None, or what does not compile, the cube map.
+
+        Raises:
+            UserError: it does not compile; said once of each text.
+        """
+        self._shown = view
+        self._release_buffers()
+        if view is None:
+            return
+        is_new = (view.source, ()) not in self._screens
+        if self._screen(view.source, ()) is None:
+            self._shown = None
+            if is_new:
+                raise UserError(
+                    "the sky's own shader cannot be used here: its cube map is shown instead, "
+                    "coarser where it is looked at closely"
+                )
+            return
+        for binding, content in view.buffers:
+            values = np.ascontiguousarray(content.values, dtype=np.float32)
+            self._buffers.append((binding, self._context.buffer(values.tobytes())))
+
+    def screen(self, defines: Defines) -> FullScreen | None:
+        """The shader with its numbers handed over, None where the cube map is to be drawn."""
+        view = self._shown
+        screen = self._screen(view.source, defines) if view is not None else None
+        if view is None or screen is None:
+            return None
+        for name, value in view.uniforms.items():
+            # A uniform that the compiler found unused is not an error.
+            if name in screen.program:
+                screen.program[name].value = value
+        for binding, buffer in self._buffers:
+            buffer.bind_to_storage_buffer(binding)
+        return screen
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        self._release_buffers()
+        for screen in self._screens.values():
+            if screen is not None:
+                screen.release()
+
+    def _screen(self, source: str, defines: Defines) -> ViewScreen | None:
+        key = (source, defines)
+        if key not in self._screens:
+            try:
+                self._screens[key] = ViewScreen(self._context, source, defines)
+            except Exception:
+                # moderngl has no error of its own kind for a shader that does not compile.
+                self._screens[key] = None
+        return self._screens[key]
+
+    def _release_buffers(self) -> None:
+        for _, buffer in self._buffers:
+            buffer.release()
+        self._buffers = []

@@ -1,0 +1,161 @@
+// What the air before a point lets through and adds: the twin of geometry/air_volume.py, which
+// says where the nodes of its tables lie.
+
+layout(std140, binding = 0) uniform Air {  // render/air.py packs it
+    vec3 sun_direction;
+    float reach_m;
+    vec2 sun_azimuth;
+    float horizon_depth;          // 1 + mu of the tables' horizon
+    float depth_above_horizon;    // from there to their highest row
+    float slices;
+    float rows_above;
+    float rows_below;
+    float columns;
+    vec3 aerosol_phase;           // g, factor, form
+    float radiance_scale;
+    float observer_radius_m;      // from the planet's middle
+    float top_radius_m;
+    float above_top_m;            // of the observer; negative inside the air
+    float evenness;               // of slices
+    float start_radius_m;         // of where rays begin in the air
+    float tangent_below_m2;       // squared, from there to the deepest sphere
+    float tangent_above_m2;       // minus the squared tangent to the edge of the air
+    float shortest_span_m;
+    float ground_radius_m;        // of the ground behind the scene
+    float above_ground_m;
+    float horizon_height;         // mu that parts it from the sky
+    float ground_is_bare;         // 1: air is drawn before it
+    mat4 shadow_from_eye;
+} air;
+layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice
+layout(binding = 13) uniform sampler2D air_extinction;  // rows by slices
+
+const float MISSES_AIR = 1e30;
+
+struct AirRay {
+    float row;
+    float column;
+    float phase;    // of the aerosol, sr^-1
+    float entry_m;  // how far from the eye the air begins
+    float span_m;   // how much of it the slices share out
+};
+
+struct AirLight {
+    vec3 transmittance;
+    vec3 shaded;
+    vec3 sunlit;    // what a shadow would take away
+};
+
+// Where the ray enters the air, from the eye, and its start radius times its mu there.
+vec2 air_entry(vec3 d) {
+    if (air.above_top_m <= 0.0) return vec2(0.0, air.observer_radius_m * d.y);
+    float perigee_m = air.observer_radius_m * length(d.xz);
+    float squared = (air.top_radius_m - perigee_m) * (air.top_radius_m + perigee_m);
+    if (d.y >= 0.0 || squared <= 0.0) return vec2(MISSES_AIR, 0.0);
+    float half_chord = sqrt(squared);
+    return vec2(air.above_top_m * (air.observer_radius_m + air.top_radius_m)
+                / (half_chord - air.observer_radius_m * d.y), -half_chord);
+}
+
+float air_span_m(float along, bool below) {
+    float span = 0.0;
+    if (below) {
+        float root = sqrt(max(along * along - air.tangent_below_m2, 0.0));
+        span = air.tangent_below_m2 / max(root - along, 1e-30);
+    } else {
+        float root = sqrt(along * along + air.tangent_above_m2);
+        span = along > 0.0 ? air.tangent_above_m2 / (root + along) : root - along;
+    }
+    return clamp(span, air.shortest_span_m, air.reach_m);
+}
+
+AirRay air_ray(vec3 d) {
+    // 1 + mu without cancellation near the nadir, where a far observer has all of the planet.
+    float one_plus = d.y < 0.0 ? dot(d.xz, d.xz) / (1.0 - d.y) : 1.0 + d.y;
+    float above = one_plus - air.horizon_depth;
+    // Rows above and below the horizon are two blocks: no filter reaches from one into the other.
+    float row = above >= 0.0
+        ? sqrt(min(above / air.depth_above_horizon, 1.0)) * (air.rows_above - 1.0)
+        : air.rows_above + sqrt(min(-above / air.horizon_depth, 1.0)) * (air.rows_below - 1.0);
+    float level = length(d.xz);
+    vec2 azimuth = level > 1e-12 ? d.xz / level : vec2(0.0, -1.0);
+    float column = min(0.5 * distance(azimuth, air.sun_azimuth), 1.0) * (air.columns - 1.0);
+    // 1 - nu as half the squared chord keeps its precision beside the sun.
+    vec3 chord = d - air.sun_direction;
+    float beside = 0.5 * dot(chord, chord), nu = 1.0 - beside, g = air.aerosol_phase.x;
+    float phase = air.aerosol_phase.y * (1.0 + air.aerosol_phase.z * nu * nu)
+                  / pow((1.0 - g) * (1.0 - g) + 2.0 * g * beside, 1.5);
+    vec2 entry = air_entry(d);
+    return AirRay(row, column, phase, entry.x, air_span_m(entry.y, above < 0.0));
+}
+
+// 1 - exp(-x) that keeps its relative precision for thin air.
+vec3 absorbed(vec3 x) {
+    return mix(1.0 - exp(-x), x * (1.0 - x * (0.5 - x / 6.0)), lessThan(x, vec3(0.02)));
+}
+
+// Nodes are at the middles of texels.
+vec3 air_part(float part, float slice, AirRay ray) {
+    vec3 node = vec3(ray.column, ray.row, part * air.slices + slice);
+    return textureLod(air_radiance, (node + 0.5) / vec3(textureSize(air_radiance, 0)), 0.0).rgb;
+}
+
+float metres_in_air(AirRay ray, float metres) {
+    return clamp(metres - ray.entry_m, 0.0, ray.span_m);
+}
+
+float slice_at(AirRay ray, float inside_m) {
+    float share = inside_m / ray.span_m, even = air.evenness;
+    float root = sqrt(max(even * even + (1.0 - 2.0 * even) * share, 0.0));
+    return clamp(share / max(even + root, 1e-30), 0.0, 1.0) * (air.slices - 1.0);
+}
+
+vec3 optical_depth_of(AirRay ray, float inside_m) {
+    vec2 node = vec2(ray.row, slice_at(ray, inside_m));
+    vec2 at = (node + 0.5) / vec2(textureSize(air_extinction, 0));
+    return textureLod(air_extinction, at, 0.0).rgb * inside_m;
+}
+
+vec3 sunlit_mean(AirRay ray, float slice) {
+    return air_part(1.0, slice, ray) + air_part(2.0, slice, ray) * ray.phase;
+}
+
+vec3 sunlit_before(AirRay ray, float metres) {
+    float inside_m = metres_in_air(ray, metres);
+    vec3 weight = absorbed(optical_depth_of(ray, inside_m)) * air.radiance_scale;
+    return weight * sunlit_mean(ray, slice_at(ray, inside_m));
+}
+
+AirLight air_before(AirRay ray, float metres) {
+    float inside_m = metres_in_air(ray, metres);
+    vec3 optical_depth = optical_depth_of(ray, inside_m);
+    vec3 weight = absorbed(optical_depth) * air.radiance_scale;
+    float slice = slice_at(ray, inside_m);
+    return AirLight(exp(-optical_depth), weight * air_part(0.0, slice, ray),
+                    weight * sunlit_mean(ray, slice));
+}
+
+#ifdef LIGHT_SHAFTS
+//!include light_shafts.glsl
+#endif
+
+// Radiance that comes from so far in a unit direction, as the eye gets it.
+vec3 through_air(vec3 radiance, vec3 d, float metres) {
+    AirRay ray = air_ray(d);
+    AirLight light = air_before(ray, metres);
+#ifdef LIGHT_SHAFTS
+    light.sunlit = max(light.sunlit - shadowed_light(ray, d, metres), 0.0);
+#endif
+    return radiance * light.transmittance + light.shaded + light.sunlit;
+}
+
+// To the ground behind the scene, a sphere; past its horizon, to where the horizon is.
+float ground_distance_m(vec3 d) {
+    float radius_m = air.ground_radius_m + air.above_ground_m;
+    float down = -radius_m * d.y, perigee_m = radius_m * length(d.xz);
+    float tangent = air.above_ground_m * (radius_m + air.ground_radius_m);
+    // Of two forms of one square, that which cancels less.
+    float squared = d.y > -0.7 ? down * down - tangent
+        : (air.ground_radius_m - perigee_m) * (air.ground_radius_m + perigee_m);
+    return tangent / max(down + sqrt(max(squared, 0.0)), 1e-6);
+}

@@ -1,0 +1,77 @@
+// Sunlight that the air before a point lacks, because the scene shades it. The tables hold light
+// summed up from the eye, so each shaded piece of the ray is a difference of two look-ups, exact
+// however many pieces there are; the steps only have to find where shadows begin and end.
+
+layout(binding = 9) uniform sampler2DShadow shaft_shadow_map;
+
+const int SHAFT_STEPS = 64;
+const int SHAFT_HALVINGS = 5;
+
+// The part of a ray that the scene can shade: the box of the shadow map, open away from the sun.
+vec2 shaded_range(vec3 start, vec3 along, float nearest_m, float farthest_m) {
+    vec3 slope = mix(along, vec3(1e-30), lessThan(abs(along), vec3(1e-30)));
+    vec3 a = (-1.0 - start) / slope, b = (1.0 - start) / slope;
+    vec3 enter = min(a, b), leave = max(a, b);
+    enter.z = slope.z > 0.0 ? a.z : nearest_m;
+    leave.z = slope.z > 0.0 ? farthest_m : a.z;
+    return vec2(max(nearest_m, max(enter.x, max(enter.y, enter.z))),
+                min(farthest_m, min(leave.x, min(leave.y, leave.z))));
+}
+
+bool is_lit(vec3 at) {
+    vec3 place = vec3(at.xy, min(at.z, 1.0)) * 0.5 + 0.5;
+    return textureLod(shaft_shadow_map, place, 0.0) > 0.5;
+}
+
+// Between two places of which one is lit: where it changes.
+float edge_between(vec3 start, vec3 along, float before_m, float after_m, bool lit_before) {
+    for (int k = 0; k < SHAFT_HALVINGS; ++k) {
+        float middle = 0.5 * (before_m + after_m);
+        if (is_lit(start + along * middle) == lit_before) before_m = middle;
+        else after_m = middle;
+    }
+    return 0.5 * (before_m + after_m);
+}
+
+vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
+    vec3 start = air.shadow_from_eye[3].xyz;
+    vec3 along = mat3(air.shadow_from_eye) * d;
+    float last_m = min(metres, ray.entry_m + ray.span_m);
+    vec2 range = shaded_range(start, along, ray.entry_m, last_m);
+    if (!(range.y > range.x)) return vec3(0.0);
+    // Offset by a pattern fixed to the picture (Jimenez 2014, "interleaved gradient noise"): what
+    // is thinner than a step becomes grain, never bands.
+    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    float step_m = (range.y - range.x) / float(SHAFT_STEPS);
+    bool lit = is_lit(start + along * range.x);
+    float before_m = range.x;
+    vec3 missing = vec3(0.0), since = lit ? vec3(0.0) : sunlit_before(ray, before_m);
+    // The last look is a little before the surface: on it, the map's texels shade it in part.
+    for (int i = 0; i <= SHAFT_STEPS; ++i) {
+        float now_m = min(range.x + (float(i) + dither) * step_m, range.y - 0.06 * step_m);
+        bool lit_now = is_lit(start + along * now_m);
+        if (lit_now != lit) {
+            vec3 at_edge = sunlit_before(ray, edge_between(start, along, before_m, now_m, lit));
+            if (lit) since = at_edge;
+            else missing += at_edge - since;
+            lit = lit_now;
+        }
+        before_m = now_m;
+    }
+    return lit ? missing : missing + sunlit_before(ray, range.y) - since;
+}
+
+#ifdef CLOUD_SHADOWS
+//!include cloud_shafts.glsl
+#endif
+
+vec3 shadowed_light(AirRay ray, vec3 d, float metres) {
+    vec3 missing = shaded_by_scene(ray, d, metres);
+#ifdef CLOUD_SHADOWS
+    // Of what the scene leaves, clouds take the same share everywhere.
+    vec3 whole = sunlit_before(ray, metres);
+    vec3 left = clamp(1.0 - missing / max(whole, 1e-30), 0.0, 1.0);
+    missing += left * shaded_by_clouds(ray, d, metres);
+#endif
+    return missing;
+}
