@@ -176,7 +176,7 @@ def test_an_impossible_turbidity(refused, good_scene, turbidity):
 def test_an_unknown_sky_module(refused, good_scene):
     """A misspelt model is told with the names of those that there are."""
     arguments = ["render", good_scene, *GOOD_TIME, "--sky", "bruneton"]
-    refused(*arguments, says="installed are bruneton_sky, dynamic_skylight")
+    refused(*arguments, says="installed are bruneton_sky, clouds, dynamic_skylight")
 
 
 def test_an_unknown_setting(refused, good_scene):
