@@ -2,6 +2,7 @@
 #             four hours into out/
 # make test   set up, then lint and run all tests
 # make lint   set up, then ruff and mypy alone
+# make stress set up, then the stability suite at length: 1.2e8 inputs, half an hour
 # make clean  remove what running and testing made; .venv and .gl stay
 #
 # Set-up makes .venv in the checkout and sees to GL: tools/bootstrap.sh says how.
@@ -12,7 +13,7 @@ WITH_GL := if [ -f .gl/env ]; then . ./.gl/env; fi;
 # The tests run side by side, so each keeps to one core.
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: run test lint clean
+.PHONY: run test lint stress clean
 
 run:
 	@sh tools/bootstrap.sh run
@@ -27,6 +28,10 @@ lint:
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+
+stress:
+	@sh tools/bootstrap.sh test
+	@$(WITH_GL) $(ONE_CORE) $(BIN)/python -m pytest tests/stress --stress-scale 20
 
 clean:
 	rm -rf out build dist .pytest_cache .hypothesis .mypy_cache .ruff_cache

@@ -20,6 +20,7 @@ def pytest_addoption(parser):
     parser.addoption("--live-runs", type=int, default=50, help="recorded runs to replay")
     parser.addoption("--scene-cycles", type=int, default=36, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.25, help="minutes of play at 60 Hz")
+    parser.addoption("--stress-scale", type=float, default=1.0, help="times more inputs")
 
 
 def pytest_collection_modifyitems(config, items):

@@ -1,10 +1,14 @@
 """Scenes that need little: what is left out leaves the picture, and the ledger tells of it."""
 
 from dataclasses import replace
+from datetime import timedelta
 
+import msgspec
 import pytest
-from vrut_lite_bench.work_skipped import NOTHING, PLAYED, difference, play, rows
+from vrut_lite_bench.work_of_a_day import DAY_SCENES
+from vrut_lite_bench.work_skipped import NOTHING, PLAYED, difference, play, play_frames, rows
 
+from vrut_lite.project import load_project
 from vrut_lite.render.skips import FrameSkips
 
 pytestmark = pytest.mark.gl
@@ -63,3 +67,29 @@ def test_a_skip_that_is_switched_off_shows_in_the_ledger(plays, skip, name, work
     one, everything = plays(name, FrameSkips()), plays(name, NOTHING)
     assert one.frame.done[work] < without.frame.done[work] <= everything.frame.done[work]
     assert difference(without, one) <= 1
+
+
+def test_a_day_of_a_street_is_the_same_with_less_work():
+    """Noon, noon again, night and night again: pictures equal, no shadow map without a sun.
+
+    What was asked for is what is done with nothing left out; a skip that is switched off alone
+    brings its own work back.
+    """
+    laters = [timedelta(hours=hour) for hour in (9, 9, 19, 19)]
+    project = replace_size(load_project(DAY_SCENES["street"]))
+    one, everything, shadowed = (
+        play_frames(project, skips, laters)
+        for skips in (FrameSkips(), NOTHING, replace(FrameSkips(), shadow=False))
+    )
+    assert difference(one, everything) <= 1
+    assert difference(one, shadowed) <= 1
+    assert one.frame.done["shadow map"] == 1
+    assert shadowed.frame.done["shadow map"] == everything.frame.done["shadow map"] == len(laters)
+    reasons = {reason for reason, count in one.frame.skipped.items() if count}
+    assert {"shadow map: no sun to cast one", "shadow map: same scene, same sun"} <= reasons
+    assert one.spent_s > 0.0
+
+
+def replace_size(project):
+    """The project at the tests' size, from the start of the scripted day."""
+    return msgspec.structs.replace(project, at="2026-06-21T04:00", size=SIZE)

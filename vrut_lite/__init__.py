@@ -1,3 +1,9 @@
 """vrut_lite: a small kernel that links modules by messages; its first modules make daylight."""
 
+from pathlib import Path
+
+from vrut_lite.compiled_code import find_room
+
 __version__ = "0.1.0"
+
+find_room(Path(__file__).parent)

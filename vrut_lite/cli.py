@@ -1,5 +1,6 @@
 """The command `vrut-lite`: finds its subcommands by entry point, tells errors in one line."""
 
+import io
 import os
 import sys
 from importlib.metadata import EntryPoint, entry_points
@@ -8,7 +9,7 @@ import click
 
 from vrut_lite import __version__
 from vrut_lite.errors import ModuleFailed, UserError
-from vrut_lite.interrupts import interrupts_held
+from vrut_lite.interrupts import Terminated, interrupts_held, terminations_raised
 
 GROUP = "vrut_lite.commands"
 
@@ -59,9 +60,16 @@ def root() -> None:
 
 def main() -> None:
     """Run the command line; 0 when all is well, 2 for bad input, 1 for a failure of ours."""
+    _tell_any_name()
+    # Matrices are small here: several threads of numpy's BLAS would only wait for each other, for
+    # seconds on a busy machine. It reads this when it is imported, which is later.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        root(standalone_mode=False)
-        sys.stdout.flush()
+        with terminations_raised():
+            root(standalone_mode=False)
+        # There is no output at all where it was closed before the start.
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except click.exceptions.NoArgsIsHelpError as error:
         print(error.format_message())
     except click.ClickException as error:
@@ -79,6 +87,15 @@ def main() -> None:
         _end(f"{error.strerror or error}", 1)
     except (click.Abort, KeyboardInterrupt):
         _end("interrupted", 130)
+    except Terminated:
+        _end("terminated", 143)
+
+
+def _tell_any_name() -> None:
+    """Write what the terminal has no letters for in escapes: names of files are any bytes."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _end(sentence: str, code: int) -> None:

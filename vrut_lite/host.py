@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input, LoadScene
+from vrut_lite.kernel.tolerance import tolerance_of
 from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
@@ -21,12 +22,13 @@ from vrut_lite.scene.manager import SceneManager
 class Host:
     """Everything that a picture needs, headless; `close` gives the GPU back.
 
-    `watch` may stand itself between the scene manager and the backend that draws. Who pumps the
-    kernel on a thread of its own uses `draw_now` and `light_at_pixel`, on that thread.
+    A `cube_size` of 1 leaves the sky's size to its module and the tolerance. `watch` may stand
+    itself between the scene manager and the backend that draws. Who pumps the kernel on a thread
+    of its own uses `draw_now` and `light_at_pixel`, on that thread.
     """
 
     def __init__(
-        self, cube_size: int = 256, watch: Callable[[SceneBackend], SceneBackend] | None = None
+        self, cube_size: int = 1, watch: Callable[[SceneBackend], SceneBackend] | None = None
     ):
         self.kernel, self.failures = daylight_kernel()
         self.faults = FaultCollector(self.kernel)
@@ -82,6 +84,7 @@ class Host:
 
     def draw_now(self, still: bool = True) -> Picture:
         """Draw what the scene manager knows by now."""
+        self._backend.set_tolerance(tolerance_of(self.kernel))
         return self._backend.draw(still)
 
     @property

@@ -1,4 +1,4 @@
-"""Ctrl-C while libraries are being loaded."""
+"""Ctrl-C while libraries are being loaded, and requests to end."""
 
 import signal
 import threading
@@ -25,3 +25,29 @@ def interrupts_held() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
     if came and callable(before):
         before(came[0], None)
+
+
+class Terminated(BaseException):
+    """Someone asked the process to end (SIGTERM): what is unfinished is to be cleared away."""
+
+
+@contextmanager
+def terminations_raised() -> Iterator[None]:
+    """Let SIGTERM raise `Terminated`, as Ctrl-C raises, so that files and workers are cleared.
+
+    Outside the main thread, which alone hears signals, no change.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, _raise_terminated)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _raise_terminated(_number: int, _frame: object) -> None:
+    # Once: a second request must not end the clearing away.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise Terminated

@@ -9,7 +9,7 @@ import math
 import re
 from datetime import UTC, datetime
 from typing import NamedTuple
-from zoneinfo import ZoneInfo
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import tzfpy
 
@@ -70,9 +70,18 @@ def time_zone_at(place: Place) -> ZoneInfo:
 
     Where the map of zones leaves a gap, the nautical zone is taken by longitude: the whole
     hours nearest to solar time, as ships keep it.
+
+    Raises:
+        UserError: the machine has no data of time zones.
     """
     name = tzfpy.get_tz(place.longitude_deg, place.latitude_deg)
-    return ZoneInfo(name or _nautical_zone(place.longitude_deg))
+    name = name or _nautical_zone(place.longitude_deg)
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, OSError):
+        raise UserError(
+            f"this machine does not know the time zone {name}: install the Python package tzdata"
+        ) from None
 
 
 def _nautical_zone(longitude_deg: float) -> str:

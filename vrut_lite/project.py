@@ -21,6 +21,7 @@ from vrut_lite.kernel.messages import (
     SetExposure,
     SetPlace,
     SetSetting,
+    SetTolerance,
     ToneMap,
 )
 from vrut_lite.place_time import Place, parse_instant, parse_place
@@ -53,7 +54,10 @@ class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What a picture is of. `at` is ISO time, local to the place unless it has an offset."""
+    """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
+
+    `tolerance`: how far radiance may be off, as a share; none leaves it as it is.
+    """
 
     scene: str = ""
     place: str = "50.0755,14.4378,200"
@@ -64,6 +68,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     camera: CameraView | None = None
     exposure: Exposure = Exposure()
     size: tuple[Pixels, Pixels] = (960, 540)
+    tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
     air: bool = True
     light_shafts: bool = False
 
@@ -84,6 +89,8 @@ def load_project(path: str | Path) -> Project:
     """
     file = Path(path)
     try:
+        if file.exists() and not file.is_file():
+            raise UserError(f"cannot open the project {file}: it is not a regular file")
         values = tomllib.loads(file.read_text())
         if isinstance(values.get("at"), datetime):
             # A bare TOML date is the natural way to write one.
@@ -95,6 +102,8 @@ def load_project(path: str | Path) -> Project:
         raise UserError(f"cannot read the project {file}: {in_words(error)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise UserError(f"the project {file} is no TOML: {error}") from None
+    except RecursionError:
+        raise UserError(f"the project {file} is nested too deeply: write it anew") from None
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
     return msgspec.structs.replace(project, scene=str(file.parent / project.scene))
@@ -108,8 +117,10 @@ def in_words(error: msgspec.ValidationError) -> str:
 
 
 def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
-    """Settings and slots as inputs, checked against the modules that are installed."""
+    """Tolerance, settings and slots as inputs, checked against the modules that are installed."""
     inputs: list[Input] = []
+    if project.tolerance is not None:
+        inputs.append(SetTolerance(tolerance=project.tolerance))
     for module, values in project.settings.items():
         kernel.check_module(module)
         for name, value in values.items():

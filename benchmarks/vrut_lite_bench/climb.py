@@ -3,8 +3,9 @@
     python -m vrut_lite_bench.climb FOLDER [--measure] [--sky NAME]
 
 Writes climb.jpg, a film strip of twelve heights. With --measure it also draws pictures at heights
-2 % apart and compares each with the one before: what moves by a pixel is blurred away, so that
-what is left is how much light changes between two frames. climb.csv has a line for each pair;
+2 % apart and compares each with the one before: what moves by a pixel is blurred away, and what
+enters or leaves at the picture's rim is left out, so that what is left is how much light changes
+between two frames. climb.csv has a line for each pair;
 climb_steps.png plots them; pairs that stand out of their neighbours are told as jumps.
 """
 
@@ -35,6 +36,8 @@ _FIELD_OF_VIEW_RAD = math.radians(55.0)
 _BELOW_HORIZON_RAD = math.radians(7.0)
 # Blur in pixels of the small pictures: what moves by less is not taken for a change of light.
 _BLUR_PX = 6.0
+# So many blurs wide is the rim that is not compared: things come and go there.
+_RIM_BLURS = 2.0
 # A jump is so many times its neighbours' median, and more than one step of 8 bits.
 _STANDS_OUT, _LEAST_JUMP, _NEIGHBOURS = 3.0, 1.0 / 255.0, 15
 
@@ -109,7 +112,7 @@ def steps_between(
     heights: NDArray[np.float64], pictures: list[NDArray[np.uint8]], blur_px: float = _BLUR_PX
 ) -> list[Step]:
     """What changes from each picture to the next when small movement is blurred away."""
-    smooth = (gaussian_filter(np.float32(p) / 255.0, (blur_px, blur_px, 0.0)) for p in pictures)
+    smooth = (_blurred(picture, blur_px) for picture in pictures)
     changes = [upper - lower for lower, upper in pairwise(smooth)]
     around = [changes[0], *changes, changes[-1]]
     rows = []
@@ -123,6 +126,14 @@ def steps_between(
         Step(float(lower), float(upper), float(row[0]), float(row[1]), float(row[2]), row[2] > top)
         for lower, upper, row, top in zip(heights, heights[1:], rows, limit, strict=False)
     ]
+
+
+def _blurred(picture: NDArray[np.uint8], blur_px: float) -> NDArray[np.float32]:
+    """The picture in shares of white, blurred, without its rim."""
+    rim_px = round(_RIM_BLURS * blur_px)
+    whole = gaussian_filter(np.float32(picture) / 255.0, (blur_px, blur_px, 0.0))
+    height, width = whole.shape[:2]
+    return np.asarray(whole[rim_px : height - rim_px, rim_px : width - rim_px])
 
 
 def write_steps(folder: Path, steps: list[Step]) -> None:

@@ -13,8 +13,9 @@ from dynamic_skylight.hosek_wilkie.sky import half_scale
 
 from vrut_lite.kernel.gpu_job import GpuJob
 from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite_bench.errors import relative_errors
 from vrut_lite_bench.gpu_clock import Bandwidth, bandwidth, clock_name, least_s
-from vrut_lite_bench.hosek_wilkie_paths import AZIMUTH_RAD, SKY, error_of, exact_cube
+from vrut_lite_bench.hosek_wilkie_formats import AZIMUTH_RAD, SKY, exact_radiance, judged
 from vrut_lite_bench.hosek_wilkie_published import THESIS_MS
 
 SIZES = (256, 512, 1024, 2048, 4096)
@@ -90,9 +91,11 @@ def _error(context: Any) -> float:
     program.run(*job.groups)
     context.memory_barrier()
     faces = [np.frombuffer(texture.read(face), np.float16) for face in range(6)]
-    cube = np.stack(faces).reshape(6, 256, 256, 4)[..., :3].astype(float)
+    cube = np.stack(faces).reshape(6, 256, 256, 4)[..., :3]
     texture.release()
-    return error_of(cube * half_scale(SKY.brightest), exact_cube(256))
+    texels = judged(256)
+    found = texels.of(cube) * half_scale(SKY.brightest)
+    return relative_errors(found, exact_radiance(SKY, texels.directions)).largest
 
 
 def report(times: GpuTimes) -> Iterator[str]:

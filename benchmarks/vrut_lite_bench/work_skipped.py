@@ -10,7 +10,8 @@ plays, in steps of 8 bits.
 """
 
 import argparse
-from collections.abc import Iterator
+import time
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from datetime import timedelta
 from pathlib import Path
@@ -40,25 +41,33 @@ _LIGHT = ("BackgroundChanged", "SunLightChanged", "AmbientChanged")
 
 
 class Play(NamedTuple):
-    """What one play through a scene drew, and what frame and sky counted."""
+    """What one play through a scene drew, what frame and sky counted, and its CPU time."""
 
     pictures: list[Picture]
     frame: Ledger
     sky: Ledger
+    spent_s: float
 
 
 def play(path: Path, size: tuple[int, int], skips: FrameSkips) -> Play:
     """Four frames: the first; the same again; a second later; twenty minutes later."""
-    project = Project(scene=str(path), at="2026-06-21T16:00", size=size)
+    return play_frames(Project(scene=str(path), at="2026-06-21T16:00", size=size), skips, _LATER)
+
+
+def play_frames(project: Project, skips: FrameSkips, laters: Iterable[timedelta]) -> Play:
+    """A frame at each of some times after the project's own."""
     with Host(cube_size=64) as host:
         host.frame_skips = skips
         host.inject(*daylight_inputs(project), *view_inputs(project))
         host.settle()
         pictures = []
-        for later in _LATER:
+        start_s = time.process_time()
+        for later in laters:
             host.inject(SetClock(instant=project.instant() + later))
             pictures.append(host.draw())
-        return Play(pictures, host.frame_ledger, host.kernel.seats["dynamic_skylight"].ledger)
+        spent_s = time.process_time() - start_s
+        sky = host.kernel.seats["dynamic_skylight"].ledger
+        return Play(pictures, host.frame_ledger, sky, spent_s)
 
 
 def difference(one: Play, other: Play) -> int:
@@ -84,7 +93,7 @@ def rows(one: Play, everything: Play) -> Iterator[tuple[str, int, int, str]]:
         why: sum(one.sky.skipped[f"{kind} {why}"] for kind in _LIGHT)
         for why in ("unwanted", "unchanged")
     }
-    yield "light: sky, sun, ambient", len(_LATER) * len(_LIGHT), done, _in_words(spared)
+    yield "light: sky, sun, ambient", len(one.pictures) * len(_LIGHT), done, _in_words(spared)
 
 
 def _in_words(reasons: dict[str, int]) -> str:

@@ -11,12 +11,12 @@ import math
 import numpy as np
 
 from bruneton_sky.solver.cells_kernels import ZERO, empty_cells, fast, inner
-from bruneton_sky.solver.ray_bins_kernels import (
-    Bins,
-    _absorber,
-    _altitude_along,
-    _mean_density,
+from bruneton_sky.solver.ray_bins_kernels import Bins
+from bruneton_sky.solver.ray_kernels import (
+    absorber_density,
+    altitude_along,
     hits_ground,
+    mean_density,
     ray_length,
 )
 from bruneton_sky.solver.source_kernels import empty_slab, gather_later
@@ -59,17 +59,17 @@ def slice_rows(air, altitude, mu, distance, steps, centre, weight, passed):  # t
 def _march(air, altitude, mu, start, stop, steps, light, centre, weight):  # type: ignore[no-untyped-def]
     """Add the matter between two distances; below level 0 it is that of level 0."""
     radius, metres = air.ground_radius_m + altitude, (stop - start) / steps
-    near = max(_altitude_along(radius, altitude, mu, start), 0.0)
+    near = max(altitude_along(radius, altitude, mu, start), 0.0)
     for s in range(steps):
         at = start + (s + 0.5) * metres
-        middle = max(_altitude_along(radius, altitude, mu, at), 0.0)
-        far = max(_altitude_along(radius, altitude, mu, at + 0.5 * metres), 0.0)
-        molecules = metres * _mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * _mean_density(near, middle, far, air.mie_scale_height_m)
+        middle = max(altitude_along(radius, altitude, mu, at), 0.0)
+        far = max(altitude_along(radius, altitude, mu, at + 0.5 * metres), 0.0)
+        molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         fog = 0.0
         if air.fog_scale_height_m > 0.0:
-            fog = metres * _mean_density(near, middle, far, air.fog_scale_height_m)
-        absorber = metres * _absorber(air, middle)
+            fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)
+        absorber = metres * absorber_density(air, middle)
         mass = _add_step(air, molecules, aerosol, fog, absorber, light, weight)
         centre[0] += mass * at
         centre[3] += mass
@@ -102,7 +102,7 @@ def _place_centre(air, altitude, mu, middle, centre):  # type: ignore[no-untyped
     """Distance, altitude and cosine of a slice's centre of mass."""
     radius = air.ground_radius_m + altitude
     distance = centre[0] / centre[3] if centre[3] > 0.0 else middle
-    there = _altitude_along(radius, altitude, mu, distance)
+    there = altitude_along(radius, altitude, mu, distance)
     cosine = (radius * mu + distance) / (air.ground_radius_m + there)
     centre[0], centre[1] = distance, min(max(there, 0.0), air.top_altitude_m)
     centre[2] = min(max(cosine, -1.0), 1.0)

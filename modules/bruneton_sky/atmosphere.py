@@ -17,6 +17,7 @@ _SPECTRAL = (
     "ground_albedo",
     *_FOG,
 )
+_SERIES = ("wavelength_nm", "absorber_altitude_m", "absorber_density")
 _POSITIVE = (
     "ground_radius_m",
     "top_altitude_m",
@@ -25,6 +26,8 @@ _POSITIVE = (
     "fog_scale_height_m",
     "sun_angular_radius_rad",
 )
+# From a bead's to far more than a star's: beyond, squares of lengths leave the range of numbers.
+_LENGTHS, _SHORTEST_M, _LONGEST_M = _POSITIVE[:5], 1e-3, 1e12
 _SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth that leaves the 2 % of contrast which visibility is defined by: -log(0.02).
@@ -91,7 +94,8 @@ class Atmosphere:
             if not any(_as_tuple(getattr(self, name))):
                 object.__setattr__(self, name, 0.0)
         count = len(_as_tuple(self.wavelength_nm))
-        object.__setattr__(self, "wavelength_nm", _as_tuple(self.wavelength_nm))
+        for name in _SERIES:
+            object.__setattr__(self, name, _as_tuple(getattr(self, name)))
         for name in _SPECTRAL:
             object.__setattr__(self, name, _per_wavelength(name, getattr(self, name), count))
         self._check()
@@ -200,6 +204,9 @@ class Atmosphere:
             _require(isinstance(getattr(self, name), float), name, "must be a single number")
         for name in _POSITIVE:
             _require(getattr(self, name) > 0, name, "must be positive")
+        for name in _LENGTHS:
+            sane = _SHORTEST_M <= getattr(self, name) <= _LONGEST_M
+            _require(sane, name, f"must lie between {_SHORTEST_M:g} and {_LONGEST_M:g} m")
         for name in ("wavelength_nm", *_SPECTRAL, "absorber_density"):
             _require(min(getattr(self, name)) >= 0, name, "must not be negative")
         steps = np.diff(self.wavelength_nm)

@@ -39,6 +39,7 @@ def surroundings(
     visible_disc_fraction: float = 1.0,
     sunlight: Atmosphere | None = None,
     known: Surroundings | None = None,
+    finer: float = 1.0,
 ) -> Surroundings:
     """Sun, sky and ground for an observer above level ground.
 
@@ -51,11 +52,12 @@ def surroundings(
             the field where there is none.
         known: the same for another altitude, if it is at hand: the light on the scene is taken
             from there.
+        finer: than usual, the table of what the observer sees.
     """
     direction = np.asarray(sun_direction, dtype=float)
     direction = direction / np.linalg.norm(direction)
     stands = altitude_m <= standing_m(field.atmosphere)
-    view = sky_view(field, 0.0 if stands else altitude_m, direction)
+    view = sky_view(field, 0.0 if stands else altitude_m, direction, finer)
     spectral = sunlight or field.atmosphere
     mu_s = float(np.clip(direction[1], -1.0, 1.0))
     disc = None if stands else disc_light(spectral, altitude_m, mu_s)

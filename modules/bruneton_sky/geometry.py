@@ -56,7 +56,8 @@ def make_ray(ground_radius_m: float, altitude_m: ArrayLike, mu: ArrayLike) -> Ra
 
 def y_at_top(ray: Ray, top_altitude_m: float) -> FloatArray:
     """y where the ray leaves the atmosphere, as if there were no ground."""
-    y = np.sqrt(np.maximum(top_altitude_m - ray.perigee_altitude_m, 0.0))
+    # top - perigee, without cancellation for an observer near the top.
+    y = np.sqrt(np.maximum(top_altitude_m - ray.altitude_m + ray.y * ray.y, 0.0))
     # Rounding may put the end a hair before the start of a ray of no length.
     return np.maximum(y, ray.y)
 

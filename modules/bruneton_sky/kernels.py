@@ -141,7 +141,7 @@ def _fill_break_points(planet, ray, mu_s, nu, fog_top, breaks):  # type: ignore[
     """
     altitude, radius, p, perigee, start, along = ray
     hits = along < 0 and perigee <= 0
-    end = -math.sqrt(-perigee) if hits else math.sqrt(max(planet[1] - perigee, 0.0))
+    end = -math.sqrt(-perigee) if hits else math.sqrt(planet[1] - altitude + start * start)
     end, end_altitude = max(end, start), 0.0 if hits else planet[1]
     a = (1.0 - nu) * (1.0 + nu)
     b = along - radius * mu_s * nu
@@ -175,8 +175,8 @@ def _segment(breaks, segment):  # type: ignore[no-untyped-def]
     """Signed length from the low to the high end, and the low end's y and altitude."""
     first, last = segment, segment + 1
     total = breaks[0, first] + breaks[0, last]
-    length = 0.0
-    if total != 0.0:
+    length = breaks[0, last] - breaks[0, first]
+    if length < abs(total) / 3.0:
         length = (breaks[1, last] - breaks[1, first]) / total
     if breaks[0, last] > 0:
         return length, breaks[0, first], breaks[1, first]

@@ -15,9 +15,16 @@ import msgspec
 from bruneton_sky import products
 from bruneton_sky.background import Surroundings, surroundings
 from bruneton_sky.observer import altitude_step_m, same_to_the_eye
-from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
-from bruneton_sky.solver import SourceField
-from bruneton_sky.solver_job import solve_air
+from bruneton_sky.recipe import AirKey, Recipe, light_recipe, recipe_of
+from bruneton_sky.settings import (
+    BrunetonSkySettings,
+    atmosphere_at,
+    atmosphere_of,
+    spectral_atmosphere_of,
+)
+from bruneton_sky.solving import SOLVE, Solving
+from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
+from bruneton_sky.tolerance import TABLES, Quality, quality_for
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.air_reach import rung_m
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
@@ -28,20 +35,20 @@ from vrut_lite.kernel.messages import (
     Demand,
     Derived,
     JobResult,
+    LookAlong,
     MoveCamera,
     SceneNeeds,
     SetPlace,
+    SetTolerance,
     SlotChanged,
     SunLightChanged,
     SunMoved,
-    Vector,
 )
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.observer import eye_height_m
+from vrut_lite.kernel.tolerance import tolerance_of
 
-# Edge of the cube map for who names no size.
-DEFAULT_SIZES = {"cpu": 256, "gpu": 1024}
-SOLVE = "solve"
+SPECTRUM = "spectrum"
 PRODUCTS: tuple[type[Derived], ...] = (
     BackgroundChanged,
     SunLightChanged,
@@ -50,22 +57,6 @@ PRODUCTS: tuple[type[Derived], ...] = (
 )
 # Settings that say where a sky is computed, not what it is.
 _NOT_AIR = {"cube_device": "cpu"}
-
-
-class AirKey(msgspec.Struct, frozen=True):
-    """All that the scattered light depends on, for any sun and observer."""
-
-    settings: BrunetonSkySettings
-    ground_altitude_m: float
-
-
-class Recipe(msgspec.Struct, frozen=True):
-    """All that the light depends on: equal recipes make equal light."""
-
-    air: AirKey
-    sun_direction: Vector
-    visible_disc_fraction: float
-    altitude_m: float
 
 
 class BrunetonSky(Module):
@@ -77,6 +68,8 @@ class BrunetonSky(Module):
         version="0.2.0",
         provides=("sky",),
         requires=("sun",),
+        # Kernels that sum in any order: compiled anew they round otherwise than from the cache.
+        exact_digits=False,
     )
     settings_type: ClassVar[type[msgspec.Struct]] = BrunetonSkySettings
     settings: BrunetonSkySettings
@@ -88,9 +81,7 @@ class BrunetonSky(Module):
         self._shown: Recipe | None = None
         self._made: tuple[Recipe, Surroundings] | None = None
         self._reach_m = 0.0
-        self._solved: tuple[AirKey, SourceField] | None = None
-        self._asked: AirKey | None = None
-        self._refused: AirKey | None = None
+        self._solving = Solving(link, self.ledger)
         self._awaited: dict[str, BackgroundChanged] = {}
         self._gpu_failed = False
 
@@ -98,7 +89,10 @@ class BrunetonSky(Module):
     @handles(SetPlace)
     @handles(MoveCamera)
     @handles(Demand)
-    def light_changed(self, _message: SunMoved | SetPlace | MoveCamera | Demand) -> None:
+    @handles(SetTolerance)
+    def light_changed(
+        self, _message: SunMoved | SetPlace | MoveCamera | Demand | SetTolerance
+    ) -> None:
         """Post what is wanted and new."""
         self._update()
 
@@ -117,6 +111,22 @@ class BrunetonSky(Module):
         self._posted.clear()
         self._update()
 
+    @handles(LookAlong)
+    def looked_along(self, message: LookAlong) -> None:
+        """Someone asks for the spectrum of a direction: of more wavelengths than are solved."""
+        if self._shown is None or not self.link.holds("sky"):
+            return
+        air = self._shown.air
+        self.link.start_job(
+            SPECTRUM,
+            sky_spectrum,
+            atmosphere_at(SPECTRUM_NM, air.settings, air.ground_altitude_m),
+            air.settings.orders,
+            self._shown.altitude_m,
+            message.direction,
+            self._shown.sun_direction,
+        )
+
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
         """An atmosphere is solved, or a cube map made.
@@ -125,24 +135,13 @@ class BrunetonSky(Module):
             UserError: the GPU could not make the cube map; from now on the CPU does.
         """
         if result.job == SOLVE:
-            self._air_solved(result)
+            if self._solving.take(result):
+                self._update()
+        elif result.job == SPECTRUM:
+            if not result.error:
+                self._post(products.spectrum(result.value))
         else:
             self._cube_made(result)
-
-    def _air_solved(self, result: JobResult) -> None:
-        """Swap the new atmosphere in whole; after an error the old one stays."""
-        asked, self._asked = self._asked, None
-        assert asked is not None
-        if result.error:
-            self._refused = asked
-            return
-        field: SourceField = result.value
-        self._solved = (asked, field)
-        self.ledger.did("atmosphere solved")
-        for what, count in field.skipped.items():
-            if count:
-                self.ledger.skip(f"{what} of the atmosphere: zero or too small")
-        self._update()
 
     def _cube_made(self, result: JobResult) -> None:
         if result.error:
@@ -183,14 +182,14 @@ class BrunetonSky(Module):
             del wanted[AirChanged]
         if wanted:
             self._solve_if_new()
-        if wanted and self._solved is not None:
-            self._show(self._recipe(sun, self._solved[0]), wanted)
+        if wanted and self._solving.solved is not None:
+            self._show(self._recipe(sun, self._solving.solved[0]), wanted)
 
     def _show(self, recipe: Recipe, wanted: dict[type[Derived], Demand]) -> None:
         self._shown = recipe
         for product, demand in wanted.items():
             on_gpu = product is BackgroundChanged and self._gpu_serves()
-            wish = (_recipe_of(product, recipe), self._size(product, demand), on_gpu)
+            wish = (recipe_of(product, recipe), self._size(product, demand), on_gpu)
             if self._posted.get(product) == wish:
                 self.ledger.skip(f"{product.__name__}: nothing changed")
                 continue
@@ -214,47 +213,33 @@ class BrunetonSky(Module):
         return hindrance is None
 
     def _solve_if_new(self) -> None:
-        """Have the atmosphere of today's settings solved; the latest wish replaces an older."""
+        """Have the atmosphere of today's settings solved."""
         place = self.link.last(SetPlace)
-        air = AirKey(
-            settings=msgspec.structs.replace(self.settings, **_NOT_AIR),
-            ground_altitude_m=place.altitude_m if place is not None else 0.0,
+        self._solving.ask(
+            AirKey(
+                settings=msgspec.structs.replace(self.settings, **_NOT_AIR),
+                ground_altitude_m=place.altitude_m if place is not None else 0.0,
+                rung=self._quality.solver,
+            )
         )
-        if air == self._asked:
-            return
-        if self._asked is not None:
-            self.ledger.skip("atmosphere overtaken by a newer one")
-            self._asked = None
-            self.link.cancel_job(SOLVE)
-        if air == self._refused:
-            return
-        # Who comes back to it later is to be told again.
-        self._refused = None
-        if self._solved is not None and air == self._solved[0]:
-            return
-        try:
-            atmosphere = atmosphere_of(air.settings, air.ground_altitude_m)
-        except ValueError as error:
-            self._refused = air
-            raise UserError(f"bruneton_sky has no such atmosphere: {error}") from error
-        self._asked = air
-        self.link.start_job(SOLVE, solve_air, atmosphere, air.settings.orders)
 
     def _recipe(self, sun: SunMoved, air: AirKey) -> Recipe:
         """What is to be shown: that of before if nobody would see a difference."""
-        height_m = eye_height_m(self.link)
-        now = Recipe(air, sun.direction, sun.visible_disc_fraction, height_m)
+        height_m, quality = eye_height_m(self.link), self._quality
+        now = Recipe(air, sun.direction, sun.visible_disc_fraction, height_m, quality.table)
         shown = self._shown
         if shown is None or now == shown:
             return now
         atmosphere = atmosphere_of(air.settings, air.ground_altitude_m)
-        stays = abs(height_m - shown.altitude_m) <= altitude_step_m(shown.altitude_m, atmosphere)
+        step_m = quality.altitude_steps * altitude_step_m(shown.altitude_m, atmosphere)
+        stays = abs(height_m - shown.altitude_m) <= step_m
+        sun_stays = same_to_the_eye(
+            shown.sun_direction, sun.direction, atmosphere.mie_g, quality.sun_change
+        )
         kept = msgspec.structs.replace(
             now,
             altitude_m=shown.altitude_m if stays else height_m,
-            sun_direction=shown.sun_direction
-            if same_to_the_eye(shown.sun_direction, sun.direction, atmosphere.mie_g)
-            else sun.direction,
+            sun_direction=shown.sun_direction if sun_stays else sun.direction,
         )
         if kept != now:
             self.ledger.skip("sun or observer moved unseen")
@@ -269,12 +254,18 @@ class BrunetonSky(Module):
         if product is not BackgroundChanged:
             return self._reach_m if product is AirChanged else 0
         # A demand of 1 is the default of a consumer that leaves the size to the sky.
-        return demand.size if demand.size > 1 else DEFAULT_SIZES[self.settings.cube_device]
+        return demand.size if demand.size > 1 else self._quality.cube_size
+
+    @property
+    def _quality(self) -> Quality:
+        return quality_for(tolerance_of(self.link))
 
     def _make(self, product: type[Derived], recipe: Recipe, size: float, on_gpu: bool) -> Derived:
         if product is AirChanged:
-            assert self._solved is not None
-            return products.air(self._solved[1], recipe.altitude_m, recipe.sun_direction, size)
+            assert self._solving.solved is not None
+            return products.air(
+                self._solving.solved[1], recipe.altitude_m, recipe.sun_direction, size
+            )
         around = self._surroundings(recipe)
         if product is AmbientChanged:
             return products.ambient(around)
@@ -296,28 +287,19 @@ class BrunetonSky(Module):
             before, around = self._made
             if before == recipe:
                 return around
-            if _light_recipe(before) == _light_recipe(recipe):
+            if light_recipe(before) == light_recipe(recipe):
                 self.ledger.skip("light on the scene: only the observer moved")
                 known = around
-        assert self._solved is not None
+        assert self._solving.solved is not None
         made = surroundings(
-            self._solved[1],
+            self._solving.solved[1],
             recipe.altitude_m,
             recipe.sun_direction,
             recipe.visible_disc_fraction,
             spectral_atmosphere_of(recipe.air.settings, recipe.air.ground_altitude_m),
             known,
+            TABLES[recipe.table],
         )
         self._made = (recipe, made)
         self.ledger.did("sky-view table")
         return made
-
-
-def _recipe_of(product: type[Derived], recipe: Recipe) -> Recipe:
-    """What a product depends on: the scene's light does not depend on who looks."""
-    on_scene = product in (SunLightChanged, AmbientChanged)
-    return _light_recipe(recipe) if on_scene else recipe
-
-
-def _light_recipe(recipe: Recipe) -> Recipe:
-    return msgspec.structs.replace(recipe, altitude_m=0.0)

@@ -7,8 +7,8 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from vrut_lite.kernel.messages import Vector
 
-# What a texel may change unseen, relative to the larger of its value and 1 % of the map's
-# maximum.
+# What a texel may change unseen where nobody says otherwise, relative to the larger of its value
+# and 1 % of the map's maximum.
 RADIANCE_TOLERANCE = 1e-3
 # A fifth of a texel at 256 texels an edge.
 HORIZON_TOLERANCE_RAD = math.radians(0.07)
@@ -35,24 +35,29 @@ def altitude_step_m(altitude_m: float, atmosphere: Atmosphere) -> float:
     return step_m
 
 
-def sun_step_rad(elevation_rad: float, mie_g: float = 0.8) -> float:
-    """By what angle the sun may stray without changing any texel beyond the tolerance.
+def sun_step_rad(
+    elevation_rad: float, mie_g: float = 0.8, change: float = RADIANCE_TOLERANCE
+) -> float:
+    """By what angle the sun may stray without changing any texel by more than `change`.
 
     The largest relative change per degree, for haze from none to turbidity 10 and observers from
     the ground to space (measured, and measured again by `test_observer`): 6.1 in twilight, 1.9 at
-    sunset, 0.8 at 10 degrees, 0.12 from 40 up. A narrow aureole changes faster.
+    sunset, 0.8 at 4 and at 10 degrees, 0.3 at 15, 0.12 from 25 up. A narrow aureole changes
+    faster.
     """
     elevation_deg = float(np.degrees(elevation_rad))
     if elevation_deg < 4.0:
         change_per_deg = 6.5 if elevation_deg < 0.0 else 2.0
     else:
-        change_per_deg = 8.5 / elevation_deg
+        change_per_deg = max(0.9 * min((10.0 / elevation_deg) ** 2, 1.0), 0.13)
     aureole_per_deg = 0.035 / (1.0 - min(abs(mie_g), 0.99))
-    return float(np.radians(RADIANCE_TOLERANCE / max(change_per_deg, aureole_per_deg)))
+    return float(np.radians(change / max(change_per_deg, aureole_per_deg)))
 
 
-def same_to_the_eye(shown: Vector, now: Vector, mie_g: float = 0.8) -> bool:
-    """Whether two directions to the sun make the same picture."""
+def same_to_the_eye(
+    shown: Vector, now: Vector, mie_g: float = 0.8, change: float = RADIANCE_TOLERANCE
+) -> bool:
+    """Whether two directions to the sun make the same picture, but for a `change` of a texel."""
     chord = float(np.linalg.norm(np.subtract(shown, now)))
     elevation_rad = float(np.arcsin(np.clip(shown[1], -1.0, 1.0)))
-    return chord <= sun_step_rad(elevation_rad, mie_g)
+    return chord <= sun_step_rad(elevation_rad, mie_g, change)

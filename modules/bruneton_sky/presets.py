@@ -11,10 +11,10 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.aerosol import optical_depth_of_turbidity
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.rayleigh import rayleigh_scattering
+from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.colour import solar_irradiance
 
 RGB_NM = (680.0, 550.0, 440.0)

@@ -5,6 +5,7 @@ from bruneton_sky.background import Surroundings, ambient_coefficients, backgrou
 from bruneton_sky.gpu_cube import sky_view_job
 from bruneton_sky.sky_view_shader import view_shader
 from bruneton_sky.solver import SourceField
+from bruneton_sky.spectrum import SPECTRUM_NM, SkySpectrum
 from bruneton_sky.sun_light import limb_darkening_rgb
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.kernel.array import Array
@@ -13,6 +14,7 @@ from vrut_lite.kernel.messages import (
     AirChanged,
     AmbientChanged,
     BackgroundChanged,
+    SpectrumSeen,
     SunLightChanged,
     Vector,
 )
@@ -61,6 +63,17 @@ def air(field: SourceField, altitude_m: float, sun_direction: Vector, reach_m: f
     if not air_is_seen(field.atmosphere, altitude_m, in_air_m):
         return AirChanged(volume=None, source=NAME)
     return AirChanged(volume=air_volume(field, altitude_m, sun_direction, in_air_m), source=NAME)
+
+
+def spectrum(seen: SkySpectrum) -> SpectrumSeen:
+    """The sky's spectrum in a direction; nothing below the level, where the ground is."""
+    above = seen.direction[1] > 0.0
+    return SpectrumSeen(
+        direction=seen.direction,
+        wavelength_nm=SPECTRUM_NM if above else (),
+        radiance=tuple(seen.radiance.tolist()) if above else (),
+        source=NAME,
+    )
 
 
 def _background(around: Surroundings, cube: Array | GpuTexture, scale: float) -> BackgroundChanged:

@@ -126,10 +126,15 @@ def _break_points(
 
 
 def _signed_length(y: FloatArray, altitude: FloatArray, ascending: NDArray[np.bool_]) -> FloatArray:
-    """Extent in y of each segment from its low to its high end, without cancellation."""
+    """Extent in y of each segment from its low to its high end, without cancellation.
+
+    By the altitudes where two y are close, by themselves where one is less than half the other.
+    """
     total = y[..., 1:] + y[..., :-1]
     rise = altitude[..., 1:] - altitude[..., :-1]
-    extent = np.divide(rise, total, out=np.zeros_like(rise), where=total != 0)
+    apart = y[..., 1:] - y[..., :-1]
+    close = apart < np.abs(total) / 3.0
+    extent = np.divide(rise, total, out=apart, where=close & (total != 0))
     return np.where(ascending, extent, -extent)
 
 

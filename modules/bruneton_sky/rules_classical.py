@@ -89,7 +89,9 @@ def accumulate(rule: str, values: FloatArray, step: FloatArray) -> FloatArray:
         return integral * step
     first, middle, last = values[..., :-2:2], values[..., 1::2], values[..., 2::2]
     integral[..., 2::2] = np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1)
-    integral[..., 1::2] = integral[..., :-2:2] + (5.0 * first + 8.0 * middle - last) / 12.0
+    # Where values grow a lot from node to node the parabola dips below zero: a depth may not.
+    part = np.maximum(5.0 * first + 8.0 * middle - last, 0.0) / 12.0
+    integral[..., 1::2] = integral[..., :-2:2] + part
     return integral * step
 
 

@@ -9,18 +9,20 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from bruneton_sky.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm
 from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import MOST_ORDERS
+from vrut_lite.geometry.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 
 PresetName = Literal[
     "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"
 ]
 DEFAULT_TURBIDITY = 3.0
+SCALE_HEIGHT_SOURCE = "Bruneton and Neyret 2008, section 2"
+PHASE_SOURCE = "Cornette and Shanks 1992; Henyey and Greenstein 1941"
 
 
 class BrunetonSkySettings(msgspec.Struct, frozen=True):
@@ -28,10 +30,21 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
 
     preset: Annotated[
         PresetName,
-        Meta(description="The atmosphere to start from; earth has the haze of turbidity 3"),
+        Meta(
+            description="The atmosphere to start from; earth has the haze of turbidity 3",
+            extra={"source": "Bruneton and Neyret 2008; Bruneton 2017"},
+        ),
     ] = "earth"
     turbidity: (
-        Annotated[float, Meta(ge=1, le=10, description="Haze on Preetham's scale; 3 is AOD 0.20")]
+        Annotated[
+            float,
+            Meta(
+                ge=1,
+                le=10,
+                description="Haze on Preetham's scale; 3 is AOD 0.20",
+                extra={"source": "Preetham, Shirley and Smits 1999, appendix A.1"},
+            ),
+        ]
         | None
     ) = None
     albedo: (
@@ -41,23 +54,45 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ozone_du: (
         Annotated[
             float,
-            Meta(ge=0, le=1000, description="Ozone above the ground", extra={"unit": "DU"}),
+            Meta(
+                ge=0,
+                le=1000,
+                description="Ozone above the ground",
+                extra={"unit": "DU", "source": "Serdyuchenko et al. 2011, at 233 K"},
+            ),
         ]
         | None
     ) = None
     rayleigh_factor: Annotated[
-        float, Meta(ge=0, le=20, description="Molecules, as a multiple of the preset's")
+        float,
+        Meta(
+            ge=0,
+            le=20,
+            description="Molecules, as a multiple of the preset's",
+            extra={"source": "Galaj and Wojciechowski 2019, equation 4"},
+        ),
     ] = 1.0
     rayleigh_scale_height_m: (
         Annotated[
             float,
-            Meta(ge=500, le=50_000, description="Height of the molecules", extra={"unit": "m"}),
+            Meta(
+                ge=500,
+                le=50_000,
+                description="Height of the molecules",
+                extra={"unit": "m", "source": SCALE_HEIGHT_SOURCE},
+            ),
         ]
         | None
     ) = None
     mie_scale_height_m: (
         Annotated[
-            float, Meta(ge=100, le=50_000, description="Height of the haze", extra={"unit": "m"})
+            float,
+            Meta(
+                ge=100,
+                le=50_000,
+                description="Height of the haze",
+                extra={"unit": "m", "source": SCALE_HEIGHT_SOURCE},
+            ),
         ]
         | None
     ) = None
@@ -66,10 +101,24 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         | None
     ) = None
     mie_g: (
-        Annotated[float, Meta(ge=-0.95, le=0.95, description="How far haze scatters forward")]
+        Annotated[
+            float,
+            Meta(
+                ge=-0.95,
+                le=0.95,
+                description="How far haze scatters forward",
+                extra={"source": PHASE_SOURCE},
+            ),
+        ]
         | None
     ) = None
-    mie_phase: Annotated[MiePhaseForm, Meta(description="Phase function of the haze")] | None = None
+    mie_phase: (
+        Annotated[
+            MiePhaseForm,
+            Meta(description="Phase function of the haze", extra={"source": PHASE_SOURCE}),
+        ]
+        | None
+    ) = None
     fog_visibility_m: (
         Annotated[
             float,
@@ -77,7 +126,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
                 ge=50,
                 le=20_000,
                 description="How far one sees through fog on the ground; none is no fog",
-                extra={"unit": "m"},
+                extra={"unit": "m", "source": "Koschmieder 1924, at a contrast of 2 %"},
             ),
         ]
         | None
@@ -105,7 +154,13 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         | None
     ) = None
     orders: Annotated[
-        int, Meta(ge=1, le=40, description="Times that light is scattered at most")
+        int,
+        Meta(
+            ge=1,
+            le=40,
+            description="Times that light is scattered at most",
+            extra={"source": "Bruneton and Neyret 2008, section 2"},
+        ),
     ] = MOST_ORDERS
     cube_device: Annotated[
         Literal["cpu", "gpu"],
@@ -127,6 +182,13 @@ def spectral_atmosphere_of(
 ) -> Atmosphere:
     """The same atmosphere each 5 nm from 360 to 830, for sunlight, which costs next to nothing."""
     return _atmosphere(settings, ground_altitude_m, tuple(colour_table()[:, 0]))
+
+
+def atmosphere_at(
+    wavelength_nm: tuple[float, ...], settings: BrunetonSkySettings, ground_altitude_m: float
+) -> Atmosphere:
+    """The same atmosphere at wavelengths of one's own, in nm."""
+    return _atmosphere(settings, ground_altitude_m, wavelength_nm)
 
 
 @lru_cache(maxsize=8)

@@ -37,10 +37,9 @@ STANDING_M = 10.0
 # Of a fog's height, where that is lower: fog is a fifth thinner there.
 _STANDING_IN_FOG = 0.2
 # Steps along a ray, and bins for light scattered once and more. In twilight the planet's shadow
-# cuts through the rays, and a bin that it cuts is coarse: more are taken. From space a ray passes
-# through all of the air twice.
-_DAY, _DAY_OUTSIDE = (48, 24, 12), (64, 24, 12)
-_TWILIGHT, _TWILIGHT_ALOFT = (96, 48, 12), (64, 32, 12)
+# cuts through the rays, and a bin that it cuts is coarse: more are taken; from above the air for
+# the limb alone.
+_DAY, _TWILIGHT, _TWILIGHT_ALOFT = (48, 24, 12), (96, 48, 12), (64, 32, 12)
 _TWILIGHT_BELOW_MU_S = 0.1
 # In haze light that is scattered more than once changes within less air.
 _HAZE_BINS = 16
@@ -82,20 +81,25 @@ class SkyView(NamedTuple):
     phase: MiePhase
 
 
-def sky_view(field: SourceField, altitude_m: float, sun_direction: NDArray[np.float64]) -> SkyView:
+def sky_view(
+    field: SourceField, altitude_m: float, sun_direction: NDArray[np.float64], finer: float = 1.0
+) -> SkyView:
     """The table for an observer at an altitude of at least 0.
 
     Args:
         field: the solved atmosphere.
         altitude_m: above the ground; above the air's top too.
         sun_direction: unit vector (3,) in world axes, at the observer.
+        finer: so many times as many rows, columns, steps and bins.
     """
     top_m = field.atmosphere.top_altitude_m
     above, below = _INSIDE_ROWS if altitude_m <= top_m else _OUTSIDE_ROWS
     if altitude_m <= standing_m(field.atmosphere):
         above, below = _STANDING_ROWS
-    counts = table_counts(field.atmosphere, altitude_m, float(sun_direction[1]))
-    return _table(field, altitude_m, sun_direction, (above, below, COLUMNS), counts)
+    shape = round(above * finer), round(below * finer), round(COLUMNS * finer)
+    steps, once, more = table_counts(field.atmosphere, altitude_m, float(sun_direction[1]))
+    counts = round(steps * finer), round(once * finer), round(more * finer)
+    return _table(field, altitude_m, sun_direction, shape, counts)
 
 
 def standing_m(atmosphere: Atmosphere) -> float:
@@ -136,8 +140,8 @@ def _table(
 
 def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tuple[int, int, int]:
     """Steps of a table's rays, bins for light scattered once, bins for more."""
-    if mu_s > _TWILIGHT_BELOW_MU_S:
-        counts = _DAY if altitude_m <= atmosphere.top_altitude_m else _DAY_OUTSIDE
+    if mu_s > _TWILIGHT_BELOW_MU_S or altitude_m > atmosphere.top_altitude_m:
+        counts = _DAY
     else:
         counts = _TWILIGHT if altitude_m <= standing_m(atmosphere) else _TWILIGHT_ALOFT
     return _in_this_air(atmosphere, counts)
@@ -159,13 +163,29 @@ def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDAr
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
     colours, ground = _colours(field)
     for k, air in enumerate(groups_of_air(field.atmosphere)):
-        add_rows(
-            air, rows.altitude_m, rows.mu, rows.hits, mu_s, nu,
-            field.transmittance[k], source_of_group(field, k), counts,
-            colours[k], ground[k], nodes,
-        )  # fmt: skip
+        for part, own in _parts(rows, counts):
+            add_rows(
+                air, rows.altitude_m[part], rows.mu[part], rows.hits[part], mu_s[part], nu[part],
+                field.transmittance[k], source_of_group(field, k), own,
+                colours[k], ground[k], nodes[part],
+            )  # fmt: skip
     finish_rows(nu, _phase_numbers(mie_phase_parameters(field.atmosphere)), nodes)
     return nodes.reshape(-1, _NODE)
+
+
+def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:
+    """What `table_counts` are for the limb seen from above the air: the planet's shadow cuts
+    through rays that pass it from end to end, and a bin that it cuts is coarse."""
+    steps, once, more = counts
+    return 5 * steps // 2, 5 * once // 2, more
+
+
+def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[int, int, int]]]:
+    """Rows and the counts they are made with: the limb, and the planet's disc."""
+    if rows.depth[1] > 1.0:
+        return [(slice(None), counts)]
+    limb = np.count_nonzero(~rows.hits)
+    return [(slice(limb), limb_counts(counts)), (slice(limb, None), counts)]
 
 
 def _phase_numbers(phase: MiePhase) -> tuple[np.float32, ...]:

@@ -2,7 +2,8 @@
 
 A row of texels is worked in two passes over short buffers: coordinates in the table and the phase
 function (a loop that vectorises over texels), and the bilinear look-up (vectorised over a node's
-eight numbers). Importing this module imports numba: do it only where the first cube is filled.
+eight numbers). From above the air the limb may be as thin as a texel: there the mean of a few
+samples is taken. Importing this module imports numba: do it only where the first cube is filled.
 """
 
 import math
@@ -14,8 +15,15 @@ from bruneton_sky.sky_view_lanes import shade_texel
 
 # Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
 NODE = 8
+_f4 = np.float32
 _ZERO, _ONE, _HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 _SMALLEST = np.float32(1e-30)
+# Samples of a texel in the limb, and a stride by which no two of them lie in one row or column; and
+# those for a limb that is hardly as thick as a texel.
+SAMPLES, STRIDE = 5, 2
+THIN_SAMPLES, THIN_STRIDE = 13, 5
+# So many texels above the horizon the limb is sampled so: a thicker one is smooth there.
+LIMB_TEXELS = 6.0
 # NaN, infinity and signed zero do not occur; sums keep their order, so that every vector width
 # gives the same digits.
 _compiled = njit(
@@ -37,45 +45,118 @@ def fill_faces(  # type: ignore[no-untyped-def]
     size = centres.size
     first_node = np.empty(size, dtype=np.int32)
     fraction = np.empty((2, size), dtype=np.float32)
-    mie_phase = np.empty(size, dtype=np.float32)
+    mie_phase, level = np.empty(size, dtype=np.float32), np.empty(size, dtype=np.float32)
     flat_nodes, rows = nodes.reshape(-1), cube.reshape(6, size, 3 * size)
     for face in range(6):
         for i in range(size):
             if shape[1] == 0 and axes[face, 0, 1] + centres[i] * axes[face, 2, 1] < 0.0:
                 cube[face, i, :, :] = ground
                 continue
-            if horizon[1] <= _ONE and _deepest(axes[face], centres[i]) >= horizon[1]:
-                # An observer above the air sees nothing shine above its edge.
+            if horizon[1] <= _ONE and _depth(axes[face], _ZERO, centres[i]) >= horizon[1]:
+                # From above the air nothing shines above its edge. A row looks down most steeply
+                # in its middle, and least at its ends.
                 cube[face, i, :, :] = _ZERO
                 continue
-            _place_row(
-                axes[face], centres, centres[i], shape, horizon, sun, phase,
+            level[:] = centres[i]
+            _place(
+                axes[face], centres, level, shape, horizon, sun, phase,
                 first_node, fraction, mie_phase,
             )  # fmt: skip
-            _shade_row(flat_nodes, shape[2], first_node, fraction, mie_phase, rows[face, i])
+            _shade(flat_nodes, shape[2], first_node, fraction, mie_phase, rows[face, i])
+    if horizon[1] <= _ONE:
+        _refine_limb(flat_nodes, shape, horizon, sun, phase, axes, centres, cube)
 
 
 @_compiled
-def _deepest(axes, t):  # type: ignore[no-untyped-def]
-    """1 + mu in the middle of a row of texels, where those that look down look most so."""
+def _refine_limb(nodes, shape, horizon, sun, phase, axes, centres, cube):  # type: ignore[no-untyped-def]
+    """Put the mean of some samples into each texel that the limb crosses."""
+    size = centres.size
+    least, most = _limb_reach(horizon, size)
+    thin = horizon[1] - horizon[0] < -_f4(2.0) * least
+    samples, stride = (THIN_SAMPLES, THIN_STRIDE) if thin else (SAMPLES, STRIDE)
+    s, t = np.empty(samples * size, np.float32), np.empty(samples * size, np.float32)
+    first_node = np.empty(s.size, dtype=np.int32)
+    fraction = np.empty((2, s.size), dtype=np.float32)
+    mie_phase, light = np.empty(s.size, np.float32), np.empty(3 * s.size, np.float32)
+    chosen = np.empty(size, np.int64)
+    for face in range(6):
+        for i in range(size):
+            count = _limb_texels(axes[face], centres, centres[i], horizon[0], least, most, chosen)
+            if count == 0:
+                continue
+            for n in range(count):
+                for k in range(samples):
+                    across, down = 2 * k + 1, 2 * ((stride * k + stride // 2) % samples) + 1
+                    offset = _f4(samples * size)
+                    s[samples * n + k] = centres[chosen[n]] + _f4(across - samples) / offset
+                    t[samples * n + k] = centres[i] + _f4(down - samples) / offset
+            few = samples * count
+            _place(
+                axes[face], s[:few], t[:few], shape, horizon, sun, phase,
+                first_node[:few], fraction[:, :few], mie_phase[:few],
+            )  # fmt: skip
+            _shade(nodes, shape[2], first_node[:few], fraction[:, :few], mie_phase[:few], light)
+            for n in range(count):
+                for c in range(3):
+                    total = _ZERO
+                    for k in range(samples):
+                        total += light[3 * (samples * n + k) + c]
+                    cube[face, i, chosen[n], c] = total / _f4(samples)
+
+
+@_compiled
+def _limb_reach(horizon, size):  # type: ignore[no-untyped-def]
+    """How 1 + mu of texels that the limb crosses may differ from the horizon's: from, to.
+
+    `size` texels an edge: none reaches farther from its middle than the root of two over it.
+    """
+    reach = _f4(math.sqrt(2.0) / size)
+    sine = _f4(math.sqrt(horizon[0] * (2.0 - horizon[0])))
+    near = reach * (sine + reach)
+    return -near, min(horizon[1] - horizon[0], _f4(LIMB_TEXELS) * near) + near
+
+
+@_compiled
+def _limb_texels(axes, centres, t, horizon, least, most, chosen):  # type: ignore[no-untyped-def]
+    """How many texels of a row the limb crosses, and which: `chosen` (n,)."""
+    count = 0
     y = axes[0, 1] + t * axes[2, 1]
-    x, z = axes[0, 0] + t * axes[2, 0], axes[0, 2] + t * axes[2, 2]
+    steepest, end = _depth(axes, _ZERO, t) - horizon, _depth(axes, centres[0], t) - horizon
+    if y >= 0.0 or steepest >= most or end <= least:
+        return count
+    for j in range(centres.size):
+        height = _depth(axes, centres[j], t) - horizon
+        if least < height < most:
+            chosen[count] = j
+            count += 1
+    return count
+
+
+@_compiled
+def _depth(axes, s, t):  # type: ignore[no-untyped-def]
+    """1 + mu of a point of a face."""
+    x = axes[0, 0] + s * axes[1, 0] + t * axes[2, 0]
+    y = axes[0, 1] + s * axes[1, 1] + t * axes[2, 1]
+    z = axes[0, 2] + s * axes[1, 2] + t * axes[2, 2]
     level = x * x + z * z
     length = math.sqrt(level + y * y)
     return level / (length * (length - y)) if y < 0 else _ONE + y / length
 
 
 @_compiled
-def _place_row(  # type: ignore[no-untyped-def]
-    axes, centres, t, shape, horizon, sun, phase, first_node, fraction, mie_phase
+def _place(  # type: ignore[no-untyped-def]
+    axes, s_at, t_at, shape, horizon, sun, phase, first_node, fraction, mie_phase
 ):
-    """Node and fractions of each texel, and the phase function of its angle from the sun."""
+    """Node and fractions of points of a face, and the phase function of their angle from the sun.
+
+    `s_at`, `t_at` (n,): where on the face, along its s and t axes.
+    """
     above, below, columns = shape
     rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
     outside = horizon[1] <= _ONE
     factor, bend, near, forward = phase
-    for j in range(centres.size):
-        s = centres[j]
+    for j in range(s_at.size):
+        s, t = s_at[j], t_at[j]
         x = axes[0, 0] + s * axes[1, 0] + t * axes[2, 0]
         y = axes[0, 1] + s * axes[1, 1] + t * axes[2, 1]
         z = axes[0, 2] + s * axes[1, 2] + t * axes[2, 2]
@@ -112,7 +193,7 @@ def _place_row(  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _shade_row(nodes, columns, first_node, fraction, mie_phase, row):  # type: ignore[no-untyped-def]
+def _shade(nodes, columns, first_node, fraction, mie_phase, row):  # type: ignore[no-untyped-def]
     """Radiance (n * 3,) of the texels; the table holds fourth roots: see `sky_view`."""
     node, three = np.uintp(NODE), np.uintp(3)
     below = np.uintp(columns) * node

@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 
-from bruneton_sky.solver.altitude_kernels import altitude_place
 from bruneton_sky.solver.cells_kernels import ONE, ZERO, empty_cells, fast, inner
 from bruneton_sky.solver.four_lanes import add_four
 from bruneton_sky.solver.ray_bins_kernels import (
@@ -18,7 +17,7 @@ from bruneton_sky.solver.ray_bins_kernels import (
     merge_steps,
 )
 from bruneton_sky.solver.source_kernels import empty_slab, gather_later, sun_place
-from bruneton_sky.solver.sun_kernels import _add_suns, _find_shadow, _place_suns
+from bruneton_sky.solver.sun_kernels import gather_first
 
 _f4 = np.float32
 _SMALLEST = np.float32(1e-30)
@@ -47,50 +46,13 @@ def add_rows(  # type: ignore[no-untyped-def]
         cells.nu[:] = nu[i]
         fill_steps(air, altitude[i], mu[i], hits[i], steps, end)
         merge_steps(air, altitude[i], mu[i], steps, fine)
-        _gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, light[0], light[1])
+        gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, light[0], light[1])
         merge_steps(air, altitude[i], mu[i], steps, coarse)
         light[2] = ZERO
         gather_later(air, altitude[i], coarse, cells, source, slab, light[2])
         _add_colours(light, nu[i], colour, nodes[i])
         if hits[i]:
             _add_ground(air, altitude[i], mu_s[i], nu[i], end, ground, nodes[i])
-
-
-@inner
-def _gather_first(air, altitude, mu, bins, cells, table, row, rayleigh, mie):  # type: ignore[no-untyped-def]
-    """What `sun_kernels.gather_first` does, blending no more of the table than the cells look at.
-
-    They have one observer's one sun, which hardly moves along a ray: that is a small part.
-    """
-    _find_shadow(air, altitude, mu, cells)
-    rayleigh[:] = ZERO
-    mie[:] = ZERO
-    weight = np.empty(8, _f4)
-    for b in range(bins.centre.shape[0]):
-        for c in range(4):
-            weight[c] = air.solar_irradiance[c] * bins.weight[b, 0, c]
-            weight[4 + c] = air.solar_irradiance[c] * bins.weight[b, 1, c]
-        if bins.centre[b, 3] > 0.0:
-            _place_suns(air, altitude, bins, b, row.size // 4, cells)
-            _blend_columns(air, bins.centre[b, 1], table, cells.offset, row)
-            _add_suns(row, weight, cells, rayleigh, mie)
-
-
-@inner
-def _blend_columns(air, altitude, table, offset, row):  # type: ignore[no-untyped-def]
-    """The row (columns * 4,) of the transmittance at an altitude, as far as cells need it."""
-    low, high = offset[0], offset[0]
-    for n in range(offset.size):
-        low, high = min(low, offset[n]), max(high, offset[n])
-    place = altitude_place(air, altitude) * (table.shape[0] - 1)
-    i = min(int(place), table.shape[0] - 2)
-    far = _f4(place - i)
-    near = ONE - far
-    # A cell looks at the column of its offset and the next, of four numbers each.
-    first, last = np.uintp(low), np.uintp(high) + np.uintp(8)
-    below, above, out = table[i][first:last], table[i + 1][first:last], row[first:last]
-    for n in range(out.size):
-        out[n] = below[n] * near + above[n] * far
 
 
 @inner

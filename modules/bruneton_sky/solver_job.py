@@ -1,18 +1,23 @@
 """The product's solving of an atmosphere: the module's background job, and who checks it."""
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.solver import MOST_ORDERS, SourceField, order_tolerance, solve
+from bruneton_sky.solver import MOST_ORDERS, SourceField, solve
+from bruneton_sky.solver_rungs import SolverRung, rung_sizes, rung_tolerance
 from vrut_lite.kernel.job import JobControl
 
 
 def solve_air(
-    atmosphere: Atmosphere, orders: int = MOST_ORDERS, control: JobControl | None = None
+    atmosphere: Atmosphere,
+    orders: int = MOST_ORDERS,
+    rung: SolverRung = "usual",
+    control: JobControl | None = None,
 ) -> SourceField:
     """All orders of scattering: so many computed at most, the rest as a geometric series."""
     return solve(
         atmosphere,
         orders,
+        rung_sizes(atmosphere, rung),
         all_orders=True,
-        tolerance=order_tolerance(atmosphere),
+        tolerance=rung_tolerance(atmosphere, rung),
         progress=control.progress if control is not None else None,
     )

@@ -73,14 +73,16 @@ def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLi
 def seen_irradiance_rgb(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> FloatArray:
     """Irradiance (3,) of what an observer sees of the disc, linear sRGB, W m^-2.
 
-    The disc by level strips, those below the horizon left out; its darkening toward the limb is
-    not counted.
+    The disc by level strips, of which the horizon cuts one: it sets without steps. Its darkening
+    toward the limb is not counted.
     """
     height = (np.arange(_DISC_STRIPS) + 0.5) * 2.0 / _DISC_STRIPS - 1.0
     chord = np.sqrt((1.0 - height) * (1.0 + height))
     zenith_angle = np.arccos(np.clip(mu_s, -1.0, 1.0)) - atmosphere.sun_angular_radius_rad * height
     horizon = np.arccos(horizon_mu(atmosphere.ground_radius_m, altitude_m))
-    seen = chord / chord.sum() * (np.abs(zenith_angle) <= horizon)
+    strip = 2.0 * atmosphere.sun_angular_radius_rad / _DISC_STRIPS
+    up = np.clip((horizon - np.abs(zenith_angle)) / strip + 0.5, 0.0, 1.0)
+    seen = chord / chord.sum() * up
     spectral = seen @ sun_irradiance(atmosphere, altitude_m, np.cos(zenith_angle))
     rgb = rgb_from_spectrum(spectral, atmosphere.wavelength_nm, _SUNLIGHT_EXPONENT)
     return np.maximum(rgb, 0.0)

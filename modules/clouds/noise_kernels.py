@@ -1,6 +1,7 @@
 """Noise in space that repeats, compiled: Perlin's and Worley's, of whole-number hashes.
 
-Importing this module imports numba: do it only where clouds are made.
+Importing this module imports numba: do it only where clouds are made. The kernels let other threads
+run: a layer takes a second, in which a window is not to stand still.
 """
 
 import math
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _mixed(x: int, y: int, z: int, seed: int) -> int:
     """32 well mixed bits of whole coordinates (Murmur's finisher)."""
     mask = 0xFFFFFFFF
@@ -22,7 +23,7 @@ def _mixed(x: int, y: int, z: int, seed: int) -> int:
     return h ^ (h >> 16)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def feature_points(cells: int, seed: int) -> FloatArray:
     """One point in each cell (cells, cells, cells, 3), in units of cells, as z, y, x."""
     points = np.empty((cells, cells, cells, 3))
@@ -35,7 +36,7 @@ def feature_points(cells: int, seed: int) -> FloatArray:
     return points
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def worley(at: FloatArray, cells: int, seed: int) -> FloatArray:
     """1 - distance to the nearest point (n,), in cells, at places (n, 3) of period 1; [0, 1]."""
     points = feature_points(cells, seed)
@@ -57,7 +58,7 @@ def worley(at: FloatArray, cells: int, seed: int) -> FloatArray:
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _pull(cz: int, cy: int, cx: int, cells: int, z: float, y: float, x: float, seed: int) -> float:
     """What a lattice point adds, of Perlin's twelve gradients."""
     h = _mixed(cx % cells, cy % cells, cz % cells, seed) % 12
@@ -66,7 +67,7 @@ def _pull(cz: int, cy: int, cx: int, cells: int, z: float, y: float, x: float, s
     return (first if h & 1 == 0 else -first) + (second if h & 2 == 0 else -second)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def perlin(at: FloatArray, cells: int, seed: int) -> FloatArray:
     """Perlin's improved noise (2002) (n,), about [-1, 1], at places (n, 3) of period 1."""
     out = np.empty(len(at))

@@ -4,7 +4,13 @@ from typing import Annotated
 
 import msgspec
 
-Share = msgspec.Meta(ge=0, le=1, description="Share of the zenith that is cloud; 0 is none.")
+SHAPE_SOURCE = "Schneider 2015"
+Share = msgspec.Meta(
+    ge=0,
+    le=1,
+    description="Share of the zenith that is cloud; 0 is none.",
+    extra={"source": SHAPE_SOURCE},
+)
 
 
 class CloudSettings(msgspec.Struct, frozen=True):
@@ -44,5 +50,11 @@ class CloudSettings(msgspec.Struct, frozen=True):
         ),
     ] = 250.0
     seed: Annotated[
-        int, msgspec.Meta(ge=0, le=999_999, description="Another number, other clouds.")
+        int,
+        msgspec.Meta(
+            ge=0,
+            le=999_999,
+            description="Another number, other clouds.",
+            extra={"source": SHAPE_SOURCE},
+        ),
     ] = 1

@@ -9,16 +9,16 @@ shares of molecules and aerosol at the eye, but nine tenths of it at most: the s
 softer than the phase function's. All of it is kept with its phase. The rest is light scattered
 again; with the sun below the horizon all is of that kind, though high up the sun may still shine.
 
-Turbidity is turned into aerosol by Preetham's use of Angstrom's formula,
-beta = 0.04608 T - 0.04586 at 1 micrometre with exponent 1.3 (Preetham, Shirley and Smits 1999,
-appendix A.1); molecules scatter as in Bruneton's 2017 demonstration, 1.24062e-6 per m at 1
-micrometre. The aerosol's albedo is 0.9, its phase function Cornette and Shanks' with g = 0.8.
+Turbidity is turned into aerosol by `vrut_lite.geometry.aerosol`; molecules scatter as in
+Bruneton's 2017 demonstration, 1.24062e-6 per m at 1 micrometre. The aerosol's albedo is 0.9, its
+phase function Cornette and Shanks' with g = 0.8.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dynamic_skylight.daylight import Daylight
+from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.geometry.air_reach import UNSEEN_SHARE
 from vrut_lite.geometry.air_volume import (
@@ -52,7 +52,7 @@ _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 def extinction(turbidity: float) -> FloatArray:
     """Coefficients (2, 4) in 1/m of molecules and aerosol at the ground, at SKYLIGHT_NM."""
     micrometre = np.asarray(SKYLIGHT_NM) / 1000.0
-    vertical = max(0.04608 * turbidity - 0.04586, 0.0) * micrometre**-1.3
+    vertical = optical_depth_of_turbidity(turbidity, SKYLIGHT_NM)
     return np.stack([1.24062e-6 * micrometre**-4.0, vertical / SCALE_HEIGHTS_M[1]])
 
 

@@ -23,7 +23,8 @@ LIGHT_SIZE = 64
 class Daylight:
     """Sky, ground and sun for one place of the sun; equal inputs make equal light.
 
-    `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above.
+    `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above; `light_size` is the
+    edge of the cube that light on ground and scene is made from.
     """
 
     turbidity: float
@@ -32,6 +33,7 @@ class Daylight:
     apparent_elevation_rad: float
     sun_azimuth_rad: float
     visible_disc_fraction: float
+    light_size: int = LIGHT_SIZE
 
     @cached_property
     def sky(self) -> HourSky:
@@ -89,4 +91,4 @@ class Daylight:
 
     @cached_property
     def _sky_cube(self) -> NDArray[np.float32]:
-        return self.sky.cube_map(LIGHT_SIZE, self.sun_azimuth_rad)
+        return self.sky.cube_map(self.light_size, self.sun_azimuth_rad)

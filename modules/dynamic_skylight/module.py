@@ -23,6 +23,7 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.products import NAME
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun_step import sun_step_rad
+from dynamic_skylight.tolerance import Quality, quality_for
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.air_reach import rung_m
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
@@ -34,22 +35,24 @@ from vrut_lite.kernel.messages import (
     Demand,
     Derived,
     JobResult,
+    LookAlong,
     MoveCamera,
     SceneNeeds,
     SetPlace,
+    SetTolerance,
     SlotChanged,
     SunLightChanged,
     SunMoved,
 )
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.observer import eye_height_m
+from vrut_lite.kernel.tolerance import tolerance_of
 
-# Edge of the cube map for who names no size.
-DEFAULT_SIZES = {"cpu": 256, "gpu": 1024}
 SKY = (BackgroundChanged, SunLightChanged, AmbientChanged, AirChanged)
 Recipe = tuple[object, ...]
-# By how much an observer may rise or sink unseen: haze thins by 1 % over 12 m.
-_ALTITUDE_STEP_M, _ALTITUDE_SHARE = 5.0, 0.01
+# By how much an observer may rise or sink unseen, per share by which air may thin: haze thins by
+# 1 % over 12 m.
+_ALTITUDE_STEP_M = 500.0
 
 
 class DynamicSkyLight(Module):
@@ -94,8 +97,9 @@ class DynamicSkyLight(Module):
 
     @handles(SunMoved)
     @handles(Demand)
-    def sky_needed(self, _message: SunMoved | Demand) -> None:
-        """The sun moved, or someone wants what nobody wanted before."""
+    @handles(SetTolerance)
+    def sky_needed(self, _message: SunMoved | Demand | SetTolerance) -> None:
+        """The sun moved, or someone wants what nobody wanted before, or wants it finer."""
         self._light_sky()
 
     @handles(MoveCamera)
@@ -129,6 +133,12 @@ class DynamicSkyLight(Module):
                 self._post(msgspec.structs.replace(background, cube=texture))
                 return
 
+    @handles(LookAlong)
+    def looked_along(self, message: LookAlong) -> None:
+        """Someone asks for the spectrum of a direction."""
+        if self._shown is not None and self.link.holds("sky"):
+            self._post(products.spectrum(self._shown[0], message.direction))
+
     def settings_changed(self, name: str) -> None:
         """A setting has a new value: work out again what depends on it."""
         if name == "sun_method":
@@ -154,8 +164,8 @@ class DynamicSkyLight(Module):
         daylight, sun = self._daylight_of(sun)
         demand = self._demand(BackgroundChanged)
         if demand is not None:
-            size = demand.size if demand.size > 1 else DEFAULT_SIZES[self.settings.cube_device]
-            self._paint(daylight, size)
+            # A demand of 1 is the default of a consumer that leaves the size to the sky.
+            self._paint(daylight, demand.size if demand.size > 1 else self._quality.cube_size)
         if self._demand(SunLightChanged) is not None:
             self._post_if_new(
                 SunLightChanged,
@@ -184,7 +194,8 @@ class DynamicSkyLight(Module):
         needs = self.link.last(SceneNeeds)
         shown_m, reach_m = self._air
         altitude_m = eye_height_m(self.link)
-        stays = abs(altitude_m - shown_m) <= _ALTITUDE_STEP_M + _ALTITUDE_SHARE * shown_m
+        step_m = self._quality.altitude_change * (_ALTITUDE_STEP_M + shown_m)
+        stays = abs(altitude_m - shown_m) <= step_m
         needed_m = needs.air_reach_m if needs is not None else 0.0
         return shown_m if stays else altitude_m, rung_m(needed_m, reach_m)
 
@@ -228,12 +239,18 @@ class DynamicSkyLight(Module):
             apparent_elevation_rad=sun.apparent_elevation_rad,
             sun_azimuth_rad=float(np.arctan2(x, -z)),
             visible_disc_fraction=sun.visible_disc_fraction,
+            light_size=self._quality.light_size,
         )
-        if self._shown is None or not _alike(*self._shown, daylight, sun):
+        change = self._quality.sun_change
+        if self._shown is None or not _alike(*self._shown, daylight, sun, change):
             self._shown = (daylight, sun)
         elif self._shown[0] != daylight:
             self.ledger.skip("sun within tolerance")
         return self._shown
+
+    @property
+    def _quality(self) -> Quality:
+        return quality_for(tolerance_of(self.link))
 
     def _demand(self, kind: type[Derived]) -> Demand | None:
         demand = self.link.wanted(kind)
@@ -255,8 +272,10 @@ class DynamicSkyLight(Module):
         self.ledger.did(type(message).__name__)
 
 
-def _alike(shown: Daylight, shown_sun: SunMoved, now: Daylight, sun: SunMoved) -> bool:
-    """Whether nothing but the sun has moved, and that by less than anyone sees.
+def _alike(
+    shown: Daylight, shown_sun: SunMoved, now: Daylight, sun: SunMoved, change: float
+) -> bool:
+    """Whether nothing but the sun has moved, and that changes no texel by more than `change`.
 
     While the disc crosses the horizon its visible share tells every move apart.
     """
@@ -266,4 +285,4 @@ def _alike(shown: Daylight, shown_sun: SunMoved, now: Daylight, sun: SunMoved) -
         sun_azimuth_rad=shown.sun_azimuth_rad,
     )
     chord = float(np.linalg.norm(np.subtract(sun.direction, shown_sun.direction)))
-    return moved_back == shown and chord <= sun_step_rad(shown.apparent_elevation_rad)
+    return moved_back == shown and chord <= sun_step_rad(shown.apparent_elevation_rad, change)

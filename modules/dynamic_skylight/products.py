@@ -5,10 +5,11 @@ from numpy.typing import NDArray
 
 from dynamic_skylight.air import TOP_ALTITUDE_M, air_is_seen, air_volume
 from dynamic_skylight.daylight import Daylight
+from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun.position import Method, sun_position
-from vrut_lite.geometry.frames import world_from_enu
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import (
@@ -17,6 +18,7 @@ from vrut_lite.kernel.messages import (
     BackgroundChanged,
     ClockMoved,
     SetPlace,
+    SpectrumSeen,
     SunLightChanged,
     SunMoved,
     Vector,
@@ -104,6 +106,25 @@ def air(daylight: Daylight, direction: Vector, altitude_m: float, reach_m: float
         return AirChanged(volume=None, source=NAME)
     volume = air_volume(daylight, direction, altitude_m, in_air_m)
     return AirChanged(volume=volume, source=NAME)
+
+
+def spectrum(daylight: Daylight, direction: Vector) -> SpectrumSeen:
+    """The exact model's spectrum at its own bands; none at twilight, nor of the ground."""
+    wavelength_nm: tuple[float, ...] = ()
+    radiance: tuple[float, ...] = ()
+    if daylight.model is not None and direction[1] > 0.0:
+        sun = world_from_enu(
+            direction_from_angles(daylight.sun_azimuth_rad, daylight.apparent_elevation_rad)
+        )
+        theta, gamma = (
+            float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+            for cosine in (direction[1], np.dot(direction, sun))
+        )
+        wavelength_nm = tuple(WAVELENGTHS_NM.tolist())
+        radiance = tuple(daylight.model.spectral_radiance(theta, gamma, WAVELENGTHS_NM).tolist())
+    return SpectrumSeen(
+        direction=direction, wavelength_nm=wavelength_nm, radiance=radiance, source=NAME
+    )
 
 
 def _vector(values: NDArray[np.float64]) -> Vector:

@@ -15,22 +15,36 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
 
     turbidity: Annotated[
         float,
-        msgspec.Meta(ge=1.0, le=10.0, description="Haze of the air: 2 is clear, 6 is hazy"),
+        msgspec.Meta(
+            ge=1.0,
+            le=10.0,
+            description="Haze of the air: 2 is clear, 6 is hazy",
+            extra={"source": "Preetham, Shirley and Smits 1999, appendix A.1"},
+        ),
     ] = 3.0
     albedo: Annotated[
         float,
-        msgspec.Meta(ge=0.0, le=1.0, description="Share of light that the ground reflects"),
+        msgspec.Meta(
+            ge=0.0,
+            le=1.0,
+            description="Share of light that the ground reflects",
+            extra={"source": "Hosek and Wilkie 2012, equations 8 and 9"},
+        ),
     ] = 0.1
     sun_colour: Annotated[
         SunColour,
         msgspec.Meta(
             description="Where the sun's light takes its colour from: its disc, the sky's "
-            "formula at the sun, or none"
+            "formula at the sun, or none",
+            extra={"source": "Hosek and Wilkie 2013, the solar radiance function"},
         ),
     ] = "disc"
     sun_method: Annotated[
         Method,
-        msgspec.Meta(description="Sun position by ephemeris or by the thesis's short series"),
+        msgspec.Meta(
+            description="Sun position by ephemeris or by the thesis's short series",
+            extra={"source": "VSOP87; Preetham et al. 1999 after Hvezda 2020, corrected"},
+        ),
     ] = "ephemeris"
     cube_device: Annotated[
         Device,

@@ -15,12 +15,12 @@ Directions have the coordinates v and a, both in [0, 1]:
 
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dynamic_skylight.data_files import packaged_arrays
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 
 FloatArray = NDArray[np.float64]
@@ -74,15 +74,14 @@ class TwilightTable:
 @lru_cache(maxsize=1)
 def twilight_table() -> TwilightTable:
     """The table that the package carries."""
-    source = files("dynamic_skylight") / "data" / "twilight.npz"
-    with source.open("rb") as file, np.load(file, allow_pickle=False) as data:
-        sun = data["sun_deg"]
-        return TwilightTable(
-            data["log_shape_steps"] * float(data["log_step"]),
-            data["turbidity"],
-            float(sun[0]),
-            float(sun[0] - sun[1]),
-        )
+    data = packaged_arrays("twilight.npz")
+    sun = data["sun_deg"]
+    return TwilightTable(
+        data["log_shape_steps"] * float(data["log_step"]),
+        data["turbidity"],
+        float(sun[0]),
+        float(sun[0] - sun[1]),
+    )
 
 
 def elevation_coordinate(sin_elevation: ArrayLike) -> FloatArray:

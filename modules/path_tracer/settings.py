@@ -11,14 +11,17 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
     spp: Annotated[
         int, msgspec.Meta(ge=1, le=65536, description="Samples per pixel of a finished picture")
     ] = 64
-    max_bounces: Annotated[
-        int | None,
-        msgspec.Meta(
-            ge=1,
-            le=1000,
-            description="How many surfaces light may meet, 1 for direct light alone; none: any",
-        ),
-    ] = None
+    max_bounces: (
+        Annotated[
+            int,
+            msgspec.Meta(
+                ge=1,
+                le=1000,
+                description="How many surfaces light may meet, 1 for direct light alone; none: any",
+            ),
+        ]
+        | None
+    ) = None
     sun: Annotated[
         Literal["disc", "sharp"],
         msgspec.Meta(
@@ -30,7 +33,8 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
         Literal["gltf", "principled"],
         msgspec.Meta(
             description="What is no metal: Lambert's surface under a coat, as glTF has it, or "
-            "a principled BSDF"
+            "a principled BSDF",
+            extra={"source": "glTF 2.0, appendix B; Burley 2012"},
         ),
     ] = "gltf"
     variant: Annotated[

@@ -97,8 +97,10 @@ def test_a_real_process_makes_real_pictures(headless_window, tmp_path):
     headless_window.until(lambda: keeper.project.size == view.pixels)
     panel = headless_window.panel("export")
     panel.step_minutes.setValue(120)
+    # Docks that come later may make the picture in the window smaller.
+    size = keeper.project.size
     panel.start(str(tmp_path / "day.png"))
     headless_window.until(lambda: panel.progress.value() >= 1)
     panel.cancel.click()
     with Image.open(tmp_path / "day_0001.png") as image:
-        assert image.size == view.pixels
+        assert image.size == size

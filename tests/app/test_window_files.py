@@ -4,7 +4,7 @@ import msgspec
 import pytest
 from window_driver import NOON, SCENES
 
-from vrut_lite.app.project_keeper import project_text, save_project
+from vrut_lite.app.project_file import project_text, save_project
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     LoadScene,

@@ -10,6 +10,7 @@ from vrut_lite.kernel.messages import (
     BackgroundChanged,
     SetSetting,
     SettingChanged,
+    SetTolerance,
     SlotChanged,
     SunMoved,
 )
@@ -70,6 +71,14 @@ def test_a_value_is_typed(driver, qtbot):
     qtbot.keyClick(spin, Qt.Key.Key_Return)
     assert driver.until_heard(SettingChanged).value == 0.25
     assert (spin.minimum(), spin.maximum()) == (0.0, 1.0)
+
+
+def test_the_tolerance_is_typed_and_followed(driver):
+    """In per cent, a share in the message; what a project says is shown."""
+    driver.sky.tolerance.spin.setValue(1.0)
+    assert driver.until_heard(SetTolerance).tolerance == pytest.approx(0.01)
+    driver.session.send(SetTolerance(tolerance=0.03))
+    driver.until(lambda: driver.sky.tolerance.value == 3.0)
 
 
 def test_a_setting_that_may_be_left_open_has_a_box_to_tick(driver):

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import msgspec
 
+from vrut_lite.app.kept import Kept
 from vrut_lite.app.main_window import MainWindow
 from vrut_lite.app.presets import PresetStore
 from vrut_lite.app.session import Session
 from vrut_lite.app.stage import WatchedBackend
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.project import Project, load_project
 from vrut_lite.scene.manager import SceneManager
@@ -18,7 +20,7 @@ from vrut_lite.scene.recording_backend import RecordingBackend
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # Long enough for a machine that does much else; no test waits for it to pass.
-PATIENCE_MS = 60_000
+PATIENCE_MS = 240_000
 NOON = datetime(2026, 6, 21, 11, 0, tzinfo=UTC)
 
 
@@ -34,6 +36,7 @@ class HeadlessStage:
         demand_light(self.kernel, SceneManager.manifest.name, 16)
         self.kernel.pump_until_idle()
         self.pass_seconds = {}
+        self.frame_ledger = Ledger()
         self.sizes = []
 
     def draw(self, size, still):
@@ -57,7 +60,9 @@ class WindowDriver:
             apply_theme(QApplication.instance())
         self.qtbot = qtbot
         self.session = Session(open_stage)
-        self.window = MainWindow(self.session, PresetStore(folder / "presets"))
+        self.window = MainWindow(
+            self.session, PresetStore(folder / "presets"), Kept(folder / "kept")
+        )
         qtbot.addWidget(self.window)
         self.window.resize(900, 600)
         self.problems = []

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.aerosol import optical_depth_of_turbidity
+
+from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
 
 
 def test_earth_is_brunetons_demonstration_atmosphere() -> None:
@@ -53,6 +54,10 @@ def test_one_number_serves_every_wavelength(other_planet: Atmosphere) -> None:
         ("ground_albedo", ()),
         ("ground_albedo", -0.1),
         ("ground_radius_m", (6.36e6, 6.37e6)),
+        ("ground_radius_m", 1e300),
+        ("top_altitude_m", 1e-300),
+        ("rayleigh_scale_height_m", 1e13),
+        ("absorber_altitude_m", 0.0),
         ("top_altitude_m", float("inf")),
         ("mie_extinction", (1e-6, 1e-6, float("nan"))),
         ("mie_scale_height_m", "thin"),

@@ -14,6 +14,7 @@ from bruneton_sky.geometry import (
     in_earth_shadow,
     make_ray,
     shadow_boundary,
+    y_at_top,
 )
 
 RADIUS, TOP = 6_360_000.0, 60_000.0
@@ -97,3 +98,13 @@ def test_no_shadow_boundary_by_day_or_straight_behind() -> None:
     assert all((s < 0).all() for s in shadow_boundary(ray, 0.5, np.array([0.9, 0.0])))
     antisolar = shadow_boundary(make_ray(RADIUS, 100.0, 0.2), -0.2, -1.0)
     assert all(float(s) < 0 or float(s) > 1e6 for s in antisolar)
+
+
+@pytest.mark.parametrize("mu", [-1e-9, -2e-9, -1e-8, -1e-3])
+def test_a_ray_along_the_top_is_as_long_as_it_should_be(mu: float) -> None:
+    """From the top a ray sinks and comes back: to y = -y, where top - perigee would be zero.
+
+    The perigee lies 1e-12 m below, which an altitude of 60 km has no digits for.
+    """
+    ray = make_ray(RADIUS, TOP, mu)
+    assert float(y_at_top(ray, TOP)) == pytest.approx(-float(ray.y), rel=1e-12)

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.module import DEFAULT_SIZES, BrunetonSky
+from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings, PresetName, atmosphere_of
 
 from vrut_lite.errors import UserError
@@ -175,7 +175,7 @@ def test_a_new_demand_is_served_from_the_present_sky(sky: BrunetonSky, link: Fak
     assert link.taken() == [AmbientChanged]
     link.want(BackgroundChanged, size=1)
     tell(sky, link, link.demands[BackgroundChanged])
-    assert link.posted[0].cube.shape[1] == DEFAULT_SIZES["cpu"]  # type: ignore[attr-defined]
+    assert link.posted[0].cube.shape[1] == 256  # type: ignore[attr-defined]
     assert link.taken() == [BackgroundChanged]
     assert sky.ledger.done["sky-view table"] == 1
 
@@ -445,10 +445,10 @@ def texture_of(job: GpuJob) -> GpuTexture:
 
 
 def test_the_gpu_makes_the_cube_map(gpu_sky: BrunetonSky, link: FakeLink) -> None:
-    """A job of 1024 texels unless a size is asked for; its texture becomes the background."""
+    """A job of 256 texels unless a size is asked for; its texture becomes the background."""
     (job,) = link.posted
     assert isinstance(job, GpuJob)
-    assert (job.size, job.read_back) == (DEFAULT_SIZES["gpu"], False)
+    assert (job.size, job.read_back) == (256, False)
     result = JobResult(module="bruneton_sky", job=job.job, value=texture_of(job))
     gpu_sky.job_done(result)
     background = link.posted[-1]

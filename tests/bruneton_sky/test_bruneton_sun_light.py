@@ -1,5 +1,7 @@
 """The sun as a light: transmittance, colour, horizon, limb."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
@@ -77,3 +79,22 @@ def test_from_space_the_sun_is_whole_until_the_planet_hides_it(height_m: float) 
     cut = seen(horizon)
     assert (cut > 0.0).all()
     assert (cut < 0.5 * whole).all()
+
+
+def test_without_air_the_sun_sets_evenly() -> None:
+    """Of what is seen only the horizon decides: the share of a round disc over it, to 2e-3.
+
+    A sun that lost 64 strips one by one would jump by up to 2 % of its light.
+    """
+    earth = Atmosphere.earth()
+    none = dict.fromkeys(
+        ("rayleigh_scattering", "mie_scattering", "mie_extinction", "absorption_extinction"), 0.0
+    )
+    air = replace(earth, **none)
+    whole = rgb_from_spectrum(np.asarray(air.solar_irradiance), air.wavelength_nm, 0.0)
+    t = np.linspace(-1.1, 1.1, 2001)
+    seen = [seen_irradiance_rgb(air, 0.0, float(np.sin(h))) for h in t * air.sun_angular_radius_rad]
+    inside = np.clip(t, -1.0, 1.0)
+    share = 0.5 + (inside * np.sqrt(1.0 - inside**2) + np.arcsin(inside)) / np.pi
+    assert seen / whole == pytest.approx(np.repeat(share[:, None], 3, axis=1), abs=2e-3)
+    assert np.abs(np.diff(seen / whole, axis=0)).max() < 2.0 / np.pi * (t[1] - t[0]) * 1.05

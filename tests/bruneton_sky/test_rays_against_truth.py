@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.sky_view import limb_counts, table_counts
 from bruneton_sky.sky_view_rows import Rows
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 from spectral_rows import total_radiance
 
 TRUTH = np.load(Path(__file__).parents[1] / "data" / "bruneton_truth.npz")
-FINE = (96, 48, 12)
 
 
 @lru_cache
@@ -34,31 +34,45 @@ def compare(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Differences of total radiance over the larger of truth and a thousandth of the brightest,
     and the truth's standard errors in the same measure; both (n, C)."""
-    truth = {name: TRUTH[name][chosen & (TRUTH["aerosol_factor"] == aerosol_factor)] for name in (
-        "entry_altitude_m", "entry_mu", "entry_mu_s", "nu", "hits_ground", "first", "multiple",
-        "multiple_error",
-    )}  # fmt: skip
-    nu = truth["nu"][:, None]
-    rows = Rows(
-        truth["entry_altitude_m"], truth["entry_mu"], truth["hits_ground"].astype(bool),
-        truth["entry_mu_s"][:, None], nu, np.zeros(2),
-    )  # fmt: skip
-    ours = total_radiance(field(aerosol_factor), rows, FINE)
-    total = truth["first"] + truth["multiple"]
+    chosen = chosen & (TRUTH["aerosol_factor"] == aerosol_factor)
+    total = TRUTH["first"][chosen] + TRUTH["multiple"][chosen]
+    ours = np.empty_like(total)
+    place = np.stack([TRUTH[name][chosen] for name in ("altitude_m", "mu_s", "hits_ground")])
+    for altitude_m, mu_s, hits in np.unique(place, axis=1).T:
+        same = ((altitude_m, mu_s, hits) == place.T).all(axis=1)
+        ours[same] = as_in_a_table(chosen.nonzero()[0][same], altitude_m, mu_s, aerosol_factor)
     scale = np.maximum(total, 1e-3 * total.max())
-    return (ours[:, 0] - total) / scale, truth["multiple_error"] / scale
+    return (ours - total) / scale, TRUTH["multiple_error"][chosen] / scale
+
+
+def as_in_a_table(
+    index: NDArray[np.int64], altitude_m: float, mu_s: float, aerosol_factor: int
+) -> NDArray[np.float64]:
+    """Radiance (n, C) of rays of one observer, all to the ground or none, with the steps and bins
+    that his table takes."""
+    entry = {name: TRUTH[f"entry_{name}"][index] for name in ("altitude_m", "mu", "mu_s")}
+    hits = TRUTH["hits_ground"][index].astype(bool)
+    rows = Rows(
+        entry["altitude_m"], entry["mu"], hits,
+        entry["mu_s"][:, None], TRUTH["nu"][index][:, None], np.zeros(2),
+    )  # fmt: skip
+    solved = field(aerosol_factor)
+    counts = table_counts(solved.atmosphere, altitude_m, mu_s)
+    if altitude_m > solved.atmosphere.top_altitude_m and not hits[0]:
+        counts = limb_counts(counts)
+    return total_radiance(solved, rows, counts)[:, 0]
 
 
 @pytest.mark.parametrize("altitude_m", [0.0, 2000.0, 12_000.0, 50_000.0, 300_000.0])
 @pytest.mark.parametrize("zenith_deg", [0.0, 30.0, 60.0, 80.0, 87.0])
 def test_total_radiance_by_day(altitude_m: float, zenith_deg: float) -> None:
-    """By day the mean error of the total is below 0.25 %, that of 99 % of the rays below 1 %
-    beyond the truth's own noise, views from space with the limb included (issue: 0.5 % against
-    converged truth, and Monte Carlo's noise)."""
+    """By day the mean error of the total is below 0.25 %, that of 99 % of the rays below 0.5 %
+    (issue's number) beyond the truth's own noise, views from space with the limb included; 3
+    degrees above the horizon, where the limb lies in the planet's shadow, below 0.7 %."""
     chosen = (TRUTH["altitude_m"] == altitude_m) & (TRUTH["sun_zenith_deg"] == zenith_deg)
     error, noise = compare(chosen)
     assert np.abs(error).mean() < 2.5e-3
-    assert np.quantile(np.abs(error) - 3.0 * noise, 0.99) < 1e-2
+    assert np.quantile(np.abs(error) - 3.0 * noise, 0.99) < (5e-3 if zenith_deg < 84.0 else 7e-3)
 
 
 @pytest.mark.parametrize(("zenith_deg", "most"), [(90.0, 6e-3), (93.0, 1e-2), (96.0, 4e-2)])

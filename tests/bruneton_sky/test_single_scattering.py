@@ -180,6 +180,34 @@ def test_down_from_the_ground_sees_no_air() -> None:
     assert not single_scattering(Atmosphere.earth(), 0.0, -0.5, 0.5, 0.0).any()
 
 
+def test_level_rays_in_fog_are_smooth() -> None:
+    """A ray that sinks by 1e-13 m to its perigee: that way has all its digits.
+
+    By the difference of the two altitudes it had two of them, and light changed by 5e-6 from one
+    cosine to the next; it is to change by 1e-11, as the scattering angle does.
+    """
+    air = Atmosphere.earth().with_fog(5.0, 3.0)
+    view = 0.5 * np.pi + 7.9e-11 + np.arange(-20, 20) * 2.3e-16
+    sun, turn = 0.25, 0.29
+    nu = scattering_cosine(np.cos(view), np.cos(sun), turn)
+    light = single_scattering(air, 2.000000000006198, np.cos(view), np.cos(sun), nu)
+    assert (np.ptp(light, axis=0) < 1e-10 * light.max(axis=0)).all()
+
+
+@pytest.mark.parametrize("rule", ["midpoint", "trapezoid", "simpson"])
+def test_a_coarse_rule_makes_no_depth_below_zero(rule: str) -> None:
+    """Down into dense fog a parabola through densities dips below zero: that would shine.
+
+    What arrives is no more than the sun's light times the path and the densest fog's scattering.
+    """
+    air = Atmosphere.earth().with_fog(5.0, 3.0)
+    light = single_scattering(air, 100.0, [-1.0, -0.5], 0.5, 0.0, rule=rule, samples=(4, 2))
+    longest_m = 100.0 / 0.5
+    most = air.fog_scattering[0] * longest_m * cornette_shanks_phase(0.0, air.mie_g)
+    assert (light >= 0.0).all()
+    assert (light <= 1.05 * most * np.asarray(air.solar_irradiance)).all()
+
+
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [

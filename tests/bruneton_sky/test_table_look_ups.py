@@ -252,3 +252,12 @@ def test_haze_that_no_light_crosses_gives_no_nan() -> None:
     opaque: Tables = replace(TABLES, transmittance=np.zeros_like(TABLES.transmittance))
     _, transmittance = opaque.radiance_to_point(standing(0.0), standing(0.0) + 1e4 * UP, SUN)
     assert not transmittance.any()
+
+
+def test_a_surface_that_looks_down_sees_no_sky() -> None:
+    """Its share of the sky, (1 + n . up) / 2, is a rounding below 0 for some: they see none."""
+    up = np.random.default_rng(1).normal(size=(2000, 3))
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    _, sky = TABLES.sun_and_sky_irradiance((GROUND_RADIUS_M + 10.0) * up, -up, up)
+    assert (sky >= 0.0).all()
+    assert (sky < 1e-14).all()

@@ -60,13 +60,13 @@ def finish(module, link, job, **outcome):
 
 
 def test_the_job_is_posted_and_its_texture_becomes_the_background(module, link):
-    """1024 texels unless a size is asked for; nothing is read back; the ground is said at once."""
+    """256 texels unless a size is asked for; nothing is read back; the ground is said at once."""
     move_sun(module, link)
     (job,) = link.posted
-    assert (job.size, job.output, job.format, job.read_back) == (1024, "cube", "rgba16f", False)
+    assert (job.size, job.output, job.format, job.read_back) == (256, "cube", "rgba16f", False)
     finish(module, link, job)
     background = link.posted[-1]
-    assert background.cube == GpuTexture(size=1024, format="rgba16f", recipe=job.recipe)
+    assert background.cube == GpuTexture(size=256, format="rgba16f", recipe=job.recipe)
     assert np.log2(background.radiance_scale) % 1 == 0
     assert min(background.ground_radiance_rgb) > 0.0
     assert module.ledger.done == {"SunMoved": 1, "GpuJob": 1, "BackgroundChanged": 1}
@@ -76,8 +76,8 @@ def test_a_texture_read_from_a_journal_serves_too(module, link):
     """On replay a job's result is plain fields: the same background must be said."""
     move_sun(module, link)
     (job,) = link.posted
-    finish(module, link, job, value={"size": 1024, "format": "rgba16f", "recipe": job.recipe})
-    assert link.posted[-1].cube == GpuTexture(size=1024, format="rgba16f", recipe=job.recipe)
+    finish(module, link, job, value={"size": 256, "format": "rgba16f", "recipe": job.recipe})
+    assert link.posted[-1].cube == GpuTexture(size=256, format="rgba16f", recipe=job.recipe)
 
 
 def test_where_nobody_runs_jobs_the_cpu_serves(module, link):

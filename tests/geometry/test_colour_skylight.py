@@ -49,3 +49,12 @@ def test_four_other_wavelengths_make_no_colour(wavelength_nm: tuple[float, ...])
     """The matrix belongs to its wavelengths and their order; the sentence names them."""
     with pytest.raises(ValueError, match="unless they are 635, 570, 520, 445 nm"):
         rgb_from_spectrum(np.ones(4), wavelength_nm)
+
+
+def test_the_order_of_wavelengths_does_not_matter() -> None:
+    """A spectrum from red to blue has the colour that it has from blue to red."""
+    wavelength = np.linspace(400.0, 700.0, 12)
+    spectrum = 1.0 + 0.5 * np.sin(wavelength / 60.0)
+    rgb = rgb_from_spectrum(spectrum, wavelength)
+    assert (rgb > 0.0).all()
+    assert rgb_from_spectrum(spectrum[::-1], wavelength[::-1]) == pytest.approx(rgb, rel=1e-14)

@@ -43,3 +43,10 @@ def test_there_and_back(azimuth_rad, elevation_rad, offset_rad):
     assert elevation == pytest.approx(elevation_rad, abs=1e-13)
     turn = (azimuth - azimuth_rad + np.pi) % (2 * np.pi) - np.pi
     assert turn * np.cos(elevation_rad) == pytest.approx(0.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("west", [1e-16, 1e-20, 1e-300, 5e-324])
+def test_a_hair_west_of_north_is_north(west):
+    """Azimuth is below 360 degrees: a remainder rounds up to the full turn there."""
+    azimuth, _ = angles_from_direction([-west, 1.0, 0.0])
+    assert azimuth == 0.0

@@ -7,7 +7,7 @@ from straight above: its radiance is its albedo plus what its gloss reflects.
 import numpy as np
 import pytest
 from light_messages import light_messages
-from scene_stage import square
+from scene_stage import light, look, square
 
 from vrut_lite.kernel.messages import MoveCamera
 from vrut_lite.scene.ground_disc import GroundDisc
@@ -160,6 +160,20 @@ def test_a_normal_map_tilts_the_light(backend, tmp_path):
     mapped = seen(backend, square(tmp_path, material, [tilted]), sun=sun, sky=0.0)[32, 32]
     flat = seen(backend, square(tmp_path, {"pbrMetallicRoughness": pbr}), sun=sun, sky=0.0)[32, 32]
     np.testing.assert_allclose(mapped / flat, np.sqrt(2.0), rtol=0.03)
+
+
+@pytest.mark.parametrize("sun", [(0.3, 0.6, 0.7), (-0.9, 0.12, 0.4), (0.5, 0.5, -0.1)])
+def test_the_point_opposite_the_sun_is_lit(backend, tmp_path, sun):
+    """Around the eye's own shadow, cosines of half the angle round to more than 1: still a number.
+
+    Matt and looked at along the light, the square has the radiance of one direction: 1 % apart.
+    """
+    towards = np.array(sun) / np.linalg.norm(sun)
+    backend.show_scene(load_scene(square(tmp_path, {"pbrMetallicRoughness": ROUGH})), None)
+    light(backend, np.zeros((6, 8, 8, 3)), sun_direction=towards, sun_irradiance=(10.0,) * 3)
+    radiance = look(backend, 2.0 * towards, np.zeros(3), 1e-3).radiance
+    assert radiance.min() > 0.1
+    np.testing.assert_allclose(radiance, radiance.mean(), rtol=0.01)
 
 
 @pytest.mark.parametrize("scale", [[1, 0, 1], [0, 0, 0], [1, 1e-20, 1]])

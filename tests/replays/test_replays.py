@@ -18,6 +18,8 @@ from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.replay import Replay
 
 LARGEST_BYTES = 32_000
+# Modules whose manifest says that their last digits may change.
+INEXACT = ("bruneton_sky",)
 
 
 @pytest.mark.parametrize("name", journal_scripts.SCRIPTS)
@@ -73,7 +75,11 @@ def test_the_skies_hold_without_cpu_features(name):
     said, *cubes = done.stdout.splitlines()
     assert said == "compared by value: None", done.stdout + done.stderr
     entries = Journal(journal_scripts.journal_path(name)).entries()
-    recorded = [e.message["cube"] for e in entries if e.type_name == "BackgroundChanged"]
+    recorded = [
+        e.message["cube"]
+        for e in entries
+        if e.type_name == "BackgroundChanged" and e.sender not in INEXACT
+    ]
     assert cubes == [cube.get("$array") or cube["recipe"] for cube in recorded]
     assert cubes
 
@@ -128,11 +134,12 @@ if __name__ == "__main__":
     journal = Journal(journal_scripts.journal_path(script))
     replay = Replay(journal, journal_scripts.modules(script))
     cubes: list[str] = []
-    replay.kernel.tap(
-        lambda message, _: (
-            cubes.append(name_of(message.cube)) if isinstance(message, BackgroundChanged) else None
-        )
-    )
+
+    def collect(message, _):
+        if isinstance(message, BackgroundChanged) and message.source not in INEXACT:
+            cubes.append(name_of(message.cube))
+
+    replay.kernel.tap(collect)
     result = replay.run()
     print(f"compared by {'value' if result.by_value else 'digest'}: {result.difference}")
     print("\n".join(cubes))

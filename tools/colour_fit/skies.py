@@ -6,7 +6,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from bruneton_sky.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.kernels import fast_scattered_without_phase
@@ -16,6 +15,7 @@ from bruneton_sky.presets import earth_spectral
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
 from numpy.typing import NDArray
 
+from vrut_lite.geometry.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.geometry.colour import (
     colour_table,
     luminance,

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from bruneton_sky.presets import TWILIGHT_TOP_M, earth_spectral
 from numpy.typing import NDArray
+
+from vrut_lite.geometry.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 
 FloatArray = NDArray[np.float64]
 # Finer where the eye sees colours; the far red is all that a hazy horizon sends.

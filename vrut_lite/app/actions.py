@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from vrut_lite.app.main_window import MainWindow
 
+from vrut_lite.app.file_requests import ask_to_export, ask_to_open, ask_to_save
 from vrut_lite.app.viewport import CameraMode
 
 
@@ -27,12 +28,16 @@ def _mode(mode: CameraMode) -> Callable[["MainWindow", bool], None]:
 
 ACTIONS: list[ActionSpec] = [
     ActionSpec("open", "File", "Open scene or project\N{HORIZONTAL ELLIPSIS}", "Ctrl+O",
-               lambda window, on: window.ask_to_open()),
+               lambda window, on: ask_to_open(window)),
     ActionSpec("save", "File", "Save project\N{HORIZONTAL ELLIPSIS}", "Ctrl+S",
-               lambda window, on: window.ask_to_save()),
+               lambda window, on: ask_to_save(window)),
     ActionSpec("export", "File", "Export picture (PNG, EXR)\N{HORIZONTAL ELLIPSIS}", "Ctrl+E",
-               lambda window, on: window.ask_to_export()),
+               lambda window, on: ask_to_export(window)),
+    ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
+               lambda window, on: window.save_screenshot()),
     ActionSpec("quit", "File", "Quit", "Ctrl+Q", lambda window, on: window.close_soon()),
+    ActionSpec("undo", "Edit", "Undo", "Ctrl+Z", lambda window, on: window.undo()),
+    ActionSpec("redo", "Edit", "Redo", "Ctrl+Shift+Z", lambda window, on: window.redo()),
     ActionSpec("orbit", "Camera", "Turn around the scene", "1", _mode(CameraMode.ORBIT),
                True, "camera"),
     ActionSpec("fly", "Camera", "Fly", "2", _mode(CameraMode.FLY), True, "camera"),
@@ -49,4 +54,15 @@ ACTIONS: list[ActionSpec] = [
                lambda window, on: window.time.step_days(1)),
     ActionSpec("sun path", "View", "Sun path", "P",
                lambda window, on: window.desk.sun_path.show(on), True),
+    ActionSpec("compare", "View", "Compare two skies", "C",
+               lambda window, on: window.show_dock("compare")),
+    ActionSpec("profiler", "View", "Profiler", "F3",
+               lambda window, on: window.profiler.setVisible(on), True),
+    ActionSpec("modules", "View", "Module manager", "F4",
+               lambda window, on: window.toggle_dock("modules")),
+    ActionSpec("messages", "View", "Message inspector", "F5",
+               lambda window, on: window.toggle_dock("messages")),
+    ActionSpec("palette", "Help", "Find a command…", "Ctrl+K, Ctrl+Shift+P",
+               lambda window, on: window.show_palette()),
+    ActionSpec("keys", "Help", "Keys", "F1", lambda window, on: window.show_keys()),
 ]  # fmt: skip

@@ -13,6 +13,7 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (
     BackgroundChanged,
     MoveCamera,
@@ -84,6 +85,7 @@ class CpuSkyStage:
         demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
         self.renderer = "CPU, sky alone"
         self.pass_seconds: dict[str, float] = {}
+        self.frame_ledger = Ledger()
 
     def draw(self, size: tuple[int, int], still: bool) -> Picture:
         """Draw what is known by now."""

@@ -17,6 +17,7 @@ _SCREENLESS = ("offscreen", "minimal", "vnc")
 _PROBE = "from PySide6.QtWidgets import QApplication; QApplication([])"
 _PROBE_TIMEOUT_S = 60
 _HEADLESS = "`vrut-lite render SCENE -o PICTURE` draws without a window"
+_WITHOUT_GL = "until then `vrut-lite sky -o PICTURE` draws the sky on the CPU alone"
 PACKAGES = (
     "libegl1 libgl1 libglib2.0-0 libfontconfig1 libxkbcommon0 libdbus-1-3 libxcb-cursor0 "
     "libxcb-icccm4 libxcb-keysyms1 libxcb-image0 libxcb-render-util0 libxcb-shape0 libxcb-xkb1 "
@@ -69,6 +70,6 @@ def objection(said: str) -> str:
         if "could not connect to display" in said:
             return f"the display {os.environ.get('DISPLAY', '')} does not answer: {_HEADLESS}"
         name = missing[1] if missing else "a library of the X window system"
-        return f"Qt lacks {name}: install the packages {PACKAGES}, or their like; {_HEADLESS}"
+        return f"Qt lacks {name}: install the packages {PACKAGES}, or their like; {_WITHOUT_GL}"
     lines = said.strip().splitlines()
     return f"Qt cannot open a window here ({lines[-1] if lines else 'it was ended'}): {_HEADLESS}"

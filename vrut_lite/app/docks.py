@@ -8,7 +8,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QWidget
 
 from vrut_lite.app.desk import Desk
+from vrut_lite.app.panels.compare_panel import ComparePanel
 from vrut_lite.app.panels.export_panel import ExportPanel
+from vrut_lite.app.panels.message_inspector import MessageInspector
+from vrut_lite.app.panels.module_manager import ModuleManager
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.place_panel import PlacePanel
@@ -54,7 +57,30 @@ DOCKS: list[DockSpec] = [
     ),
     DockSpec("sky", "Sky", "light", lambda desk: SkyPanel(desk.session, desk.presets)),
     DockSpec(
+        "compare",
+        "Compare skies",
+        "tools",
+        lambda desk: ComparePanel(desk.session, desk.viewport),
+        shown=False,
+    ),
+    DockSpec(
         "time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout), scrolled=False
+    ),
+    DockSpec(
+        "modules",
+        "Modules",
+        "tools",
+        lambda desk: ModuleManager(desk.session),
+        shown=False,
+        scrolled=False,
+    ),
+    DockSpec(
+        "messages",
+        "Messages",
+        "tools",
+        lambda desk: MessageInspector(desk.session),
+        shown=False,
+        scrolled=False,
     ),
 ]
 

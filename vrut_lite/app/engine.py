@@ -8,6 +8,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
+from contextlib import AbstractContextManager, nullcontext
 from itertools import count
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
@@ -38,11 +39,20 @@ class Shown(NamedTuple):
 
 
 class Engine:
-    """`tell(key, value)` is called on the engine's thread and must be quick."""
+    """`tell(key, value)` is called on the engine's thread and must be quick.
 
-    def __init__(self, open_stage: Callable[[], Stage], tell: Callable[[Hashable, Any], None]):
+    What `attend(stage)` returns is entered while the stage is open, on the engine's thread.
+    """
+
+    def __init__(
+        self,
+        open_stage: Callable[[], Stage],
+        tell: Callable[[Hashable, Any], None],
+        attend: Callable[[Stage], AbstractContextManager[object]] = nullcontext,
+    ):
         self._open_stage = open_stage
         self._tell = tell
+        self._attend = attend
         self._inbox = Inbox()
         self._questions: deque[tuple[Question, Future[Any]]] = deque()
         self._awake = threading.Event()
@@ -90,7 +100,8 @@ class Engine:
         stage = self._opened()
         try:
             if stage is not None:
-                self._live(stage)
+                with self._attend(stage):
+                    self._live(stage)
                 stage.close()
         finally:
             self._ending.set()
@@ -116,8 +127,10 @@ class Engine:
         while not self._ending.is_set():
             self._awake.wait(self._patience_s())
             self._awake.clear()
+            # Counted first: whatever was sent before a question has been pumped when it is put.
+            questions = len(self._questions)
             self._pump(stage)
-            self._answer(stage)
+            self._answer(stage, questions)
             if not self._ending.is_set():
                 self._draw(stage)
         stage.kernel.on_inject(None)
@@ -141,8 +154,8 @@ class Engine:
             self._camera = camera
             self._tell(CAMERA, camera)
 
-    def _answer(self, stage: Stage) -> None:
-        for _ in range(len(self._questions)):
+    def _answer(self, stage: Stage, count: int) -> None:
+        for _ in range(count):
             question, answer = self._questions.popleft()
             if not answer.set_running_or_notify_cancel():
                 continue

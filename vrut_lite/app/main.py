@@ -6,7 +6,9 @@ import sys
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
+from vrut_lite.app.kept import Kept
 from vrut_lite.app.main_window import MainWindow
+from vrut_lite.app.module_states import into_safe_mode, states_of
 from vrut_lite.app.session import Session
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.project import Project
@@ -15,18 +17,23 @@ _SIZE = (1600, 1000)
 _SIGNAL_MS = 200
 
 
-def run_app(project: Project) -> int:
-    """Show a project in a window; the exit code."""
+def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
+    """Show a project in a window; the exit code.
+
+    In safe mode nothing but the host and the default sun and sky runs.
+    """
     app = QApplication(sys.argv[:1])
     app.setApplicationName("vrut_lite")
     app.setQuitOnLastWindowClosed(False)
     apply_theme(app)
     session = Session()
     session.ended.connect(app.quit)
-    window = MainWindow(session)
+    window = MainWindow(session, kept=kept)
     window.resize(*_SIZE)
     window.show()
     session.start()
+    if safe_mode:
+        session.ask(states_of, lambda states: session.begin_with(*into_safe_mode(states)))
     window.open_project(project)
     listening = _hear_interrupts(window)
     code = app.exec()
@@ -38,7 +45,8 @@ def run_app(project: Project) -> int:
 
 def _hear_interrupts(window: MainWindow) -> QTimer:
     """Let Ctrl-C in the terminal close the window: Python must run now and then to hear it."""
-    signal.signal(signal.SIGINT, lambda *_: window.close_soon())
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: window.close_soon())
     timer = QTimer(window)
     timer.timeout.connect(lambda: None)
     timer.start(_SIGNAL_MS)

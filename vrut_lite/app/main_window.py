@@ -3,32 +3,38 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from platformdirs import user_pictures_path
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QAction, QActionGroup, QCloseEvent, QKeySequence
+from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
     QDockWidget,
-    QFileDialog,
     QFrame,
     QLabel,
     QMainWindow,
-    QMenu,
     QScrollArea,
     QTabWidget,
     QWidget,
 )
 
-from vrut_lite.app import theme
-from vrut_lite.app.actions import ACTIONS, ActionSpec
+from vrut_lite.app.command_palette import CommandPalette
 from vrut_lite.app.day_scout import DayScout
 from vrut_lite.app.desk import Desk
 from vrut_lite.app.docks import DOCKS, GROUPS, DockSpec, module_docks
 from vrut_lite.app.engine import Shown
 from vrut_lite.app.export import export_picture
+from vrut_lite.app.kept import Kept, WindowShape
+from vrut_lite.app.keys import KeyJudge
+from vrut_lite.app.menus import Menus
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.presets import PresetStore
-from vrut_lite.app.project_keeper import ProjectKeeper, inputs_of, save_project
+from vrut_lite.app.profiler_overlay import ProfilerOverlay
+from vrut_lite.app.project_file import save_project
+from vrut_lite.app.project_keeper import ProjectKeeper, inputs_of
 from vrut_lite.app.roster import Roster
+from vrut_lite.app.screenshot import save_screenshot
 from vrut_lite.app.session import Session
+from vrut_lite.app.shortcut_list import ShortcutList
+from vrut_lite.app.status_line import StatusLine
 from vrut_lite.app.sun_path import SunPath
 from vrut_lite.app.viewport import CameraMode, Viewport
 from vrut_lite.errors import UserError
@@ -37,15 +43,16 @@ from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
 
 TITLE = "vrut_lite"
 _RIGHT_PX = 420
-_NEWS_MS = 12_000
-_FILES = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
 
 
 class MainWindow(QMainWindow):
     """One session's window; when it is closed, the session is."""
 
-    def __init__(self, session: Session, presets: PresetStore | None = None):
+    def __init__(
+        self, session: Session, presets: PresetStore | None = None, kept: Kept | None = None
+    ):
         super().__init__()
+        self.kept = kept or Kept(None)
         self.setWindowTitle(TITLE)
         self.session = session
         sun_path = SunPath(self)
@@ -57,12 +64,17 @@ class MainWindow(QMainWindow):
             viewport=Viewport(session, sun_path),
             presets=presets or PresetStore(),
         )
+        # Where screenshots go.
+        self.pictures = user_pictures_path() / TITLE
         self.docks: dict[str, QDockWidget] = {}
         self.panels: dict[str, QWidget] = {}
-        self.actions_by_name: dict[str, QAction] = {}
+        self._keys = KeyJudge(self)
         self.setCentralWidget(self.desk.viewport)
-        self._make_status()
-        self._make_menus()
+        self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
+        self._status = StatusLine()
+        self.setStatusBar(self._status)
+        self.menus = Menus(self, lambda: self.kept.recent)
+        self.actions_by_name = self.menus.actions
         for spec in DOCKS:
             self.add_dock(spec)
         self._arrange()
@@ -75,11 +87,17 @@ class MainWindow(QMainWindow):
         assert isinstance(panel, TimePanel)
         return panel
 
+    @property
+    def news(self) -> QLabel:
+        """What is told below the picture."""
+        return self._status.news
+
     # --- what it is made of ------------------------------------------------------------------
 
     def add_dock(self, spec: DockSpec) -> None:
         """Make a dock; it joins the tabs of its group."""
         panel = spec.make(self.desk)
+        self._keys.watch(panel)
         dock = QDockWidget(spec.title, self)
         dock.setObjectName(spec.name)
         dock.setWidget(_scrolled(panel) if spec.scrolled else panel)
@@ -92,7 +110,7 @@ class MainWindow(QMainWindow):
             self.tabifyDockWidget(group[-1], dock)
         dock.setVisible(spec.shown)
         self.docks[spec.name], self.panels[spec.name] = dock, panel
-        self._panels_menu.addAction(dock.toggleViewAction())
+        self.menus.panels.addAction(dock.toggleViewAction())
 
     def _arrange(self) -> None:
         self.setDockNestingEnabled(True)
@@ -105,40 +123,6 @@ class MainWindow(QMainWindow):
         self.docks["place"].raise_()
         self.docks["sky"].raise_()
 
-    def _make_status(self) -> None:
-        self.news = QLabel()
-        self.news.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.facts = QLabel()
-        self.facts.setProperty("role", "faint")
-        self.statusBar().addWidget(self.news, 1)
-        self.statusBar().addPermanentWidget(self.facts)
-        self.statusBar().setSizeGripEnabled(False)
-        self._news_fades = QTimer(self)
-        self._news_fades.setSingleShot(True)
-        self._news_fades.setInterval(_NEWS_MS)
-        self._news_fades.timeout.connect(self.news.clear)
-
-    def _make_menus(self) -> None:
-        menus: dict[str, QMenu] = {}
-        groups: dict[str, QActionGroup] = {}
-        for spec in ACTIONS:
-            if spec.menu not in menus:
-                menus[spec.menu] = self.menuBar().addMenu(spec.menu)
-            action = self._action(spec)
-            menus[spec.menu].addAction(action)
-            if spec.group:
-                groups.setdefault(spec.group, QActionGroup(self)).addAction(action)
-        self._panels_menu = menus["View"].addMenu("Panels")
-        self.actions_by_name["orbit"].setChecked(True)
-
-    def _action(self, spec: ActionSpec) -> QAction:
-        action = QAction(spec.title, self)
-        action.setShortcut(QKeySequence(spec.keys))
-        action.setCheckable(spec.checkable)
-        action.triggered.connect(lambda on, spec=spec: spec.act(self, bool(on)))
-        self.actions_by_name[spec.name] = action
-        return action
-
     def _connect(self) -> None:
         session, desk = self.session, self.desk
         desk.scout.day_changed.connect(desk.sun_path.set_day)
@@ -147,6 +131,7 @@ class MainWindow(QMainWindow):
         session.ready.connect(self._ready)
         session.problem.connect(self.show_problem)
         session.picture_shown.connect(self._show_facts)
+        session.steps_changed.connect(self.menus.show_steps)
         session.ended.connect(self._ended)
         desk.viewport.scene_dropped.connect(self.open_path)
         desk.viewport.mode_changed.connect(self._mode_changed)
@@ -161,6 +146,7 @@ class MainWindow(QMainWindow):
             return
         try:
             self.open_project(load_project(path))
+            self.kept.add_recent(path)
         except UserError as error:
             self.show_problem(str(error))
 
@@ -168,7 +154,7 @@ class MainWindow(QMainWindow):
         """Become what a project says."""
         self.session.ask(
             lambda stage: inputs_of(project, stage.kernel),
-            lambda inputs: self.session.send(*inputs),
+            lambda inputs: self.session.begin_with(*inputs),
         )
 
     def save(self, path: str) -> None:
@@ -180,75 +166,84 @@ class MainWindow(QMainWindow):
         project = self.desk.keeper.project
         self.session.ask(lambda stage: export_picture(stage, path, project), self.show_news)
 
-    def ask_to_open(self) -> None:
-        """Let a file be chosen, and open it."""
-        path, _ = QFileDialog.getOpenFileName(self, "Open", self._folder(), _FILES)
-        if path:
-            self.open_path(path)
+    def save_screenshot(self) -> None:
+        """Write the picture as it looks now into the folder `pictures`."""
+        try:
+            self.show_news(f"Saved {save_screenshot(self.desk, self.pictures)}")
+        except UserError as error:
+            self.show_problem(str(error))
 
-    def ask_to_save(self) -> None:
-        """Let a name be chosen, and save the project."""
-        path, _ = QFileDialog.getSaveFileName(
-            self, "Save project", self._folder(), "Projects (*.toml)"
-        )
-        if path:
-            self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
+    def show_dock(self, name: str) -> None:
+        """Show a dock before the others of its place."""
+        self.docks[name].show()
+        self.docks[name].raise_()
 
-    def ask_to_export(self) -> None:
-        """Let a name be chosen, and write the picture."""
-        path, _ = QFileDialog.getSaveFileName(
-            self, "Export picture", self._folder(), "Pictures (*.png *.exr)"
-        )
-        if path:
-            self.export(path)
+    def toggle_dock(self, name: str) -> None:
+        """Hide a dock that is seen; show one that is not."""
+        if self.panels[name].visibleRegion().isEmpty():
+            self.show_dock(name)
+        else:
+            self.docks[name].hide()
 
-    def _folder(self) -> str:
-        scene = self.desk.keeper.project.scene
-        return str(Path(scene).resolve().parent) if scene else ""
+    def show_palette(self) -> None:
+        """Let a command be found by its name."""
+        palette = CommandPalette(self)
+        palette.show()
+        palette.line.setFocus()
 
-    def _guarded(self, act: Callable[[], None], done: str) -> None:
+    def show_keys(self) -> None:
+        """List all keys."""
+        ShortcutList(self).show()
+
+    def _guarded(self, act: Callable[[], None], done: str = "") -> None:
         try:
             act()
         except UserError as error:
             self.show_problem(str(error))
         else:
-            self.show_news(done)
+            if done:
+                self.show_news(done)
+
+    def undo(self) -> None:
+        """Take the last change back."""
+        self.session.undo(lambda title: self.show_news(f"Taken back: {title}" if title else ""))
+
+    def redo(self) -> None:
+        """Do again what was taken back."""
+        self.session.redo(lambda title: self.show_news(f"Done again: {title}" if title else ""))
 
     # --- what is told ------------------------------------------------------------------------
 
     def show_problem(self, line: str) -> None:
         """One line on what went wrong."""
-        self._tell(line, theme.ALARM)
+        self._status.show_problem(line)
 
     def show_news(self, line: str) -> None:
         """One line on what was done."""
-        self._tell(line, theme.TEXT)
-
-    def _tell(self, line: str, colour: str) -> None:
-        self.news.setText(line)
-        self.news.setToolTip(line)
-        self.news.setStyleSheet(f"color: {colour}; padding-left: 6px;")
-        self._news_fades.start()
+        self._status.show_news(line)
 
     def _ready(self, roster: Roster) -> None:
         for spec in module_docks(roster):
             self.add_dock(spec)
+        for panel in self.panels.values():
+            self._keys.watch(panel)
         self._arrange()
+        shape = self.kept.shape()
+        if shape is not None:
+            self.restoreGeometry(shape.geometry)
+            self.restoreState(shape.docks)
 
     def _scene_loaded(self, scene: SceneLoaded) -> None:
         self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
         self.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
+        self._guarded(lambda: self.kept.add_recent(scene.path))
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)
         self.show_news(mode.value)
 
     def _show_facts(self, shown: Shown) -> None:
-        height, width = shown.picture.display.shape[:2]
-        self.facts.setText(
-            f"{width} \N{MULTIPLICATION SIGN} {height}   {1e3 * shown.seconds:.0f} ms   "
-            f"{_short(self.session.roster.renderer)}   "
-        )
+        self._status.show_facts(shown, self.session.roster.renderer)
 
     # --- the end -----------------------------------------------------------------------------
 
@@ -259,11 +254,19 @@ class MainWindow(QMainWindow):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Vanish at once; what still runs is waited for without a window."""
         if not self.session.has_ended:
+            self._guarded(self._keep)
             self.time.player.pause()
             self.desk.scout.close()
             self.session.close()
         self.hide()
         event.accept()
+
+    def _keep(self) -> None:
+        """Leave what is open for the next time; what nobody has seen opened is not kept."""
+        if self.session.roster.modules:
+            self.kept.keep_session(self.desk.keeper.project)
+            geometry, docks = self.saveGeometry().data(), self.saveState().data()
+            self.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
 
     def _ended(self) -> None:
         """The engine is gone, by our wish or because it could not begin."""
@@ -280,8 +283,3 @@ def _scrolled(panel: QWidget) -> QScrollArea:
     area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
     area.setWidget(panel)
     return area
-
-
-def _short(renderer: str) -> str:
-    """Without what stands in brackets."""
-    return renderer.partition(" (")[0]

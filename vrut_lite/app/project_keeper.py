@@ -1,15 +1,12 @@
-"""What the window shows, as a project: kept up to date from the messages, saved as TOML."""
+"""What the window shows, as a project: kept up to date from the messages."""
 
 import math
-import os
-from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.session import Session
-from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ClockMoved,
@@ -22,6 +19,7 @@ from vrut_lite.kernel.messages import (
     SetPlace,
     SetSetting,
     SettingChanged,
+    SetTolerance,
     SlotChanged,
 )
 from vrut_lite.project import (
@@ -32,7 +30,6 @@ from vrut_lite.project import (
     setting_inputs,
     view_inputs,
 )
-from vrut_lite.render.write_atomic import atomic_output
 
 # Settings that a project file has fields of its own for.
 _SCENE = "scene"
@@ -52,6 +49,7 @@ class ProjectKeeper:
         session.listen(SlotChanged, self._note_slot)
         session.listen(SettingChanged, self._note_setting)
         session.listen(SetExposure, self._note_exposure)
+        session.listen(SetTolerance, lambda m: self._set(tolerance=m.tolerance))
         session.listen(Resize, lambda m: self._set(size=(m.width_px, m.height_px)))
         session.camera_moved.connect(self._note_camera)
 
@@ -130,51 +128,3 @@ def inputs_of(project: Project, kernel: Kernel) -> list[Input]:
     left_out = (Resize,) if project.scene else (Resize, LoadScene)
     view = [m for m in view_inputs(project) if not isinstance(m, left_out)]
     return [*rest, *named, *daylight_inputs(project), *view]
-
-
-def save_project(path: str | Path, project: Project) -> None:
-    """Write a project file; the scene's path is told from where the file lies.
-
-    Raises:
-        UserError: it cannot be written.
-    """
-    file = Path(path)
-    scene = os.path.relpath(Path(project.scene).resolve(), file.resolve().parent)
-    text = project_text(msgspec.structs.replace(project, scene=Path(scene).as_posix()))
-    try:
-        with atomic_output(file) as beside:
-            beside.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UserError(f"cannot write {file}: {error.strerror or error}") from None
-
-
-def project_text(project: Project) -> str:
-    """A project as TOML."""
-    values = msgspec.to_builtins(project)
-    camera, exposure, slots, settings = (
-        values.pop(key) for key in ("camera", "exposure", "slots", "settings")
-    )
-    tables = {"camera": camera, "exposure": exposure, "slots": slots}
-    tables |= {f"settings.{module}": table for module, table in settings.items()}
-    lines = [_line(*item) for item in values.items()]
-    for title, table in tables.items():
-        if table:
-            lines += ["", f"[{title}]", *(_line(*item) for item in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _line(key: str, value: Any) -> str:
-    return f"{key} = {_toml(value)}"
-
-
-def _toml(value: Any) -> str:
-    if value is None:
-        return '"none"'
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        # JSON's escapes are TOML's.
-        return msgspec.json.encode(value).decode()
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(part) for part in value) + "]"
-    return repr(value)

@@ -5,8 +5,9 @@ either side is, there is one delivery and no backlog.
 """
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
+from contextlib import closing, contextmanager
 from itertools import count
 from typing import Any, TypeVar
 
@@ -15,6 +16,8 @@ from PySide6.QtCore import QObject, Qt, Signal
 from vrut_lite.app import engine
 from vrut_lite.app.cpu_sky import best_stage
 from vrut_lite.app.engine import Engine, Shown
+from vrut_lite.app.flight_recorder import FlightRecorder, Recorded
+from vrut_lite.app.history import History
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.stage import Stage
 from vrut_lite.errors import UserError
@@ -24,6 +27,7 @@ from vrut_lite.kernel.messages import Fault, Input, Message
 M = TypeVar("M", bound=Message)
 T = TypeVar("T")
 Listener = Callable[[Any], None]
+_STEPS = "steps"
 
 
 class Session(QObject):
@@ -31,8 +35,8 @@ class Session(QObject):
 
     Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `sent` (an input)
     whenever something was sent, `heard` (message, sender), `picture_shown` (a `Shown`),
-    `camera_moved` (the `MoveCamera` that is looked through), `problem` (a line for people),
-    `ended` when nothing runs any more.
+    `camera_moved` (the `MoveCamera` that is looked through), `steps_changed` (`Steps` to take back
+    and to do again), `problem` (a line for people), `ended` when nothing runs any more.
     """
 
     ready = Signal(object)
@@ -40,6 +44,7 @@ class Session(QObject):
     heard = Signal(object, str)
     picture_shown = Signal(object)
     camera_moved = Signal(object)
+    steps_changed = Signal(object)
     problem = Signal(str)
     ended = Signal()
     _mail_came = Signal()
@@ -54,17 +59,54 @@ class Session(QObject):
         self._has_ended = False
         self._mailbox = Mailbox(self._mail_came.emit)
         self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
-        self._engine = Engine(open_stage, self._mailbox.put)
+        self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
+        self._recorder: FlightRecorder | None = None
+        self._engine = Engine(open_stage, self._mailbox.put, self._attend)
 
     def start(self) -> None:
         """Open the host, in the background."""
         self._engine.start()
 
     def send(self, *inputs: Input) -> None:
-        """Bring inputs to the kernel; of those that still wait the latest of each key counts."""
+        """Bring inputs to the kernel; of those that still wait the latest of each key counts.
+
+        Together they are one step to be taken back.
+        """
+        self.history.expect(inputs)
+        self._bring(inputs)
+
+    def begin_with(self, *inputs: Input) -> None:
+        """Bring inputs that are not to be taken back, nor anything before them."""
+        self.history.expect(inputs, beginning=True)
+        self._bring(inputs)
+
+    def _bring(self, inputs: tuple[Input, ...]) -> None:
         self._engine.send(*inputs)
         for message in inputs:
             self.sent.emit(message)
+
+    def undo(self, then: Callable[[str], None] | None = None) -> None:
+        """Take the last step back; `then` gets its title, empty if there was none."""
+        self.ask(lambda stage: self.history.undo(), then)
+
+    def redo(self, then: Callable[[str], None] | None = None) -> None:
+        """Do again what was taken back last; `then` gets its title, empty if there was nothing."""
+        self.ask(lambda stage: self.history.redo(), then)
+
+    @property
+    def recorded(self) -> Recorded:
+        """How much of this session a journal would hold."""
+        return Recorded() if self._recorder is None else self._recorder.recorded
+
+    def save_journal(self, path: str, then: Callable[[Recorded], None]) -> None:
+        """Write all that happened since the session began; the window goes on meanwhile."""
+
+        def save(stage: Stage) -> "Future[Recorded]":
+            if self._recorder is None:
+                raise UserError("this session is not recorded")
+            return self._recorder.save(path)
+
+        self.ask(save, lambda answer: self.follow(answer, then))
 
     def listen(self, kind: type[M], listener: Callable[[M], None]) -> None:
         """Be called with each message of a type, and at once with the last if there was one."""
@@ -87,11 +129,20 @@ class Session(QObject):
 
         What it raises becomes a `problem`, or goes to `failed` as a line.
         """
+        self.follow(self._engine.ask(question), then, failed)
+
+    def follow(
+        self,
+        answer: "Future[T]",
+        then: Callable[[T], None] | None = None,
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """As `ask`, of an answer that somebody else's thread will give."""
 
         def done(answer: "Future[T]") -> None:
             self._mailbox.put(("answer", next(self._numbers)), (answer, then, failed))
 
-        self._engine.ask(question).add_done_callback(done)
+        answer.add_done_callback(done)
 
     def close(self) -> None:
         """Begin to end; `ended` comes when all that runs has noticed."""
@@ -106,6 +157,20 @@ class Session(QObject):
         """Whether `ended` was told."""
         return self._has_ended
 
+    @contextmanager
+    def _attend(self, stage: Stage) -> Iterator[None]:
+        """Write the session's history and its journal, on the engine's thread."""
+        self.history.attach(stage.kernel)
+        try:
+            recorder = self._recorder = FlightRecorder(stage.kernel)
+        except (UserError, OSError) as error:
+            line = f"this session is not recorded: {error}"
+            self._mailbox.put((engine.PROBLEM, next(self._numbers)), line)
+            yield
+            return
+        with closing(recorder):
+            yield
+
     def _deliver(self) -> None:
         for key, value in self._mailbox.take_all().items():
             kind = key[0] if isinstance(key, tuple) else key
@@ -119,6 +184,8 @@ class Session(QObject):
             self.picture_shown.emit(value)
         elif kind == engine.CAMERA:
             self.camera_moved.emit(value)
+        elif kind == _STEPS:
+            self.steps_changed.emit(value)
         elif kind == engine.PROBLEM:
             self.problem.emit(one_line(value))
         elif kind == engine.READY:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (
     AirChanged,
     AmbientChanged,
@@ -144,6 +145,10 @@ class Stage(Protocol):
     def pass_seconds(self) -> dict[str, float]:
         """What each pass of the last frame took."""
 
+    @property
+    def frame_ledger(self) -> Ledger:
+        """What frames did and what they left out."""
+
     def draw(self, size: tuple[int, int], still: bool) -> Picture:
         """Draw what is known by now."""
 
@@ -178,6 +183,11 @@ class GlStage:
     def watched(self) -> WatchedBackend:
         """What the scene manager tells."""
         return self._watched[0]
+
+    @property
+    def frame_ledger(self) -> Ledger:
+        """What frames did and what they left out."""
+        return self._host.frame_ledger
 
     def draw(self, size: tuple[int, int], still: bool) -> Picture:
         """Draw what is known by now."""

@@ -50,6 +50,19 @@ QCheckBox::indicator {{
 }}
 QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {ACCENT}; }}
 QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QTreeView, QPlainTextEdit {{ background: {BACKGROUND}; border: 1px solid {LINE}; }}
+QTreeView:focus, QPlainTextEdit:focus {{ border-color: {ACCENT}; }}
+QTreeView::item {{ padding: 3px 2px; border: none; }}
+QTreeView::item:hover {{ background: {RAISED}; }}
+QTreeView::item:selected {{ background: {LINE}; color: {TEXT}; }}
+QTreeView::indicator {{
+    width: 11px; height: 11px; border: 1px solid #5c5c62; border-radius: 3px;
+    background: {BACKGROUND};
+}}
+QTreeView::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QHeaderView, QHeaderView::section {{
+    background: {PANEL}; color: {FAINT}; border: none; padding: 4px 4px;
+}}
 QLabel[role="heading"] {{ color: {TEXT}; font-weight: 600; }}
 QLabel[role="faint"] {{ color: {FAINT}; }}
 QStatusBar {{ background: {PANEL}; color: {FAINT}; }}

@@ -34,6 +34,7 @@ from vrut_lite.app.light_probe import LightProbe
 from vrut_lite.app.session import Session
 from vrut_lite.app.sun_path import SunPath
 from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded
+from vrut_lite.render.light_meter import pixel_direction
 from vrut_lite.scene.camera import frame_bounds
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
@@ -51,10 +52,14 @@ class CameraMode(Enum):
 
 
 class Viewport(QWidget):
-    """`scene_dropped` tells a file's path, `mode_changed` a `CameraMode`."""
+    """Signals: `scene_dropped` (a file's path), `mode_changed` (a `CameraMode`), `sky_pointed`.
+
+    The last tells the world direction under the pointer where it leads above the horizon.
+    """
 
     scene_dropped = Signal(str)
     mode_changed = Signal(object)
+    sky_pointed = Signal(object)
 
     def __init__(self, session: Session, sun_path: SunPath):
         super().__init__()
@@ -171,6 +176,7 @@ class Viewport(QWidget):
             self.probe.point_at(
                 event.position().x() / self.width(), event.position().y() / self.height()
             )
+            self._tell_direction(event.position())
             return
         way = (event.position() - self._grip) / max(1, self.height())
         self._grip = event.position()
@@ -178,6 +184,12 @@ class Viewport(QWidget):
             event.modifiers() & Qt.KeyboardModifier.ShiftModifier
         )
         self._drag(way.x(), -way.y(), bool(shifting))
+
+    def _tell_direction(self, spot: QPointF) -> None:
+        size = (self.width(), self.height())
+        x, y, z = pixel_direction(self.camera, size, int(spot.x()), int(spot.y())).tolist()
+        if y > 0.0:
+            self.sky_pointed.emit((x, y, z))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Let go."""

@@ -27,7 +27,8 @@ from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.manager import SceneManager
 
 GL = "gl"
-_CUBE_SIZE = 256
+# Left to the sky.
+_CUBE_SIZE = 1
 
 
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -8,6 +8,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.recording.entry import Setup
+from vrut_lite.kernel.recording.gpu_stand_in import GpuStandIn
 
 Services = Mapping[str, Mapping[str, Any]]
 
@@ -19,9 +20,13 @@ def add_headless_scene(kernel: Kernel) -> None:
 
 
 def modules_for(setup: Setup) -> tuple[list[type[Module]], Services]:
-    """What a replay of this setup may load: installed modules, the scene manager if it needs it."""
+    """What a replay of this setup may load: installed modules, and those of a host's that it needs.
+
+    In the place of who runs GPU jobs stands one who leaves them to the journal.
+    """
     modules, failures = discover()
     tell(failures)
+    modules.append(GpuStandIn)
     if all(wanted.name != "scene" for wanted in setup.modules):
         return modules, {}
     scene, services = _scene()

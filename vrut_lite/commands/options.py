@@ -10,6 +10,7 @@ import msgspec
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.settings import SettingSpec, describe
+from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.project import Project, in_words
 
 Command = Callable[..., Any]
@@ -37,7 +38,7 @@ _PREFIX = "setting_"
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --sky, --set and one option per setting name."""
+    """Add --at, --place, --north-offset, --sky, --tolerance, --set and an option per setting."""
     for name, specs in reversed(_settings_by_name().items()):
         command = _setting_option(name, specs)(command)
     shared = [
@@ -49,6 +50,9 @@ def daylight_options(command: Command) -> Command:
                      help="How far the scene's -Z axis points clockwise of true north."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
+        click.option("--tolerance", metavar="SHARE",
+                     help="How far radiance may be off, as 1% or 0.01: sizes, orders and "
+                     f"thresholds follow. Default {DEFAULT_TOLERANCE:.0%}."),
         click.option("--set", "assignments", multiple=True, metavar="MODULE.NAME=VALUE",
                      help="One setting of one module; may be repeated."),
     ]  # fmt: skip
@@ -66,11 +70,26 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     }
     if not math.isfinite(changes.get("north_offset_deg", 0.0)):
         raise UserError("--north-offset must be a number of degrees from -360 to 360")
+    tolerance = options.pop("tolerance")
+    if tolerance is not None:
+        changes["tolerance"] = _tolerance(tolerance)
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
     changes["settings"] = _merged_settings(project, options)
     return _checked(msgspec.structs.replace(project, **changes))
+
+
+def _tolerance(text: str) -> float:
+    """The share that --tolerance names, in percent or as a number."""
+    number, percent, rest = text.strip().partition("%")
+    try:
+        share = float(number) / 100.0 if percent else float(number)
+    except ValueError:
+        share = math.nan
+    if rest or not 0.0 < share <= 1.0:
+        raise UserError(f"--tolerance {text} is no share above 0 and up to 1: say 1% or 0.01")
+    return share
 
 
 def _merged_settings(project: Project, options: dict[str, Any]) -> dict[str, dict[str, Any]]:

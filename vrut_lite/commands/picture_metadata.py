@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from vrut_lite import __version__
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SceneNeeds, SunLightChanged, SunMoved
+from vrut_lite.kernel.tolerance import tolerance_of
 from vrut_lite.place_time import local_text
 from vrut_lite.project import Project
 from vrut_lite.render.image_files import Metadata
@@ -28,6 +29,7 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         "altitudeM": place.altitude_m,
         "time": local_text(instant, place),
         "utc": instant.isoformat(),
+        "tolerance": tolerance_of(kernel),
         "unit": "linear sRGB radiance, W m^-2 sr^-1 (times 683 lm/W: cd m^-2)",
         "northOffsetDeg": project.north_offset_deg,
         "axes": "metres; +Y up, -Z lies northOffsetDeg clockwise of true north",

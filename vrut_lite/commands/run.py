@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import msgspec
@@ -12,6 +12,9 @@ from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
 
+if TYPE_CHECKING:
+    from vrut_lite.app.kept import Kept
+
 # What a checkout shows who names nothing: a summer evening in a street.
 _FIRST_SCENE = Path(__file__).parents[2] / "scenes" / "street.toml"
 _FIRST_HOUR = "2026-06-21T18:40"
@@ -19,13 +22,23 @@ _FIRST_HOUR = "2026-06-21T18:40"
 
 @click.command(name="run")
 @click.argument("scene", required=False)
+@click.option(
+    "--safe-mode",
+    is_flag=True,
+    help="Only the host and the default sun and sky; the last session is left alone.",
+)
 @daylight_options
-def run(scene: str | None, **options: Any) -> None:
+def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
     """Open SCENE (glTF, GLB, OBJ, or a project file .toml) in a window.
+
+    Without one, what was open when the window was last closed.
 
     Example: vrut-lite run scenes/street.toml --at 2026-06-21T18:40
     """
-    project = with_options(_project(scene), options)
+    from vrut_lite.app.kept import Kept
+
+    kept = Kept(None) if safe_mode else Kept.of_user()
+    project = with_options(_project(scene, kept), options)
     if project.scene and not Path(project.scene).is_file():
         raise UserError(f"cannot open {project.scene}: there is no such file")
     from vrut_lite.app.desktop import require_desktop
@@ -33,12 +46,12 @@ def run(scene: str | None, **options: Any) -> None:
     require_desktop()
     with interrupts_held():
         from vrut_lite.app.main import run_app
-    sys.exit(run_app(project))
+    sys.exit(run_app(project, kept, safe_mode))
 
 
-def _project(scene: str | None) -> Project:
+def _project(scene: str | None, kept: "Kept") -> Project:
     if scene is None:
-        return _first_project()
+        return kept.session() or _first_project()
     is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
     return load_project(scene) if is_project else Project(scene=scene)
 

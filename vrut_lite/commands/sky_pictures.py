@@ -88,9 +88,11 @@ class SkyPlan:
 
     @property
     def cube_size(self) -> int:
-        """A cube whose texels are no wider than a pixel."""
+        """A cube whose texels are no wider than a pixel, or 1: what a named tolerance asks for."""
         if self.projection == "cube":
             return self.size
+        if self.project.tolerance is not None:
+            return 1
         return int(2 ** np.ceil(np.log2(max(64, self.size))))
 
     def open(self) -> "SkyStudio":

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
+from threading import Thread
 from typing import Any
 
 import click
@@ -52,7 +53,9 @@ def workers_of(jobs: int, dask: str | None, pictures: int) -> Iterator[Executor 
 @contextmanager
 def _processes(count: int) -> Iterator[Executor]:
     # Not forked: a copy of a process that has OpenGL or threads is not sound.
-    executor = _Unfazed(count, mp_context=get_context("spawn"))
+    executor = _Unfazed(
+        count, mp_context=get_context("spawn"), initializer=_end_with_the_one_who_started
+    )
     others = set(active_children())
     try:
         yield executor
@@ -68,6 +71,18 @@ def _processes(count: int) -> Iterator[Executor]:
         raise
     finally:
         executor.shutdown(cancel_futures=True)
+
+
+def _end_with_the_one_who_started() -> None:
+    """In a process that makes pictures: one that is killed cannot end those it has started."""
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, name="parent-watch", daemon=True).start()
 
 
 class _Unfazed(ProcessPoolExecutor):

@@ -32,7 +32,8 @@ def shares_of_white(
 def lost_and_depth(lost: ArrayLike, shares: FloatArray) -> tuple[FloatArray, FloatArray]:
     """1 - T and optical depth (..., 3) of the channels from 1 - T (..., C) of wavelengths."""
     spectral = np.asarray(lost, dtype=float)
-    channels = spectral @ shares
+    # Shares may be negative: what takes one wavelength alone would add to another's channel.
+    channels = np.maximum(spectral @ shares, 0.0)
     # Light that has lost nearly all its blue lies outside the gamut: its channel is held above 0.
     least = (1.0 - spectral.max(axis=-1, keepdims=True)) ** _MOST_DEPTH
     least = np.maximum(least, _LEAST_TRANSMITTANCE)

@@ -97,11 +97,15 @@ def skylight_matrix() -> NDArray[np.float64]:
 
 @lru_cache(maxsize=16)
 def integration_matrix(wavelength_nm: tuple[float, ...]) -> NDArray[np.float64]:
-    """Matrix (C, 3) that turns spectra on the given wavelengths into linear sRGB."""
+    """Matrix (C, 3) that turns spectra on the given wavelengths, in any order, into linear sRGB."""
     table = colour_table()
     nodes = np.asarray(wavelength_nm, dtype=float)
+    rising = np.argsort(nodes)
     hats = np.stack(
-        [np.interp(table[:, 0], nodes, unit, left=0.0, right=0.0) for unit in np.eye(nodes.size)]
+        [
+            np.interp(table[:, 0], nodes[rising], unit[rising], left=0.0, right=0.0)
+            for unit in np.eye(nodes.size)
+        ]
     )
     step_nm = table[1, 0] - table[0, 0]
     return (hats * step_nm) @ table[:, 1:4] @ SRGB_FROM_XYZ.T

@@ -29,14 +29,15 @@ def sun_aloft(altitude_m: ArrayLike, sine: ArrayLike) -> FloatArray:
     """Irradiance (..., 3) of a plane that faces the sun, linear sRGB in W m^-2.
 
     Args:
-        altitude_m: (...,) of the plane, not below the ground.
+        altitude_m: (...,) of the plane, not below the ground; above the air too.
         sine: (...,) of the sun's elevation there; below the horizon, dipped with the
             altitude, there is only what of the disc is still seen.
     """
     altitude, mu = np.broadcast_arrays(
         np.asarray(altitude_m, dtype=float), np.asarray(sine, dtype=float)
     )
-    dip = np.arccos(PLANET_RADIUS_M / (PLANET_RADIUS_M + altitude))
+    # The arc cosine of nearly 1 would lose half of its digits.
+    dip = np.arctan2(np.sqrt(altitude * (2.0 * PLANET_RADIUS_M + altitude)), PLANET_RADIUS_M)
     over_horizon = np.arcsin(np.clip(mu, -1.0, 1.0)) + dip
     shown = _shown_share(over_horizon / _SUN_RADIUS_RAD)
     # What is left of a setting disc is seen along the horizon.
@@ -55,6 +56,7 @@ def _shown_share(over_horizon: FloatArray) -> FloatArray:
 
 def _optical_depth(altitude_m: FloatArray, mu: FloatArray) -> FloatArray:
     """Of molecules and ozone (..., 3) from there to the top, by midpoints."""
+    altitude_m, mu, misses = _inside(altitude_m, mu)
     radius = PLANET_RADIUS_M + altitude_m
     along = radius * mu
     rise = (_TOP_M - altitude_m) * (radius + PLANET_RADIUS_M + _TOP_M)
@@ -68,4 +70,17 @@ def _optical_depth(altitude_m: FloatArray, mu: FloatArray) -> FloatArray:
     height = altitude_m[..., None] + higher
     air = (np.exp(-height / _RAYLEIGH_SCALE_M) * weight).sum(axis=-1)
     ozone = (np.interp(height, _OZONE_M, (0.0, 1.0, 0.0)) * weight).sum(axis=-1)
-    return np.asarray(air[..., None] * _RAYLEIGH_PER_M + ozone[..., None] * _OZONE_PER_M)
+    depth = air[..., None] * _RAYLEIGH_PER_M + ozone[..., None] * _OZONE_PER_M
+    return np.where(misses[..., None], 0.0, depth)
+
+
+def _inside(
+    altitude_m: FloatArray, mu: FloatArray
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Altitude and mu (...,) where rays from above the air enter it; which of them miss it."""
+    above, top = altitude_m > _TOP_M, PLANET_RADIUS_M + _TOP_M
+    perigee = (PLANET_RADIUS_M + altitude_m) * np.sqrt((1.0 - mu) * (1.0 + mu))
+    squares = (top - perigee) * (top + perigee)
+    misses = above & ((mu >= 0.0) | (squares <= 0.0))
+    entering = np.where(misses, 1.0, -np.sqrt(np.maximum(squares, 0.0)) / top)
+    return np.minimum(altitude_m, _TOP_M), np.where(above, entering, mu), misses

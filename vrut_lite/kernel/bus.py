@@ -27,6 +27,7 @@ from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.places import check_camera, check_place
 from vrut_lite.kernel.seat import Seat
 from vrut_lite.kernel.slots import Slots
+from vrut_lite.kernel.tolerance import check_tolerance
 from vrut_lite.kernel.trace import Trace
 
 __all__ = ["FAULTS_UNTIL_SUSPENSION", "HOST", "POSTS_PER_TRANSACTION", "Kernel", "Tap"]
@@ -181,6 +182,7 @@ class Kernel:
             JobResult: ("job", self._job_done),
             messages.SetPlace: ("place", check_place),
             messages.MoveCamera: ("camera", check_camera),
+            messages.SetTolerance: ("tolerance", check_tolerance),
             messages.SetClock: ("clock", lambda m: self.lifecycle.say(self._clock.set(m))),
             messages.SetClockRate: ("clock", self._clock.set_rate),
             messages.Tick: ("clock", lambda m: self.lifecycle.say(self._clock.tick(m))),

@@ -34,6 +34,10 @@ class Demands:
         """What a consumer wants."""
         return [wishes[consumer] for wishes in self._of.values() if consumer in wishes]
 
+    def every(self) -> list[Demand]:
+        """What anybody wants, in the order in which a fresh kernel may be told."""
+        return [wish for wishes in self._of.values() for wish in wishes.values()]
+
     def refresh(self) -> None:
         """Merge anew: a consumer has started or stopped."""
         for message in self._of:

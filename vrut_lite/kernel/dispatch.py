@@ -62,6 +62,11 @@ class Dispatcher:
         self._sequence = 0
         self._cause = 0
 
+    @property
+    def current(self) -> int:
+        """Number of the message that is being delivered, as the trace has it; 0 for none."""
+        return self._cause
+
     def put(self, message: Message, sender: str) -> None:
         """Append; an undelivered message of equal type, sender and key gives way."""
         key = message.key()

@@ -258,6 +258,23 @@ class SetExposure(Input, frozen=True, kw_only=True):
     white_duv: float = 0.0
 
 
+class LookAlong(Input, frozen=True, kw_only=True):
+    """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
+
+    direction: Vector
+
+
+class SetTolerance(Input, frozen=True, kw_only=True):
+    """How far radiance may be off, as a share of itself: above 0, 1 at most.
+
+    Sizes, orders of scattering and thresholds follow, but for those that someone names:
+    99 of 100 directions of a picture stay within it (those darker than a thousandth of the
+    brightest are measured by that).
+    """
+
+    tolerance: float
+
+
 # --- derived messages of daylight -----------------------------------------------------
 
 
@@ -355,6 +372,20 @@ class SunLightChanged(Derived, frozen=True, kw_only=True):
     irradiance_rgb: Vector
     angular_radius_rad: float
     limb_darkening_rgb: tuple[tuple[float, ...], ...]
+    source: str
+
+
+class SpectrumSeen(Derived, frozen=True, kw_only=True):
+    """The sky's spectral radiance (W m^-2 sr^-1 nm^-1) in a direction, without the sun's disc.
+
+    Both lists are empty where the holder of the sky knows colours alone, as at twilight some do.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    direction: Vector
+    wavelength_nm: tuple[float, ...]
+    radiance: tuple[float, ...]
     source: str
 
 

@@ -1,8 +1,9 @@
 """Settings: one struct per module, from which validation, CLI options and panels are made.
 
 A settings class is a frozen `msgspec.Struct` whose fields all have defaults and carry
-`msgspec.Meta(ge=..., le=..., description=..., extra={"unit": ...})`. A field that may also be
-None is left open: its description says what holds then.
+`msgspec.Meta(ge=..., le=..., description=..., extra={"unit": ..., "source": ...})`, where the
+source is that of the formula behind it. A field that may also be None is left open: its
+description says what holds then.
 """
 
 import math
@@ -22,6 +23,7 @@ class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
     default: Any
     help: str = ""
     unit: str = ""
+    source: str = ""
     at_least: float | None = None
     at_most: float | None = None
     choices: tuple[str, ...] = ()
@@ -58,13 +60,13 @@ def describe(settings_type: type[msgspec.Struct]) -> dict[str, SettingSpec]:
 
 
 def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
-    meta = msgspec.Meta()
+    hint, outer = _without_meta(hint)
     may_be_none = NoneType in get_args(hint)
     if may_be_none:
         hint = next(part for part in get_args(hint) if part is not NoneType)
-    if hasattr(hint, "__metadata__"):
-        meta = next((m for m in hint.__metadata__ if isinstance(m, msgspec.Meta)), meta)
-        hint = hint.__origin__
+    # Annotated may stand around the union or inside it.
+    hint, inner = _without_meta(hint)
+    meta = outer or inner or msgspec.Meta()
     is_choice = get_origin(hint) is Literal
     return SettingSpec(
         name=name,
@@ -72,11 +74,20 @@ def _spec(name: str, hint: Any, default: Any) -> SettingSpec:
         default=default,
         help=meta.description or "",
         unit=(meta.extra or {}).get("unit", ""),
+        source=(meta.extra or {}).get("source", ""),
         at_least=None if meta.ge is None else float(meta.ge),
         at_most=None if meta.le is None else float(meta.le),
         choices=get_args(hint) if is_choice else (),
         may_be_none=may_be_none,
     )
+
+
+def _without_meta(hint: Any) -> tuple[Any, msgspec.Meta | None]:
+    """A type without what annotates it, and the meta in that."""
+    if not hasattr(hint, "__metadata__"):
+        return hint, None
+    meta = next((m for m in hint.__metadata__ if isinstance(m, msgspec.Meta)), None)
+    return hint.__origin__, meta
 
 
 def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgspec.Struct:

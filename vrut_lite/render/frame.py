@@ -30,6 +30,7 @@ from vrut_lite.render.skips import FrameSkips
 from vrut_lite.render.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.specular_filter import SpecularFilter
 from vrut_lite.render.targets import Targets
+from vrut_lite.render.tolerance import reflection_change
 from vrut_lite.render.tone_pass import TonePass
 from vrut_lite.scene.backend import Picture
 
@@ -63,6 +64,10 @@ class Frame:
         self._clouds = CloudStage(context, self.ledger)
         self._reflectance = _table_texture(context)
         self._targets: Targets | None = None
+
+    def set_tolerance(self, tolerance: float) -> None:
+        """Let reflections lag behind the sky as far as a tolerance of radiance allows."""
+        self._filter.change_seen = reflection_change(tolerance)
 
     def show_view(self, view: ViewShader | None) -> None:
         """Draw this behind the scene; None or an error: the cube map (see `SkyPass`)."""

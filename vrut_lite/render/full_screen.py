@@ -3,6 +3,7 @@
 from typing import Any
 
 from vrut_lite.render.shader_files import Defines, defined, shader_source
+from vrut_lite.render.unlocked import draw_triangle
 
 
 class FullScreen:
@@ -23,7 +24,7 @@ class FullScreen:
 
     def draw(self) -> None:
         """Draw into the framebuffer that is bound."""
-        self._triangle.render(vertices=3)
+        draw_triangle(self.program, self._triangle)
 
     def release(self) -> None:
         """Free program and vertex array."""

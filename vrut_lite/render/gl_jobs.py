@@ -14,6 +14,7 @@ from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.texture_pool import NUMPY_TYPES, TexturePool
+from vrut_lite.render.unlocked import run_compute
 
 NAME = "gl_jobs"
 
@@ -67,7 +68,7 @@ class GlJobs(Module):
                 program[name].value = value
         buffers = [_bound_buffer(context, *pair) for pair in job.buffers]
         texture.bind_to_image(0, read=False, write=True)
-        program.run(*job.groups)
+        run_compute(program, *job.groups)
         context.memory_barrier()
         for buffer in buffers:
             buffer.release()

@@ -36,8 +36,23 @@ class GlOwner:
         return self._thread.submit(work, self._context)
 
     def call(self, work: Callable[[Any], T]) -> T:
-        """Do work on the GL thread and wait for its result."""
-        return self.submit(work).result()
+        """Do work on the GL thread and wait for its result.
+
+        Raises:
+            UserError: OpenGL failed, as it does when its driver is reset or its memory ends.
+        """
+        from moderngl import Error
+        from OpenGL.error import Error as LowLevelError
+
+        try:
+            return self.submit(work).result()
+        except (Error, LowLevelError) as error:
+            reason = getattr(error, "description", None) or error
+            said = reason.decode() if isinstance(reason, bytes) else str(reason)
+            raise UserError(
+                f"OpenGL failed ({said}): the graphics driver was reset or is out of memory; "
+                "try again, or a smaller picture"
+            ) from error
 
     def close(self) -> None:
         """Finish queued work and give the context back."""

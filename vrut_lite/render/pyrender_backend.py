@@ -135,6 +135,10 @@ class PyrenderBackend:
     def skips(self, skips: FrameSkips) -> None:
         self._frame.skips = skips
 
+    def set_tolerance(self, tolerance: float) -> None:
+        """How far radiance may be off in frames, as a share."""
+        self._frame.set_tolerance(tolerance)
+
     def measure_passes(self, measure: Measure) -> None:
         """Enter `measure(name)` around each pass, on the GL thread."""
         self._frame.measure = measure

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Sky
 from vrut_lite.render.shader_files import shader_source
+from vrut_lite.render.unlocked import run_compute
 
 # Roughness of the filtered map's mip levels; a mirror looks up the sky itself.
 LEVEL_ROUGHNESS = (0.2, 0.35, 0.6, 1.0)
@@ -20,7 +21,8 @@ _SMALLEST, _LARGEST, _SOURCE_SIZE = 32, 64, 128
 # Wider lobes take more samples, and have fewer texels.
 _SAMPLES = 128
 # No coarse cell of the sky may be off by more than this share of it (or of 1 % of the
-# brightest cell, if that is more): half a step of 8 bits at the display's white.
+# brightest cell, if that is more), unless a tolerance says otherwise: half a step of 8 bits at
+# the display's white.
 CHANGE_SEEN = 0.005
 _CELLS = 8
 _DARKEST_CELL = 0.01
@@ -33,10 +35,12 @@ class SpecularFilter:
 
     Work is done on a copy and shown when it is whole, so that a sky that changes in every
     frame neither tears a reflection nor starves it. The ledger counts each "reflection slice",
-    and skips where the sky is the same or where nobody would see that it differs.
+    and skips where the sky is the same or where nobody would see that it differs: by
+    `change_seen` at most.
     """
 
     def __init__(self, context: Any, ledger: Ledger):
+        self.change_seen = CHANGE_SEEN
         self._context = context
         self._ledger = ledger
         self._programs = {
@@ -99,7 +103,7 @@ class SpecularFilter:
         sky.texture.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
         sky.texture.use(location=0)
         cells = self._coarse_cells() * sky.scale
-        if self._cells is not None and not always and change(self._cells, cells) <= CHANGE_SEEN:
+        if not always and self._looks_like(cells):
             self._ledger.skip("reflection: no change to be seen")
             return
         self._cells, self._source_scale = cells, sky.scale
@@ -111,10 +115,14 @@ class SpecularFilter:
             (level, face) for level in range(len(LEVEL_ROUGHNESS)) for face in range(_FACES)
         )
 
+    def _looks_like(self, cells: NDArray[np.float64]) -> bool:
+        """Whether nobody sees what tells these cells from those of the sky that was filtered."""
+        return self._cells is not None and change(self._cells, cells) <= self.change_seen
+
     def _coarse_cells(self) -> NDArray[np.float64]:
         """Means (cells, 3) over coarse cells of the cube map in texture unit 0."""
         self._summary.bind_to_storage_buffer(0)
-        self._programs["cube_summary"].run(1, 1, _FACES)
+        run_compute(self._programs["cube_summary"], 1, 1, _FACES)
         self._context.memory_barrier()
         values = np.frombuffer(self._summary.read(), np.float32).reshape(-1, 4)
         return values[:, :3].astype(np.float64)
@@ -123,7 +131,7 @@ class SpecularFilter:
         """Keep the cube map in texture unit 0, averaged down."""
         self._source.bind_to_image(0, read=False, write=True)
         groups = -(-self._source.size[0] // _GROUP)
-        self._programs["cube_copy"].run(groups, groups, _FACES)
+        run_compute(self._programs["cube_copy"], groups, groups, _FACES)
         self._context.memory_barrier()
         self._source.build_mipmaps()
 
@@ -135,7 +143,7 @@ class SpecularFilter:
         self._source.use(location=0)
         self._next.bind_to_image(0, read=False, write=True, level=level)
         groups = -(-(self._next.size[0] >> level) // _GROUP)
-        program.run(groups, groups, 1)
+        run_compute(program, groups, groups, 1)
         self._ledger.did("reflection slice")
 
     def _show(self) -> None:

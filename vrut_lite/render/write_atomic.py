@@ -4,7 +4,7 @@ import os
 import stat
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from vrut_lite.errors import UserError
@@ -28,7 +28,9 @@ def atomic_output(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise UserError(f"cannot write {path}: {_reason(error)}") from error
     finally:
-        beside.unlink(missing_ok=True)
+        # Where nothing can be taken away nothing was made.
+        with suppress(OSError):
+            beside.unlink()
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -40,15 +42,17 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     Raises:
         UserError: the folder is missing or refuses files, or `path` is no plain writable file.
     """
-    target = Path(os.path.realpath(path))
+    folder = Path(path).parent
     try:
+        target = Path(os.path.realpath(path))
+        folder = target.parent
         objection = _objection(target)
         if not objection:
             beside = _beside(target)
             beside.touch(exist_ok=False)
             beside.unlink()
     except OSError as error:
-        objection = f"{_reason(error)} in {target.parent}"
+        objection = f"{_reason(error)} in {folder}"
     if objection:
         raise UserError(f"cannot write {path}: {objection}")
 

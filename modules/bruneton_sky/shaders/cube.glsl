@@ -1,11 +1,15 @@
 // Texels of a cube map: their directions, and values fit for half precision.
 
-// World axes, by table 8.19 of the OpenGL 4.6 specification.
-vec3 texel_direction(int face, ivec2 at, int size) {
-    vec2 c = (2.0 * vec2(at) + 1.0) / float(size) - 1.0;
+// World axes, by table 8.19 of the OpenGL 4.6 specification; a place on a face runs
+// from -1 to 1.
+vec3 face_direction(int face, vec2 c) {
     vec3 d[6] = vec3[6](vec3(1.0, -c.y, -c.x), vec3(-1.0, -c.y, c.x), vec3(c.x, 1.0, c.y),
                         vec3(c.x, -1.0, -c.y), vec3(c.x, -c.y, 1.0), vec3(-c.x, -c.y, -1.0));
     return normalize(d[face]);
+}
+
+vec3 texel_direction(int face, ivec2 at, int size) {
+    return face_direction(face, (2.0 * vec2(at) + 1.0) / float(size) - 1.0);
 }
 
 // To the nearest half, ties to even: drivers are free to cut the bits off instead.

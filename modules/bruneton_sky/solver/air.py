@@ -15,8 +15,9 @@ LANES = 4
 # Where fog or haze is dense, light changes within a part of its scale height.
 FOG_REACH, FOG_SHARE = 3.0, 0.4
 HAZE_REACH, HAZE_SHARE = 1.0, 0.4
-# Optical depth from which on aerosol counts as haze: turbidity 2 has 0.1 at 550 nm.
-_HAZE = 0.1
+# Optical depths from which on aerosol counts as haze, and as thick haze: at 445 nm turbidity 2 has
+# 0.13, turbidity 4 0.4.
+_HAZE, _THICK_HAZE = 0.1, 0.4
 
 
 class Air(NamedTuple):
@@ -77,7 +78,16 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
 
 def is_hazy(atmosphere: Atmosphere) -> bool:
     """Whether the aerosol alone dims a sun in the zenith by a tenth at any wavelength."""
-    return max(atmosphere.mie_extinction) * atmosphere.mie_scale_height_m >= _HAZE
+    return _aerosol_depth(atmosphere) >= _HAZE
+
+
+def is_thick_haze(atmosphere: Atmosphere) -> bool:
+    """Whether it does so by a third: then orders of scattering fall off slowly."""
+    return _aerosol_depth(atmosphere) >= _THICK_HAZE
+
+
+def _aerosol_depth(atmosphere: Atmosphere) -> float:
+    return max(atmosphere.mie_extinction) * atmosphere.mie_scale_height_m
 
 
 def dense_layer(atmosphere: Atmosphere) -> tuple[float, float]:

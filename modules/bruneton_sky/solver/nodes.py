@@ -1,5 +1,6 @@
 """The solver's nodes for four wavelengths: what arrives there, and what it becomes."""
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from bruneton_sky.solver.coordinates import SunGrid, altitude_nodes
 from bruneton_sky.solver.directions import azimuths
 from bruneton_sky.solver.harmonics import phase_coefficients
 from bruneton_sky.solver.scattering_operator import ScatteringOperator, scattering_operator
-from bruneton_sky.solver.sizes import SolverSizes
+from bruneton_sky.solver.sizes import HIGHER, SolverSizes
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.ray_bins_kernels import Bins
@@ -26,7 +27,10 @@ _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 
 
 class Nodes(NamedTuple):
-    """Altitudes, directions and suns, and the rays that end there, in bins."""
+    """Altitudes, directions and suns, and the rays that end there, in bins.
+
+    `higher_bins` are those for the light of orders four and up.
+    """
 
     air: Air
     sizes: SolverSizes
@@ -34,6 +38,7 @@ class Nodes(NamedTuple):
     suns: SunGrid
     operator: ScatteringOperator
     bins: "Bins"
+    higher_bins: "Bins"
     mie_chi: FloatArray
 
     def first_radiance(self, transmittance: Lanes, phase: Lanes) -> Lanes:
@@ -58,18 +63,19 @@ class Nodes(NamedTuple):
         )  # fmt: skip
         return radiance
 
-    def next_radiance(self, source: "Source", radiance: Lanes) -> Lanes:
-        """Light of a source function that arrives at the nodes, and from the ground below.
+    def next_radiance(self, source: "Source", radiance: Lanes, order: int) -> Lanes:
+        """Light of an order that arrives at the nodes, of a source function and from the ground.
 
         `radiance` is that of the order before, which is what lights the ground.
         """
         from bruneton_sky.solver.node_kernels import next_radiance
 
-        directions, turn = self.operator.directions, azimuths(self.sizes.later_azimuth)
+        directions, turn = self.operator.directions, azimuths(self.sizes.azimuths_of(order))
+        bins = self.bins if order < HIGHER else self.higher_bins
         shape = *directions.mu.shape, turn.size, radiance.shape[-1]
         following = np.empty(shape, dtype=np.float32)
         next_radiance(
-            self.air, self.altitude_m, directions.mu, directions.downward, self.bins, source,
+            self.air, self.altitude_m, directions.mu, directions.downward, bins, source,
             self.suns.mu_s, np.cos(turn), self._sky_on_ground(radiance),
             following.reshape(*shape[:2], -1),
         )  # fmt: skip
@@ -111,25 +117,40 @@ class Nodes(NamedTuple):
 def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
     """The nodes of an atmosphere for a group of wavelengths."""
     from bruneton_sky.solver.altitude_kernels import layer_nodes, nodes_of_axis
-    from bruneton_sky.solver.node_kernels import bin_nodes
-    from bruneton_sky.solver.ray_bins_kernels import Bins
 
     altitude = altitude_nodes(atmosphere, sizes.altitude)
     if air.layer_share > 0.0:
         altitude = layer_nodes(air, nodes_of_axis(sizes.altitude, air.layer_share))
     operator = scattering_operator(atmosphere.ground_radius_m, tuple(altitude), sizes)
     mu, downward = operator.directions.mu, operator.directions.downward
-    shape = (*mu.shape, sizes.node_bins)
-    bins = Bins(
-        np.empty((*mu.shape, sizes.node_bins + 1)),
-        np.empty((*shape, 4)),
-        np.empty((*shape, 2, LANES)),
-        np.empty((*mu.shape, LANES + 1)),
-    )
-    bin_nodes(air, altitude, mu, downward, sizes.steps, bins)
+    binned = partial(_binned, air, altitude, mu, downward, sizes.steps)
+    bins = binned(sizes.node_bins)
+    higher = bins if sizes.bins_of(HIGHER) == sizes.node_bins else binned(sizes.bins_of(HIGHER))
     chi = phase_coefficients(lambda nu: mie_phase(atmosphere, nu), sizes.degree)
     suns = SunGrid(atmosphere, sizes.mu_s)
-    return Nodes(air, sizes, altitude, suns, operator, bins, chi)
+    return Nodes(air, sizes, altitude, suns, operator, bins, higher, chi)
+
+
+def _binned(
+    air: Air,
+    altitude_m: FloatArray,
+    mu: FloatArray,
+    downward: NDArray[np.bool_],
+    steps: int,
+    count: int,
+) -> "Bins":
+    """So many bins of each ray; the axes of altitudes and mu come first."""
+    from bruneton_sky.solver.node_kernels import bin_nodes
+    from bruneton_sky.solver.ray_bins_kernels import Bins
+
+    bins = Bins(
+        np.empty((*mu.shape, count + 1)),
+        np.empty((*mu.shape, count, 4)),
+        np.empty((*mu.shape, count, 2, LANES)),
+        np.empty((*mu.shape, LANES + 1)),
+    )
+    bin_nodes(air, altitude_m, mu, downward, steps, bins)
+    return bins
 
 
 def make_source(rayleigh: Lanes, mie: Lanes, suns: SunGrid) -> "Source":

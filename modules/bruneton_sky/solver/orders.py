@@ -7,7 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.solver.air import LANES, Air, groups_of_air, is_hazy, wavelengths_of_groups
+from bruneton_sky.solver.air import (
+    LANES,
+    Air,
+    groups_of_air,
+    is_hazy,
+    is_thick_haze,
+    wavelengths_of_groups,
+)
 from bruneton_sky.solver.nodes import Nodes, make_nodes, make_transmittance, phase_table
 from bruneton_sky.solver.sizes import SolverSizes
 from bruneton_sky.solver.source_field import SourceField
@@ -19,9 +26,9 @@ _LARGEST_RATIO = 0.99
 # Orders that do where the tail is left out, and the most that are summed before it is added.
 _FEW_ORDERS, MOST_ORDERS = 4, 20
 # Orders are added until one changes the estimate of all of them by less than this for every sun,
-# those below the horizon too, where orders count most. The rest is smaller by day; in haze and
-# fog orders fall off slowly, and the last ones tell how: the rest is larger.
-_ORDER_TOLERANCE, _HAZE_TOLERANCE, _FOG_TOLERANCE = 0.02, 0.01, 0.005
+# those below the horizon too, where orders count most. The rest is smaller by day (0.05 % of the
+# sky at turbidity 3, 0.2 % at 4); in thick haze and fog orders fall off slowly: it is larger.
+_ORDER_TOLERANCE, _THICK_TOLERANCE, _FOG_TOLERANCE = 0.02, 0.01, 0.005
 
 
 class _Sum(NamedTuple):
@@ -98,14 +105,14 @@ def order_tolerance(atmosphere: Atmosphere) -> float:
     """The tolerance at which all orders of such air are known well enough for a picture."""
     if atmosphere.foggy:
         return _FOG_TOLERANCE
-    return _HAZE_TOLERANCE if is_hazy(atmosphere) else _ORDER_TOLERANCE
+    return _THICK_TOLERANCE if is_thick_haze(atmosphere) else _ORDER_TOLERANCE
 
 
 def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
     """The sizes for a picture of such air."""
     if atmosphere.foggy:
         return SolverSizes.in_fog()
-    return SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes()
+    return SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes.in_clear_air()
 
 
 def _sum_orders(
@@ -127,7 +134,7 @@ def _sum_orders(
     estimate = _amount(total)
     while done < orders:
         before, known = last, estimate
-        radiance = nodes.next_radiance(nodes.source(last), radiance)
+        radiance = nodes.next_radiance(nodes.source(last), radiance, done + 1)
         last = nodes.operator.project(radiance)
         total = total + last
         done += 1

@@ -17,6 +17,13 @@ from numpy.typing import NDArray
 
 from bruneton_sky.quadrature import FOG_TOP
 from bruneton_sky.solver.cells_kernels import fast, inner
+from bruneton_sky.solver.ray_kernels import (
+    absorber_density,
+    altitude_along,
+    hits_ground,
+    mean_density,
+    ray_length,
+)
 
 # Columns of the scratch array of steps; the middle is the centre of the light.
 _END, _MIDDLE, _MASS, _WEIGHT = 0, 1, 2, 3
@@ -112,7 +119,7 @@ def _place_centres(air, altitude, mu, bins):  # type: ignore[no-untyped-def]
             distance = bins.centre[b, 0] / bins.centre[b, 3]
         else:
             distance = 0.5 * (bins.edge[b] + bins.edge[b + 1])
-        there = _altitude_along(radius, altitude, mu, distance)
+        there = altitude_along(radius, altitude, mu, distance)
         there = min(max(there, 0.0), air.top_altitude_m)
         bins.centre[b, 0], bins.centre[b, 1] = distance, there
         cosine = (radius * mu + distance) / (air.ground_radius_m + there)
@@ -144,13 +151,15 @@ def _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end):  # type: igno
             x = (s - before + 1) / (count - before)
             stop = dense + (length - dense) * x * x
         metres = stop - distance
-        middle = _altitude_along(radius, altitude, mu, distance + 0.5 * metres)
-        far = _altitude_along(radius, altitude, mu, stop)
+        middle = altitude_along(radius, altitude, mu, distance + 0.5 * metres)
+        far = altitude_along(radius, altitude, mu, stop)
         step = steps[s]
         step[_END] = stop
-        molecules = metres * _mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * _mean_density(near, middle, far, air.mie_scale_height_m)
-        centre = _weigh_step(air, molecules, aerosol, metres * _absorber(air, middle), end, step)
+        molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        centre = _weigh_step(
+            air, molecules, aerosol, metres * absorber_density(air, middle), end, step
+        )
         step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
 
@@ -218,14 +227,14 @@ def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-
         else:
             stop = dense + _spread((s - before + 1) / (count - before), length - dense, foggy)
         metres = stop - distance
-        middle = _altitude_along(radius, altitude, mu, distance + 0.5 * metres)
-        far = _altitude_along(radius, altitude, mu, stop)
+        middle = altitude_along(radius, altitude, mu, distance + 0.5 * metres)
+        far = altitude_along(radius, altitude, mu, stop)
         step = steps[s]
         step[_END] = stop
-        molecules = metres * _mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * _mean_density(near, middle, far, air.mie_scale_height_m)
-        fog = metres * _mean_density(near, middle, far, air.fog_scale_height_m)
-        absorber = metres * _absorber(air, middle)
+        molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)
+        absorber = metres * absorber_density(air, middle)
         centre = _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, end, step)
         step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
@@ -275,54 +284,3 @@ def _spread(x, whole, foggy):  # type: ignore[no-untyped-def]
     if x < 0.5:
         return foggy * 4.0 * x * x
     return foggy + (whole - foggy) * (2.0 * x - 1.0) ** 2
-
-
-@inner
-def ray_length(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
-    """Distance in m to the ground if the ray `hits` it, else to the top of the atmosphere."""
-    along = (air.ground_radius_m + altitude) * mu
-    if hits:
-        squares = altitude * (2.0 * air.ground_radius_m + altitude)
-        return squares / max(-along + math.sqrt(max(along * along - squares, 0.0)), 1e-300)
-    above = max(air.top_altitude_m - altitude, 0.0)
-    squares = above * (2.0 * air.ground_radius_m + air.top_altitude_m + altitude)
-    root = math.sqrt(along * along + squares)
-    return squares / max(root + along, 1e-300) if along > 0.0 else root - along
-
-
-@inner
-def hits_ground(air, altitude, mu):  # type: ignore[no-untyped-def]
-    """Whether a ray ends on the ground."""
-    along = (air.ground_radius_m + altitude) * mu
-    return mu < 0.0 and along * along >= altitude * (2.0 * air.ground_radius_m + altitude)
-
-
-@inner
-def _altitude_along(radius, altitude, mu, distance):  # type: ignore[no-untyped-def]
-    step = distance * (distance + 2.0 * radius * mu)
-    return altitude + step / (math.sqrt(max(step + radius * radius, 0.0)) + radius)
-
-
-@inner
-def _mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
-    """Mean of exp(-altitude / scale) over a step, from altitudes at its ends and middle.
-
-    The altitude rises by z scale heights from middle to end, and bends by `bend`: the mean is
-    that of the middle times sinh(z) / z, less a sixth of the bend. A step many scale heights
-    high is one high up, where there is no matter.
-    """
-    z = min(0.5 * abs(far - near) / scale, 3.0)
-    bend = (near + far - 2.0 * middle) / scale
-    z2 = z * z
-    rise = 1.0 + z2 / 6.0 * (1.0 + z2 / 20.0 * (1.0 + z2 / 42.0))
-    return math.exp(-max(middle, 0.0) / scale) * rise / (1.0 + max(bend, 0.0) / 6.0)
-
-
-@inner
-def _absorber(air, altitude):  # type: ignore[no-untyped-def]
-    nodes, density = air.absorber[0], air.absorber[1]
-    for k in range(nodes.size - 1):
-        if nodes[k] <= altitude < nodes[k + 1]:
-            share = (altitude - nodes[k]) / (nodes[k + 1] - nodes[k])
-            return density[k] + share * (density[k + 1] - density[k])
-    return 0.0

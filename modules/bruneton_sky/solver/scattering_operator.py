@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bruneton_sky.solver.directions import Directions, azimuths, make_directions
 from bruneton_sky.solver.harmonics import legendre
 from bruneton_sky.solver.linear_fit import fit_lines
-from bruneton_sky.solver.sizes import SolverSizes
+from bruneton_sky.solver.sizes import HIGHER, SolverSizes
 
 FloatArray = NDArray[np.float32]
 # (l, m) of the harmonics that molecules scatter, and what turns a harmonic's coefficient into
@@ -32,8 +32,7 @@ class ScatteringOperator(NamedTuple):
 
     Attributes:
         directions: over which the radiance at the nodes is given.
-        turn_in, turn_in_later: (m, azimuths), cosines times the azimuth's weight, for the
-            azimuths of the first order and of later ones.
+        turn_in: (m, azimuths) by how many azimuths there are, cosines times the azimuth's weight.
         polar_in: (altitudes, harmonics, mu), times the weight of mu.
         polar_out, turn_out: (source mu, harmonics) and (source azimuths, m), such that lines
             between them fit the harmonics; the azimuths are uniform in sin(phi / 2).
@@ -42,8 +41,7 @@ class ScatteringOperator(NamedTuple):
     """
 
     directions: Directions
-    turn_in: FloatArray
-    turn_in_later: FloatArray
+    turn_in: dict[int, FloatArray]
     polar_in: FloatArray
     polar_out: FloatArray
     turn_out: FloatArray
@@ -52,8 +50,7 @@ class ScatteringOperator(NamedTuple):
 
     def project(self, radiance: FloatArray) -> FloatArray:
         """Coefficients (altitudes, harmonics, n) of radiance (altitudes, mu, azimuths, n)."""
-        first_order = radiance.shape[2] == self.turn_in.shape[1]
-        turned = np.matmul(self.turn_in if first_order else self.turn_in_later, radiance)
+        turned = np.matmul(self.turn_in[radiance.shape[2]], radiance)
         shape = radiance.shape[0], self.degree.size, radiance.shape[-1]
         coefficients = np.empty(shape, dtype=np.float32)
         for m, part in enumerate(self._parts()):
@@ -86,6 +83,7 @@ def scattering_operator(
     """The operator of a planet at the nodes' altitudes."""
     directions = make_directions(ground_radius_m, np.array(altitude_m), sizes.direction_mu)
     m = np.arange(sizes.degree + 1)
+    counts = {sizes.direction_azimuth, sizes.azimuths_of(3), sizes.azimuths_of(HIGHER)}
     source_mu = np.linspace(-1.0, 1.0, sizes.source_mu)
     orders = range(sizes.degree + 1)
     polar_in = np.concatenate([legendre(order, sizes.degree, directions.mu) for order in orders])
@@ -102,8 +100,7 @@ def scattering_operator(
     )
     return ScatteringOperator(
         directions,
-        _turn_matrix(m, sizes.direction_azimuth),
-        _turn_matrix(m, sizes.later_azimuth),
+        {count: _turn_matrix(m, count) for count in counts},
         (polar_in * directions.weight).transpose(1, 0, 2).astype(np.float32, "C"),
         polar_out.astype(np.float32, "C"),
         turn_out.astype(np.float32),

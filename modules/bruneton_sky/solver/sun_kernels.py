@@ -77,8 +77,8 @@ def gather_first(air, altitude, mu, bins, cells, table, row, rayleigh, mie):  # 
             weight[c] = air.solar_irradiance[c] * bins.weight[b, 0, c]
             weight[4 + c] = air.solar_irradiance[c] * bins.weight[b, 1, c]
         if bins.centre[b, 3] > 0.0:
-            _blend_row(air, bins.centre[b, 1], table, row)
             _place_suns(air, altitude, bins, b, row.size // 4, cells)
+            _blend_row(air, bins.centre[b, 1], table, cells.offset, row)
             _add_suns(row, weight, cells, rayleigh, mie)
 
 
@@ -108,15 +108,23 @@ def _find_shadow(air, altitude, mu, cells):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _blend_row(air, altitude, table, row):  # type: ignore[no-untyped-def]
-    """The row (columns * 4,) of the transmittance at an altitude."""
+def _blend_row(air, altitude, table, offset, row):  # type: ignore[no-untyped-def]
+    """The row (columns * 4,) of the transmittance at an altitude, as far as cells look at it.
+
+    One observer's one sun hardly moves along a ray: that is a small part of the row.
+    """
+    low, high = offset[0], offset[0]
+    for n in range(offset.size):
+        low, high = min(low, offset[n]), max(high, offset[n])
     place = altitude_place(air, altitude) * (table.shape[0] - 1)
     i = min(int(place), table.shape[0] - 2)
     far = _f4(place - i)
     near = ONE - far
-    below, above = table[i], table[i + 1]
-    for n in range(row.size):
-        row[n] = below[n] * near + above[n] * far
+    # A cell looks at the column of its offset and the next, of four numbers each.
+    first, last = np.uintp(low), np.uintp(high) + np.uintp(8)
+    below, above, out = table[i][first:last], table[i + 1][first:last], row[first:last]
+    for n in range(out.size):
+        out[n] = below[n] * near + above[n] * far
 
 
 @inner

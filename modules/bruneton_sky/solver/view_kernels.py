@@ -20,9 +20,9 @@ from bruneton_sky.solver.ray_bins_kernels import (
     empty_bins,
     empty_steps,
     fill_bins,
-    hits_ground,
     merge_steps,
 )
+from bruneton_sky.solver.ray_kernels import hits_ground
 from bruneton_sky.solver.source_kernels import empty_slab, gather_later
 from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
 

@@ -13,7 +13,8 @@ import os
 import tempfile
 import time
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -68,9 +69,10 @@ class TableCache:
         buffer = io.BytesIO()
         np.savez(buffer, allow_pickle=False, **arrays)
         payload = buffer.getvalue()
+        path = self._path(recipe)
         try:
-            self._write(self._path(recipe), _MAGIC + _digest(payload) + payload)
-            self._drop_oldest()
+            self._write(path, _MAGIC + _digest(payload) + payload)
+            self._drop_oldest(path)
         except OSError as error:
             _log.warning("tables are not kept in %s: %s", self.folder, error.strerror or error)
 
@@ -89,18 +91,28 @@ class TableCache:
             Path(beside).unlink(missing_ok=True)
             raise
 
-    def _drop_oldest(self) -> None:
-        """Make room; parts that a killed process left a day ago go too."""
-        for part in self.folder.glob("*.part"):
-            if part.stat().st_mtime < time.time() - _FORGOTTEN_S:
+    def _drop_oldest(self, kept: Path) -> None:
+        """Make room, but not of what was just put, whatever the clock says was used last.
+
+        Parts that a killed process left a day ago go too.
+        """
+        for part, state in self._files("*.part"):
+            if state.st_mtime < time.time() - _FORGOTTEN_S:
                 part.unlink(missing_ok=True)
-        used = [(path.stat().st_mtime_ns, path) for path in self.folder.glob("*.tables")]
-        total = sum(path.stat().st_size for _, path in used)
-        for _, path in sorted(used)[:-1]:
+        used = sorted(self._files("*.tables"), key=lambda entry: entry[1].st_mtime_ns)
+        total = sum(state.st_size for _, state in used)
+        for path, state in used:
             if total <= self.limit_bytes:
                 return
-            total -= path.stat().st_size
-            path.unlink(missing_ok=True)
+            if path != kept:
+                total -= state.st_size
+                path.unlink(missing_ok=True)
+
+    def _files(self, pattern: str) -> Iterator[tuple[Path, os.stat_result]]:
+        """Files and their states; what another process takes away meanwhile is left out."""
+        for path in self.folder.glob(pattern):
+            with suppress(FileNotFoundError):
+                yield path, path.stat()
 
 
 def _arrays(payload: bytes) -> dict[str, NDArray[np.floating]] | None:

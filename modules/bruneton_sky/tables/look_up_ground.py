@@ -30,7 +30,8 @@ def sun_and_sky_irradiance(
     disc = np.where(sunward.misses[..., None], np.asarray(air.solar_irradiance), disc)
     up = point / np.linalg.norm(point, axis=-1, keepdims=True)
     facing = np.maximum(dot(normal, sun), 0.0)[..., None]
-    open_sky = 0.5 * (1.0 + dot(normal, up))[..., None]
+    # Two opposite unit vectors may have a product a rounding below -1.
+    open_sky = np.maximum(0.5 * (1.0 + dot(normal, up)), 0.0)[..., None]
     return disc * facing, _level_sky(tables, *level(air, point, sun)) * open_sky
 
 

@@ -6,11 +6,12 @@ authors' own, version 1.4a. Every function takes turbidity 1 to 10.
 """
 
 from functools import lru_cache
-from importlib.resources import files
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from dynamic_skylight.data_files import packaged_arrays
 
 FloatArray = NDArray[np.float64]
 Quantity = Literal["rgb", "spec"]
@@ -26,9 +27,7 @@ _SUN_SEGMENTS = 45
 @lru_cache(maxsize=1)
 def tables() -> dict[str, FloatArray]:
     """The six tables by name, read-only; their axes stand in the functions that use them."""
-    source = files("dynamic_skylight") / "data" / "hosek_wilkie.npz"
-    with source.open("rb") as stream, np.load(stream) as archive:
-        loaded = {name: np.asarray(archive[name]) for name in archive.files}
+    loaded = packaged_arrays("hosek_wilkie.npz")
     for table in loaded.values():
         table.flags.writeable = False
     return loaded

@@ -54,17 +54,19 @@ def conservative(air: Atmosphere, albedo: float) -> Atmosphere:
     )
 
 
-def test_furnace() -> None:
+@pytest.mark.parametrize("order", [3, 4])
+def test_furnace(order: int) -> None:
     """In isotropic light of radiance 1, over a ground of radiance 1, air that absorbs nothing
-    shines so that all radiance stays 1: a source function of 1 along a ray gives 1 - T."""
-    air = conservative(Atmosphere.earth(), 1.0)
+    shines so that all radiance stays 1: a source function of 1 along a ray gives 1 - T, however
+    few the bins and azimuths of the higher orders."""
+    air, sizes = conservative(Atmosphere.earth(), 1.0), replace(SMALL, higher_azimuth=5)
     group = groups_of_air(air)[0]
-    nodes = make_nodes(air, group, SMALL)
-    shape = (12, 16, SMALL.later_azimuth, 24 * 4)
+    nodes = make_nodes(air, group, replace(sizes, higher_bins=6))
+    shape = (12, 16, sizes.azimuths_of(order), 24 * 4)
     ones = np.ones(shape, dtype=np.float32)
     source = nodes.source(nodes.operator.project(ones))
     # The sky's irradiance that makes a white ground shine with radiance 1 is that of ones, pi.
-    light = nodes.next_radiance(source, ones).reshape(*shape[:3], 24, 4)[..., :3]
+    light = nodes.next_radiance(source, ones, order).reshape(*shape[:3], 24, 4)[..., :3]
     through = nodes.bins.end[:, :, None, None, :3]
     down = nodes.operator.directions.downward
     lit = nodes.suns.mu_s >= 1.0  # every sun alike

@@ -41,6 +41,7 @@ class DayBar(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._day: Day | None = None
+        self._stops: list[tuple[float, QColor]] = []
         self._instant: datetime | None = None
         self._dragging = False
         self.setMouseTracking(True)
@@ -60,6 +61,12 @@ class DayBar(QWidget):
     def show_day(self, day: Day) -> None:
         """Draw this day."""
         self._day = day
+        shares = day.seconds / day.length_s
+        # A stop each ten minutes: between them light changes evenly.
+        self._stops = [
+            (min(1.0, float(share)), light_colour(float(elevation_deg)))
+            for share, elevation_deg in zip(shares[::2], day.elevation_deg[::2], strict=True)
+        ]
         self.update()
 
     def show_instant(self, instant: datetime) -> None:
@@ -189,12 +196,8 @@ class DayBar(QWidget):
             self._paint_hand(painter, band, self._instant)
 
     def _gradient(self, band: QRectF) -> QLinearGradient:
-        assert self._day is not None
         gradient = QLinearGradient(band.topLeft(), band.topRight())
-        shares = self._day.seconds / self._day.length_s
-        # A stop each ten minutes: between them light changes evenly.
-        for share, elevation_deg in list(zip(shares, self._day.elevation_deg, strict=True))[::2]:
-            gradient.setColorAt(min(1.0, float(share)), light_colour(float(elevation_deg)))
+        gradient.setStops(self._stops)
         return gradient
 
     def _paint_hours(self, painter: QPainter, band: QRectF) -> None:

@@ -45,6 +45,7 @@ class ExportPanel(QWidget):
         self.picture = QPushButton("Export this picture\N{HORIZONTAL ELLIPSIS}")
         self.picture.setToolTip("PNG as shown, EXR of linear radiance in W m-2 sr-1")
         self.step_minutes = QSpinBox()
+        self.step_minutes.setAccessibleName("minutes from picture to picture")
         self.step_minutes.setRange(1, 120)
         self.step_minutes.setValue(20)
         self.step_minutes.setSuffix(" min")

@@ -18,10 +18,10 @@ from PySide6.QtWidgets import (
 
 from vrut_lite.app.panels.setting_row import SettingRow
 from vrut_lite.app.presets import PresetStore, Values
-from vrut_lite.app.roster import ModuleInfo
+from vrut_lite.app.roster import ModuleInfo, roster_of
 from vrut_lite.app.session import Session
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
+from vrut_lite.kernel.messages import Fault, ReloadModule, SetSetting, SettingChanged
 
 
 class ModulePanel(QWidget):
@@ -35,16 +35,28 @@ class ModulePanel(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(10, 8, 8, 10)
         column.addLayout(self._heading())
-        column.addLayout(self._grid())
+        self._settings = self._grid()
+        column.addWidget(self._settings)
         column.addStretch(1)
+        self._show_resettable()
         session.listen(SettingChanged, self._changed)
+        session.listen(ReloadModule, self._reloaded)
         session.listen(Fault, self._refused)
+
+    @property
+    def title(self) -> str:
+        """The module's name for people."""
+        return self._module.title
 
     def choose(self, values: Values) -> None:
         """Ask for these values of the settings."""
-        for name, value in values.items():
-            if name in self.rows and value != self._values[name]:
-                self._send(name, value)
+        self._session.send(
+            *(
+                SetSetting(module=self._module.name, name=name, value=value)
+                for name, value in values.items()
+                if name in self.rows and value != self._values[name]
+            )
+        )
 
     def _heading(self) -> QHBoxLayout:
         title = QLabel(self._module.title)
@@ -65,8 +77,10 @@ class ModulePanel(QWidget):
         row.addWidget(self.reset)
         return row
 
-    def _grid(self) -> QGridLayout:
-        grid = QGridLayout()
+    def _grid(self) -> QWidget:
+        rows = QWidget()
+        grid = QGridLayout(rows)
+        grid.setContentsMargins(0, 0, 0, 0)
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(6)
         grid.setColumnStretch(1, 1)
@@ -79,7 +93,7 @@ class ModulePanel(QWidget):
             nothing = QLabel("Nothing to set.")
             nothing.setProperty("role", "faint")
             grid.addWidget(nothing, 0, 0, Qt.AlignmentFlag.AlignLeft)
-        return grid
+        return rows
 
     def _defaults(self) -> Values:
         return {name: spec.default for name, spec in self._module.specs.items()}
@@ -91,6 +105,28 @@ class ModulePanel(QWidget):
         if message.module == self._module.name and message.name in self.rows:
             self._values[message.name] = message.value
             self.rows[message.name].show_value(message.value)
+            self._show_resettable()
+
+    def _show_resettable(self) -> None:
+        self.reset.setEnabled(self._values != self._defaults())
+
+    def _reloaded(self, message: ReloadModule) -> None:
+        """A newer version may have other settings."""
+        name = self._module.name
+        if message.module == name:
+            self._session.ask(lambda stage: roster_of(stage).modules[name], self._become)
+
+    def _become(self, module: ModuleInfo) -> None:
+        if module.specs == self._module.specs:
+            return
+        self._module, self._values = module, dict(module.values)
+        self.rows.clear()
+        old, self._settings = self._settings, self._grid()
+        layout = self.layout()
+        assert layout is not None
+        layout.replaceWidget(old, self._settings)
+        old.deleteLater()
+        self._show_resettable()
 
     def _refused(self, fault: Fault) -> None:
         """What was asked for and refused is not what holds."""

@@ -139,7 +139,10 @@ def label_of(spec: SettingSpec) -> str:
 
 
 def tooltip_of(spec: SettingSpec) -> str:
-    """What it is, what it may be, what it is by default."""
-    accepted = f"{spec.range_text()}; default {spec.default_text()}"
-    text = spec.help.rstrip(".")
-    return f"{text}.\n{accepted}" if text else accepted
+    """What it is, what it may be, what it is by default, and where its formula is from."""
+    lines = [f"{spec.range_text()}; default {spec.default_text()}"]
+    if spec.help:
+        lines.insert(0, spec.help.rstrip(".") + ".")
+    if spec.source:
+        lines.append(f"Source: {spec.source}")
+    return "\n".join(lines)

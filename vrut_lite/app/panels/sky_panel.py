@@ -10,17 +10,20 @@ from PySide6.QtWidgets import (
 
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.module_panel import ModulePanel
+from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.presets import PresetStore
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.session import Session
-from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
+from vrut_lite.kernel.messages import ChooseSlot, Fault, SetTolerance, SlotChanged
+from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
 
 SHOWN_SLOT = "sky"
 _NOBODY = "nobody"
+_LOWEST_PERCENT = 0.1
 
 
 class SkyPanel(QWidget):
-    """A chooser for each slot, the sky's first."""
+    """A chooser for each slot, the sky's first, and how exact all of them are to be."""
 
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
@@ -28,6 +31,13 @@ class SkyPanel(QWidget):
         self.choosers: dict[str, QComboBox] = {}
         self.panels: dict[str, ModulePanel] = {}
         self._holders: dict[str, str] = {}
+        self.tolerance = NumberField(_LOWEST_PERCENT, 100.0, "%", decimals=2)
+        self.tolerance.show_value(100.0 * DEFAULT_TOLERANCE)
+        self.tolerance.setAccessibleName("tolerance")
+        self.tolerance.setToolTip(
+            "How far radiance may be off, in 99 of 100 directions: sizes, orders of scattering and "
+            "thresholds follow (docs/tolerance.md)"
+        )
         self._choices = aligned_form()
         self._choices.setContentsMargins(10, 10, 10, 0)
         self._stack = QStackedWidget()
@@ -35,6 +45,10 @@ class SkyPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(self._choices)
         column.addWidget(self._stack, 1)
+        self.tolerance.edited.connect(
+            lambda percent: session.send(SetTolerance(tolerance=percent / 100.0))
+        )
+        session.listen(SetTolerance, lambda m: self.tolerance.show_value(100.0 * m.tolerance))
         session.ready.connect(self._fill)
         session.listen(SlotChanged, self._changed)
         session.listen(Fault, lambda _: self._show_holders())
@@ -49,6 +63,7 @@ class SkyPanel(QWidget):
             chooser.activated.connect(lambda _, slot=slot: self._choose(slot))
             self.choosers[slot] = chooser
             self._choices.addRow(QLabel(slot.capitalize()), chooser)
+        self._choices.addRow("Tolerance", self.tolerance)
         for module in roster.providers(SHOWN_SLOT):
             panel = ModulePanel(self._session, module, self._presets)
             self.panels[module.name] = panel

@@ -102,6 +102,8 @@ class TimePanel(QWidget):
         self.clock.setDisplayFormat("HH:mm:ss")
         self.clock.setKeyboardTracking(False)
         self.clock.timeChanged.connect(lambda time: self._go_to_local(self.date.date(), time))
+        for part, name in ((self.date, "date"), (self.clock, "time of day"), (self.speed, "speed")):
+            part.setAccessibleName(name)
         self.zone = QLabel()
         self.zone.setProperty("role", "faint")
         self.sun = QLabel()

@@ -9,6 +9,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QImage,
+    QKeyEvent,
     QMouseEvent,
     QPainter,
     QPainterPath,
@@ -27,6 +28,13 @@ _NIGHT_ALPHA = 120
 _SHADE_SIZE = (180, 90)
 
 
+# North and east.
+_WAYS = {
+    Qt.Key.Key_Up: (1.0, 0.0), Qt.Key.Key_Down: (-1.0, 0.0),
+    Qt.Key.Key_Left: (0.0, -1.0), Qt.Key.Key_Right: (0.0, 1.0),
+}  # fmt: skip
+
+
 class WorldMap(QWidget):
     """Latitude and longitude as up and right; `place_chosen` tells both in degrees."""
 
@@ -41,7 +49,8 @@ class WorldMap(QWidget):
         policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
-        self.setToolTip("Click a place")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setToolTip("Click a place, or go there by arrows; Shift for farther")
         self.setAccessibleName("world map")
 
     def sizeHint(self) -> QSize:
@@ -80,6 +89,20 @@ class WorldMap(QWidget):
             round(min(max(longitude_deg, -180.0), 180.0), 1),
         )
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Arrows go a degree, with Shift ten."""
+        key = Qt.Key(event.key())
+        if self._place is None or key not in _WAYS:
+            super().keyPressEvent(event)
+            return
+        far = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+        north, east = (way * (10.0 if far else 1.0) for way in _WAYS[key])
+        latitude_deg = min(max(self._place[0] + north, -90.0), 90.0)
+        longitude_deg = (self._place[1] + east + 180.0) % 360.0 - 180.0
+        # The next key must not wait for the kernel's answer.
+        self.show_place(latitude_deg, longitude_deg)
+        self.place_chosen.emit(latitude_deg, longitude_deg)
+
     def paintEvent(self, event: QPaintEvent) -> None:
         """Land, night, place."""
         ratio = self.devicePixelRatioF()
@@ -95,6 +118,10 @@ class WorldMap(QWidget):
             painter.setPen(QPen(QColor(theme.BACKGROUND), 1))
             painter.setBrush(QColor(theme.ACCENT))
             painter.drawEllipse(self.position_of(*self._place), 4, 4)
+        if self.hasFocus():
+            painter.setPen(QPen(QColor(theme.ACCENT), 1))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def _paint_land(self, ratio: float) -> QPixmap:
         pixmap = QPixmap(self.size() * ratio)

@@ -29,8 +29,12 @@ class ModuleSetup(msgspec.Struct, frozen=True, kw_only=True):
     settings: dict[str, Any]
 
 
-class Setup(msgspec.Struct, frozen=True, kw_only=True):
-    """The modules in load order, and who held which slot, when the recording began."""
+class Setup(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """How the kernel was when the recording began.
+
+    The modules in load order, who held which slot, and who wanted what (plain `Demand`s).
+    """
 
     modules: list[ModuleSetup]
     slots: dict[str, str]
+    demands: list[dict[str, Any]] = []

@@ -109,6 +109,8 @@ class Journal:
 
     def _read_file(self) -> bytes:
         try:
+            if self.path.exists() and not self.path.is_file():
+                raise UserError(f"cannot open the journal {self.path}: it is not a regular file")
             if self.path.stat().st_size > FILE_BYTES:
                 raise UserError(f"the journal {self.path} is larger than {FILE_BYTES} bytes")
             return self.path.read_bytes()

@@ -82,7 +82,7 @@ class Replay:
         difference: str | None = None
         for there in transactions(self._journal.entries()):
             self._feed(there[0], inputs + messages)
-            found = _first_difference(there, heard, bool(unequal))
+            found = self._first_difference(there, heard, bool(unequal))
             if difference is None and found is not None:
                 offset, phrase = found
                 difference = (
@@ -100,6 +100,26 @@ class Replay:
             signature_differences=tuple(unequal),
             difference=difference,
         )
+
+    def _first_difference(
+        self, there: Transaction, here: Transaction, by_value: bool
+    ) -> tuple[int, str] | None:
+        """Where two transactions part, counted from their input, and how."""
+        for offset, (expected, actual) in enumerate(zip_longest(there, here)):
+            if actual is None:
+                return offset, f"{_title(expected)}, is in the journal and not here"
+            if expected is None:
+                return offset, f"{_title(actual)}, is here and not in the journal"
+            phrase = entry_difference(expected, actual, by_value, self._exact_digits(expected))
+            if phrase is not None:
+                return offset, f"{_title(expected)}: {phrase}"
+        return None
+
+    def _exact_digits(self, entry: Entry) -> bool:
+        """Whether who said it, or whose job it was, gives the same digits in every run."""
+        of_job = entry.type_name == JobResult.__name__
+        seat = self.kernel.seats.get(str(entry.message["module"]) if of_job else entry.sender)
+        return seat is None or seat.manifest.exact_digits
 
     def _signature_differences(self) -> list[str]:
         manifests = (seat.manifest for seat in self.kernel.seats.values())
@@ -161,21 +181,6 @@ def transactions(entries: Iterable[Entry]) -> Iterator[Transaction]:
         group.append(entry)
     if group:
         yield group
-
-
-def _first_difference(
-    there: Transaction, here: Transaction, by_value: bool
-) -> tuple[int, str] | None:
-    """Where two transactions part, counted from their input, and how."""
-    for offset, (expected, actual) in enumerate(zip_longest(there, here)):
-        if actual is None:
-            return offset, f"{_title(expected)}, is in the journal and not here"
-        if expected is None:
-            return offset, f"{_title(actual)}, is here and not in the journal"
-        phrase = entry_difference(expected, actual, by_value)
-        if phrase is not None:
-            return offset, f"{_title(expected)}: {phrase}"
-    return None
 
 
 def _title(entry: Entry) -> str:

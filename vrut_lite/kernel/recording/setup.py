@@ -5,9 +5,9 @@ from typing import Any
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Message, SetSetting
+from vrut_lite.kernel.messages import ChooseSlot, Demand, EnableModule, Message, SetSetting
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.recording.codec import to_plain
+from vrut_lite.kernel.recording.codec import decode, to_plain
 from vrut_lite.kernel.recording.entry import ModuleSetup, Setup
 from vrut_lite.kernel.recording.registry import Registry
 from vrut_lite.kernel.seat import Seat
@@ -15,7 +15,9 @@ from vrut_lite.kernel.seat import Seat
 Services = Mapping[str, Mapping[str, Any]]
 
 # What these did is in the setup; what another input did may live on inside a module.
-_IN_SETUP = ("SetSetting", "EnableModule", "RestartModule", "ReloadModule", "ChooseSlot")
+_IN_SETUP = (
+    "SetSetting", "EnableModule", "RestartModule", "ReloadModule", "ChooseSlot", "Demand",
+)  # fmt: skip
 
 
 def capture_setup(kernel: Kernel) -> Setup:
@@ -34,6 +36,7 @@ def capture_setup(kernel: Kernel) -> Setup:
     return Setup(
         modules=[_module_setup(seat) for seat in kernel.seats.values()],
         slots={slot: kernel.slots.holder(slot) for slot in sorted(slots)},
+        demands=[to_plain(demand) for demand in kernel.lifecycle.demands.every()],
     )
 
 
@@ -82,7 +85,7 @@ def _setting_up(kernel: Kernel, setup: Setup) -> list[Any]:
         if holder:
             kernel.check_holder(slot, holder)
             inputs.append(ChooseSlot(slot=slot, module=holder))
-    return inputs
+    return [*inputs, *(decode(Demand, plain) for plain in setup.demands)]
 
 
 def _check_restored(kernel: Kernel, setup: Setup) -> None:

@@ -326,9 +326,10 @@ void main() {
 #endif
         float mean = share.z * grazing(vec3(dielectric_f0)).r;
         diffuse += sun * (through * (1.0 - coat(shares(nl, roughness).xy)) / (1.0 - mean));
+        // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
         vec3 h = normalize(sun_direction + view);
-        radiance += sun * more
-                    * specular_brdf(nl, nv, max(dot(n, h), 0.0), max(dot(view, h), 0.0), alpha, f0);
+        float nh = clamp(dot(n, h), 0.0, 1.0), vh = clamp(dot(view, h), 0.0, 1.0);
+        radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0);
     }
     radiance += albedo * diffuse / PI;
     vec3 once = f0 * share.x + grazing(f0) * share.y;

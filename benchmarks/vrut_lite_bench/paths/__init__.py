@@ -1,0 +1,1 @@
+"""The ways that are measured, one file for each kind of computation."""

@@ -1,0 +1,43 @@
+"""All groups of paths by name."""
+
+from collections.abc import Callable
+
+from vrut_lite.errors import UserError
+from vrut_lite_bench.path import Group
+from vrut_lite_bench.paths import (
+    air,
+    frame,
+    hosek_wilkie,
+    single_scattering,
+    sky_view,
+    solver,
+    sun,
+    tables,
+)
+
+# Frames come last: they take the one context of OpenGL for themselves.
+KINDS: dict[str, Callable[[bool], list[Group]]] = {
+    "sun": sun.groups,
+    "hosek-wilkie": hosek_wilkie.groups,
+    "single-scattering": single_scattering.groups,
+    "solver": solver.groups,
+    "sky-view": sky_view.groups,
+    "tables": tables.groups,
+    "air": air.groups,
+    "frame": frame.groups,
+}
+
+
+def chosen_kinds(names: str | None) -> list[str]:
+    """The kinds of computation that are named, comma-separated; all of them without names.
+
+    Raises:
+        UserError: a name is none of them.
+    """
+    if names is None:
+        return list(KINDS)
+    asked = [name.strip() for name in names.split(",")]
+    for name in asked:
+        if name not in KINDS:
+            raise UserError(f"there is no computation {name!r} to measure: {', '.join(KINDS)}")
+    return [kind for kind in KINDS if kind in asked]

@@ -1,0 +1,83 @@
+"""One run of the benchmark: everything is measured, some of it again."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from types import TracebackType
+from typing import Self
+
+import msgspec
+
+from vrut_lite_bench import gl
+from vrut_lite_bench.compare import Key
+from vrut_lite_bench.machine import load, machine
+from vrut_lite_bench.path import Group
+from vrut_lite_bench.registry import KINDS
+from vrut_lite_bench.results import FORMAT, GroupNote, Measured, Results
+from vrut_lite_bench.runner import FULL, QUICK, measure_group, pace_s
+
+Tell = Callable[[str], None]
+
+
+class Session:
+    """Measures kinds of computation; `tell` hears what is being done."""
+
+    def __init__(self, kinds: list[str], quick: bool, tell: Tell):
+        self._kinds, self._quick, self._tell = kinds, quick, tell
+        self._effort = QUICK if quick else FULL
+        self._load, self._start_s, self._pace_s = load(), time.perf_counter(), pace_s()
+        self._notes: dict[str, GroupNote] = {}
+        self._found: dict[Key, Measured] = {}
+        self._left_out: dict[str, str] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        gl.close_gl()
+
+    def measure(self) -> None:
+        """Everything."""
+        for group in self._groups():
+            self._note(group)
+            for path in measure_group(group, self._effort, self._tell):
+                self._found[path.group, path.name] = path
+            self._pace_s = min(self._pace_s, pace_s())
+
+    def measure_again(self, keys: set[Key]) -> None:
+        """Some paths' times: if they are less now, they count."""
+        for group in self._groups():
+            paths = tuple(path for path in group.paths if (group.name, path.name) in keys)
+            for now in measure_group(replace(group, paths=paths), self._effort, self._tell):
+                before = self._found[now.group, now.name]
+                if now.seconds < before.seconds:
+                    self._found[now.group, now.name] = msgspec.structs.replace(
+                        now, errors=before.errors
+                    )
+
+    def results(self) -> Results:
+        """What is known by now."""
+        return Results(
+            format=FORMAT,
+            quick=self._quick,
+            kinds=self._kinds,
+            machine=machine(self._load, gl.renderer(), self._pace_s),
+            spent_s=time.perf_counter() - self._start_s,
+            groups=list(self._notes.values()),
+            paths=list(self._found.values()),
+            left_out=self._left_out,
+        )
+
+    def _groups(self) -> list[Group]:
+        return [group for kind in self._kinds for group in KINDS[kind](self._quick)]
+
+    def _note(self, group: Group) -> None:
+        self._left_out |= group.left_out
+        self._notes[group.name] = GroupNote(
+            group.name, group.title, group.unit, group.norm, group.truth, group.front_of
+        )

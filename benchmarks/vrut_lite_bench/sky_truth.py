@@ -1,0 +1,89 @@
+"""What is right for the sky under the benchmark's conditions: direct evaluation, converged."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.kernels import fast_scattered_without_phase
+from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
+from numpy.typing import NDArray
+
+from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite_bench.skies import Condition, air, conditions, sky_directions
+
+FloatArray = NDArray[np.float64]
+# Of the truth: orders at most, and the change of all light at which they end.
+_TRUE_ORDERS, _TRUE_TOLERANCE = 40, 2e-3
+_NODES = 48
+_SKYLIGHT_EXPONENT = 3.0
+# Steps and bins of a ray at which they no longer show.
+_STEPS, _BINS = 256, 64
+# What does in seconds: an error of half a percent is not seen against it.
+_QUICK_SIZES = SolverSizes(
+    altitude=36, mu_s=80, direction_mu=48, direction_azimuth=24, later_azimuth=16, degree=24,
+    source_mu=64, source_azimuth=24, steps=128, node_bins=32, single_bins=64, multiple_bins=48,
+)  # fmt: skip
+
+
+def in_words(quick: bool) -> str:
+    """What the truth is, for the plots."""
+    sizes = "nearly converged" if quick else "converged"
+    return (
+        f"direct evaluation, {_NODES} nodes for light scattered once, for the rest the solver with "
+        f"{sizes} sizes and all orders"
+    )
+
+
+@lru_cache
+def once(name: str, condition: Condition) -> FloatArray:
+    """Spectral radiance (n, C) of light scattered once, towards the picture's sky."""
+    return light_once(air(name), condition, _towards(name, condition))
+
+
+@lru_cache
+def exact_skies(name: str, quick: bool) -> dict[str, FloatArray]:
+    """Linear sRGB radiance (n, 3) of the picture's sky, by condition."""
+    sizes = _QUICK_SIZES if quick else SolverSizes.converged()
+    field = solve(air(name), _TRUE_ORDERS, sizes, True, _TRUE_TOLERANCE)
+    return {each.name: sky_rgb(field, name, each) for each in conditions(quick)}
+
+
+def sky_rgb(field: SourceField, name: str, condition: Condition) -> FloatArray:
+    """The picture's sky (n, 3) by a solution; light scattered once is exact."""
+    more = light_again(field, condition, _towards(name, condition))
+    return in_colour(field.atmosphere, once(name, condition) + more)
+
+
+def light_once(atmosphere: Atmosphere, condition: Condition, towards: FloatArray) -> FloatArray:
+    """Spectral radiance (n, C) of light scattered once, towards unit directions (n, 3)."""
+    sun = condition.sun
+    nu = np.clip(towards @ sun, -1.0, 1.0)
+    rayleigh, mie = fast_scattered_without_phase(
+        atmosphere, condition.height_m, towards[:, 1], float(sun[1]), nu, _NODES
+    )
+    return rayleigh * rayleigh_phase(nu)[:, None] + mie * mie_phase(atmosphere, nu)[:, None]
+
+
+def light_again(field: SourceField, condition: Condition, towards: FloatArray) -> FloatArray:
+    """The same of light scattered more than once, with the field's own steps and bins."""
+    sun = condition.sun
+    nu = np.clip(towards @ sun, -1.0, 1.0)
+    return multiple_scattering(field, condition.height_m, towards[:, 1], float(sun[1]), nu)
+
+
+def finely_traced(field: SourceField) -> SourceField:
+    """The same solution, looked at along rays in so many bins that they do not show."""
+    return replace(field, sizes=replace(field.sizes, steps=_STEPS, multiple_bins=_BINS))
+
+
+def in_colour(atmosphere: Atmosphere, radiance: FloatArray) -> FloatArray:
+    """Linear sRGB (n, 3) of spectral radiance (n, C), without what lies outside the gamut."""
+    return np.maximum(
+        rgb_from_spectrum(radiance, atmosphere.wavelength_nm, _SKYLIGHT_EXPONENT), 0.0
+    )
+
+
+def _towards(name: str, condition: Condition) -> FloatArray:
+    return sky_directions(air(name), condition.height_m)

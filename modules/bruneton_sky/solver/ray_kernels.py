@@ -1,0 +1,61 @@
+"""A ray through an exponential air: its length, its altitudes, the matter on it, for compiled code.
+
+Importing this module imports numba.
+"""
+
+import math
+
+from bruneton_sky.solver.cells_kernels import inner
+
+
+@inner
+def ray_length(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
+    """Distance in m to the ground if the ray `hits` it, else to the top of the atmosphere."""
+    along = (air.ground_radius_m + altitude) * mu
+    if hits:
+        squares = altitude * (2.0 * air.ground_radius_m + altitude)
+        return squares / max(-along + math.sqrt(max(along * along - squares, 0.0)), 1e-300)
+    above = max(air.top_altitude_m - altitude, 0.0)
+    squares = above * (2.0 * air.ground_radius_m + air.top_altitude_m + altitude)
+    root = math.sqrt(along * along + squares)
+    return squares / max(root + along, 1e-300) if along > 0.0 else root - along
+
+
+@inner
+def hits_ground(air, altitude, mu):  # type: ignore[no-untyped-def]
+    """Whether a ray ends on the ground."""
+    along = (air.ground_radius_m + altitude) * mu
+    return mu < 0.0 and along * along >= altitude * (2.0 * air.ground_radius_m + altitude)
+
+
+@inner
+def altitude_along(radius, altitude, mu, distance):  # type: ignore[no-untyped-def]
+    """Altitude in m at a distance along a ray that starts at a radius, which is at an altitude."""
+    step = distance * (distance + 2.0 * radius * mu)
+    return altitude + step / (math.sqrt(max(step + radius * radius, 0.0)) + radius)
+
+
+@inner
+def mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
+    """Mean of exp(-altitude / scale) over a step, from altitudes at its ends and middle.
+
+    The altitude rises by z scale heights from middle to end, and bends by `bend`: the mean is
+    that of the middle times sinh(z) / z, less a sixth of the bend. A step many scale heights
+    high is one high up, where there is no matter.
+    """
+    z = min(0.5 * abs(far - near) / scale, 3.0)
+    bend = (near + far - 2.0 * middle) / scale
+    z2 = z * z
+    rise = 1.0 + z2 / 6.0 * (1.0 + z2 / 20.0 * (1.0 + z2 / 42.0))
+    return math.exp(-max(middle, 0.0) / scale) * rise / (1.0 + max(bend, 0.0) / 6.0)
+
+
+@inner
+def absorber_density(air, altitude):  # type: ignore[no-untyped-def]
+    """Relative density of the absorber, straight between the nodes of its layers."""
+    nodes, density = air.absorber[0], air.absorber[1]
+    for k in range(nodes.size - 1):
+        if nodes[k] <= altitude < nodes[k + 1]:
+            share = (altitude - nodes[k]) / (nodes[k + 1] - nodes[k])
+            return density[k] + share * (density[k + 1] - density[k])
+    return 0.0

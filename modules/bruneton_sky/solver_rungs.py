@@ -1,0 +1,93 @@
+"""How finely an atmosphere is solved, from a draft to what takes seconds.
+
+Each rung changes the real-time sizes of the air at hand. What its error comes from was found by
+making one size after another converged: by day the directions of the source function, in twilight
+the suns, then the bins of rays, and last directions and altitudes together.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Literal, get_args
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.solver import SolverSizes, order_tolerance, real_time_sizes
+
+SolverRung = Literal["draft", "usual", "fine", "finer", "finest"]
+SOLVER_RUNGS: tuple[SolverRung, ...] = get_args(SolverRung)
+_MOST: Mapping[str, int] = MappingProxyType(
+    {
+        "altitude": 10,
+        "mu_s": 32,
+        "direction_mu": 16,
+        "direction_azimuth": 8,
+        "later_azimuth": 8,
+        "degree": 10,
+        "source_mu": 24,
+        "source_azimuth": 12,
+        "node_bins": 12,
+    }
+)
+# No coarser in clear air than in haze: its twilight wants as many bins.
+_FINE = {
+    "mu_s": 96,
+    "later_azimuth": 12,
+    "source_mu": 64,
+    "source_azimuth": 24,
+    "steps": 96,
+    "node_bins": 24,
+    "multiple_bins": 24,
+}
+_FINER = {
+    **_FINE,
+    "mu_s": 128,
+    "source_mu": 96,
+    "source_azimuth": 32,
+    "later_azimuth": 16,
+    "steps": 144,
+    "node_bins": 36,
+    "multiple_bins": 36,
+}
+_FINEST = {
+    **_FINER,
+    "altitude": 28,
+    "direction_mu": 40,
+    "direction_azimuth": 20,
+}
+# At least so large.
+_LEAST: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {"fine": _FINE, "finer": _FINER, "finest": _FINEST}
+)
+# Of the change by another order, at which no more are added.
+_ORDERS: Mapping[SolverRung, float] = MappingProxyType(
+    {"draft": 2.0, "usual": 1.0, "fine": 0.5, "finer": 0.25, "finest": 0.25}
+)
+# Orders by which the counted work is reckoned.
+_COUNTED_ORDERS = 8
+
+
+def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSizes:
+    """The sizes of a rung in such air."""
+    usual = real_time_sizes(atmosphere)
+    if rung == "usual":
+        return usual
+    if rung == "draft":
+        return replace(usual, **{k: min(getattr(usual, k), size) for k, size in _MOST.items()})
+    larger = {k: max(getattr(usual, k), size) for k, size in _LEAST[rung].items()}
+    return replace(usual, **larger, higher_azimuth=None, higher_bins=None)
+
+
+def rung_tolerance(atmosphere: Atmosphere, rung: SolverRung = "usual") -> float:
+    """The change of all light by another order, at which no more are added."""
+    return order_tolerance(atmosphere) * _ORDERS[rung]
+
+
+def counted_work(sizes: SolverSizes) -> float:
+    """Bins that rays between nodes pass in eight orders, and harmonics summed in the source."""
+    nodes = sizes.altitude * sizes.mu_s
+    azimuths = sizes.direction_azimuth + sum(
+        sizes.azimuths_of(order) * sizes.bins_of(order) / sizes.node_bins
+        for order in range(3, _COUNTED_ORDERS + 1)
+    )
+    bins = nodes * sizes.direction_mu * azimuths * sizes.node_bins
+    return bins + nodes * sizes.source_mu * sizes.source_azimuth * (sizes.degree + 1) ** 2

@@ -1,0 +1,56 @@
+"""What the Bruneton sky's sizes and thresholds are for a tolerance of radiance.
+
+| knob | what it turns | source |
+|---|---|---|
+| `solver` | nodes, directions, suns, bins, orders of an atmosphere's solution | front "solver" |
+| `table` | rows, columns, steps and bins of the sky-view table | front "table" |
+| `cube_size` | edge of the background's cube map, for who names none | front "cube_size" |
+| `sun_change` | share by which an unfollowed sun may change a texel | `observer` and its test |
+| `altitude_steps` | of an unfollowed observer, in usual ones | proportion |
+
+Orders that someone sets are not exceeded. The fronts are measured by
+`vrut_lite_bench.tolerance_fronts`.
+"""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple, cast
+
+from bruneton_sky.observer import RADIANCE_TOLERANCE
+from bruneton_sky.solver_rungs import SolverRung
+from vrut_lite.kernel.tolerance import budget, cheapest, read_fronts
+
+FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
+# How many times as fine as usual a sky-view table is.
+TABLES: Mapping[str, float] = MappingProxyType(
+    {"coarse": 0.7, "usual": 1.0, "fine": 1.5, "finer": 2.0}
+)
+# Shares of the tolerance: errors seldom meet in one direction, so that solution and table are left
+# nearly all of it. What the cube map may bring at the default tolerance is less than its share.
+_SOLVER_SHARE, _TABLE_SHARE, _CUBE_SHARE = 0.7, 0.25, 0.1
+_USUAL_CUBE = 0.003
+
+
+class Quality(NamedTuple):
+    """Sizes and thresholds; see the module's table."""
+
+    solver: SolverRung
+    table: str
+    cube_size: int
+    sun_change: float
+    altitude_steps: float
+
+
+@lru_cache(maxsize=16)
+def quality_for(tolerance: float) -> Quality:
+    """The cheapest that keep a picture's radiance within a tolerance, a share above 0."""
+    fronts = read_fronts(FRONTS).fronts
+    return Quality(
+        solver=cast(SolverRung, cheapest(fronts["solver"], _SOLVER_SHARE * tolerance)),
+        table=str(cheapest(fronts["table"], _TABLE_SHARE * tolerance)),
+        cube_size=int(cheapest(fronts["cube_size"], budget(tolerance, _USUAL_CUBE, _CUBE_SHARE))),
+        sun_change=budget(tolerance, RADIANCE_TOLERANCE, 0.05),
+        altitude_steps=budget(tolerance, 1.0, 20.0),
+    )

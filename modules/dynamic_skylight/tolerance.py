@@ -1,0 +1,44 @@
+"""What DynamicSkyLight's sizes and thresholds are for a tolerance of radiance.
+
+| knob | what it is | source |
+|---|---|---|
+| `cube_size` | edge of the background's cube map, for who names none | front "cube_size" |
+| `light_size` | edge of the small cube that lights ground and scene | front "light_size" |
+| `sun_change` | share by which an unfollowed sun may change a texel | `sun_step` and its test |
+| `altitude_change` | share by which air may thin below an unfollowed eye | proportion |
+
+The model itself is a formula: no order or sample of it depends on the tolerance. The fronts are
+measured by `vrut_lite_bench.tolerance_fronts`.
+"""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from vrut_lite.kernel.tolerance import budget, cheapest, read_fronts
+
+FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
+# Of cube map and light at the default tolerance, about half a step of 8 bits at the display's
+# white; and the share of each in a tight tolerance.
+_USUAL, _CUBE_SHARE, _LIGHT_SHARE = 0.006, 0.5, 0.45
+
+
+class Quality(NamedTuple):
+    """Sizes and thresholds; see the module's table."""
+
+    cube_size: int
+    light_size: int
+    sun_change: float
+    altitude_change: float
+
+
+@lru_cache(maxsize=16)
+def quality_for(tolerance: float) -> Quality:
+    """The cheapest that keep a picture's radiance within a tolerance, a share above 0."""
+    fronts = read_fronts(FRONTS).fronts
+    return Quality(
+        cube_size=int(cheapest(fronts["cube_size"], budget(tolerance, _USUAL, _CUBE_SHARE))),
+        light_size=int(cheapest(fronts["light_size"], budget(tolerance, _USUAL, _LIGHT_SHARE))),
+        sun_change=budget(tolerance, 1e-3, 0.1),
+        altitude_change=budget(tolerance, 0.01, 0.2),
+    )

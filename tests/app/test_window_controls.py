@@ -1,0 +1,175 @@
+"""Every control of every panel does something, and can be reached by keyboard."""
+
+import pytest
+from control_walk import ControlWalk, controls_of, name_of
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QPushButton, QSlider, QStackedWidget, QWidget
+from window_driver import NOON
+
+from vrut_lite.kernel.messages import EnableModule, SetClock, SettingChanged
+
+# What is not worked here: how fast it will play (test_window_time); how many pictures of a day
+# will be made, until it is cancelled (test_day_sequence); what opens a port (tests/zenoh_bridge);
+# a list that is only read.
+ELSEWHERE = {
+    "speed", "minutes from picture to picture", "Cancel", "Enabled", "content of the message",
+}  # fmt: skip
+# What leaves others with nothing to do.
+LAST = {"Clear", "Close"}
+PANELS = (
+    "place", "sun", "picture", "export", "sky", "time", "modules", "messages", "compare",
+    "module clouds", "module scene", "module path_tracer",
+)  # fmt: skip
+
+
+@pytest.fixture
+def driver(headless_window):
+    return headless_window
+
+
+@pytest.fixture
+def walk(driver, monkeypatch):
+    restless = [driver.panel("messages").journal.recorded, driver.window.statusBar()]
+    return ControlWalk(driver, monkeypatch, restless)
+
+
+def shown(driver, name):
+    driver.window.show_dock(name)
+    driver.settled()
+    return driver.panel(name)
+
+
+def usable(panel):
+    return [c for c in controls_of(panel) if c.isVisible() and c.isEnabled()]
+
+
+def walked(walk, panel):
+    """Names of controls that did nothing, and how many were worked.
+
+    What one control enables (a reset, a field of manual exposure) is worked after it.
+    """
+    done, dead = {c for c in controls_of(panel) if name_of(c) in ELSEWHERE}, []
+    while todo := [c for c in usable(panel) if c not in done]:
+        control = min(todo, key=lambda c: name_of(c) in LAST)
+        done.add(control)
+        title = f"{type(control).__name__} {name_of(control)!r}"
+        if not walk.has_effect(control):
+            dead.append(title)
+        walk.let_go(control)
+    return dead, len(done)
+
+
+@pytest.mark.parametrize("name", PANELS)
+def test_every_control_of_a_panel_has_an_effect(driver, walk, name):
+    """An input, a line, a dialog, or something else in the window that is seen to change."""
+    # What it would make of each change is no matter here.
+    driver.session.send(EnableModule(module="clouds", enabled=False))
+    panel = shown(driver, name)
+    if name == "messages":
+        driver.session.send(SetClock(instant=NOON.replace(minute=1)))
+        driver.until(lambda: panel.table.messages.rowCount() > 5)
+        panel.table.go_to(panel.table.messages.shown[2].number)
+    dead, count = walked(walk, panel)
+    assert dead == []
+    assert count > 1
+
+
+def test_every_control_of_the_skies_has_an_effect(driver, walk):
+    """Of each model's own panel, whoever holds the slot."""
+    sky = shown(driver, "sky")
+    (stack,) = sky.findChildren(QStackedWidget)
+    for panel in sky.panels.values():
+        stack.setCurrentWidget(panel)
+        dead, count = walked(walk, panel)
+        assert dead == []
+        assert count > 2
+
+
+def test_every_control_of_an_open_journal_has_an_effect(driver, walk, tmp_path):
+    """Back, step, in the window, close: they are there while a journal is."""
+    panel = shown(driver, "messages")
+    path = str(tmp_path / "j.mcap")
+    driver.session.save_journal(path, lambda _: panel.journal.open_from(path))
+    driver.until(lambda: panel.journal.is_open)
+    journal = panel.journal
+    for control in (journal.next, journal.next, journal.back, journal.close_journal):
+        assert walk.has_effect(control), name_of(control)
+
+
+def test_a_control_without_effect_is_found(driver, walk):
+    """The walk itself: a button and a slider that nobody listens to."""
+    walk.patience_ms = 1000
+    panel = shown(driver, "picture")
+    button, slider = QPushButton("Dead"), QSlider(Qt.Orientation.Horizontal)
+    slider.setAccessibleName("dead slider")
+    for control in (button, slider):
+        panel.layout().addRow(control)
+        assert control in controls_of(panel)
+        assert not walk.has_effect(control)
+
+
+def test_every_control_is_reached_by_tab_and_has_a_name(driver):
+    """Who cannot use a mouse, or cannot see, works all that others do."""
+    controls = [control for name in PANELS for control in usable(shown(driver, name))]
+    assert len(controls) > 80
+    for control in controls:
+        focused = control
+        while focused.focusProxy() is not None:
+            focused = focused.focusProxy()
+        assert focused.focusPolicy() & Qt.FocusPolicy.TabFocus, name_of(control)
+        assert name_of(control), control
+
+
+def test_every_setting_can_be_changed_by_its_row_and_taken_back(driver):
+    """Of every module: what the row asks for is accepted, and its reset brings the default."""
+    from vrut_lite.app.panels.module_panel import ModulePanel
+
+    driver.session.send(EnableModule(module="clouds", enabled=False))
+    panels = driver.window.findChildren(ModulePanel)
+    specs = driver.session.roster.modules
+    assert {panel.title for panel in panels} == {m.title for m in specs.values() if m.specs}
+    for panel in panels:
+        for row in panel.rows.values():
+            spec = row.spec
+            if spec.name == "enabled":
+                continue
+            value = another(spec)
+            driver.heard.clear()
+            row.edited.emit(value)
+            driver.until_heard(
+                SettingChanged, lambda m, s=spec, v=value: (m.name, m.value) == (s.name, v)
+            )
+            assert row.reset.isEnabled()
+            row.reset.click()
+            driver.until_heard(
+                SettingChanged, lambda m, s=spec: (m.name, m.value) == (s.name, s.default)
+            )
+            assert not row.reset.isEnabled()
+    assert not driver.problems
+
+
+def another(spec):
+    """A value that it may have and has not by default."""
+    if spec.choices:
+        return next(choice for choice in spec.choices if choice != spec.default)
+    if spec.type is bool:
+        return not spec.default
+    if spec.type is str:
+        return "a"
+    ends = [end for end in (spec.at_least, spec.at_most) if end is not None]
+    return spec.type(next(end for end in ends if end != spec.default))
+
+
+def test_tooltips_tell_the_source_of_a_formula(driver):
+    """From the settings' own words, so that no panel can forget it."""
+    rows = {
+        (module, name): row
+        for module, panel in driver.panel("sky").panels.items()
+        for name, row in panel.rows.items()
+    }
+    told = rows["dynamic_skylight", "turbidity"].editor.toolTip()
+    assert told.endswith("Source: Preetham, Shirley and Smits 1999, appendix A.1")
+    assert "between 1 and 10" in told
+    assert "Source: Koschmieder 1924" in rows["bruneton_sky", "fog_visibility_m"].name.toolTip()
+    assert "Source" not in rows["bruneton_sky", "cube_device"].editor.toolTip()
+    assert all(isinstance(row.editor, QWidget) and row.editor.toolTip() for row in rows.values())

@@ -1,0 +1,36 @@
+"""The command line in this process, where a fault can be arranged without a new one."""
+
+import sys
+
+import pytest
+from fault_stage import is_one_line
+
+from vrut_lite import cli
+
+
+@pytest.fixture
+def refused(monkeypatch, capsys):
+    """Run a command that must end with exit code 2 and one line; the line."""
+
+    def check(*arguments, code=2):
+        monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        assert end.value.code == code
+        return is_one_line(capsys.readouterr().err)
+
+    return check
+
+
+@pytest.fixture
+def done(monkeypatch, capsys):
+    """Run a command that must succeed without a complaint; its output."""
+
+    def check(*arguments):
+        monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
+        cli.main()
+        said = capsys.readouterr()
+        assert [line for line in said.err.splitlines() if "compiling" not in line] == []
+        return said.out
+
+    return check

@@ -1,0 +1,46 @@
+"""The command line in a process of its own, to be ended, starved and misled."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+NOON = ["--at", "2026-06-21T12:00Z", "--place", "50,14"]
+SMALL_SKY = ["sky", *NOON, "--size", "16"]
+PATIENCE_S = 240
+
+
+def start(*arguments, setting="", cwd=None, **more):
+    """`vrut-lite` with its output in pipes; `setting` is Python that runs before it."""
+    code = f"{setting}\nfrom vrut_lite import cli\ncli.main()"
+    environment = {**os.environ, **more.pop("environment", {})}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **more}
+    line = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.Popen(line, env=environment, cwd=cwd or ROOT, **pipes)
+
+
+def outcome(process):
+    """Exit code, output, and what was said to the user."""
+    said, complaints = process.communicate(timeout=PATIENCE_S)
+    return process.returncode, said, complaints
+
+
+def is_one_line(complaints):
+    """One sentence of ours, and no traceback."""
+    assert "Traceback" not in complaints, complaints
+    # Where Ctrl-C is echoed the sentence begins on a line of its own.
+    lines = [line for line in complaints.splitlines() if line and "compiling" not in line]
+    assert len(lines) == 1, complaints
+    assert lines[0].startswith("vrut-lite: "), complaints
+    return lines[0]
+
+
+def wait_for(condition, process=None):
+    """Until something holds; an assertion fails if it never does."""
+    end_s = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert process is None or process.poll() is None, "the process has ended"
+        assert time.monotonic() < end_s
+        time.sleep(0.005)

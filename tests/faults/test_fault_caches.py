@@ -1,0 +1,189 @@
+"""Caches: killed in the midst of a write, starved, shared, misdated. Nothing corrupt is loaded."""
+
+import logging
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bruneton_sky import Atmosphere, TableSizes, precompute
+from bruneton_sky.tables.cache import TableCache
+from fault_stage import ROOT, SMALL_SKY, outcome, start
+
+from vrut_lite import compiled_code
+
+RECIPE = ("anything", 1)
+SIZES = TableSizes(
+    transmittance_altitude=4, transmittance_mu=8, irradiance_altitude=2, irradiance_mu_s=4,
+    altitude=4, mu=8, nu=2, mu_s=4,
+)  # fmt: skip
+
+
+def arrays(value=1.0):
+    """Enough that a write takes a while: 16 MB."""
+    return {"scattering": np.full((2_000_000,), value)}
+
+
+WRITER = """
+import sys, numpy as np
+from pathlib import Path
+from bruneton_sky.tables.cache import TableCache
+cache = TableCache(Path(sys.argv[1]))
+for number in range(1000):
+    cache.put(("anything", 1), {"scattering": np.full((2_000_000,), float(number))})
+    print(number, flush=True)
+"""
+
+
+def test_kill_9_in_the_midst_of_writes(tmp_path):
+    """Six writers killed at any moment: what is found is whole, of one number, or nothing.
+
+    What they left beside it is never read, and goes when a day has passed.
+    """
+    for attempt in range(6):
+        writer = subprocess.Popen(
+            [sys.executable, "-c", WRITER, tmp_path], stdout=subprocess.PIPE, cwd=ROOT
+        )
+        writer.stdout.readline()
+        time.sleep(0.011 * attempt)
+        writer.send_signal(signal.SIGKILL)
+        writer.communicate()
+        found = TableCache(tmp_path).get(RECIPE)
+        assert found is not None
+        assert np.ptp(found["scattering"]) == 0.0
+    for part in tmp_path.glob("*.part"):
+        os.utime(part, (0, 0))
+    TableCache(tmp_path).put(RECIPE, arrays())
+    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+
+
+def test_a_disk_that_is_full_costs_no_tables(tmp_path, caplog):
+    """The kernel refuses bytes in the middle: one line, the older entry whole, no part left."""
+    cache = TableCache(tmp_path)
+    cache.put(RECIPE, arrays())
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, before[1]))
+    try:
+        with caplog.at_level(logging.WARNING):
+            cache.put(RECIPE, arrays(2.0))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert len(caplog.records) == 1
+    assert "not kept" in caplog.text
+    np.testing.assert_array_equal(cache.get(RECIPE)["scattering"], arrays()["scattering"])
+    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+
+
+BUILDER = """
+import sys
+from pathlib import Path
+import numpy as np
+from bruneton_sky import Atmosphere, TableSizes, precompute
+from bruneton_sky.tables.cache import TableCache
+sizes = TableSizes(
+    transmittance_altitude=4, transmittance_mu=8, irradiance_altitude=2, irradiance_mu_s=4,
+    altitude=4, mu=8, nu=2, mu_s=4,
+)
+tables = precompute(
+    Atmosphere.earth(), orders=2, sizes=sizes, cache=TableCache(Path(sys.argv[1]))
+)
+sys.stdout.buffer.write(np.ascontiguousarray(tables.scattering).tobytes())
+"""
+
+
+def test_two_processes_build_the_same_tables(tmp_path):
+    """Side by side into one cache: both have the tables, and so has whoever comes later."""
+    line = [sys.executable, "-c", BUILDER, tmp_path]
+    builders = [subprocess.Popen(line, stdout=subprocess.PIPE, cwd=ROOT) for _ in range(2)]
+    made = [builder.communicate()[0] for builder in builders]
+    assert [builder.returncode for builder in builders] == [0, 0]
+    assert made[0] == made[1]
+    shares = []
+    cache = TableCache(tmp_path)
+    later = precompute(Atmosphere.earth(), 2, sizes=SIZES, cache=cache, progress=shares.append)
+    assert shares == [1.0]
+    assert np.ascontiguousarray(later.scattering).tobytes() == made[0]
+    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+
+
+@pytest.mark.parametrize("used_s", [-3.0 * 365 * 86_400, 0.0, 10.0 * 365 * 86_400])
+def test_a_clock_that_jumped_evicts_nothing_that_is_new(tmp_path, used_s):
+    """Entries dated long ago or in years to come: what was put last is kept, whatever the clock."""
+    small = {"a": np.zeros(1000)}
+    cache = TableCache(tmp_path, limit_bytes=12_000)
+    cache.put("older", small)
+    for path in tmp_path.iterdir():
+        os.utime(path, (time.time() + used_s,) * 2)
+    part = tmp_path / "other.part"
+    part.write_bytes(b"half")
+    os.utime(part, (time.time() + used_s,) * 2)
+    cache.put("newer", small)
+    assert cache.get("newer") is not None
+    assert cache.get("older") is None
+    assert part.exists() == (used_s >= 0.0)
+
+
+def test_a_file_that_another_process_takes_away_is_no_fault(tmp_path, monkeypatch, caplog):
+    """Between a folder's listing and a look at the file: the tables are kept, without a word."""
+    gone = tmp_path / "gone.tables"
+    listed = Path.glob
+
+    def listing(folder, pattern):
+        return [*listed(folder, pattern), gone]
+
+    monkeypatch.setattr(Path, "glob", listing)
+    cache = TableCache(tmp_path)
+    with caplog.at_level(logging.WARNING):
+        cache.put(RECIPE, {"a": np.zeros(3)})
+    assert not caplog.records
+    assert cache.get(RECIPE) is not None
+
+
+@pytest.mark.parametrize("blocked", ["a file", "no folder"])
+def test_a_home_that_cannot_be_used_costs_no_sky(tmp_path, blocked):
+    """HOME is a file, or not there: the sky is made, without a word."""
+    home = tmp_path / "home"
+    if blocked == "a file":
+        home.write_text("not a folder")
+    places = {"HOME": str(home), "XDG_CACHE_HOME": str(home / "c"), "XDG_CONFIG_HOME": str(home)}
+    picture = tmp_path / "sky.npz"
+    process = start(*SMALL_SKY, "--sky", "bruneton_sky", "-o", picture, environment=places)
+    code, _, complaints = outcome(process)
+    assert (code, complaints) == (0, "")
+    assert picture.exists()
+
+
+def test_numbas_cache_cannot_be_written(tmp_path, monkeypatch):
+    """Without the folder for this process numba would refuse to compile: no sky. It is gone after.
+
+    The wind through the eleven kernels is left out: a clock-sized sky needs a few of them.
+    """
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    monkeypatch.setattr(compiled_code.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    ends = []
+    monkeypatch.setattr(compiled_code.atexit, "register", lambda *a, **k: ends.append((a, k)))
+    compiled_code.find_room(ROOT / "vrut_lite")
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
+    assert folder.is_dir()
+    assert folder.parent == tmp_path
+    ((remove, *arguments), named) = ends[0]
+    remove(*arguments, **named)
+    assert not folder.exists()
+
+
+def test_a_folder_that_takes_files_is_left_to_numba(tmp_path, monkeypatch):
+    """No variable is set where the package's folder serves, or the one that was named."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    compiled_code.find_room(tmp_path)
+    assert "NUMBA_CACHE_DIR" not in os.environ
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new" / "folder"))
+    compiled_code.find_room(Path("/proc/none"))
+    assert os.environ["NUMBA_CACHE_DIR"] == str(tmp_path / "new" / "folder")

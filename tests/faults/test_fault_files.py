@@ -1,0 +1,182 @@
+"""Files that are none, that never end, that are damaged or vanish: one line each, no harm."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dynamic_skylight import data_files
+from dynamic_skylight.hosek_wilkie import coefficients
+from dynamic_skylight.twilight_table import twilight_table
+from fault_stage import NOON, ROOT, SMALL_SKY
+
+from vrut_lite.errors import UserError
+from vrut_lite.render.write_exr import write_exr
+from vrut_lite.render.write_hdr import write_hdr
+from vrut_lite.render.write_json import write_json
+
+SCENE = ROOT / "scenes" / "sundial.glb"
+
+
+def make(kind, path):
+    """Something at a path that is no file to read."""
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "endless":
+        path.symlink_to("/dev/zero")
+    elif kind == "loop":
+        path.symlink_to(path)
+
+
+KINDS = ["pipe", "folder", "endless", "loop", "missing"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_project_that_is_no_file(refused, tmp_path, kind):
+    """A pipe would be waited for, a device read without end."""
+    make(kind, tmp_path / "day.toml")
+    line = refused("render", tmp_path / "day.toml", "-o", tmp_path / "a.png", *NOON)
+    assert "cannot open the project" in line
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_journal_that_is_no_file(refused, tmp_path, kind):
+    """Likewise."""
+    make(kind, tmp_path / "day.mcap")
+    assert "cannot open the journal" in refused("replay", tmp_path / "day.mcap")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_scene_that_is_no_file(refused, tmp_path, kind):
+    """Likewise."""
+    make(kind, tmp_path / "scene.glb")
+    line = refused("render", tmp_path / "scene.glb", "-o", tmp_path / "a.png", *NOON)
+    assert "cannot open the scene" in line
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\x00" * 100,
+        b"\xff\xfe" + os.urandom(200),
+        b"x = " + b"[" * 50_000,
+        b'scene = "a.glb"\n' * 2,
+        b'scene = "' + b"a" * 100_000 + b'.glb"',
+        b'scene = "\\u0000.glb"',
+        b"scene = 3",
+        b'scene = "a.glb"\nsize = [1e400, 5]',
+    ],
+    ids=["empty", "zeros", "noise", "deep", "twice", "long", "nul", "number", "infinite"],
+)
+def test_a_project_of_garbage(refused, tmp_path, content):
+    """No TOML, or TOML that says nothing of use."""
+    path = tmp_path / "day.toml"
+    path.write_bytes(content)
+    refused("render", path, "-o", tmp_path / "a.png", *NOON)
+    assert [file.name for file in tmp_path.iterdir()] == ["day.toml"]
+
+
+@pytest.mark.parametrize("text", ['{"asset":' * 100_000, "[" * 200_000, '{"asset": 1e999}'])
+def test_a_gltf_nested_without_end(refused, tmp_path, text):
+    """Deep documents exhaust a parser's stack in one line."""
+    path = tmp_path / "scene.gltf"
+    path.write_text(text)
+    refused("render", path, "-o", tmp_path / "a.png", *NOON)
+
+
+DAMAGE = {
+    "nothing": b"",
+    "cut": (ROOT / "modules/dynamic_skylight/data/hosek_wilkie.npz").read_bytes()[:5000],
+    "noise": b"PK\x03\x04" + bytes(300),
+    "text": b"no arrays here",
+}
+
+
+@pytest.mark.parametrize("damage", [*DAMAGE, "missing"])
+def test_damaged_coefficients(refused, tmp_path, monkeypatch, damage):
+    """A package whose data are cut short makes no sky: it says so, and what helps."""
+    (tmp_path / "data").mkdir()
+    if damage != "missing":
+        for name in ("hosek_wilkie.npz", "twilight.npz"):
+            (tmp_path / "data" / name).write_bytes(DAMAGE[damage])
+    monkeypatch.setattr(data_files, "files", lambda package: tmp_path)
+    tables = (coefficients.tables, twilight_table)
+    for table in tables:
+        table.cache_clear()
+    try:
+        line = refused(*SMALL_SKY, "-o", tmp_path / "sky.exr", code=1)
+        assert "hosek_wilkie.npz is missing or damaged" in line
+        with pytest.raises(RuntimeError, match=r"twilight\.npz is missing or damaged"):
+            twilight_table()
+    finally:
+        for table in tables:
+            table.cache_clear()
+    assert not (tmp_path / "sky.exr").exists()
+
+
+RADIANCE = np.ones((4, 4, 3), np.float32)
+WRITERS = {
+    ".exr": lambda path: write_exr(path, RADIANCE, {}),
+    ".hdr": lambda path: write_hdr(path, RADIANCE, {}),
+    ".json": lambda path: write_json(path, {}),
+}
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+@pytest.mark.parametrize("place", ["folder that is gone", "/proc", "/dev/full/x"])
+def test_a_folder_that_takes_no_file(tmp_path, suffix, place):
+    """Gone since it was looked at, or no place for files: a sentence with the name."""
+    folder = tmp_path / place
+    with pytest.raises(UserError, match="cannot write") as refusal:
+        WRITERS[suffix](folder / f"sky{suffix}")
+    assert "\n" not in str(refusal.value)
+    assert not list(tmp_path.rglob("*"))
+
+
+ODD_NAMES = ["two words", "Šumava – ráno ☀", "line\nbreak", "-o", "%d", "'\""]
+
+
+@pytest.mark.parametrize("name", [f"{name}.npz" for name in ODD_NAMES])
+def test_odd_names(done, tmp_path, name):
+    """Spaces, other scripts, quotes, line breaks: the file has just the name that was given."""
+    folder = tmp_path / "á b"
+    folder.mkdir()
+    done(*SMALL_SKY, "-o", folder / name)
+    assert [file.name for file in folder.iterdir()] == [name]
+
+
+def test_a_name_that_is_no_text(done, tmp_path):
+    """Bytes that are no UTF-8 are a name to the system: the picture gets it."""
+    name = os.fsdecode(b"sky-\xff\xfe.npz")
+    done(*SMALL_SKY, "-o", tmp_path / name)
+    assert [os.fsencode(file.name) for file in tmp_path.iterdir()] == [b"sky-\xff\xfe.npz"]
+
+
+def test_a_folder_that_is_gone_is_told(refused, tmp_path, monkeypatch):
+    """The shell stands in a folder that another one removed: a relative name leads nowhere."""
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    before = Path.cwd()
+    os.chdir(gone)
+    try:
+        gone.rmdir()
+        line = refused(*SMALL_SKY, "-o", "sky.exr")
+    finally:
+        os.chdir(before)
+    assert "cannot write sky.exr" in line
+
+
+def test_a_folder_that_takes_no_files_is_told_before_the_work(refused, monkeypatch):
+    """Nothing can be made in /proc, whoever one is; a full name elsewhere is no matter."""
+    monkeypatch.chdir("/proc")
+    assert "cannot write sky.exr" in refused(*SMALL_SKY, "-o", "sky.exr")
+
+
+def test_one_stands_in_a_folder_that_takes_no_files(done, tmp_path, monkeypatch):
+    """Work needs no room where one stands."""
+    monkeypatch.chdir("/proc")
+    done(*SMALL_SKY, "-o", tmp_path / "sky.exr")
+    assert (tmp_path / "sky.exr").exists()

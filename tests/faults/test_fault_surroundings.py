@@ -1,0 +1,246 @@
+"""A machine that lacks or breaks something: GL, output, time zones, a signal in the midst."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import zoneinfo
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import pytest
+from fault_stage import NOON, ROOT, SMALL_SKY, is_one_line, outcome, start, wait_for
+from OpenGL.error import GLError
+
+from vrut_lite import cli
+from vrut_lite.errors import UserError
+from vrut_lite.interrupts import Terminated, terminations_raised
+from vrut_lite.render import frame, gl_owner
+from vrut_lite.render.write_atomic import atomic_output
+
+SCENE = ROOT / "scenes" / "sundial.glb"
+RENDER = ["render", SCENE, *NOON, "--size", "32x32"]
+
+
+@pytest.mark.parametrize(
+    "reason",
+    ["requested device index 0, but found 0 devices", "the GL driver ended the probe (-6)"],
+)
+def test_without_gl(refused, tmp_path, monkeypatch, reason):
+    """No driver, or one that aborts: what is missing and what to install; no picture."""
+    monkeypatch.setattr(gl_owner, "probe_gl", lambda: ("", reason))
+    line = refused(*RENDER, "-o", tmp_path / "a.png")
+    assert reason in line
+    assert "libegl1" in line
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("error", [moderngl.Error("context lost"), GLError(err=1287)])
+@pytest.mark.gl
+def test_gl_that_is_lost(refused, tmp_path, monkeypatch, error):
+    """The driver is reset in the midst of a frame: one line, no picture."""
+
+    def lost(*_arguments, **_named):
+        raise error
+
+    monkeypatch.setattr(frame.Frame, "draw", lost)
+    line = refused(*RENDER, "-o", tmp_path / "a.png")
+    assert "OpenGL failed" in line
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_sky_needs_no_gl(done, tmp_path, monkeypatch):
+    """A panorama is made on the CPU: a machine without a driver makes it too."""
+    monkeypatch.setattr(gl_owner, "probe_gl", lambda: ("", "none"))
+    done(*SMALL_SKY, "-o", tmp_path / "sky.npz")
+    assert (tmp_path / "sky.npz").exists()
+
+
+class NoZones(zoneinfo.ZoneInfo):
+    """A machine without time zone data."""
+
+    def __new__(cls, key):
+        raise zoneinfo.ZoneInfoNotFoundError(f"No time zone found with key {key}")
+
+
+def test_without_time_zone_data(refused, tmp_path, monkeypatch):
+    """Local time cannot be known: the zone is named, and what to install."""
+    monkeypatch.setattr("vrut_lite.place_time.ZoneInfo", NoZones)
+    at = ["--at", "2026-06-21T12:00", "--place", "50,14"]
+    line = refused("sky", *at, "--size", "16", "-o", tmp_path / "sky.npz")
+    assert "Europe/Prague" in line
+    assert "tzdata" in line
+
+
+def test_no_folder_for_temporary_files(done, tmp_path, monkeypatch):
+    """TMPDIR leads nowhere: nothing here needs it."""
+    monkeypatch.setenv("TMPDIR", "/nowhere")
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    done(*SMALL_SKY, "-o", tmp_path / "sky.npz")
+    assert (tmp_path / "sky.npz").exists()
+
+
+def test_no_memory(refused, tmp_path, monkeypatch):
+    """More pixels than the machine can hold: what to ask for instead."""
+
+    def exhausted(*_arguments, **_named):
+        raise MemoryError
+
+    monkeypatch.setattr("vrut_lite.commands.sky_pictures.open_kernel", exhausted)
+    assert "smaller" in refused(*SMALL_SKY, "-o", tmp_path / "sky.npz", code=1)
+
+
+@pytest.mark.parametrize("stream", ["stdout", "stdin", "stderr"])
+def test_a_stream_that_is_closed(tmp_path, stream, monkeypatch):
+    """A service may start without any of the three: the picture is made all the same."""
+    monkeypatch.setattr(sys, "argv", ["vrut-lite", *SMALL_SKY, "-o", str(tmp_path / "sky.npz")])
+    monkeypatch.setattr(sys, stream, None)
+    cli.main()
+    assert (tmp_path / "sky.npz").exists()
+
+
+def test_nobody_reads_the_output():
+    """`vrut-lite modules | head -0`: no traceback, no complaint at the end."""
+    read, write = os.pipe()
+    process = start("modules", stdout=write)
+    os.close(read)
+    os.close(write)
+    code, _, complaints = outcome(process)
+    assert complaints == ""
+    assert code == 1
+
+
+def test_the_output_is_full():
+    """A disk with no room for the list: one line, no traceback as the process ends."""
+    with open("/dev/full", "w") as full:
+        process = start("modules", stdout=full)
+        code, _, complaints = outcome(process)
+    assert code == 1
+    assert "no space left" in is_one_line(complaints).lower()
+
+
+ODD = {
+    "LC_ALL": "xx_YY",
+    "PYTHONIOENCODING": "ascii",
+    "OMP_NUM_THREADS": "many",
+    "OPENBLAS_NUM_THREADS": "-3",
+    "COLUMNS": "0",
+    "TZ": "Nowhere/Nothing",
+    "DISPLAY": ":99",
+}
+
+
+def test_odd_variables(tmp_path):
+    """Unknown locale, ASCII output, numbers that are none: the sky of the hour, as ever."""
+    path = tmp_path / "ráno.npz"
+    code, said, complaints = outcome(start(*SMALL_SKY, "-o", path, environment=ODD))
+    assert code == 0, complaints
+    assert "Traceback" not in complaints
+    assert "sun 61" in said
+    assert np.load(path)[np.load(path).files[0]].size > 0
+
+
+SLOW_WRITE = """
+import time
+from vrut_lite.render import write_atomic
+def slow(beside, target):
+    time.sleep(300)
+write_atomic.os.replace = slow
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_ended_in_the_midst_of_a_write(tmp_path, number, code):
+    """Asked to end while a picture is written: the older one stays, and nothing lies beside it."""
+    path = tmp_path / "sky.npz"
+    path.write_bytes(b"older")
+    process = start(*SMALL_SKY, "-o", path, setting=SLOW_WRITE)
+    wait_for(lambda: len(list(tmp_path.iterdir())) == 2, process)
+    process.send_signal(number)
+    ended, _, complaints = outcome(process)
+    assert ended == code
+    is_one_line(complaints)
+    assert path.read_bytes() == b"older"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_killed_in_the_midst_of_a_write(tmp_path):
+    """Kill -9 leaves the older picture whole; the half one has a name that tells what it is."""
+    path = tmp_path / "sky.npz"
+    path.write_bytes(b"older")
+    process = start(*SMALL_SKY, "-o", path, setting=SLOW_WRITE)
+    wait_for(lambda: len(list(tmp_path.iterdir())) == 2, process)
+    process.kill()
+    process.communicate()
+    assert path.read_bytes() == b"older"
+    (beside,) = (other for other in tmp_path.iterdir() if other != path)
+    assert beside.name.startswith(".unfinished-")
+
+
+WORKERS = """
+import os, sys, time
+from pathlib import Path
+from vrut_lite.commands.workers import workers_of
+
+def work(folder, number):
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(600)
+
+if __name__ == "__main__":
+    with workers_of(2, None, 2) as workers:
+        list(workers.map(work, [sys.argv[1]] * 2, range(2)))
+"""
+
+
+def test_workers_end_with_the_one_who_started_them(tmp_path):
+    """Kill -9 lets nobody say goodbye: the processes that make pictures notice, and end too."""
+    script, folder = tmp_path / "script.py", tmp_path / "pids"
+    script.write_text(WORKERS)
+    folder.mkdir()
+    process = subprocess.Popen([sys.executable, script, folder], cwd=ROOT)
+    wait_for(lambda: len(list(folder.iterdir())) == 2, process)
+    workers = [int(path.name) for path in folder.iterdir()]
+    process.kill()
+    process.communicate()
+    wait_for(lambda: not any(map(is_running, workers)))
+
+
+def is_running(pid):
+    """Whether a process still works: neither gone nor waiting to be buried."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+def test_a_request_to_end_is_an_exception(tmp_path):
+    """It comes once, clears the unfinished file away, and the handler before is back after it."""
+    before = signal.getsignal(signal.SIGTERM)
+    path = tmp_path / "a.bin"
+
+    def work():
+        with terminations_raised(), atomic_output(path) as beside:
+            beside.write_bytes(b"half")
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    with pytest.raises(Terminated):
+        work()
+    assert not list(tmp_path.iterdir())
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
+def test_a_picture_that_is_no_longer_wanted(tmp_path):
+    """The folder is removed while the picture is made: one sentence that names it."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+
+    def work():
+        with atomic_output(folder / "a.bin") as beside:
+            folder.rmdir()
+            beside.write_bytes(b"half")
+
+    with pytest.raises(UserError, match="cannot write"):
+        work()

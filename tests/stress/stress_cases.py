@@ -1,0 +1,134 @@
+"""Inputs from a function's whole range, counted, and what must hold of what comes out."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+Function = Callable[..., NDArray]
+
+# So many inputs at once: a batch's arrays stay within a few hundred megabytes.
+BATCH = 1 << 16
+STEP = 1e-6
+# The steepest pairs of a batch are looked at more closely: so many, so many halvings each.
+STEEPEST, HALVINGS = 48, 32
+
+
+class Stress:
+    """A supply of inputs, and the count of how many each function has taken.
+
+    Args:
+        scale: by how much more inputs are drawn than in the short form.
+        tally: of inputs by the function's name, shared by all tests.
+    """
+
+    def __init__(self, scale: float, tally: Counter[str], seed: int):
+        self.scale = scale
+        self.tally = tally
+        self.random = np.random.default_rng(seed)
+
+    def batches(self, function: str, short: int, most: int = BATCH) -> Iterator[int]:
+        """Sizes of batches that add up to `short` times the scale, counted for the function."""
+        left = max(int(short * self.scale), 1)
+        self.tally[function] += left
+        while left > 0:
+            yield min(left, most)
+            left -= most
+
+    def within(
+        self, count: int, low: float, high: float, special: ArrayLike = ()
+    ) -> NDArray[np.float64]:
+        """Values (count,) from `low` to `high`, both included.
+
+        Half of them even, the others at the ends and the special values or beside them, at
+        distances of all orders of magnitude down to one rounding.
+        """
+        marks = np.concatenate([[low, high], np.ravel(np.asarray(special, dtype=float))])
+        near = self.random.choice(marks, count)
+        away = (high - low) * 10.0 ** self.random.uniform(-17.0, 0.0, count)
+        away *= self.random.choice([-1.0, 0.0, 1.0], count, p=[0.4, 0.2, 0.4])
+        even = self.random.uniform(low, high, count)
+        return np.clip(np.where(self.random.random(count) < 0.5, even, near + away), low, high)
+
+    def directions(self, count: int) -> FloatArray:
+        """Unit vectors (count, 3), many of them on or beside the axes and the level."""
+        up = self.within(count, -1.0, 1.0, [0.0])
+        turn = self.within(count, -np.pi, np.pi, [0.0, -np.pi / 2, np.pi / 2])
+        level = np.sqrt((1.0 - up) * (1.0 + up))
+        return np.stack([level * np.sin(turn), up, -level * np.cos(turn)], axis=-1)
+
+
+def assert_finite(values: NDArray, told: str = "") -> None:
+    """No NaN and no infinity."""
+    bad = ~np.isfinite(values)
+    assert not bad.any(), f"{told} not finite at {np.argwhere(bad)[:4].tolist()}"
+
+
+def assert_light(values: NDArray, told: str = "") -> None:
+    """Finite and nowhere below zero."""
+    assert_finite(values, told)
+    assert values.min() >= 0.0, f"{told} {values.min()} at {np.argwhere(values < 0)[:4].tolist()}"
+
+
+def assert_continuous(
+    function: Function,
+    at: FloatArray,
+    *others: FloatArray,
+    step: float = STEP,
+    most: float = 1e-6,
+    floor: float = 1e-4,
+) -> None:
+    """No jump within a step of each input (n,) of `function(at, *others)`, `others` (n,) held.
+
+    Where a step changes the function most it is halved again and again, towards the half with
+    the larger change: a slope of any size dies away with the step, a jump stays. `most` may be
+    left, relative to the larger of the value and `floor` of the batch's largest.
+    """
+    before, after = function(at, *others), function(at + step, *others)
+    least = floor * max(float(np.abs(before).max()), 1e-300)
+    worst = np.argsort(_change(before, after, least))[-STEEPEST:]
+    before, after, low, high = before[worst], after[worst], at[worst], at[worst] + step
+    others = tuple(other[worst] for other in others)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        between = function(middle, *others)
+        left = _change(before, between, least) >= _change(between, after, least)
+        low, high = np.where(left, low, middle), np.where(left, middle, high)
+        beside = left.reshape(-1, *(1,) * (before.ndim - 1))
+        before, after = np.where(beside, before, between), np.where(beside, between, after)
+    change = _change(before, after, least)
+    place = int(change.argmax())
+    where = [float(part[place]) for part in (low, *others)]
+    assert change[place] <= most, f"a jump of {change[place]:.2e} at {where}"
+
+
+def _change(before: NDArray, after: NDArray, least: float) -> FloatArray:
+    """Largest change (n,) over the components of (n, ...), relative."""
+    size = np.maximum(np.maximum(np.abs(before), np.abs(after)), least)
+    change = np.abs(after.astype(float) - before) / size
+    return change.reshape(len(change), -1).max(axis=1)
+
+
+def assert_rising(values: NDArray, slack: float = 0.0) -> None:
+    """Along the first axis nothing falls, but for roundings."""
+    falls = (values[:-1] - values[1:]).max()
+    assert falls <= slack, f"falls by {falls}"
+
+
+def assert_same_on_threads(function: Callable[..., object], *arguments: object) -> None:
+    """Two threads at once give to the bit what one alone gives."""
+    alone = _arrays(function(*arguments))
+    with ThreadPoolExecutor(2) as pool:
+        together = [pool.submit(function, *arguments) for _ in range(2)]
+        for future in together:
+            for one, other in zip(alone, _arrays(future.result()), strict=True):
+                np.testing.assert_array_equal(one, other)
+
+
+def _arrays(result: object) -> list[NDArray]:
+    return (
+        [np.asarray(part) for part in result] if isinstance(result, tuple) else [np.asarray(result)]
+    )

@@ -1,0 +1,110 @@
+"""--tolerance of render, sky and record: taken, said in the picture's header, refused."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from vrut_lite import cli
+from vrut_lite.commands.dump import dump
+from vrut_lite.commands.options import with_options
+from vrut_lite.commands.record import record
+from vrut_lite.commands.replay import replay
+from vrut_lite.commands.sky import sky
+from vrut_lite.commands.sky_pictures import SkyPlan
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.project import Project, load_project
+
+AT = ["--at", "2026-06-21T12:00Z", "--place", "50.0755,14.4378"]
+
+
+def run(command, *arguments):
+    """What a command prints; what it raises is raised here."""
+    result = CliRunner().invoke(command, [str(argument) for argument in arguments])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def tolerance_said(text):
+    options = {"at": None, "place": None, "north_offset_deg": None, "sky_module": None,
+               "assignments": (), "tolerance": text}  # fmt: skip
+    return with_options(Project(), options).tolerance
+
+
+@pytest.mark.parametrize(
+    ("text", "share"),
+    [("1%", 0.01), ("0.01", 0.01), ("1 %", 0.01), ("0.3%", 0.003), ("100%", 1.0), ("1e-3", 1e-3)],
+)
+def test_percent_and_shares_are_read(text, share):
+    """One per cent has two spellings."""
+    assert tolerance_said(text) == pytest.approx(share, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text", ["0", "0%", "-1%", "101%", "1.5", "nan", "nan%", "one", "1%%", "%"]
+)
+def test_what_is_no_share_is_refused(monkeypatch, capsys, tmp_path, text):
+    """One sentence that says what to type, exit code 2, and no picture."""
+    picture = tmp_path / "sky.exr"
+    monkeypatch.setattr(
+        sys, "argv", ["vrut-lite", "sky", "-o", str(picture), f"--tolerance={text}"]
+    )
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    said = capsys.readouterr().err
+    assert end.value.code == 2
+    assert said.count("\n") == 1
+    assert f"--tolerance {text} is no share above 0 and up to 1: say 1% or 0.01" in said
+    assert not picture.exists()
+
+
+@pytest.mark.parametrize("value", ["0.0", "nan", "1.5", '"1%"'])
+def test_a_project_file_is_held_to_the_same(tmp_path, value):
+    """A share above 0 and up to 1, and the sentence names the line's word."""
+    file = tmp_path / "scene.toml"
+    file.write_text(f'scene = "scene.obj"\ntolerance = {value}\n')
+    with pytest.raises(UserError, match=r"tolerance: expected"):
+        load_project(file)
+
+
+def test_the_header_says_it_and_the_sky_keeps_it(tmp_path):
+    """At 1 % the picture's own header says 0.01, else the default; and the two skies agree."""
+    pictures = []
+    for name, named in (("said", ["--tolerance", "1%"]), ("not_said", [])):
+        file = tmp_path / f"{name}.npz"
+        run(sky, "-o", file, "--size", "64", "--sidecar", *AT, *named)
+        header = json.loads((tmp_path / f"{name}.npz.json").read_text())
+        assert header["tolerance"] == (0.01 if named else DEFAULT_TOLERANCE)
+        pictures.append(np.load(file)["radiance"])
+    said, not_said = pictures
+    up = slice(0, 32)
+    error = np.abs(said - not_said)[up] / np.maximum(not_said[up], 1e-3 * not_said.max())
+    # Unsaid, the 64 rows of this map come from a cube of 64 texels, which is 2 % off.
+    assert np.quantile(error, 0.99) < 0.03
+    assert error.max() > 0.0
+
+
+def test_a_typed_size_wins():
+    """A cube of so many texels is what was asked for; a map's own cube is what the tolerance is
+    about."""
+    loose = Project(tolerance=0.5)
+    assert SkyPlan(loose, "cube", size=48).cube_size == 48
+    assert SkyPlan(loose, "lat-long", size=48).cube_size == 1
+    assert SkyPlan(Project(), "lat-long", size=48).cube_size == 64
+
+
+def test_a_journal_holds_it_and_replays(tmp_path):
+    """It is an input like any other, before place and time, so that nothing is computed twice."""
+    journal = tmp_path / "day.mcap"
+    run(record, "-o", journal, "--size", "8", "--tolerance", "0.02", *AT)
+    inputs = [json.loads(line) for line in run(dump, journal).splitlines()]
+    names = [line["input"] for line in inputs if "input" in line]
+    assert names.index("SetTolerance") < names.index("SetPlace")
+    (message,) = [line["message"] for line in inputs if line.get("input") == "SetTolerance"]
+    assert message == {"tolerance": 0.02}
+    assert "compared by digest" in run(replay, journal, "--check")

@@ -1,0 +1,65 @@
+"""Which input takes back what another is about to change."""
+
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    ClockMoved,
+    EnableModule,
+    Input,
+    SetClock,
+    SetExposure,
+    SetPlace,
+    SetSetting,
+    SetTolerance,
+)
+from vrut_lite.kernel.places import check_place
+from vrut_lite.kernel.tolerance import check_tolerance, tolerance_of
+
+
+def inverse_of(message: Input, kernel: Kernel) -> Input | None:
+    """What brings the present state back; asked before the kernel acts on the message.
+
+    None for an input that changes nothing, that will be refused, or of a kind that is not taken
+    back: views, scenes, and whatever is not the user's own.
+    """
+    try:
+        back = _inverse(message, kernel)
+        return None if back is None or back == _as_kept(message, kernel) else back
+    except UserError:
+        return None
+
+
+def _inverse(message: Input, kernel: Kernel) -> Input | None:
+    match message:
+        case SetSetting():
+            value = getattr(kernel.check_module(message.module).settings, message.name, None)
+            return SetSetting(module=message.module, name=message.name, value=value)
+        case ChooseSlot():
+            kernel.check_holder(message.slot, message.module)
+            holder = kernel.slots.holder(message.slot)
+            able = holder and kernel.seats[message.module].running
+            return ChooseSlot(slot=message.slot, module=holder) if able else None
+        case EnableModule():
+            running = kernel.check_module(message.module).running
+            return EnableModule(module=message.module, enabled=running)
+        case SetPlace():
+            check_place(message)
+            return kernel.last(SetPlace)
+        case SetExposure():
+            return kernel.last(SetExposure) or SetExposure()
+        case SetTolerance():
+            check_tolerance(message)
+            return SetTolerance(tolerance=tolerance_of(kernel))
+        case SetClock():
+            clock = kernel.last(ClockMoved)
+            return None if clock is None else SetClock(instant=clock.instant)
+    return None
+
+
+def _as_kept(message: Input, kernel: Kernel) -> Input:
+    """The message with its value as the module will keep it."""
+    if isinstance(message, SetSetting):
+        value = kernel.check_setting(message.module, message.name, message.value)
+        return SetSetting(module=message.module, name=message.name, value=value)
+    return message

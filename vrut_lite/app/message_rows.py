@@ -1,0 +1,156 @@
+"""Messages as rows for people: live ones as the kernel delivers them, and those of a journal."""
+
+from collections import deque
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import Input, Message
+from vrut_lite.kernel.recording.entry import Entry as JournalEntry
+from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.trace import Entry
+
+_MOST_WAITING = 4096
+_LONGEST_TEXT = 160
+Fields = tuple[tuple[str, str], ...]
+
+
+class MessageRow(NamedTuple):
+    """One message. `cause` is the number of that which led to it, 0 for an input.
+
+    Receivers and milliseconds, those of all their handlers, are known of live messages alone.
+    """
+
+    number: int
+    cause: int
+    type_name: str
+    sender: str
+    is_input: bool
+    receivers: tuple[str, ...]
+    ms: float | None
+    fields: Fields
+
+    @property
+    def searched(self) -> str:
+        """What a filter looks through."""
+        return " ".join((self.type_name, self.sender, *self.receivers)).lower()
+
+
+class MessageWatch:
+    """Keeps what a kernel delivers while `watching`; all on the kernel's thread."""
+
+    def __init__(self, kernel: Kernel):
+        self.watching = True
+        self._kernel = kernel
+        self._seen: deque[MessageRow] = deque(maxlen=_MOST_WAITING)
+        kernel.tap(self._saw)
+
+    def take(self) -> list[MessageRow]:
+        """What was delivered since it was last asked, with the receivers of each."""
+        rows = {row.number: row for row in self._seen}
+        self._seen.clear()
+        if not rows:
+            return []
+        oldest = min(rows)
+        for delivery in reversed(self._kernel.trace.deliveries.copy()):
+            entry = Entry(*delivery)
+            if entry.sequence < oldest:
+                break
+            if entry.sequence in rows:
+                rows[entry.sequence] = _delivered(rows[entry.sequence], entry)
+        return list(rows.values())
+
+    def _saw(self, message: Message, sender: str) -> None:
+        if not self.watching:
+            return
+        self._seen.append(
+            MessageRow(
+                number=self._kernel.dispatcher.current,
+                cause=0,
+                type_name=type(message).__name__,
+                sender=sender,
+                is_input=isinstance(message, Input),
+                receivers=(),
+                ms=0.0,
+                fields=tuple(_fields("", msgspec.structs.asdict(message))),
+            )
+        )
+
+
+def _delivered(row: MessageRow, entry: Entry) -> MessageRow:
+    receivers = (entry.receiver, *row.receivers) if entry.receiver else row.receivers
+    ms = (row.ms or 0.0) + (entry.end_ns - entry.start_ns) / 1e6
+    # What a module asks of others is an input by its type alone.
+    is_input = row.is_input and entry.cause == 0
+    return row._replace(cause=entry.cause, is_input=is_input, receivers=receivers, ms=ms)
+
+
+class OpenJournal(NamedTuple):
+    """A journal, its messages, and of these the inputs, by their numbers."""
+
+    journal: Journal
+    rows: list[MessageRow]
+    inputs: dict[int, JournalEntry]
+
+
+def open_journal(path: str | Path) -> OpenJournal:
+    """The messages of a journal, numbered from 1; what led to each is its transaction's input.
+
+    Raises:
+        UserError: the file cannot be read.
+    """
+    opened = OpenJournal(Journal(path), [], {})
+    rows = opened.rows
+    cause = 0
+    for number, entry in enumerate(opened.journal.entries(), 1):
+        is_input = entry.kind == "input"
+        if is_input:
+            opened.inputs[number] = entry
+        rows.append(
+            MessageRow(
+                number=number,
+                cause=0 if is_input else cause,
+                type_name=entry.type_name,
+                sender=entry.sender,
+                is_input=is_input,
+                receivers=(),
+                ms=None,
+                fields=tuple(_fields("", entry.message)),
+            )
+        )
+        cause = number if is_input else cause
+    return opened
+
+
+def _fields(path: str, value: Any) -> Iterator[tuple[str, str]]:
+    """Names and short texts; of what has parts, those of the parts."""
+    if isinstance(value, msgspec.Struct):
+        value = msgspec.structs.asdict(value)
+    if isinstance(value, dict) and "$array" not in value:
+        for name, part in value.items():
+            yield from _fields(f"{path}.{name}" if path else str(name), part)
+    else:
+        yield path, value_text(value)
+
+
+def value_text(value: Any) -> str:
+    """A value in one line."""
+    match value:
+        case Array():
+            text = f"{value.dtype} {value.shape}"
+        case {"$array": _, "dtype": dtype, "shape": shape}:
+            text = f"{dtype} {tuple(shape)}"
+        case float():
+            text = f"{value:.6g}"
+        case datetime():
+            text = value.isoformat()
+        case tuple() | list():
+            text = ", ".join(value_text(part) for part in value)
+        case _:
+            text = " ".join(str(value).split())
+    return text if len(text) <= _LONGEST_TEXT else text[:_LONGEST_TEXT] + "\N{HORIZONTAL ELLIPSIS}"

@@ -1,0 +1,196 @@
+"""All modules: which run, what went wrong in those that do not, and how to mend it."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QFontDatabase
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QPlainTextEdit,
+    QPushButton,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from vrut_lite.app import theme
+from vrut_lite.app.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
+from vrut_lite.app.session import Session, fault_line
+from vrut_lite.kernel.messages import (
+    EnableModule,
+    Fault,
+    ReloadModule,
+    RestartModule,
+    SlotChanged,
+)
+
+_NAME = Qt.ItemDataRole.UserRole
+_COLOURS = {"running": theme.TEXT, "disabled": theme.FAINT, "suspended": theme.ALARM}
+_TELLING = (Fault, EnableModule, RestartModule, ReloadModule, SlotChanged)
+
+
+class ModuleManager(QWidget):
+    """A row for each module; below, what can be done with the chosen one, and its last fault."""
+
+    def __init__(self, session: Session):
+        super().__init__()
+        self._session = session
+        self._states = ModuleStates({}, ())
+        self._asking = False
+        self._before_safe_mode: set[str] = set()
+        self._make_parts()
+        self._lay_out()
+        self.list.itemChanged.connect(self._checked)
+        self.list.currentItemChanged.connect(lambda *_: self._show_chosen())
+        self.restart.clicked.connect(lambda: self._session.send(RestartModule(module=self.chosen)))
+        self.reload.clicked.connect(lambda: self._session.send(ReloadModule(module=self.chosen)))
+        self.safe_mode.clicked.connect(self.set_safe_mode)
+        session.ready.connect(lambda _: self._ask())
+        for kind in _TELLING:
+            session.listen(kind, lambda _: self._ask())
+
+    @property
+    def chosen(self) -> str:
+        """Name of the module in the chosen row."""
+        item = self.list.currentItem()
+        return "" if item is None else str(item.data(0, _NAME))
+
+    def choose(self, name: str) -> None:
+        """Go to the row of a module."""
+        item = self._item(name)
+        if item is not None:
+            self.list.setCurrentItem(item)
+
+    def set_safe_mode(self, on: bool) -> None:
+        """Run the host and the default sun and sky alone; or again all that ran before."""
+        running = {m.name for m in self._states.modules.values() if m.state == "running"}
+        if on:
+            self._before_safe_mode = running
+            self._session.send(*into_safe_mode(self._states))
+        else:
+            wanted = self._before_safe_mode or set(self._states.modules)
+            self._session.send(*(EnableModule(module=name) for name in sorted(wanted - running)))
+        self._show_states(self._states)
+
+    # --- what it is made of ------------------------------------------------------------------
+
+    def _make_parts(self) -> None:
+        self.safe_mode = QPushButton("Safe mode")
+        self.safe_mode.setCheckable(True)
+        self.safe_mode.setToolTip(
+            "Nothing but the host and the default sun and sky runs, until it is left again"
+        )
+        self.list = QTreeWidget()
+        self.list.setAccessibleName("modules")
+        self.list.setHeaderLabels(["Module", "State", "Holds", "Version"])
+        self.list.setRootIsDecorated(False)
+        self.list.setUniformRowHeights(True)
+        header = self.list.header()
+        header.setStretchLastSection(False)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.title = QLabel()
+        self.title.setProperty("role", "heading")
+        self.restart = QPushButton("Restart")
+        self.restart.setToolTip("Start the module anew with its present settings")
+        self.reload = QPushButton("Reload")
+        self.reload.setToolTip("Import the module's files afresh; its settings stay")
+        self.told = QLabel()
+        self.told.setWordWrap(True)
+        self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.trace = QPlainTextEdit()
+        self.trace.setReadOnly(True)
+        self.trace.setAccessibleName("trace of the last fault")
+        self.trace.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+        self.trace.setLineWrapMode(QPlainTextEdit.LineWrapMode.NoWrap)
+        self.failures = QLabel()
+        self.failures.setWordWrap(True)
+        self.failures.setStyleSheet(f"color: {theme.ALARM};")
+
+    def _lay_out(self) -> None:
+        top, middle = QHBoxLayout(), QHBoxLayout()
+        heading = QLabel("Modules")
+        heading.setProperty("role", "heading")
+        top.addWidget(heading, 1)
+        top.addWidget(self.safe_mode)
+        middle.addWidget(self.title, 1)
+        middle.addWidget(self.restart)
+        middle.addWidget(self.reload)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(10, 8, 8, 10)
+        column.addLayout(top)
+        column.addWidget(self.list, 3)
+        column.addLayout(middle)
+        column.addWidget(self.told)
+        column.addWidget(self.trace, 2)
+        column.addWidget(self.failures)
+
+    # --- what comes --------------------------------------------------------------------------
+
+    def _ask(self) -> None:
+        """Look anew; one look serves all that was told until then."""
+        if not self._asking:
+            self._asking = True
+            self._session.ask(states_of, self._take)
+
+    def _take(self, states: ModuleStates) -> None:
+        self._asking = False
+        self._show_states(states)
+
+    def _show_states(self, states: ModuleStates) -> None:
+        self._states = states
+        self.list.blockSignals(True)
+        for module in states.modules.values():
+            self._show_row(self._item(module.name) or self._new_item(module), module)
+        self.list.blockSignals(False)
+        if self.list.currentItem() is None:
+            self.choose(next(iter(states.modules), ""))
+        self.safe_mode.setChecked(states.safe)
+        self.failures.setText("\n".join(states.failures))
+        self.failures.setVisible(bool(states.failures))
+        self._show_chosen()
+
+    def _new_item(self, module: ModuleState) -> QTreeWidgetItem:
+        item = QTreeWidgetItem(self.list)
+        item.setData(0, _NAME, module.name)
+        flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+        item.setFlags(flags if module.of_host else flags | Qt.ItemFlag.ItemIsUserCheckable)
+        return item
+
+    def _show_row(self, item: QTreeWidgetItem, module: ModuleState) -> None:
+        item.setText(0, module.title)
+        item.setToolTip(0, f"{module.name}, a part of the host" if module.of_host else module.name)
+        if not module.of_host:
+            running = module.state == "running"
+            item.setCheckState(0, Qt.CheckState.Checked if running else Qt.CheckState.Unchecked)
+        item.setText(1, module.state)
+        item.setForeground(1, QColor(_COLOURS.get(module.state, theme.TEXT)))
+        item.setText(2, ", ".join(module.holds))
+        item.setText(3, module.version)
+
+    def _item(self, name: str) -> QTreeWidgetItem | None:
+        items = (self.list.topLevelItem(row) for row in range(self.list.topLevelItemCount()))
+        return next((item for item in items if item and item.data(0, _NAME) == name), None)
+
+    def _show_chosen(self) -> None:
+        module = self._states.modules.get(self.chosen)
+        for button in (self.restart, self.reload):
+            button.setEnabled(module is not None)
+        if module is None:
+            return
+        self.reload.setEnabled(not module.of_host)
+        self.title.setText(module.title)
+        fault = module.fault
+        self.told.setText("No fault so far." if fault is None else fault_line(fault))
+        self.told.setStyleSheet(f"color: {theme.FAINT if fault is None else theme.ALARM};")
+        self.trace.setVisible(fault is not None)
+        trace = "" if fault is None else fault.trace
+        if trace != self.trace.toPlainText():
+            self.trace.setPlainText(trace)
+
+    # --- what is asked for -------------------------------------------------------------------
+
+    def _checked(self, item: QTreeWidgetItem) -> None:
+        wanted = item.checkState(0) == Qt.CheckState.Checked
+        self._session.send(EnableModule(module=str(item.data(0, _NAME)), enabled=wanted))
