@@ -17,6 +17,7 @@ import numpy as np
 from bruneton_sky.background import background_cube, surroundings
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField, irradiance_table, march_tables, solve
+from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.sizes import TableSizes
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
@@ -123,7 +124,7 @@ def sheet(pictures: Sequence[tuple[str, Picture]], columns: int) -> Image.Image:
 def main(folder: Path) -> None:
     """Write all sheets."""
     folder.mkdir(parents=True, exist_ok=True)
-    field = solve(atmosphere_of(BrunetonSkySettings()), all_orders=True)
+    field = solve_air(atmosphere_of(BrunetonSkySettings()))
     sheets = {
         "climb": sheet([(view.caption, draw(field, view)) for view in CLIMB], 3),
         "day": sheet([(f"sun {deg:g} deg", fisheye(field, deg)) for deg in DAY_DEG], 5),

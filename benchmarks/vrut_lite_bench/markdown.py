@@ -31,9 +31,8 @@ def _front(group: GroupNote, paths: Sequence[Measured]) -> Iterator[str]:
     yield f"| on the front | ms for {group.unit} | error, mean | 99 % | at night, 99 % |"
     yield "|---|---:|---:|---:|---:|"
     for path in on_front(group, paths):
-        mean = max(errors.mean for errors in path.errors.values())
-        night = path.worst(at_night=True)
-        cells = (path.name, 1e3 * path.seconds, mean, path.worst(), night)
+        errors = path.worst(size="mean"), path.worst(), path.worst(at_night=True)
+        cells = (path.name, 1e3 * path.seconds, *errors)
         yield f"| {' | '.join(map(_cell, cells))} |"
 
 

@@ -41,11 +41,10 @@ def files_of(results: Results) -> dict[str, bytes]:
 
 def path_row(path: Measured) -> tuple[str | float | None, ...]:
     """A path's line: times in ms, noise and errors as shares."""
-    mean = max((e.mean for e in path.errors.values()), default=None)
     noise = max(path.rounds_s) / path.seconds - 1.0 if len(path.rounds_s) > 1 else None
     return (
-        path.name, path.device, 1e3 * path.seconds, 1e3 * path.wall_s, noise, mean, path.worst(),
-        path.worst(at_night=True),
+        path.name, path.device, 1e3 * path.seconds, 1e3 * path.wall_s, noise,
+        path.worst(size="mean"), path.worst(), path.worst(at_night=True),
     )  # fmt: skip
 
 

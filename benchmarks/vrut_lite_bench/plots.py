@@ -49,8 +49,8 @@ def _points(axes: Any, group: GroupNote, paths: Sequence[Measured]) -> None:
         _family(axes, [p for p in paths if p.family == family], factor, _MARKS[number % 13])
     for i in front:
         axes.annotate(
-            _label(paths[i]), (times[i], errors[i]), xytext=(4, -9), textcoords="offset points",
-            fontsize=7,
+            _label(paths[i]), (times[i], errors[i]), xytext=(4, 4), textcoords="offset points",
+            fontsize=6,
         )  # fmt: skip
     axes.set(xscale="log", yscale="log", xlabel=f"least {paths[0].clock} for {group.unit}, {unit}")
     night = any(path.worst(at_night=True) is not None for path in paths)

@@ -43,9 +43,9 @@ class Measured(msgspec.Struct, frozen=True):
         """The least of all rounds, per unit."""
         return min(self.rounds_s)
 
-    def worst(self, at_night: bool = False) -> float | None:
-        """The largest 99th percentile of all conditions by day, or of those at night."""
-        sizes = [e.p99 for name, e in self.errors.items() if is_night(name) == at_night]
+    def worst(self, at_night: bool = False, size: str = "p99") -> float | None:
+        """The largest of a size of `ErrorSize` over all conditions by day, or those at night."""
+        sizes = [getattr(e, size) for name, e in self.errors.items() if is_night(name) == at_night]
         return max(sizes, default=None)
 
 

@@ -152,8 +152,14 @@ def main() -> None:
             bench.window.time.go_to(day.instant_at(share))
         bench.still()
 
-    for name, act in (("nothing", rest), ("atmosphere solved anew", solve),
-                      ("scene loaded", load), ("clouds made", clouds), ("module that sleeps 0.4 s", sleep)):  # fmt: skip
+    acts = {
+        "nothing": rest,
+        "atmosphere solved anew": solve,
+        "scene loaded": load,
+        "clouds made": clouds,
+        "module that sleeps 0.4 s": sleep,
+    }
+    for name, act in acts.items():
         longest_ms, own_ms = bench.gaps_ms(act)
         print(f"{name:28s} longest gap {longest_ms:6.1f} ms, of its own work {own_ms:5.1f} ms")
     bench.close()

@@ -71,7 +71,8 @@ class Cycles:
         self._until(lambda: session.has_ended)
         session.join()
         self._alive.update((window, session))
-        window.deleteLater()
+        for closed in (window, session):
+            closed.deleteLater()
         QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         return counts[0]
 

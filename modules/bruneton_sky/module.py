@@ -14,8 +14,7 @@ import msgspec
 
 from bruneton_sky import products
 from bruneton_sky.background import Surroundings, surroundings
-from bruneton_sky.observer import altitude_step_m, same_to_the_eye
-from bruneton_sky.recipe import AirKey, Recipe, light_recipe, recipe_of
+from bruneton_sky.recipe import AirKey, Recipe, light_recipe, recipe_of, unless_seen
 from bruneton_sky.settings import (
     BrunetonSkySettings,
     atmosphere_at,
@@ -227,20 +226,9 @@ class BrunetonSky(Module):
         """What is to be shown: that of before if nobody would see a difference."""
         height_m, quality = eye_height_m(self.link), self._quality
         now = Recipe(air, sun.direction, sun.visible_disc_fraction, height_m, quality.table)
-        shown = self._shown
-        if shown is None or now == shown:
+        if self._shown is None:
             return now
-        atmosphere = atmosphere_of(air.settings, air.ground_altitude_m)
-        step_m = quality.altitude_steps * altitude_step_m(shown.altitude_m, atmosphere)
-        stays = abs(height_m - shown.altitude_m) <= step_m
-        sun_stays = same_to_the_eye(
-            shown.sun_direction, sun.direction, atmosphere.mie_g, quality.sun_change
-        )
-        kept = msgspec.structs.replace(
-            now,
-            altitude_m=shown.altitude_m if stays else height_m,
-            sun_direction=shown.sun_direction if sun_stays else sun.direction,
-        )
+        kept = unless_seen(now, self._shown, quality)
         if kept != now:
             self.ledger.skip("sun or observer moved unseen")
         return kept

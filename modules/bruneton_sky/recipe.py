@@ -2,8 +2,10 @@
 
 import msgspec
 
-from bruneton_sky.settings import BrunetonSkySettings
+from bruneton_sky.observer import altitude_step_m, same_to_the_eye
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver_rungs import SolverRung
+from bruneton_sky.tolerance import Quality
 from vrut_lite.kernel.messages import AmbientChanged, Derived, SunLightChanged, Vector
 
 
@@ -34,3 +36,20 @@ def recipe_of(product: type[Derived], recipe: Recipe) -> Recipe:
 def light_recipe(recipe: Recipe) -> Recipe:
     """What the light on the scene depends on."""
     return msgspec.structs.replace(recipe, altitude_m=0.0)
+
+
+def unless_seen(now: Recipe, shown: Recipe, quality: Quality) -> Recipe:
+    """The recipe of now, with sun and observer where they are shown if nobody sees them move."""
+    if now == shown:
+        return now
+    atmosphere = atmosphere_of(now.air.settings, now.air.ground_altitude_m)
+    step_m = quality.altitude_steps * altitude_step_m(shown.altitude_m, atmosphere)
+    stays = abs(now.altitude_m - shown.altitude_m) <= step_m
+    sun_stays = same_to_the_eye(
+        shown.sun_direction, now.sun_direction, atmosphere.mie_g, quality.sun_change
+    )
+    return msgspec.structs.replace(
+        now,
+        altitude_m=shown.altitude_m if stays else now.altitude_m,
+        sun_direction=shown.sun_direction if sun_stays else now.sun_direction,
+    )

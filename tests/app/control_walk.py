@@ -19,6 +19,7 @@ from shiboken6 import isValid
 
 from vrut_lite.app.panels.day_bar import DayBar
 from vrut_lite.app.panels.world_map import WorldMap
+from vrut_lite.kernel.messages import Resize
 
 _DRAWN = (DayBar, WorldMap)
 _KINDS = (
@@ -65,7 +66,7 @@ class ControlWalk:
         }
         self._events = []
         session = driver.session
-        session.sent.connect(lambda message: self._events.append(message))
+        session.sent.connect(self._note_input)
         session.problem.connect(lambda line: self._events.append(line))
         for dialog, methods in (
             (QFileDialog, ("getSaveFileName", "getOpenFileName")),
@@ -73,6 +74,11 @@ class ControlWalk:
         ):
             for method in methods:
                 monkeypatch.setattr(dialog, method, self._asked)
+
+    def _note_input(self, message):
+        # The picture's size follows when a panel's has settled: that is no control's doing.
+        if not isinstance(message, Resize):
+            self._events.append(message)
 
     def _asked(self, *_):
         self._events.append("dialog")

@@ -17,7 +17,9 @@ from vrut_lite.kernel.messages import (
     SetClock,
     SetPlace,
     SetSetting,
+    SetTolerance,
 )
+from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.project import Project
 
 
@@ -49,6 +51,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
         SetPlace(latitude_deg=-33.87, longitude_deg=151.21, altitude_m=40.0),
         SetClock(instant=NOON.replace(hour=3)),
         SetSetting(module="clouds", name="coverage", value=0.3),
+        SetTolerance(tolerance=0.05),
         MoveCamera(eye_m=(5.0, 6.0, 7.0), target_m=(0.0, 1.0, 0.0)),
     )
     first.settled()
@@ -62,7 +65,10 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     assert second.session.last(SetPlace).latitude_deg == -33.87
     assert second.session.last(ClockMoved).instant == NOON.replace(hour=3)
     assert second.panel("module clouds").rows["coverage"].editor.value == 0.3
+    assert second.session.last(SetTolerance).tolerance == 0.05
     assert second.window.desk.keeper.project.camera.eye_m == (5.0, 6.0, 7.0)
+    second.window.open_path(str(SCENES / "sundial.toml"))
+    second.until_heard(SetTolerance, lambda m: m.tolerance == DEFAULT_TOLERANCE)
 
 
 def test_docks_lie_as_they_did(open_window):

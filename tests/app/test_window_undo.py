@@ -158,6 +158,20 @@ def test_undo_works_from_a_field_in_which_nothing_is_left_to_take_back(driver):
     assert spin.value() == 3.0
 
 
+def test_what_is_being_typed_is_taken_back_where_it_is_typed(driver):
+    """Ctrl+Z in the midst of a word is the field's own, and the window's steps stay."""
+    editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
+    type_in(driver, editor.spin, "4.5")
+    search = driver.panel("place").search
+    search.setFocus()
+    driver.qtbot.keyClicks(search, "Reyk")
+    undo(driver, on=search)
+    assert search.text() == ""
+    assert editor.value == 4.5
+    undo(driver, on=search)
+    assert editor.value == 3.0
+
+
 # --- the parts, without a window -----------------------------------------------------------
 
 

@@ -86,8 +86,8 @@ def test_files_of_a_run() -> None:
     assert "mitsuba: is not installed" in page
     tables = files["tables.md"].decode()
     # Both are on the front: one is faster, the other more accurate.
-    assert "| fast, 4 | 10 | 0.002 | 0.01 | 0.02 |" in tables
-    assert "| fast, 8 | 30 | 0.002 | 0.001 | 0.002 |" in tables
+    assert "| fast, 4 | 10 | 0.001 | 0.01 | 0.02 |" in tables
+    assert "| fast, 8 | 30 | 0.001 | 0.001 | 0.002 |" in tables
     assert files["bench_sky.png"].startswith(b"\x89PNG")
     rows = list(csv.DictReader(files["paths.csv"].decode().splitlines()))
     assert [row["path"] for row in rows] == ["fast, 4", "fast, 8"]

@@ -196,16 +196,14 @@ def test_level_rays_in_fog_are_smooth() -> None:
 
 @pytest.mark.parametrize("rule", ["midpoint", "trapezoid", "simpson"])
 def test_a_coarse_rule_makes_no_depth_below_zero(rule: str) -> None:
-    """Down into dense fog a parabola through densities dips below zero: that would shine.
+    """Down into dense fog a parabola through densities dips below zero: the air would shine.
 
-    What arrives is no more than the sun's light times the path and the densest fog's scattering.
+    By as much as e^160 from 10 km up; what is scattered is less than what the sun sends.
     """
     air = Atmosphere.earth().with_fog(5.0, 3.0)
-    light = single_scattering(air, 100.0, [-1.0, -0.5], 0.5, 0.0, rule=rule, samples=(4, 2))
-    longest_m = 100.0 / 0.5
-    most = air.fog_scattering[0] * longest_m * cornette_shanks_phase(0.0, air.mie_g)
+    light = single_scattering(air, 10_000.0, [-1.0, -0.5], 0.5, 0.0, rule=rule, samples=(4, 2))
     assert (light >= 0.0).all()
-    assert (light <= 1.05 * most * np.asarray(air.solar_irradiance)).all()
+    assert (light < np.asarray(air.solar_irradiance)).all()
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from vrut_lite.kernel.messages import (
     SetTolerance,
     SlotChanged,
 )
+from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE, tolerance_of
 from vrut_lite.project import (
     CameraView,
     Exposure,
@@ -125,6 +126,8 @@ def inputs_of(project: Project, kernel: Kernel) -> list[Input]:
         and module != _SCENE
         and getattr(seat.settings, name) != default
     ]
+    if project.tolerance is None and tolerance_of(kernel) != DEFAULT_TOLERANCE:
+        rest.append(SetTolerance(tolerance=DEFAULT_TOLERANCE))
     left_out = (Resize,) if project.scene else (Resize, LoadScene)
     view = [m for m in view_inputs(project) if not isinstance(m, left_out)]
     return [*rest, *named, *daylight_inputs(project), *view]

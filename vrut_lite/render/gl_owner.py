@@ -55,9 +55,17 @@ class GlOwner:
             ) from error
 
     def close(self) -> None:
-        """Finish queued work and give the context back."""
-        self._thread.submit(self._context.release).result()
+        """Finish queued work and give the context back, with all that was made in it."""
+        self._thread.submit(_release, self._context).result()
         self._thread.shutdown()
+
+
+def _release(context: Any) -> None:
+    from OpenGL import EGL
+
+    context.release()
+    # A context that is current to a thread lives on, with every texture that is left in it.
+    EGL.eglReleaseThread()
 
 
 def _create_context() -> Any:

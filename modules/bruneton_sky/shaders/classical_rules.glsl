@@ -76,7 +76,8 @@ vec4 paths_to_node(int i, vec4 before[2], vec4 here, vec4 next, inout vec4 whole
         return whole;
     }
     if (i % 2 == 1) {
-        return whole + (5.0 * before[1] + 8.0 * here - next) / 12.0;
+        // Where densities grow a lot from node to node the parabola dips below zero.
+        return whole + max(5.0 * before[1] + 8.0 * here - next, vec4(0.0)) / 12.0;
     }
     whole += (before[0] + 4.0 * before[1] + here) / 3.0;
     return whole;

@@ -55,7 +55,8 @@ class SolverSizes:
                 raise ValueError(f"{field.name} of the solver must be at least 2")
         if self.direction_mu % 2:
             raise ValueError("direction_mu of the solver must be even: half looks down")
-        if max(self.node_bins, self.single_bins, self.multiple_bins) > self.steps:
+        bins = self.node_bins, self.higher_bins or 0, self.single_bins, self.multiple_bins
+        if max(bins) > self.steps:
             raise ValueError("steps of the solver must not be fewer than its bins")
 
     def azimuths_of(self, order: int) -> int:

@@ -21,6 +21,7 @@ from bruneton_sky.solver.air import LANES, groups_of_air
 from bruneton_sky.solver.coordinates import SunGrid
 from bruneton_sky.solver.ray_bins_kernels import Bins, bins_of_ray
 from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.coordinates import node_states
 from bruneton_sky.tables.sizes import TableSizes
 
@@ -36,7 +37,7 @@ def field_of(aerosol: float) -> SourceField:
         tuple(aerosol * v for v in values) for values in (air.mie_scattering, air.mie_extinction)
     )
     hazy = replace(air, mie_scattering=scattering, mie_extinction=extinction)
-    return solve(hazy, all_orders=True)
+    return solve_air(hazy)
 
 
 def seen(aerosol: float, chosen: np.ndarray) -> np.ndarray:
@@ -110,7 +111,7 @@ def test_no_ozone_truth_of_other_hands() -> None:
         solar_irradiance=(1.0, 1.0, 1.0),
         rayleigh_scattering=(5.802e-6, 13.558e-6, 33.1e-6),
     )
-    field = solve(air, all_orders=True)
+    field = solve_air(air)
     mu, turn = np.meshgrid(
         np.cos(np.radians(OLD_TRUTH["vza"])), np.radians(OLD_TRUTH["raz"]), indexing="ij"
     )
