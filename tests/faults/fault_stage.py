@@ -10,11 +10,13 @@ ROOT = Path(__file__).parents[2]
 NOON = ["--at", "2026-06-21T12:00Z", "--place", "50,14"]
 SMALL_SKY = ["sky", *NOON, "--size", "16"]
 PATIENCE_S = 240
+# A job that a shell started in the background is born deaf to Ctrl-C.
+HEAR_INTERRUPTS = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
 
 
 def start(*arguments, setting="", cwd=None, **more):
     """`vrut-lite` with its output in pipes; `setting` is Python that runs before it."""
-    code = f"{setting}\nfrom vrut_lite import cli\ncli.main()"
+    code = f"{HEAR_INTERRUPTS}\n{setting}\nfrom vrut_lite import cli\ncli.main()"
     environment = {**os.environ, **more.pop("environment", {})}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **more}
     line = [sys.executable, "-c", code, *map(str, arguments)]
@@ -23,7 +25,10 @@ def start(*arguments, setting="", cwd=None, **more):
 
 def outcome(process):
     """Exit code, output, and what was said to the user."""
-    said, complaints = process.communicate(timeout=PATIENCE_S)
+    try:
+        said, complaints = process.communicate(timeout=PATIENCE_S)
+    finally:
+        process.kill()
     return process.returncode, said, complaints
 
 
