@@ -60,6 +60,19 @@ def test_the_base_colour_map_is_decoded_from_srgb(backend, tmp_path):
     np.testing.assert_allclose(share, 0.503, rtol=5e-3)
 
 
+def test_a_chequerboard_from_afar_is_as_bright_as_its_squares(backend, tmp_path):
+    """Black and white by halves give half of white's light; sRGB's own mean would give 21 %."""
+    chequered = np.indices((512, 512)).sum(axis=0) % 2 * 255
+    maps = {"black": grey(0), "white": grey(255), "both": np.repeat(chequered[..., None], 3, -1)}
+    shown = {}
+    for name, texels in maps.items():
+        pbr = {**ROUGH, "baseColorTexture": {"index": 0}}
+        path = square(tmp_path, {"pbrMetallicRoughness": pbr}, [texels.astype(np.uint8)])
+        shown[name] = seen(backend, path)[16:48, 16:48].mean()
+    share = (shown["both"] - shown["black"]) / (shown["white"] - shown["black"])
+    assert share == pytest.approx(0.5, abs=5e-3)
+
+
 def test_a_map_is_not_mirrored(backend, tmp_path):
     """Red in the west and green in the north: u runs east, v runs south, as glTF has it."""
     image = np.zeros((2, 2, 3), np.uint8)

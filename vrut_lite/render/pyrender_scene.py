@@ -10,6 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 from PIL import Image
 
+from vrut_lite.render.colour_texture import colour_texture
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.scene.ground_disc import GroundDisc, triangulate
 from vrut_lite.scene.loading import LoadedScene
@@ -126,14 +127,14 @@ def _material(mesh: trimesh.Trimesh) -> Surface:
     surface = Surface(
         name=source.name,
         baseColorFactor=source.baseColorFactor,
-        baseColorTexture=source.baseColorTexture,
+        baseColorTexture=colour_texture(source.baseColorTexture, "RGBA"),
         metallicFactor=source.metallicFactor,
         roughnessFactor=source.roughnessFactor,
         metallicRoughnessTexture=source.metallicRoughnessTexture,
         normalTexture=source.normalTexture,
         occlusionTexture=_rgb_texture(source.occlusionTexture),
         emissiveFactor=source.emissiveFactor,
-        emissiveTexture=source.emissiveTexture,
+        emissiveTexture=colour_texture(source.emissiveTexture, "RGB"),
         alphaMode=source.alphaMode,
         alphaCutoff=source.alphaCutoff,
         doubleSided=bool(source.doubleSided),

@@ -86,10 +86,6 @@ vec2 uv_of(int layer) {
 }
 #endif
 
-vec3 linear_from_srgb(vec3 c) {
-    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(vec3(0.04045), c));
-}
-
 // The normal of the triangle itself, on the side that is seen.
 vec3 face_normal(vec3 view) {
     vec3 n = cross(dFdx(eye_to_point), dFdy(eye_to_point));
@@ -268,8 +264,7 @@ vec4 base_color() {
     vec4 base = material.base_color_factor;
 #ifdef HAS_BASE_COLOR_TEX
 #ifdef TEXCOORD_0_LOC
-    vec4 texel = texture(material.base_color_texture, uv_of(base_color_layer));
-    base *= vec4(linear_from_srgb(texel.rgb), texel.a);
+    base *= texture(material.base_color_texture, uv_of(base_color_layer));
 #endif
 #endif
 #ifdef COLOR_0_LOC
@@ -296,7 +291,7 @@ void main() {
     occlusion = mix(1.0, open, occlusion_strength);
 #endif
 #ifdef HAS_EMISSIVE_TEX
-    emission *= linear_from_srgb(texture(material.emissive_texture, uv_of(emissive_layer)).rgb);
+    emission *= texture(material.emissive_texture, uv_of(emissive_layer)).rgb;
 #endif
 #endif
     roughness = clamp(roughness, 0.0, 1.0);
