@@ -127,8 +127,12 @@ def replaced(path, group):
 
 @pytest.fixture
 def fake_kinds(monkeypatch):
-    """One computation, whose only path takes the seconds that are in the list."""
+    """One computation, whose only path takes the seconds that are in the list.
+
+    The machine keeps its pace: its own moods must not decide about made-up times.
+    """
     seconds = [0.02]
+    monkeypatch.setattr(session, "pace_s", lambda: 0.001)
 
     def groups(_quick: bool) -> list[Group]:
         return [fake_group(fake_path("a", seconds[-1], 0.1))]
