@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from bruneton_sky.sky_view_lanes import shade_texel
+from bruneton_sky.sky_view_rows import TURN_INSIDE, TURN_OUTSIDE
 
 # Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
 NODE = 8
@@ -153,7 +154,7 @@ def _place(  # type: ignore[no-untyped-def]
     """
     above, below, columns = shape
     rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
-    outside = horizon[1] <= _ONE
+    turn = _f4(TURN_OUTSIDE if horizon[1] <= _ONE else TURN_INSIDE)
     factor, bend, near, forward = phase
     for j in range(s_at.size):
         s, t = s_at[j], t_at[j]
@@ -171,11 +172,12 @@ def _place(  # type: ignore[no-untyped-def]
             # A texel on the level may fall below it by a last digit.
             height = max(height, _ZERO)
         share = min(abs(height) * (rise if height >= 0 else fall), _ONE)
-        row = math.sqrt(share)
-        if outside and height >= 0:
-            low = share < _HALF
-            row = math.sqrt(_HALF * (share if low else _ONE - share))
-            row = row if low else _ONE - row
+        if height < 0:
+            row = math.sqrt(share)
+        elif share < turn:
+            row = math.sqrt(share * turn)
+        else:
+            row = _ONE - math.sqrt((_ONE - share) * (_ONE - turn))
         row = row * np.float32(above - 1 if height >= 0 else below - 1)
         last = above - 2 if height >= 0 else below - 2
         i = min(np.int32(row), np.int32(last))

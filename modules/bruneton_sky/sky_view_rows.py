@@ -1,12 +1,16 @@
 """Where a sky-view table looks: its rows and columns as rays through the air.
 
-Rows above the ground's horizon are mu = mu_h + (mu_top - mu_h) x^2, those below
+Rows above the ground's horizon are mu = mu_h + (mu_top - mu_h) u, those below
 mu_h - (1 + mu_h) x^2, with x uniform in [0, 1]: dense toward the horizon on both sides, where
 radiance changes fast. mu_top is the zenith for an observer inside the air, and the edge of the
-air for one above it, whose rays start where they enter, and whose rows are as dense toward that
-edge: 2 x^2 up to the middle of the limb, 1 - 2 (1 - x)^2 above it, in the place of x^2. Columns
-are t = sin(phi / 2), uniform in [0, 1], dense toward the sun's azimuth; the other half of the
-sky is its mirror image.
+air for one above it, whose rays start where they enter. Toward mu_top rows are dense too:
+
+    u = x^2 / b up to x = b, and 1 - (1 - x)^2 / (1 - b) above it.
+
+Radiance is smooth in the zenith angle, so that rows even in mu would be 13 degrees apart about
+the zenith and 2 % wrong between them: inside the air b is 0.85. The limb changes at both ends
+alike: from above b is a half. Columns are t = sin(phi / 2), uniform in [0, 1], dense toward the
+sun's azimuth; the other half of the sky is its mirror image.
 """
 
 from typing import NamedTuple
@@ -17,6 +21,8 @@ from numpy.typing import NDArray
 from bruneton_sky.atmosphere import Atmosphere
 
 FloatArray = NDArray[np.float64]
+# Where rows begin to be dense toward mu_top: b above; the shader has them too (sky_view.glsl).
+TURN_INSIDE, TURN_OUTSIDE = 0.85, 0.5
 
 
 class Rows(NamedTuple):
@@ -50,7 +56,8 @@ def table_rows(
     if not inside:
         depth[1] = _depth(atmosphere, atmosphere.top_altitude_m, altitude_m)
     up, down = np.linspace(0.0, 1.0, above), np.linspace(0.0, 1.0, below) ** 2
-    up = up**2 if inside else np.where(up < 0.5, 2.0 * up**2, 1.0 - 2.0 * (1.0 - up) ** 2)
+    turn = TURN_INSIDE if inside else TURN_OUTSIDE
+    up = np.where(up < turn, up**2 / turn, 1.0 - (1.0 - up) ** 2 / (1.0 - turn))
     one_plus_mu = np.concatenate([depth[0] + (depth[1] - depth[0]) * up, depth[0] * (1.0 - down)])
     hits = np.arange(above + below) >= above
     cos_phi = 1.0 - 2.0 * np.linspace(0.0, 1.0, columns) ** 2

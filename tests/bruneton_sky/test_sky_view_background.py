@@ -49,10 +49,8 @@ def looked_up(view: SkyView, d: NDArray[np.float64]) -> NDArray[np.float64]:
     up = height >= 0.0
     share = np.where(up, height / (view.depth[1] - view.depth[0]), -height / view.depth[0])
     share = np.minimum(share, 1.0)
-    x = np.sqrt(share)
-    if view.depth[1] <= 1.0:
-        both_ends = np.where(share < 0.5, np.sqrt(0.5 * share), 1.0 - np.sqrt(0.5 * (1.0 - share)))
-        x = np.where(up, both_ends, x)
+    bend = np.where(up, 0.5 if view.depth[1] <= 1.0 else 0.85, 1.0)
+    x = np.where(share < bend, np.sqrt(share * bend), 1.0 - np.sqrt((1.0 - share) * (1.0 - bend)))
     row = x * np.where(up, above - 1, below - 1)
     i = np.minimum(row.astype(int), np.where(up, above, below) - 2)
     sun_azimuth = level_direction(view.sun_direction)

@@ -39,10 +39,9 @@ vec3 background_on_side(vec3 direction, float height, bool up) {
     float span = up ? background_horizon.y - background_horizon.x : background_horizon.x;
     int rows = up ? background_shape.x : background_shape.y;
     float share = clamp((up ? height : -height) / span, 0.0, 1.0);
-    float x = sqrt(share);
-    // From above the air: dense toward the edge of the air too.
-    if (up && background_horizon.y <= 1.0)
-        x = share < 0.5 ? sqrt(0.5 * share) : 1.0 - sqrt(0.5 - 0.5 * share);
+    // Dense toward the zenith too, or toward the edge of the air from above it: sky_view_rows.py.
+    float turn = !up ? 1.0 : background_horizon.y > 1.0 ? 0.85 : 0.5;
+    float x = share < turn ? sqrt(share * turn) : 1.0 - sqrt((1.0 - share) * (1.0 - turn));
     float row = x * float(rows - 1);
     int i = min(int(row), rows - 2);
     // Half the chord between the level directions is the sine of half the azimuth.
