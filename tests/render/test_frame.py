@@ -3,16 +3,13 @@
 import numpy as np
 import pytest
 import trimesh
-from light_messages import light_messages
+from box_stage import light, look, show_box, sun_at, uniform_sky
 
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.kernel.messages import MoveCamera, SetExposure
-from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.kernel.messages import SetExposure
 from vrut_lite.scene.loading import load_scene
 
 pytestmark = pytest.mark.gl
-SIZE = 32
 
 
 @pytest.fixture
@@ -23,42 +20,6 @@ def backend(gl_owner):
     backend.set_size(160, 120)
     yield backend
     backend.close()
-
-
-@pytest.fixture(scope="module")
-def box_file(tmp_path_factory):
-    """A cube of 2 m with its base at height 0."""
-    path = tmp_path_factory.mktemp("scene") / "box.glb"
-    trimesh.creation.box((2, 2, 2)).apply_translation((0, 1, 0)).export(path)
-    return path
-
-
-def uniform_sky(radiance):
-    return np.full((6, SIZE, SIZE, 3), radiance, float)
-
-
-def light(backend, cube, **sun):
-    background, sun_light, ambient = light_messages(cube, **sun)
-    backend.set_background(background)
-    backend.set_sun_light(sun_light)
-    backend.set_ambient(ambient)
-
-
-def show_box(backend, path, albedo=0.5):
-    backend.show_scene(load_scene(path), GroundDisc((0.0, 0.0), 0.0, 200.0))
-    backend.set_ground_albedo(np.full(3, albedo))
-
-
-def look(backend, eye, target, field_of_view_rad=0.6):
-    backend.set_camera(
-        MoveCamera(eye_m=eye, target_m=target, vertical_field_of_view_rad=field_of_view_rad)
-    )
-    return backend.draw()
-
-
-def sun_at(azimuth_deg, elevation_deg):
-    angles = np.radians([azimuth_deg, elevation_deg])
-    return tuple(world_from_enu(direction_from_angles(*angles)))
 
 
 @pytest.mark.parametrize("elevation_deg", [1.0, 4.0, 20.0, 70.0])

@@ -9,22 +9,19 @@ import inspect
 import msgspec
 import numpy as np
 import pytest
-import trimesh
+from box_stage import SIZE, light, look, show_box, sun_at, uniform_sky
 from light_messages import light_messages
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from scene_stage import CORNERS, square
 
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
-from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.messages import AirChanged, MoveCamera, SetExposure
 from vrut_lite.scene.backend import SceneBackend
 from vrut_lite.scene.camera import look_at, perspective
-from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.recording_backend import RecordingBackend
 
-SIZE = 32
 WIDTH, HEIGHT = 160, 120
 DRAWING = [pytest.param("opengl", marks=pytest.mark.gl), "path tracer"]
 
@@ -65,42 +62,6 @@ def even(backend, region, expected, rtol):
     """Every pixel of a region (h, w, 3) is as expected; of a picture with noise, their mean."""
     values = region if is_gl(backend) else region.mean(axis=(0, 1))
     np.testing.assert_allclose(values, np.broadcast_to(expected, values.shape), rtol=rtol)
-
-
-@pytest.fixture(scope="module")
-def box_file(tmp_path_factory):
-    """A cube of 2 m with its base at height 0."""
-    path = tmp_path_factory.mktemp("scene") / "box.glb"
-    trimesh.creation.box((2, 2, 2)).apply_translation((0, 1, 0)).export(path)
-    return path
-
-
-def uniform_sky(radiance):
-    return np.full((6, SIZE, SIZE, 3), radiance, float)
-
-
-def light(backend, cube, **sun):
-    background, sun_light, ambient = light_messages(cube, **sun)
-    backend.set_background(background)
-    backend.set_sun_light(sun_light)
-    backend.set_ambient(ambient)
-
-
-def show_box(backend, path, albedo=0.5):
-    backend.show_scene(load_scene(path), GroundDisc((0.0, 0.0), 0.0, 200.0))
-    backend.set_ground_albedo(np.full(3, albedo))
-
-
-def look(backend, eye, target, field_of_view_rad=0.6):
-    backend.set_camera(
-        MoveCamera(eye_m=eye, target_m=target, vertical_field_of_view_rad=field_of_view_rad)
-    )
-    return backend.draw()
-
-
-def sun_at(azimuth_deg, elevation_deg):
-    angles = np.radians([azimuth_deg, elevation_deg])
-    return tuple(world_from_enu(direction_from_angles(*angles)))
 
 
 def test_every_call_of_the_protocol_is_understood(every_backend):
