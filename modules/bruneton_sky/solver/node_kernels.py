@@ -7,26 +7,69 @@ import math
 
 import numpy as np
 
+from bruneton_sky.solver.altitude_kernels import altitude_place
 from bruneton_sky.solver.cells_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner
-from bruneton_sky.solver.ray_bins_kernels import Bins, empty_steps, fill_bins
+from bruneton_sky.solver.ray_bins_kernels import Bins, empty_steps, fill_steps, merge_steps
+from bruneton_sky.solver.ray_kernels import altitude_along, ray_length
 from bruneton_sky.solver.source_kernels import empty_slab, gather_later, sun_place
 from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
 
 _f4 = np.float32
+# A ray has all of its bins from where it crosses all altitudes, or comes so far around the planet
+# that its sun sinks by that much; and at the least so few.
+_FAR_RAD, _FEWEST_BINS = 0.1, 3
 
 
 @fast
-def bin_nodes(air, altitude, mu, downward, steps, bins):  # type: ignore[no-untyped-def]
-    """Bins of the rays from all nodes: as in `Bins`, with axes (altitudes, mu) before."""
-    scratch = empty_steps(air, steps)
+def bin_nodes(air, altitude, mu, downward, steps, bins, higher):  # type: ignore[no-untyped-def]
+    """Bins of the rays from all nodes, twice: as in `Bins`, with axes (altitudes, mu) before.
+
+    A ray that crosses a part of the air gets as large a part of its bins: along it the source
+    function changes as much less. Returns how many bins are left out.
+    """
+    scratch, left_out = empty_steps(air, steps), 0
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
-            fill_bins(air, altitude[i], mu[i, q], downward[q], scratch, _bins_at(bins, i, q))
+            fill_steps(air, altitude[i], mu[i, q], downward[q], scratch, bins.end[i, q])
+            higher.end[i, q] = bins.end[i, q]
+            share = _share_crossed(air, altitude[i], mu[i, q], downward[q])
+            for some in (bins, higher):
+                most = some.centre.shape[2]
+                count = min(max(int(most * share + 1.0), _FEWEST_BINS), most)
+                here = _bins_at(some, i, q, count)
+                merge_steps(air, altitude[i], mu[i, q], scratch, here)
+                _leave_rest_empty(_bins_at(some, i, q, most), count)
+                left_out += most - count
+    return left_out
 
 
 @inner
-def _bins_at(bins, i, q):  # type: ignore[no-untyped-def]
-    return Bins(bins.edge[i, q], bins.centre[i, q], bins.weight[i, q], bins.end[i, q])
+def _leave_rest_empty(bins, count):  # type: ignore[no-untyped-def]
+    """All bins but the first so many: none of them has length or matter."""
+    bins.edge[count + 1 :] = bins.edge[count]
+    bins.weight[count:] = 0.0
+    bins.centre[count:] = 0.0
+    bins.centre[count:, 0] = bins.edge[count]
+
+
+@inner
+def _share_crossed(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
+    """How much of the source function's axes a ray crosses: altitudes, and suns by its length."""
+    radius, start = air.ground_radius_m + altitude, altitude_place(air, altitude)
+    suns = ray_length(air, altitude, mu, hits) / (radius * _FAR_RAD)
+    if hits:
+        return start + suns
+    if mu >= 0.0:
+        return 1.0 - start + suns
+    lowest = max(altitude_along(radius, altitude, mu, -radius * mu), 0.0)
+    return start + 1.0 - 2.0 * altitude_place(air, lowest) + suns
+
+
+@inner
+def _bins_at(bins, i, q, count):  # type: ignore[no-untyped-def]
+    """The first so many bins of a node's ray."""
+    edge, centre = bins.edge[i, q, : count + 1], bins.centre[i, q, :count]
+    return Bins(edge, centre, bins.weight[i, q, :count], bins.end[i, q])
 
 
 @fast
@@ -39,7 +82,7 @@ def first_radiance(  # type: ignore[no-untyped-def]
     row = np.empty(table.shape[1], _f4)
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
-            here = _bins_at(bins, i, q)
+            here = _bins_at(bins, i, q, bins.centre.shape[2])
             fill_cells(mu[i, q], sun, turn_cosine, cells)
             gather_first(air, altitude[i], mu[i, q], here, cells, table, row, rayleigh, mie)
             apply_phases(cells, phase, rayleigh, mie, radiance[i, q])
@@ -57,7 +100,7 @@ def next_radiance(  # type: ignore[no-untyped-def]
     radiance[:] = ZERO
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
-            here = _bins_at(bins, i, q)
+            here = _bins_at(bins, i, q, bins.centre.shape[2])
             fill_cells(mu[i, q], sun, turn_cosine, cells)
             gather_later(air, altitude[i], here, cells, source, slab, radiance[i, q])
             if downward[q]:

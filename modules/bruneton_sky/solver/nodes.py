@@ -1,6 +1,5 @@
 """The solver's nodes for four wavelengths: what arrives there, and what it becomes."""
 
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -29,7 +28,8 @@ _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
-    `higher_bins` are those for the light of orders four and up.
+    `higher_bins` are those for the light of orders four and up; `bins_left_out` counts those that
+    rays through little air do without.
     """
 
     air: Air
@@ -39,6 +39,7 @@ class Nodes(NamedTuple):
     operator: ScatteringOperator
     bins: "Bins"
     higher_bins: "Bins"
+    bins_left_out: int
     mie_chi: FloatArray
 
     def first_radiance(self, transmittance: Lanes, phase: Lanes) -> Lanes:
@@ -117,40 +118,32 @@ class Nodes(NamedTuple):
 def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
     """The nodes of an atmosphere for a group of wavelengths."""
     from bruneton_sky.solver.altitude_kernels import layer_nodes, nodes_of_axis
+    from bruneton_sky.solver.node_kernels import bin_nodes
 
     altitude = altitude_nodes(atmosphere, sizes.altitude)
     if air.layer_share > 0.0:
         altitude = layer_nodes(air, nodes_of_axis(sizes.altitude, air.layer_share))
     operator = scattering_operator(atmosphere.ground_radius_m, tuple(altitude), sizes)
     mu, downward = operator.directions.mu, operator.directions.downward
-    binned = partial(_binned, air, altitude, mu, downward, sizes.steps)
-    bins = binned(sizes.node_bins)
-    higher = bins if sizes.bins_of(HIGHER) == sizes.node_bins else binned(sizes.bins_of(HIGHER))
+    bins, higher = (
+        _empty_bins(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(HIGHER))
+    )
+    left_out = bin_nodes(air, altitude, mu, downward, sizes.steps, bins, higher)
     chi = phase_coefficients(lambda nu: mie_phase(atmosphere, nu), sizes.degree)
     suns = SunGrid(atmosphere, sizes.mu_s)
-    return Nodes(air, sizes, altitude, suns, operator, bins, higher, chi)
+    return Nodes(air, sizes, altitude, suns, operator, bins, higher, left_out, chi)
 
 
-def _binned(
-    air: Air,
-    altitude_m: FloatArray,
-    mu: FloatArray,
-    downward: NDArray[np.bool_],
-    steps: int,
-    count: int,
-) -> "Bins":
-    """So many bins of each ray; the axes of altitudes and mu come first."""
-    from bruneton_sky.solver.node_kernels import bin_nodes
+def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
+    """Room for so many bins of each ray; the rays' axes come first."""
     from bruneton_sky.solver.ray_bins_kernels import Bins
 
-    bins = Bins(
-        np.empty((*mu.shape, count + 1)),
-        np.empty((*mu.shape, count, 4)),
-        np.empty((*mu.shape, count, 2, LANES)),
-        np.empty((*mu.shape, LANES + 1)),
+    return Bins(
+        np.empty((*rays, count + 1)),
+        np.empty((*rays, count, 4)),
+        np.empty((*rays, count, 2, LANES)),
+        np.empty((*rays, LANES + 1)),
     )
-    bin_nodes(air, altitude_m, mu, downward, steps, bins)
-    return bins
 
 
 def make_source(rayleigh: Lanes, mie: Lanes, suns: SunGrid) -> "Source":

@@ -37,6 +37,7 @@ class _Sum(NamedTuple):
     coefficients: Lanes
     ratio: Lanes
     orders_done: int
+    bins_left_out: int = 0
 
 
 def solve(
@@ -136,14 +137,23 @@ def _sum_orders(
         before, known = last, estimate
         radiance = nodes.next_radiance(nodes.source(last), radiance, done + 1)
         last = nodes.operator.project(radiance)
-        total = total + last
+        total = _plus(total, last)
         done += 1
         if all_orders:
             ratio = np.minimum(_quotient(_amount(last), _amount(before)), _LARGEST_RATIO)
         estimate = _amount(total) + _amount(last) * _series(ratio)
         if _quotient(np.abs(estimate - known), estimate).max() < tolerance:
             break
-    return _Sum(total + last * _series(ratio).reshape(-1), ratio, done)
+    total = _plus(total, last * _series(ratio).reshape(-1))
+    return _Sum(total, ratio, done, nodes.bins_left_out)
+
+
+def _plus(some: Lanes, more: Lanes) -> Lanes:
+    """The sum of coefficients, of which either may have only the first harmonics."""
+    few, many = sorted((some, more), key=lambda coefficients: coefficients.shape[1])
+    total = many.copy()
+    total[:, : few.shape[1]] += few
+    return total
 
 
 def _series(ratio: Lanes) -> Lanes:
@@ -161,11 +171,13 @@ def _quotient(part: Lanes, whole: Lanes) -> Lanes:
 
 
 def _skipped(groups: list[Air], orders: int, sums: list[_Sum]) -> dict[str, int]:
-    """How many groups of wavelengths did without a term, and how many orders were not needed."""
+    """How many groups of wavelengths did without a term, and how many orders and bins of rays were
+    not needed."""
     return {
         "molecules": sum(not air.scattering[0].any() for air in groups),
         "aerosol": sum(not air.scattering[1:].any() for air in groups),
         "absorber": sum(not air.extinction[2].any() for air in groups),
         "ground": sum(not air.ground_albedo.any() for air in groups),
         "orders": sum(orders - done.orders_done for done in sums),
+        "bins": sum(done.bins_left_out for done in sums),
     }

@@ -8,6 +8,7 @@ Of molecules, whose phase function has degrees 0 and 2 only, four coefficients a
 """
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +33,8 @@ class ScatteringOperator(NamedTuple):
 
     Attributes:
         directions: over which the radiance at the nodes is given.
-        turn_in: (m, azimuths) by how many azimuths there are, cosines times the azimuth's weight.
+        turn_in: (m, azimuths) by how many azimuths there are, cosines times the azimuth's weight;
+            m below that many.
         polar_in: (altitudes, harmonics, mu), times the weight of mu.
         polar_out, turn_out: (source mu, harmonics) and (source azimuths, m), such that lines
             between them fit the harmonics; the azimuths are uniform in sin(phi / 2).
@@ -49,22 +51,30 @@ class ScatteringOperator(NamedTuple):
     first: NDArray[np.int64]
 
     def project(self, radiance: FloatArray) -> FloatArray:
-        """Coefficients (altitudes, harmonics, n) of radiance (altitudes, mu, azimuths, n)."""
-        turned = np.matmul(self.turn_in[radiance.shape[2]], radiance)
-        shape = radiance.shape[0], self.degree.size, radiance.shape[-1]
+        """Coefficients (altitudes, harmonics, n) of radiance (altitudes, mu, azimuths, n).
+
+        Only of the harmonics whose m so many azimuths can tell, which are the first of them.
+        """
+        turn_in = self.turn_in[radiance.shape[2]]
+        turned = np.matmul(turn_in, radiance)
+        shape = radiance.shape[0], self.first[len(turn_in)], radiance.shape[-1]
         coefficients = np.empty(shape, dtype=np.float32)
-        for m, part in enumerate(self._parts()):
+        for m, part in enumerate(self._parts(shape[1])):
             np.matmul(self.polar_in[:, part], turned[:, :, m], out=coefficients[:, part])
         return coefficients
 
     def scatter(self, coefficients: FloatArray, chi: NDArray[np.float64]) -> FloatArray:
-        """Source function (altitudes, mu, azimuths, n) of a phase function's chi (degrees,)."""
+        """Source function (altitudes, mu, azimuths, n) of a phase function's chi (degrees,).
+
+        The coefficients may be the first of them only.
+        """
         weighted = self.polar_out * chi[self.degree].astype(np.float32)
-        shape = len(coefficients), len(weighted), len(self.first) - 1, coefficients.shape[2]
+        parts = self._parts(coefficients.shape[1])
+        shape = len(coefficients), len(weighted), len(parts), coefficients.shape[2]
         turned = np.empty(shape, dtype=np.float32)
-        for m, part in enumerate(self._parts()):
+        for m, part in enumerate(parts):
             np.matmul(weighted[:, part], coefficients[:, part], out=turned[:, :, m])
-        return np.matmul(self.turn_out, turned)
+        return np.matmul(self.turn_out[:, : len(parts)], turned)
 
     def scatter_by_molecules(self, coefficients: FloatArray) -> FloatArray:
         """The source function of molecules: coefficients (altitudes, 4, n)."""
@@ -72,8 +82,10 @@ class ScatteringOperator(NamedTuple):
         factors = _RAYLEIGH_FACTORS.astype(np.float32)[:, None]
         return np.ascontiguousarray(coefficients[:, index] * factors)
 
-    def _parts(self) -> list[slice]:
-        return [slice(*pair) for pair in zip(self.first[:-1], self.first[1:], strict=True)]
+    def _parts(self, harmonics: int) -> list[slice]:
+        """Where each m stands among the first so many harmonics."""
+        ends = self.first[self.first <= harmonics]
+        return [slice(*pair) for pair in pairwise(ends)]
 
 
 @lru_cache(maxsize=4)
@@ -110,6 +122,6 @@ def scattering_operator(
 
 
 def _turn_matrix(m: NDArray[np.int64], count: int) -> FloatArray:
-    """cos(m phi) (m, azimuths) times 2 pi / count; none of the m that so few would mistake."""
-    cosines = np.cos(np.outer(m, azimuths(count))) * (2.0 * np.pi / count)
-    return np.where(m[:, None] < count, cosines, 0.0).astype(np.float32)
+    """cos(m phi) (m, azimuths) times 2 pi / count, but for the m that so few would mistake."""
+    cosines = np.cos(np.outer(m[m < count], azimuths(count))) * (2.0 * np.pi / count)
+    return np.asarray(cosines, dtype=np.float32)

@@ -52,9 +52,10 @@ def empty_slab(source):  # type: ignore[no-untyped-def]
 @inner
 def gather_later(air, altitude, bins, cells, source, slab, out):  # type: ignore[no-untyped-def]
     """Add light of the source function along a ray to the cells (cells * 4,)."""
+    extremes = _extremes(cells)
     for b in range(bins.centre.shape[0]):
         if bins.centre[b, 3] > 0.0:
-            first, last = _suns_in_sight(air, altitude, bins, b, cells, source)
+            first, last = _suns_in_sight(air, altitude, bins, b, extremes, source)
             _blend(air, bins, b, source, 4 * first, 4 * last + 4, slab)
             _place_cells(air, altitude, bins, b, source, cells)
             _add_cells(slab, cells, out)
@@ -68,14 +69,22 @@ def sun_place(mu_s, grid0, grid1, grid2, grid3):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _suns_in_sight(air, altitude, bins, b, cells, source):  # type: ignore[no-untyped-def]
-    """First and last node of the suns that the cells see from a bin."""
+def _extremes(cells):  # type: ignore[no-untyped-def]
+    """Lowest and highest mu_s, lowest and highest nu of the cells."""
+    low, high, least, most = ONE, -ONE, ONE, -ONE
+    for n in range(cells.mu_s.size):
+        low, high = min(low, cells.mu_s[n]), max(high, cells.mu_s[n])
+        least, most = min(least, cells.nu[n]), max(most, cells.nu[n])
+    return low, high, least, most
+
+
+@inner
+def _suns_in_sight(air, altitude, bins, b, extremes, source):  # type: ignore[no-untyped-def]
+    """First and last node of the suns that the cells can see from a bin, given their extremes."""
     inverse_r = _f4(1.0 / (air.ground_radius_m + bins.centre[b, 1]))
     radius, distance = _f4(air.ground_radius_m + altitude), _f4(bins.centre[b, 0])
-    low, high = ONE, -ONE
-    for n in range(cells.mu_s.size):
-        sun = (radius * cells.mu_s[n] + distance * cells.nu[n]) * inverse_r
-        low, high = min(low, sun), max(high, sun)
+    low = (radius * extremes[0] + distance * extremes[2]) * inverse_r
+    high = (radius * extremes[1] + distance * extremes[3]) * inverse_r
     grid, suns = source.grid, source.rayleigh.shape[2] // 4
     places = suns - 1
     first = int(sun_place(max(low, -ONE), grid[0], grid[1], grid[2], grid[3]) * places)

@@ -152,12 +152,18 @@ def test_nothing_gives_nothing(other_planet: Atmosphere) -> None:
 
 
 def test_what_is_zero_is_counted_as_skipped(other_planet: Atmosphere) -> None:
-    """The counters tell of a missing absorber and of black ground, and of nothing else."""
+    """The counters tell of a missing absorber and of black ground, and of nothing else; and of the
+    bins that rays through little air do without, always."""
     none = (0.0,) * 4
     dark = replace(other_planet, absorption_extinction=none, ground_albedo=none)
     skipped = solve(dark, orders=2, sizes=SMALL).skipped
+    bins = skipped.pop("bins")
     assert skipped == {"molecules": 0, "aerosol": 0, "absorber": 1, "ground": 1, "orders": 0}
-    assert not any(solve(other_planet, orders=2, sizes=SMALL).skipped.values())
+    assert solve(other_planet, orders=2, sizes=SMALL).skipped == {
+        **dict.fromkeys(skipped, 0),
+        "bins": bins,
+    }
+    assert bins > 0
 
 
 @pytest.mark.parametrize("gone", ["rayleigh_scattering", "mie_scattering"])
