@@ -29,7 +29,7 @@ from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, 
 
 # Rows above and below the horizon for an observer who stands, inside the air, and above it, from
 # where all of the air is a thin limb.
-_STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (36, 64)
+_STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (32, 64)
 COLUMNS = 40
 # Below this altitude the ground fills what is below the level, and the air before it is left
 # to whoever draws the ground.
@@ -41,7 +41,7 @@ _STANDING_IN_FOG = 0.2
 # the limb alone.
 _DAY, _TWILIGHT, _TWILIGHT_ALOFT = (48, 24, 12), (96, 48, 12), (64, 32, 12)
 _TWILIGHT_BELOW_MU_S = 0.1
-# In haze light that is scattered more than once changes within less air.
+# In haze light that is scattered more than once changes within less air, for who is in it.
 _HAZE_BINS = 16
 # Rows and columns of a table that only light is made from, by day and in twilight.
 _LIGHT_BY_DAY, _LIGHT_IN_TWILIGHT = (32, 24), (24, 16)
@@ -116,7 +116,7 @@ def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyVie
     """
     day = sun_direction[1] > _TWILIGHT_BELOW_MU_S
     rows, columns = _LIGHT_BY_DAY if day else _LIGHT_IN_TWILIGHT
-    counts = _in_this_air(field.atmosphere, _DAY if day else _TWILIGHT_ALOFT)
+    counts = _in_this_air(field.atmosphere, _DAY if day else _TWILIGHT_ALOFT, True)
     return _table(field, 0.0, sun_direction, (rows, 0, columns), counts)
 
 
@@ -140,19 +140,22 @@ def _table(
 
 def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tuple[int, int, int]:
     """Steps of a table's rays, bins for light scattered once, bins for more."""
-    if mu_s > _TWILIGHT_BELOW_MU_S or altitude_m > atmosphere.top_altitude_m:
+    inside = altitude_m <= atmosphere.top_altitude_m
+    if mu_s > _TWILIGHT_BELOW_MU_S or not inside:
         counts = _DAY
     else:
         counts = _TWILIGHT if altitude_m <= standing_m(atmosphere) else _TWILIGHT_ALOFT
-    return _in_this_air(atmosphere, counts)
+    return _in_this_air(atmosphere, counts, inside)
 
 
-def _in_this_air(atmosphere: Atmosphere, counts: tuple[int, int, int]) -> tuple[int, int, int]:
+def _in_this_air(
+    atmosphere: Atmosphere, counts: tuple[int, int, int], inside: bool
+) -> tuple[int, int, int]:
     """More bins in fog, which lies in one half of a ray's, the air beyond in the other."""
     steps, once, more = counts
     if atmosphere.foggy:
         return steps, 2 * once, 2 * more
-    return (steps, once, _HAZE_BINS) if is_hazy(atmosphere) else counts
+    return (steps, once, _HAZE_BINS) if inside and is_hazy(atmosphere) else counts
 
 
 def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDArray[np.float32]:
