@@ -85,7 +85,7 @@ class SolverSizes:
     @classmethod
     def in_haze(cls) -> Self:
         """For haze, where light changes within a few hundred metres and a bright lobe surrounds the
-        sun: more steps, bins and suns, and azimuths of the higher orders. Haze adds two thirds to
+        sun: more steps, bins, suns and directions of the source function. Haze adds two thirds to
         its few altitudes."""
         return cls(
             altitude=12,
@@ -94,6 +94,7 @@ class SolverSizes:
             direction_azimuth=12,
             later_azimuth=10,
             higher_azimuth=8,
+            source_mu=64,
             source_azimuth=16,
             steps=72,
             node_bins=20,
