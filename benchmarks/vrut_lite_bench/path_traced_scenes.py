@@ -1,17 +1,19 @@
 """Every bundled scene in the GL frame and path-traced, side by side, and what differs.
 
-    python -m vrut_lite_bench.path_traced_scenes SHEET.jpg
+    python -m vrut_lite_bench.path_traced_scenes SHEET.jpg [SCENE ...]
 
 Prague, 21 June, turbidity 3 and ground of albedo 0.1, no air; both backends are told the same.
 Printed are Markdown tables: HDR-FLIP and the difference in luminance by region, and single balls
-without neighbours or ground. Needs the extra `ref`; some ten minutes of one core.
+without neighbours or ground. Needs the extra `ref`; some half an hour of one core. Scenes are
+files in scenes/, all of `DRAWN` without any; the sheet is written after each row.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import flip_evaluator
 import msgspec
@@ -29,17 +31,21 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.messages import AmbientChanged, BackgroundChanged
 from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
+from vrut_lite.render import mesh_renderer
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.scene.darkness import no_ambient, no_background, no_sun
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
-DRAWN = ("sundial.toml", "street.toml", "spheres.glb", "pavilion.gltf")
+DRAWN = ("sundial.toml", "street.toml", "spheres.glb", "pavilion.gltf", "large/terrain.toml",
+         "large/hall.toml", "work/ground.glb", "work/indoor.glb")  # fmt: skip
+# Lit through windows, which few paths find.
+INDOORS = ("large/hall.toml", "work/indoor.glb")
 SKIES = {"dynamic_skylight": "Hosek-Wilkie", "bruneton_sky": "Bruneton"}
 HOURS = ("07:00", "12:30", "20:00")
 REGIONS = ("sunlit", "shadowed", "sky")
-SIZE, SAMPLES, DIRECT_SAMPLES = (240, 150), 48, 24
+SIZE, SAMPLES, INDOOR_SAMPLES, DIRECT_SAMPLES = (240, 150), 48, 64, 24
 _CAPTION_PX = 14
 _BALL_SIZE, _BALL_SAMPLES = (128, 128), 32
 _BESIDE_RAD = np.radians(40.0)
@@ -50,8 +56,8 @@ class Case(NamedTuple):
     """One scene, sky and hour: radiance (h, w, 3) of the frame and of the path tracer.
 
     `direct` has light that met one surface; `sun` and `sun_frame` only that of the sun of it,
-    and `sun_principled` that on principled BSDFs. `regions` are masks (h, w), without the
-    pixels at their edges.
+    `bare` and `bare_frame` that on surfaces without coats, and `sun_principled` on principled
+    BSDFs. `regions` are masks (h, w), without the pixels at their edges.
     """
 
     caption: str
@@ -60,6 +66,8 @@ class Case(NamedTuple):
     direct: Picture
     sun: Picture
     sun_frame: Picture
+    bare: Picture
+    bare_frame: Picture
     sun_principled: Picture
     regions: dict[str, NDArray[np.bool_]]
     ev100: float
@@ -91,24 +99,32 @@ def cases(gl: PyrenderBackend, scene: str, sky: str) -> Iterator[Case]:
             subject = host.backend.subject()
             ambient = host.kernel.last(AmbientChanged)
             assert ambient is not None
-            yield case(gl, subject, ambient, f"{Path(scene).stem} {hour} {SKIES[sky]}")
+            caption = f"{Path(scene).stem} {hour} {SKIES[sky]}"
+            samples = INDOOR_SAMPLES if scene in INDOORS else SAMPLES
+            yield case(gl, subject, ambient, caption, samples)
     finally:
         host.close()
 
 
-def case(gl: PyrenderBackend, subject: Subject, ambient: AmbientChanged, caption: str) -> Case:
+def case(
+    gl: PyrenderBackend, subject: Subject, ambient: AmbientChanged, caption: str, samples: int
+) -> Case:
     """The frame's and the path tracer's pictures of a subject."""
     by_sun = replace(subject, background=no_background())
     by_sky = replace(subject, sun=no_sun())
     sun = traced(by_sun, DIRECT_SAMPLES, max_bounces=1)
     frame = framed(gl, subject, ambient)
+    with patch.object(mesh_renderer, "DIELECTRIC_F0", 0.0):
+        bare_frame = framed(gl, by_sun, no_ambient()).radiance
     return Case(
         caption=caption,
         frame=frame.radiance,
-        traced=traced(subject, SAMPLES),
+        traced=traced(subject, samples),
         direct=sun + traced(by_sky, DIRECT_SAMPLES, max_bounces=1),
         sun=sun,
         sun_frame=framed(gl, by_sun, no_ambient()).radiance,
+        bare=traced(by_sun, 8, max_bounces=1, surfaces="bare", sun="sharp"),
+        bare_frame=bare_frame,
         sun_principled=traced(by_sun, 8, max_bounces=1, surfaces="principled"),
         regions=regions_of(subject),
         ev100=frame.ev100,
@@ -135,18 +151,22 @@ def framed(gl: PyrenderBackend, subject: Subject, ambient: AmbientChanged) -> An
 
 
 def regions_of(subject: Subject) -> dict[str, NDArray[np.bool_]]:
-    """Where sky is seen, where all of a pixel is in the sun, and where none of it is."""
+    """Where sky without the sun is seen, where all of a pixel is in the sun, and where none is.
+
+    The sun's disc is some pixels wide: how much of it a frame's few samples a pixel meet is chance.
+    """
     above = (texel_directions(64)[..., 1:2] > 0.0) * np.ones(3)
     # No surface may be met: what the eye sees of the sky is 1, and all else black.
     sky = traced(replace(subject, background=uniform(above), sun=no_sun()), 8, max_bounces=0)
     bare = traced(
         replace(subject, background=uniform(np.ones_like(above)), sun=no_sun()), 8, max_bounces=0
     )
-    sharp = replace(subject, background=no_background())
-    lit = luminance(traced(sharp, 8, max_bounces=1, sun="sharp"))
+    by_sun = replace(subject, background=no_background())
+    lit = luminance(traced(by_sun, 8, max_bounces=1, sun="sharp"))
+    disc = luminance(traced(by_sun, 8, max_bounces=0))
     things = bare.max(axis=-1) == 0.0
     return {
-        "sky": _inner(sky.min(axis=-1) > 0.999),
+        "sky": _inner((sky.min(axis=-1) > 0.999) & (disc == 0.0)),
         "sunlit": _inner(things & (lit > 0.05 * np.quantile(lit, 0.95)) & (lit > 0.0)),
         "shadowed": _inner(things & (lit == 0.0)),
     }
@@ -182,8 +202,12 @@ def row(drawn: Case) -> str:
         for reference in (drawn.traced, drawn.direct)[: 1 if region == "sky" else 2]:
             cells.append(_percent(difference(drawn.frame, reference, mask)))
         if region == "sunlit":
-            for reference in (drawn.sun, drawn.sun_principled):
-                cells.append(_percent(difference(drawn.sun_frame, reference, mask)))
+            for picture, reference in (
+                (drawn.sun_frame, drawn.sun),
+                (drawn.bare_frame, drawn.bare),
+                (drawn.sun_frame, drawn.sun_principled),
+            ):
+                cells.append(_percent(difference(picture, reference, mask)))
     return f"| {drawn.caption} | " + " | ".join(cells) + " |"
 
 
@@ -193,8 +217,8 @@ def _percent(value: float) -> str:
 
 HEADER = [
     "| scene, hour, sky | FLIP | FLIP, direct | sunlit | sunlit, direct | sunlit, sun alone "
-    "| the same, principled | shadowed | shadowed, direct | sky |",
-    "|---" * 10 + "|",
+    "| the same, no coats | the same, principled | shadowed | shadowed, direct | sky |",
+    "|---" * 11 + "|",
 ]
 
 
@@ -256,7 +280,7 @@ def sheet(rows: list[list[Case]]) -> Image.Image:
     """Frame and path-traced picture of every case, a scene and sky a row, at one exposure."""
     width, height = SIZE
     pitch = height + _CAPTION_PX
-    paper = Image.new("RGB", (2 * width * len(rows[0]), pitch * len(rows)), (24, 24, 24))
+    paper = Image.new("RGB", (2 * width * len(HOURS), pitch * len(rows)), (24, 24, 24))
     pen, font = ImageDraw.Draw(paper), ImageFont.load_default(11)
     for i, cases_of_row in enumerate(rows):
         for j, drawn in enumerate(cases_of_row):
@@ -268,23 +292,23 @@ def sheet(rows: list[list[Case]]) -> Image.Image:
     return paper
 
 
-def main(path: Path) -> None:
-    """Draw and trace all, write the sheet, print the tables."""
+def main(path: Path, scenes: Sequence[str]) -> None:
+    """Draw and trace these scenes and the balls, write the sheet, print the tables."""
     owner = GlOwner()
     gl = PyrenderBackend(owner)
     rows: list[list[Case]] = []
     print("\n".join(HEADER))
-    for scene in DRAWN:
+    for scene in scenes:
         for sky in SKIES:
             rows.append([])
             for drawn in cases(gl, scene, sky):
                 rows[-1].append(drawn)
                 print(row(drawn), flush=True)
-    sheet(rows).save(path, quality=72)
+            sheet(rows).save(path, quality=80)
     print("\n" + "\n".join(balls(gl)))
     gl.close()
     owner.close()
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2:] or DRAWN)

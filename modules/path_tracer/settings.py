@@ -4,6 +4,9 @@ from typing import Annotated, Literal
 
 import msgspec
 
+# What stands for what is no metal: see `PathTracerSettings.surfaces`.
+SurfaceModel = Literal["gltf", "bare", "principled"]
+
 
 class PathTracerSettings(msgspec.Struct, frozen=True):
     """The settings of the module; a change begins the picture anew."""
@@ -30,10 +33,10 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
         ),
     ] = "disc"
     surfaces: Annotated[
-        Literal["gltf", "principled"],
+        SurfaceModel,
         msgspec.Meta(
-            description="What is no metal: Lambert's surface under a coat, as glTF has it, or "
-            "a principled BSDF",
+            description="What is no metal: Lambert's surface under a coat, as glTF has it, bare "
+            "of its coat, or a principled BSDF",
             extra={"source": "glTF 2.0, appendix B; Burley 2012"},
         ),
     ] = "gltf"

@@ -12,8 +12,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from path_tracer.settings import SurfaceModel
 from path_tracer.subject import Subject
-from path_tracer.surfaces import VERTEX_COLOUR, Plugin, emission, matte, surface
+from path_tracer.surfaces import VERTEX_COLOUR, Plugin, emission, matte, painted_vertices, surface
 from vrut_lite.scene.ground_disc import triangulate
 from vrut_lite.scene.materials import SurfaceMaterial
 
@@ -21,8 +22,8 @@ from vrut_lite.scene.materials import SurfaceMaterial
 _FLAT = 1e-5
 
 
-def shapes(mitsuba: Any, subject: Subject, principled: bool = False) -> dict[str, Any]:
-    """All shapes of a scene by name, none of which glows; `principled` as for `surface`."""
+def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
+    """All shapes of a scene by name, none of which glows; `model` as for `surface`."""
     times = Counter(id(placed.mesh) for placed in subject.scene.meshes)
     groups: dict[int, Any] = {}
     result: dict[str, Any] = {}
@@ -30,14 +31,14 @@ def shapes(mitsuba: Any, subject: Subject, principled: bool = False) -> dict[str
         matrix = subject.units_from_world() @ placed.world_from_model
         name, mesh = f"shape_{number}", placed.mesh
         if times[id(mesh)] == 1 or _glows(mesh) or _is_flat(matrix):
-            result[name] = _mesh(mitsuba, mesh, matrix, principled)
+            result[name] = _mesh(mitsuba, mesh, matrix, model)
             continue
         centre = _centre(mesh)
         if id(mesh) not in groups:
             back = np.eye(4)
             back[:3, 3] = -centre
             groups[id(mesh)] = mitsuba.load_dict(
-                {"type": "shapegroup", "mesh": _mesh(mitsuba, mesh, back, principled)}
+                {"type": "shapegroup", "mesh": _mesh(mitsuba, mesh, back, model)}
             )
             result[f"{name}_group"] = groups[id(mesh)]
         place = matrix.copy()
@@ -52,12 +53,12 @@ def shapes(mitsuba: Any, subject: Subject, principled: bool = False) -> dict[str
     return result
 
 
-def glowing_shapes(mitsuba: Any, subject: Subject, principled: bool = False) -> dict[str, Any]:
+def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
     """The shapes that shine, under the names that they have in `shapes`."""
     units = subject.units_from_world()
     return {
         f"shape_{number}": _mesh(
-            mitsuba, placed.mesh, units @ placed.world_from_model, principled, glowing=True
+            mitsuba, placed.mesh, units @ placed.world_from_model, model, glowing=True
         )
         for number, placed in enumerate(subject.scene.meshes)
         if _glows(placed.mesh)
@@ -68,7 +69,7 @@ def _mesh(
     mitsuba: Any,
     mesh: trimesh.Trimesh,
     matrix: NDArray[np.float64],
-    principled: bool,
+    model: SurfaceModel,
     glowing: bool = False,
 ) -> Any:
     """A shape whose vertices are moved by the matrix (4, 4) in double precision."""
@@ -83,12 +84,11 @@ def _mesh(
         normals=_moved_normals(np.asarray(mesh.vertex_normals), matrix),
         faces=np.asarray(mesh.faces),
         uv=uv,
-        bsdf=surface(mitsuba, material, layer, colours, principled),
+        bsdf=surface(mitsuba, material, layer, colours, model),
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
     if colours is not None:
-        tinted = colours[:, :3] * np.asarray(material.baseColorFactor[:3])
-        made.add_attribute(VERTEX_COLOUR, 3, tinted.astype(np.float32).ravel())
+        made.add_attribute(VERTEX_COLOUR, 3, painted_vertices(material, layer, colours).ravel())
     return made
 
 

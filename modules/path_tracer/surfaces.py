@@ -8,11 +8,13 @@ light back to where it came from, a fifth more from rough surfaces. Mitsuba's `r
 cannot: it loses half of the light at a roughness of 0.7. Back sides are lit like front sides.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from path_tracer.settings import SurfaceModel
 from path_tracer.textures import Maps, maps_of
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.render.reflection import reflectance_table
@@ -38,27 +40,23 @@ def surface(
     material: SurfaceMaterial,
     layer: int,
     vertex_colours: NDArray | None,
-    principled: bool = False,
+    model: SurfaceModel = "gltf",
 ) -> Plugin:
     """The BSDF of a material whose maps lie on this layer of texture coordinates.
 
-    `vertex_colours` (V, 4) multiply the base colour; where a map does too, by their mean.
-    `principled`: also for what is no metal.
+    `vertex_colours` (V, 4) multiply the base colour; the mesh has `painted_vertices` of them as
+    its attribute. The `model` is of what is no metal.
     """
     maps = maps_of(material, layer)
     metallic = _number_or_map(mitsuba, material.metallicFactor, maps.metallic)
-    paint = {
-        "type": "principled",
-        "base_color": _base_colour(mitsuba, material, maps, vertex_colours),
-        "roughness": _number_or_map(mitsuba, material.roughnessFactor, maps.roughness),
-        "metallic": metallic,
-        "specular": _DIELECTRIC_SPECULAR,
-    }
-    if not principled and metallic != 1.0:
-        coated = _coated(mitsuba, material, maps, vertex_colours)
-        metal = {**paint, "metallic": 1.0}
-        both = {"type": "blendbsdf", "weight": metallic, "a": coated, "b": metal}
-        paint = coated if metallic == 0.0 else both
+    if model == "principled" or metallic == 1.0:
+        paint = _burleys(mitsuba, material, maps, vertex_colours, metallic)
+    else:
+        painted = _coated if model == "gltf" else _bare
+        paint = painted(mitsuba, material, maps, vertex_colours)
+        if metallic != 0.0:
+            metal = _burleys(mitsuba, material, maps, vertex_colours, 1.0)
+            paint = {"type": "blendbsdf", "weight": metallic, "a": paint, "b": metal}
     if maps.normal is not None:
         paint = {"type": "normalmap", "normalmap": _bitmap(mitsuba, maps.normal), "bsdf": paint}
     return _cut_out(mitsuba, _both_sides(paint), material, maps)
@@ -81,6 +79,41 @@ def emission(mitsuba: Any, material: SurfaceMaterial, layer: int, repeats: bool)
     return {"type": "area", "radiance": _bitmap(mitsuba, texels / np.float32(LUMENS_PER_WATT))}
 
 
+def painted_vertices(
+    material: SurfaceMaterial, layer: int, vertex_colours: NDArray
+) -> NDArray[np.float32]:
+    """Base colour (V, 3) at vertices of these colours (V, 4), for the mesh's attribute.
+
+    A map over colours that vary counts here by its hue, and in `surface` by its brightness.
+    """
+    maps = maps_of(material, layer)
+    factor: NDArray[Any] = material.baseColorFactor[:3]
+    if maps.base_colour is not None and _vary(vertex_colours):
+        factor = _brightness_and_hue(maps.base_colour)[1]
+    return np.asarray(vertex_colours[:, :3] * factor, np.float32)
+
+
+def _burleys(
+    mitsuba: Any,
+    material: SurfaceMaterial,
+    maps: Maps,
+    vertex_colours: NDArray | None,
+    metallic: Any,
+) -> Plugin:
+    """The principled BSDF."""
+
+    def burleys(colour: Plugin) -> Plugin:
+        return {
+            "type": "principled",
+            "base_color": colour,
+            "roughness": _number_or_map(mitsuba, material.roughnessFactor, maps.roughness),
+            "metallic": metallic,
+            "specular": _DIELECTRIC_SPECULAR,
+        }
+
+    return _coloured(mitsuba, material, maps, vertex_colours, burleys)
+
+
 def _coated(
     mitsuba: Any, material: SurfaceMaterial, maps: Maps, vertex_colours: NDArray | None
 ) -> Plugin:
@@ -99,26 +132,65 @@ def _coated(
         "k": 0.0,
         "specular_reflectance": _bitmap(mitsuba, np.full((1, 1, 3), _DOUBLED, np.float32)),
     }
-    colour = _base_colour(mitsuba, material, maps, vertex_colours, left)
-    diffuse = {"type": "diffuse", "reflectance": colour}
-    return {"type": "blendbsdf", "weight": 0.5, "paint": diffuse, "reflection": coat}
+    paint = _bare(mitsuba, material, maps, vertex_colours, left)
+    return {"type": "blendbsdf", "weight": 0.5, "paint": paint, "reflection": coat}
 
 
-def _base_colour(
+def _bare(
     mitsuba: Any,
     material: SurfaceMaterial,
     maps: Maps,
     vertex_colours: NDArray | None,
     scale: float = 1.0,
 ) -> Plugin:
-    """The base colour times a scale; as a bitmap, which may exceed 1."""
-    if maps.base_colour is not None:
-        tint = 1.0 if vertex_colours is None else vertex_colours[:, :3].mean(axis=0)
-        return _bitmap(mitsuba, np.asarray(maps.base_colour * tint * scale, np.float32))
-    if vertex_colours is not None:
-        return {"type": "mesh_attribute", "name": VERTEX_COLOUR, "scale": scale}
-    colour = scale * np.asarray(material.baseColorFactor[:3], dtype=np.float32)
-    return _bitmap(mitsuba, colour[None, None])
+    """Lambert's surface of the base colour times a scale."""
+
+    def diffuse(colour: Plugin) -> Plugin:
+        return {"type": "diffuse", "reflectance": colour}
+
+    return _coloured(mitsuba, material, maps, vertex_colours, diffuse, scale)
+
+
+def _coloured(
+    mitsuba: Any,
+    material: SurfaceMaterial,
+    maps: Maps,
+    vertex_colours: NDArray | None,
+    bsdf_of: Callable[[Plugin], Plugin],
+    scale: float = 1.0,
+) -> Plugin:
+    """The BSDF of the base colour times a scale, which it is an affine function of.
+
+    Colours are bitmaps, for these may exceed 1. No texture of mitsuba multiplies a map and
+    vertex colours: between a black surface and one of the vertices' colours the map weighs.
+    """
+    if vertex_colours is None or (maps.base_colour is not None and not _vary(vertex_colours)):
+        tint = 1.0 if vertex_colours is None else vertex_colours[0, :3]
+        texels = maps.base_colour
+        if texels is None:
+            texels = np.asarray(material.baseColorFactor[:3], np.float32)[None, None]
+        return bsdf_of(_bitmap(mitsuba, np.asarray(texels * tint * scale, np.float32)))
+    of_vertices = bsdf_of({"type": "mesh_attribute", "name": VERTEX_COLOUR, "scale": scale})
+    if maps.base_colour is None:
+        return of_vertices
+    weight = _bitmap(mitsuba, _brightness_and_hue(maps.base_colour)[0])
+    black = bsdf_of(_rgb(np.zeros(3)))
+    return {"type": "blendbsdf", "weight": weight, "black": black, "painted": of_vertices}
+
+
+def _brightness_and_hue(
+    texels: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Weights (h, w, 1) up to 1 and a colour (3,): their product is a map (h, w, 3) of one hue."""
+    brightness = texels.mean(axis=-1, keepdims=True)
+    peak, mean = float(brightness.max()), float(brightness.mean())
+    if peak <= 0.0:
+        return brightness, np.zeros(3, np.float32)
+    return brightness / np.float32(peak), texels.mean(axis=(0, 1)) * np.float32(peak / mean)
+
+
+def _vary(vertex_colours: NDArray) -> bool:
+    return bool(np.any(np.ptp(vertex_colours[:, :3], axis=0) > 0.0))
 
 
 def _cut_out(mitsuba: Any, inner: Plugin, material: SurfaceMaterial, maps: Maps) -> Plugin:

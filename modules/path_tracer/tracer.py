@@ -70,8 +70,7 @@ class Tracer:
 
 def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
     """One scene lit by the sun and one lit by all else, of these what is not dark."""
-    principled = settings.surfaces == "principled"
-    matter = shapes(mitsuba, subject, principled)
+    matter = shapes(mitsuba, subject, settings.surfaces)
     farthest = subject.reach_units()
     scenes = []
     if not subject.sheltered and any(subject.sun.irradiance_rgb):
@@ -80,7 +79,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
     cube = radiance_cube(subject.background)
     bright = not subject.sheltered and bool(np.any(cube > 0.0))
-    lamps = glowing_shapes(mitsuba, subject, principled)
+    lamps = glowing_shapes(mitsuba, subject, settings.surfaces)
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))

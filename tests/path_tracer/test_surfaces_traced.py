@@ -63,7 +63,10 @@ def test_a_white_dielectric_keeps_all_light(backend, tmp_path, roughness):
 
 
 def test_a_coated_surface_is_lamberts_below_and_a_principled_one_is_not(backend, tmp_path):
-    """Grey of 0.5 in a sun 20 degrees high, from above: 6 % of a / pi E sin, or 10 % and more."""
+    """Grey of 0.5 in a sun 20 degrees high, from above: 6 % of a / pi E sin, or 10 % and more.
+
+    Without its coat it is Lambert's own.
+    """
     path = square(tmp_path, surface(0.0, 0.9, 0.5))
     sun = {"sun_direction": sun_at(40.0, 20.0), "sun_irradiance": (9.0,) * 3}
     lambert = 0.5 / np.pi * 9.0 * np.sin(np.radians(20.0))
@@ -71,6 +74,9 @@ def test_a_coated_surface_is_lamberts_below_and_a_principled_one_is_not(backend,
     np.testing.assert_allclose(coated, lambert, rtol=0.06)
     backend.settings = PathTracerSettings(spp=32, max_bounces=1, surfaces="principled")
     assert picture(backend, path, radiance=0.0, **sun).mean() > 1.1 * lambert
+    backend.settings = PathTracerSettings(spp=32, max_bounces=1, surfaces="bare")
+    bare = picture(backend, path, radiance=0.0, **sun).mean()
+    np.testing.assert_allclose(bare, lambert, rtol=2e-3)
 
 
 def test_a_back_side_is_lit_like_a_front_side(backend, tmp_path):
@@ -117,6 +123,33 @@ def test_vertex_colours_multiply_the_base_colour(backend, tmp_path):
     assert found[44, 44].argmax() == 1
     assert found[3, 44].argmax() == 2
     np.testing.assert_allclose(found.max(), 0.5, atol=0.05)
+
+
+@pytest.mark.parametrize("model", ["bare", "principled"])
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+def test_vertex_colours_and_a_map_multiply(backend, tmp_path, model, metallic):
+    """Colours from 1 in the south to 0 in the north, over a map of two greys and an orange factor.
+
+    What is reflected is affine in the base colour: at a share t of the way it is the map's alone
+    times t and that of black times the rest, 2 % of the brightest.
+    """
+    image = np.full((32, 32, 3), 255, np.uint8)
+    image[:, 16:] = 128
+    paint = surface(metallic, 0.4)
+    paint["pbrMetallicRoughness"]["baseColorFactor"] = [1.0, 0.5, 0.1, 1.0]
+    paint["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces=model)
+
+    def seen(corners):
+        colours = {"COLOR_0": np.repeat(np.array(corners, float)[:, None], 3, axis=1)}
+        found = picture(backend, square(tmp_path, paint, [image], attributes=colours))
+        return found.reshape(4, 12, 2, 24, 3)[:, :, :, 2:-2].mean(axis=(1, 3))
+
+    # Rows from the north, 3 tan 0.15 of a metre in half: t in the middle of each twelve.
+    south = (0.5 + 3.0 * np.tan(0.15) * np.array([-0.75, -0.25, 0.25, 0.75]))[:, None, None]
+    white, black = seen([1, 1, 1, 1]), seen([0, 0, 0, 0])
+    expected = south * white + (1.0 - south) * black
+    np.testing.assert_allclose(seen([1, 1, 0, 0]), expected, atol=0.02 * white.max())
 
 
 def test_what_is_cut_out_shows_the_sky_and_what_is_blended_its_share(backend, tmp_path):
