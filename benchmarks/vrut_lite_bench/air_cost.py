@@ -4,7 +4,8 @@
 
 Prints two Markdown tables in milliseconds, each the least of some rounds: passes of frames in
 which shadow maps are drawn anew, and the tables that are filled on the CPU
-when sun, eye or haze change. On llvmpipe it is CPU time of all threads.
+when sun, eye or haze change, or what the CPU does for those that the GPU fills (their shader is
+timed by vrut_lite_bench.bruneton_gpu). On llvmpipe it is CPU time of all threads.
 """
 
 import sys
@@ -16,6 +17,7 @@ from typing import Any
 import msgspec
 import numpy as np
 from bruneton_sky.air_volume import air_volume
+from bruneton_sky.gpu_air import air_volume_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver_job import solve_air
 from dynamic_skylight.air import air_volume as exponential_air_volume
@@ -94,6 +96,7 @@ def volume_table() -> list[str]:
     direction = tuple(sun.tolist())
     works: dict[str, Callable[[], Any]] = {
         "Bruneton": lambda: air_volume(clear, _EYE_M, sun, 1e5),
+        "Bruneton, for the GPU": lambda: air_volume_job(clear, _EYE_M, sun, 1e5, "bench", "air"),
         "Bruneton, fog": lambda: air_volume(foggy, _EYE_M, sun, 1e5),
         "Bruneton, from 400 km": lambda: air_volume(clear, _SPACE_M, sun, 5e6),
         "Hosek-Wilkie": lambda: exponential_air_volume(hour, direction, _EYE_M, 1e5),

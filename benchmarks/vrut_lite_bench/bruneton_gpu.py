@@ -1,7 +1,7 @@
 """Bruneton's sky on the GPU, timed on whatever OpenGL there is, beside what others published.
 
-The precomputation's shaders one by one, cube maps from a sky-view table, and cube maps of single
-scattering without any table.
+The precomputation's shaders one by one, cube maps from a sky-view table, volumes of the air before
+things, and cube maps of single scattering without any table.
 
 python -m vrut_lite_bench.bruneton_gpu
 """
@@ -12,19 +12,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from bruneton_sky import Atmosphere
+from bruneton_sky.air_volume import AirSizes
+from bruneton_sky.gpu_air import air_volume_job
 from bruneton_sky.gpu_cube import sky_view_job
 from bruneton_sky.gpu_pipeline.air import buffers_of_air
 from bruneton_sky.gpu_pipeline.passes import Pass, Workspace, passes
 from bruneton_sky.gpu_pipeline.programs import compile_programs
 from bruneton_sky.gpu_pipeline.tables import GpuTables
 from bruneton_sky.gpu_single_scattering import single_scattering_cube_job
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.single_scattering import Rule
 from bruneton_sky.sky_view import SkyView, sky_view
 from bruneton_sky.solver import solve
+from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.sizes import TableSizes
 
 from vrut_lite.kernel.gpu_job import GpuJob
 from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite.render.texture_pool import TexturePool
 from vrut_lite_bench.gpu_clock import clock_name, has_timer, least_s
 
 ORDERS = 4
@@ -44,6 +49,9 @@ RULES: dict[Rule, int | tuple[int, int]] = {
 }
 RULE_CUBE, SMALL_RULE_CUBE = 1024, 128
 PLACES = {"ground": 0.0, "2 km": 2000.0, "1000 km": 1e6}
+# Visibility in fog, m; haze is that of turbidity 3.
+AIRS: dict[str, float | None] = {"haze": None, "haze and fog": 1000.0}
+REACH_M = 1e5
 # Thesis (Hvezda 2020), section 5.2 and table 5.2, GTX 1060: milliseconds.
 THESIS_PRECOMPUTATION_MS = 1138.03
 THESIS_CUBE_MS = {256: 0.89, 512: 2.87, 1024: 4.48, 2048: 10.58, 4096: 30.05}
@@ -52,7 +60,8 @@ HILLAIRE_FRAME_MS = 0.31
 
 
 class GpuTimes(NamedTuple):
-    """Seconds; `passes` by shader and order, `cubes` by place and size, `rules` by name."""
+    """Seconds; `passes` by shader and order, `cubes` by place and size, `volumes` by air and place,
+    `rules` by name."""
 
     renderer: str
     clock: str
@@ -60,6 +69,7 @@ class GpuTimes(NamedTuple):
     whole: float
     passes: dict[tuple[str, int], float]
     cubes: dict[tuple[str, int], float]
+    volumes: dict[tuple[str, str], float]
     rule_size: int
     rules: dict[Rule, float]
 
@@ -77,6 +87,7 @@ def measure() -> GpuTimes:
         whole=whole,
         passes=by_pass,
         cubes=owner.call(partial(_cubes, sizes=CUBES if real else SMALL_CUBES)),
+        volumes=owner.call(_volumes),
         rule_size=rule_size,
         rules=owner.call(partial(_rules, size=rule_size)),
     )
@@ -124,6 +135,19 @@ def _cubes(context: Any, sizes: tuple[int, ...]) -> dict[tuple[str, int], float]
     return {key: _job_time(context, job) for key, job in jobs.items()}
 
 
+def _volumes(context: Any) -> dict[tuple[str, str], float]:
+    fields = {
+        name: solve_air(atmosphere_of(BrunetonSkySettings(fog_visibility_m=visibility_m)))
+        for name, visibility_m in AIRS.items()
+    }
+    jobs = {
+        (name, place): air_volume_job(field, altitude_m, _sun(), REACH_M, "bench", "air")[0]
+        for name, field in fields.items()
+        for place, altitude_m in PLACES.items()
+    }
+    return {key: _job_time(context, job) for key, job in jobs.items()}
+
+
 def _rules(context: Any, size: int) -> dict[Rule, float]:
     air = Atmosphere.earth()
     jobs = {
@@ -144,7 +168,7 @@ def _job_time(context: Any, job: GpuJob) -> float:
     buffers = {binding: context.buffer(array.values.tobytes()) for binding, array in job.buffers}
     for binding, buffer in buffers.items():
         buffer.bind_to_storage_buffer(binding)
-    texture = context.texture_cube((job.size, job.size), 4, dtype="f2")
+    texture = TexturePool().take(context, job).opaque
     texture.bind_to_image(0, read=False, write=True)
     work: Callable[[], None] = partial(program.run, *job.groups)
     spent = least_s(context, work)
@@ -160,6 +184,8 @@ def report(times: GpuTimes) -> Iterator[str]:
     yield from _report_precomputation(times)
     yield ""
     yield from _report_cubes(times)
+    yield ""
+    yield from _report_volumes(times)
     yield ""
     yield f"single scattering without tables, cube map {times.rule_size}², from the ground"
     yield "| rule | samples | ms |"
@@ -192,6 +218,17 @@ def _report_cubes(times: GpuTimes) -> Iterator[str]:
     for size in sorted({size for _, size in times.cubes}):
         row = " | ".join(f"{times.cubes[place, size] * 1e3:.3g}" for place in PLACES)
         yield f"| {size}² | {row} | {THESIS_CUBE_MS[size]} |"
+
+
+def _report_volumes(times: GpuTimes) -> Iterator[str]:
+    size = AirSizes()
+    rows = size.rows_above + size.rows_below
+    yield f"light of the air before things, {size.slices} x {rows} x {size.columns} nodes"
+    yield "| air | " + " | ".join(PLACES) + " |"
+    yield "|---|" + "---:|" * len(PLACES)
+    for name in AIRS:
+        row = " | ".join(f"{times.volumes[name, place] * 1e3:.3g}" for place in PLACES)
+        yield f"| {name} | {row} |"
 
 
 if __name__ == "__main__":

@@ -117,7 +117,7 @@ class GlCube:
         context.memory_barrier()
         kind = np.float16 if self._job.format == "rgba16f" else np.float32
         faces = [np.frombuffer(self._texture.read(face), kind) for face in range(6)]
-        cube = np.stack(faces).reshape(6, self._job.size, self._job.size, 4)
+        cube = np.stack(faces).reshape(6, *self._texture.size, 4)
         return cube[..., :3].astype(float)
 
 

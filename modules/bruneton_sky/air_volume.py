@@ -19,10 +19,12 @@ from bruneton_sky.solver.air import LANES, groups_of_air, wavelengths_of_groups
 from bruneton_sky.solver.view import source_of_group
 from vrut_lite.geometry.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.geometry.air_reach import UNSEEN_SHARE
-from vrut_lite.geometry.air_volume import Grid, NodeRays, node_rays, slice_shares
+from vrut_lite.geometry.air_rows import Grid
+from vrut_lite.geometry.air_volume import NodeRays, node_rays, slice_shares
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import AirVolume
 
 FloatArray = NDArray[np.float64]
@@ -46,6 +48,25 @@ class AirSizes(NamedTuple):
 _FIRST_SHARE = 0.01
 
 
+class Matter(NamedTuple):
+    """What of the air lies along the rays of a volume.
+
+    Attributes:
+        distance_m: (rows, slices + 1), from 0 to each slice's end.
+        centre, weight: (groups, rows, slices, ...) of each slice, see `Bins`.
+        extinction: (slices, rows, 3) of the volume.
+        colours: (groups, rows, slices, 4, 3), from light up to a node to its colour over 1 - T.
+    """
+
+    grid: Grid
+    rays: NodeRays
+    distance_m: FloatArray
+    centre: FloatArray
+    weight: FloatArray
+    extinction: NDArray[np.float32]
+    colours: NDArray[np.float32]
+
+
 def air_volume(
     field: SourceField,
     altitude_m: float,
@@ -61,25 +82,28 @@ def air_volume(
         sun_direction: unit vector (3,) in world axes, at the observer.
         reach_m: how much air to give light to along a ray, at most.
     """
-    count, air = sizes or AirSizes(), field.atmosphere
+    matter = matter_before(field, altitude_m, sun_direction, reach_m, sizes or AirSizes())
+    values, scale = encode_float16(_light(field, matter))
+    return volume_of(field.atmosphere, matter, sun_direction, Array(values), scale)
+
+
+def volume_of(
+    atmosphere: Atmosphere,
+    matter: Matter,
+    sun_direction: ArrayLike,
+    light: Array | GpuTexture,
+    radiance_scale: float,
+) -> AirVolume:
+    """The volume of this matter and of the light that it scatters."""
     x, y, z = (float(v) for v in np.asarray(sun_direction, dtype=float))
-    grid = Grid(
-        float(altitude_m), air.ground_radius_m, air.top_altitude_m, float(reach_m),
-        count.rows_above, count.rows_below,
-    )  # fmt: skip
-    rays = node_rays(grid, count.columns, min(max(y, -1.0), 1.0))
-    light, extinction = _trace(field, rays, count, grid.observer_altitude_m)
-    values, scale = encode_float16(light)
-    shaded, direct, aerosol = (Array(part) for part in values)
     return AirVolume(
-        shaded=shaded,
-        direct=direct,
-        aerosol=aerosol,
-        extinction=Array(extinction),
-        radiance_scale=scale,
-        aerosol_phase=mie_phase_parameters(air),
+        light=light,
+        extinction=Array(matter.extinction),
+        columns=matter.rays.nu.shape[1],
+        radiance_scale=radiance_scale,
+        aerosol_phase=mie_phase_parameters(atmosphere),
         sun_direction=(x, y, z),
-        **grid._asdict(),
+        **matter.grid._asdict(),
     )
 
 
@@ -96,34 +120,53 @@ def air_is_seen(atmosphere: Atmosphere, altitude_m: float, reach_m: float) -> bo
     return bool(-np.expm1(-densest.max() * reach_m) > UNSEEN_SHARE)
 
 
-def _trace(
-    field: SourceField, rays: NodeRays, sizes: AirSizes, altitude_m: float
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Mean radiance (3, slices, rows, columns, 3) and extinction (slices, rows, 3)."""
-    from bruneton_sky.air_volume_kernels import light_rows, settle_colours, slice_rows
+def matter_before(
+    field: SourceField,
+    altitude_m: float,
+    sun_direction: ArrayLike,
+    reach_m: float,
+    sizes: AirSizes,
+) -> Matter:
+    """The matter along the rays of a volume; arguments as for `air_volume`."""
+    from bruneton_sky.air_volume_kernels import slice_rows
 
-    groups, rows = groups_of_air(field.atmosphere), rays.mu.size
-    shares = slice_shares(sizes.slices, altitude_m)
+    air, height = field.atmosphere, float(np.asarray(sun_direction, dtype=float)[1])
+    grid = Grid(
+        float(altitude_m), air.ground_radius_m, air.top_altitude_m, float(reach_m),
+        sizes.rows_above, sizes.rows_below,
+    )  # fmt: skip
+    rays = node_rays(grid, sizes.columns, min(max(height, -1.0), 1.0))
+    shares = slice_shares(sizes.slices, grid.observer_altitude_m)
     shares[0] = _FIRST_SHARE * shares[1]
     distance = rays.span_m[:, None] * np.concatenate([[0.0], shares])
-    centre = np.empty((len(groups), rows, sizes.slices, 4))
-    weight = np.empty((len(groups), rows, sizes.slices, 2, LANES))
-    passed = np.empty((len(groups), rows, sizes.slices, LANES))
-    for k, air in enumerate(groups):
+    groups, nodes = groups_of_air(air), (rays.mu.size, sizes.slices)
+    centre = np.empty((len(groups), *nodes, 4))
+    weight = np.empty((len(groups), *nodes, 2, LANES))
+    passed = np.empty((len(groups), *nodes, LANES))
+    for k, group in enumerate(groups):
         slice_rows(
-            air, rays.altitude_m, rays.mu, distance, sizes.steps, centre[k], weight[k], passed[k]
+            group, rays.altitude_m, rays.mu, distance, sizes.steps, centre[k], weight[k], passed[k]
         )
     extinction, colours = _colours(field, passed, distance[:, 1:])
-    light = np.zeros((3, sizes.slices, *rays.nu.shape, 3), dtype=np.float32)
-    phase = rayleigh_phase(rays.nu).astype(np.float32)
+    return Matter(grid, rays, distance, centre, weight, extinction, colours)
+
+
+def _light(field: SourceField, matter: Matter) -> NDArray[np.float32]:
+    """Mean radiance (3, slices, rows, columns, 3)."""
+    from bruneton_sky.air_volume_kernels import light_rows, settle_colours
+
+    rays = matter.rays
+    light = np.zeros((3, matter.distance_m.shape[1] - 1, *rays.nu.shape, 3), dtype=np.float32)
     mu_s, nu = rays.mu_s.astype(np.float32), rays.nu.astype(np.float32)
-    for k, air in enumerate(groups):
+    for k, air in enumerate(groups_of_air(field.atmosphere)):
         light_rows(
-            air, rays.altitude_m, rays.mu, mu_s, nu, distance, centre[k], weight[k],
-            field.transmittance[k], source_of_group(field, k), colours[k], phase, light,
+            air, rays.altitude_m, rays.mu, mu_s, nu, matter.distance_m, matter.centre[k],
+            matter.weight[k], field.transmittance[k], source_of_group(field, k),
+            matter.colours[k], light,
         )  # fmt: skip
-    settle_colours(light, mie_phase(field.atmosphere, rays.nu).astype(np.float32))
-    return light, extinction
+    phases = rayleigh_phase(rays.nu), mie_phase(field.atmosphere, rays.nu)
+    settle_colours(light, *(phase.astype(np.float32) for phase in phases))
+    return light
 
 
 def _colours(

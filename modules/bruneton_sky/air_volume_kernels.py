@@ -24,7 +24,7 @@ from bruneton_sky.solver.sun_kernels import gather_first
 
 _f4 = np.float32
 # A slice that scatters less than this share of what all before it do is left out.
-_NEGLIGIBLE = 1e-6
+NEGLIGIBLE = 1e-6
 
 
 @fast
@@ -110,12 +110,12 @@ def _place_centre(air, altitude, mu, middle, centre):  # type: ignore[no-untyped
 
 @fast
 def light_rows(  # type: ignore[no-untyped-def]
-    air, altitude, mu, mu_s, nu, distance, centre, weight, transmittance, source, colour, phase, out
+    air, altitude, mu, mu_s, nu, distance, centre, weight, transmittance, source, colour, out
 ):
     """Add the light of the slices up to each slice's end to `out` (3, slices, rows, columns, 3).
 
-    Of light scattered twice and more, once by molecules with their `phase` (rows, columns), and
-    once by aerosol without. `transmittance`, `source`: of a group of wavelengths of a
+    Of light scattered twice and more, and once by molecules and by aerosol, without their phase
+    functions. `transmittance`, `source`: of a group of wavelengths of a
     `SourceField`. `colour` (rows, slices, 4, 3) turns the four wavelengths into red, green, blue.
     """
     columns = mu_s.shape[1]
@@ -129,24 +129,23 @@ def light_rows(  # type: ignore[no-untyped-def]
         mass = 0.0
         for k in range(centre.shape[1]):
             mass += centre[i, k, 3]
-            if centre[i, k, 3] > _NEGLIGIBLE * mass:
+            if centre[i, k, 3] > NEGLIGIBLE * mass:
                 bins = Bins(distance[i, k : k + 2], centre[i, k : k + 1], weight[i, k : k + 1], end)
                 gather_first(
                     air, altitude[i], mu[i], bins, cells, transmittance, row, some[0], some[1]
                 )
                 light[1:] += some
                 gather_later(air, altitude[i], bins, cells, source, slab, light[0])
-            _add_colours(light, colour[i, k], phase[i], out[:, k, i])
+            _add_colours(light, colour[i, k], out[:, k, i])
 
 
 @inner
-def _add_colours(light, colour, phase, out):  # type: ignore[no-untyped-def]
+def _add_colours(light, colour, out):  # type: ignore[no-untyped-def]
     """Add the colours of three kinds of light (3, cells * 4) to `out` (3, cells, 3)."""
-    for n in range(phase.size):
+    for n in range(out.shape[1]):
         for part in range(3):
-            factor = phase[n] if part == 1 else _f4(1.0)
-            a, b = factor * light[part, 4 * n], factor * light[part, 4 * n + 1]
-            c, d = factor * light[part, 4 * n + 2], factor * light[part, 4 * n + 3]
+            a, b = light[part, 4 * n], light[part, 4 * n + 1]
+            c, d = light[part, 4 * n + 2], light[part, 4 * n + 3]
             for channel in range(3):
                 sum_ab = a * colour[0, channel] + b * colour[1, channel]
                 sum_cd = c * colour[2, channel] + d * colour[3, channel]
@@ -154,12 +153,12 @@ def _add_colours(light, colour, phase, out):  # type: ignore[no-untyped-def]
 
 
 @fast
-def settle_colours(light, phase):  # type: ignore[no-untyped-def]
+def settle_colours(light, molecules, phase):  # type: ignore[no-untyped-def]
     """Make colours (3, slices, rows, columns, 3) no less than zero.
 
     A low sun's light off aerosol lies outside the gamut: what it lacks the molecules' makes up
-    for, as in the sky, and what that lacks light scattered again. `phase` (rows, columns) is
-    the aerosol's.
+    for, as in the sky, and what that lacks light scattered again. `molecules`, `phase` (rows,
+    columns): the phase functions of molecules and aerosol.
     """
     for k in range(light.shape[1]):
         for i in range(light.shape[2]):
@@ -167,8 +166,8 @@ def settle_colours(light, phase):  # type: ignore[no-untyped-def]
                 for c in range(3):
                     shaded, direct = light[0, k, i, n, c], light[1, k, i, n, c]
                     aerosol = light[2, k, i, n, c]
-                    direct += min(aerosol, ZERO) * phase[i, n]
-                    shaded = max(shaded + min(direct, ZERO), ZERO)
+                    direct += min(aerosol, ZERO) * phase[i, n] / molecules[i, n]
+                    shaded = max(shaded + min(direct, ZERO) * molecules[i, n], ZERO)
                     direct, aerosol = max(direct, ZERO), max(aerosol, ZERO)
                     light[0, k, i, n, c], light[1, k, i, n, c] = shaded, direct
                     light[2, k, i, n, c] = aerosol

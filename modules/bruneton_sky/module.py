@@ -4,8 +4,9 @@ A changed atmosphere is solved by a background job; until its result is there th
 of the one before. A moved sun or camera needs no such job: the sky-view table is made on the
 spot. No 4-D table is ever made here, since one observer's altitude is shown.
 
-With the setting `cube_device` on "gpu" the table is laid onto the cube map by a `GpuJob`, and the
-background follows with its result; where nobody runs such jobs, or one has failed, the CPU does.
+With the setting `cube_device` on "gpu" the table is laid onto the cube map, and the air filled with
+light, by a `GpuJob` each, and background and air follow with the results; where nobody runs such
+jobs, or one has failed, the CPU does.
 """
 
 from typing import ClassVar
@@ -13,6 +14,7 @@ from typing import ClassVar
 import msgspec
 
 from bruneton_sky import products
+from bruneton_sky.awaited import Awaited
 from bruneton_sky.background import Surroundings, surroundings
 from bruneton_sky.recipe import AirKey, Recipe, light_recipe, recipe_of, unless_seen
 from bruneton_sky.settings import (
@@ -54,6 +56,7 @@ PRODUCTS: tuple[type[Derived], ...] = (
     AmbientChanged,
     AirChanged,
 )
+ON_GPU = (BackgroundChanged, AirChanged)
 # Settings that say where a sky is computed, not what it is.
 _NOT_AIR = {"cube_device": "cpu"}
 
@@ -81,7 +84,7 @@ class BrunetonSky(Module):
         self._made: tuple[Recipe, Surroundings] | None = None
         self._reach_m = 0.0
         self._solving = Solving(link, self.ledger)
-        self._awaited: dict[str, BackgroundChanged] = {}
+        self._awaited = Awaited()
         self._gpu_failed = False
 
     @handles(SunMoved)
@@ -128,10 +131,10 @@ class BrunetonSky(Module):
 
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
-        """An atmosphere is solved, or a cube map made.
+        """An atmosphere is solved, or a texture made.
 
         Raises:
-            UserError: the GPU could not make the cube map; from now on the CPU does.
+            UserError: the GPU could not make cube map or air; from now on the CPU does.
         """
         if result.job == SOLVE:
             if self._solving.take(result):
@@ -140,25 +143,20 @@ class BrunetonSky(Module):
             if not result.error:
                 self._post(products.spectrum(result.value))
         else:
-            self._cube_made(result)
+            self._texture_made(result)
 
-    def _cube_made(self, result: JobResult) -> None:
+    def _texture_made(self, result: JobResult) -> None:
         if result.error:
             self._gpu_failed = True
-            self._posted.pop(BackgroundChanged, None)
             self._update()
             raise UserError(
                 f"the GPU could not make the sky ({result.error}): set cube_device to cpu"
             )
-        texture = GpuTexture.of(result.value)
-        if texture.recipe not in self._awaited:
+        message = self._awaited.next(result.job, GpuTexture.of(result.value))
+        if message is None:
             self.ledger.skip("GpuJob outdated")
-            return
-        for recipe in tuple(self._awaited):
-            background = self._awaited.pop(recipe)
-            if recipe == texture.recipe:
-                self._post(msgspec.structs.replace(background, cube=texture))
-                return
+        else:
+            self._post(message)
 
     def settings_changed(self, name: str) -> None:
         """Post the sky of the new settings."""
@@ -187,7 +185,7 @@ class BrunetonSky(Module):
     def _show(self, recipe: Recipe, wanted: dict[type[Derived], Demand]) -> None:
         self._shown = recipe
         for product, demand in wanted.items():
-            on_gpu = product is BackgroundChanged and self._gpu_serves()
+            on_gpu = product in ON_GPU and self._gpu_serves()
             wish = (recipe_of(product, recipe), self._size(product, demand), on_gpu)
             if self._posted.get(product) == wish:
                 self.ledger.skip(f"{product.__name__}: nothing changed")
@@ -251,23 +249,20 @@ class BrunetonSky(Module):
     def _make(self, product: type[Derived], recipe: Recipe, size: float, on_gpu: bool) -> Derived:
         if product is AirChanged:
             assert self._solving.solved is not None
-            return products.air(
-                self._solving.solved[1], recipe.altitude_m, recipe.sun_direction, size
-            )
+            field, height_m, sun = self._solving.solved[1], recipe.altitude_m, recipe.sun_direction
+            air = products.air(field, height_m, sun, size, on_gpu)
+            return self._awaited.first(products.AIR_JOB, *air)
         around = self._surroundings(recipe)
         if product is AmbientChanged:
             return products.ambient(around)
         if product is SunLightChanged:
             radius_rad = atmosphere_of(recipe.air.settings).sun_angular_radius_rad
             return products.sun_light(around, recipe.sun_direction, radius_rad)
-        if not on_gpu:
-            # What the GPU still works on would come too late.
-            self._awaited.clear()
-            return products.background(around, int(size))
-        job, background = products.gpu_background(around, int(size))
-        self._awaited.pop(job.recipe, None)
-        self._awaited[job.recipe] = background
-        return job
+        if on_gpu:
+            return self._awaited.first(
+                products.CUBE_JOB, *products.gpu_background(around, int(size))
+            )
+        return self._awaited.first(products.CUBE_JOB, None, products.background(around, int(size)))
 
     def _surroundings(self, recipe: Recipe) -> Surroundings:
         known = None

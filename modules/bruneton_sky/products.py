@@ -2,6 +2,7 @@
 
 from bruneton_sky.air_volume import air_is_seen, air_volume
 from bruneton_sky.background import Surroundings, ambient_coefficients, background_cube
+from bruneton_sky.gpu_air import air_volume_job
 from bruneton_sky.gpu_cube import sky_view_job
 from bruneton_sky.sky_view_shader import view_shader
 from bruneton_sky.solver import SourceField
@@ -20,7 +21,7 @@ from vrut_lite.kernel.messages import (
 )
 
 NAME = "bruneton_sky"
-CUBE_JOB = "cube"
+CUBE_JOB, AIR_JOB = "cube", "air"
 
 
 def background(around: Surroundings, size: int) -> BackgroundChanged:
@@ -55,14 +56,22 @@ def ambient(around: Surroundings) -> AmbientChanged:
     return AmbientChanged(irradiance_sh_rgb=Array(ambient_coefficients(around)), source=NAME)
 
 
-def air(field: SourceField, altitude_m: float, sun_direction: Vector, reach_m: float) -> AirChanged:
-    """The air before things that stand up to `reach_m` from the eye."""
+def air(
+    field: SourceField, altitude_m: float, sun_direction: Vector, reach_m: float, on_gpu: bool
+) -> tuple[GpuJob | None, AirChanged]:
+    """The air before things that stand up to `reach_m` from the eye.
+
+    On the GPU, the job that computes its light comes first, and the texture into the volume;
+    but where no air is to be seen, there is nothing to compute.
+    """
     # From above the air, the way to it is empty.
     above_m = max(altitude_m - field.atmosphere.top_altitude_m, 0.0)
     in_air_m = reach_m - above_m
     if not air_is_seen(field.atmosphere, altitude_m, in_air_m):
-        return AirChanged(volume=None, source=NAME)
-    return AirChanged(volume=air_volume(field, altitude_m, sun_direction, in_air_m), source=NAME)
+        return None, AirChanged(volume=None, source=NAME)
+    where = (field, altitude_m, sun_direction, in_air_m)
+    job, volume = air_volume_job(*where, NAME, AIR_JOB) if on_gpu else (None, air_volume(*where))
+    return job, AirChanged(volume=volume, source=NAME)
 
 
 def spectrum(seen: SkySpectrum) -> SpectrumSeen:

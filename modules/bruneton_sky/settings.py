@@ -164,7 +164,7 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ] = MOST_ORDERS
     cube_device: Annotated[
         Literal["cpu", "gpu"],
-        Meta(description="What computes the sky's cube map; the GPU where there is one"),
+        Meta(description="What computes the sky's cube map and air; the GPU where there is one"),
     ] = "cpu"
 
 

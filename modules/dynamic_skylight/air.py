@@ -6,7 +6,7 @@ as the sky just above it. So light is the sky's, times 1 - T of the path over 1 
 in that direction, and hills fade into the very sky behind them. Of this light, sunlight scattered
 once, which a shadow takes away, is the sun's irradiance times albedo and phase function, by the
 shares of molecules and aerosol at the eye, but nine tenths of it at most: the sky's aureole is
-softer than the phase function's. All of it is kept with its phase. The rest is light scattered
+softer than the phase function's. All of it counts as the molecules'. The rest is light scattered
 again; with the sun below the horizon all is of that kind, though high up the sun may still shine.
 
 Turbidity is turned into aerosol by `vrut_lite.geometry.aerosol`; molecules scatter as in
@@ -21,10 +21,11 @@ from dynamic_skylight.daylight import Daylight
 from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.geometry.air_reach import UNSEEN_SHARE
+from vrut_lite.geometry.air_rows import Grid
 from vrut_lite.geometry.air_volume import (
-    Grid,
     NodeRays,
     column_cosines,
+    molecules_phase,
     node_rays,
     slice_shares,
 )
@@ -75,11 +76,10 @@ def air_volume(
     depth = _depths(rays, coefficients, _distances(rays.span_m, altitude_m))
     light = _mean_light(daylight, grid, rays, coefficients)
     values, scale = encode_float16(light.astype(np.float32))
-    shaded, direct, aerosol = (_on_slices(part) for part in values)
     return AirVolume(
-        shaded=shaded,
-        direct=direct,
-        aerosol=aerosol,
+        # The same at every distance.
+        light=Array(np.repeat(values[:, None], SLICES, axis=1)),
+        columns=COLUMNS,
         extinction=Array(np.ascontiguousarray(np.moveaxis(depth, 0, 1), dtype=np.float32)),
         radiance_scale=scale,
         aerosol_phase=(_G, _phase_factor(), 1.0),
@@ -91,11 +91,13 @@ def air_volume(
 def _mean_light(
     daylight: Daylight, grid: Grid, rays: NodeRays, coefficients: FloatArray
 ) -> FloatArray:
-    """Mean radiance (3, rows, columns, 3): light scattered again, scattered once, nothing."""
+    """Mean radiance (3, rows, columns, 3): light scattered again, scattered once over the phase
+    function of molecules, nothing."""
     sky = _sky_behind(daylight, rays, grid.rows_above)
     total = sky / np.maximum(_whole_lost(grid, rays, coefficients), _LEAST_LOST)[:, None]
     sunlit = np.minimum(_sunlit(daylight, grid, rays, coefficients), _MOST_SUNLIT * total)
-    return np.stack([total - sunlit, sunlit, np.zeros_like(total)])
+    over_phase = sunlit / molecules_phase(rays.nu)[..., None]
+    return np.stack([total - sunlit, over_phase, np.zeros_like(total)])
 
 
 def _sky_behind(daylight: Daylight, rays: NodeRays, rows_above: int) -> FloatArray:
@@ -163,8 +165,3 @@ def _shares() -> FloatArray:
 def _phase_factor() -> float:
     """Of Cornette and Shanks' phase function, in sr^-1."""
     return float(3.0 / (8.0 * np.pi) * (1.0 - _G) * (1.0 + _G) / (2.0 + _G * _G))
-
-
-def _on_slices(part: NDArray[np.float16]) -> Array:
-    """(rows, columns, 3), the same at every distance."""
-    return Array(np.repeat(part[None], SLICES, axis=0))

@@ -71,7 +71,10 @@ def revive(type_name: str, fields: Any, find_array: FindArray = no_arrays) -> De
 
 def texture_in(message: Derived) -> bool:
     """Whether a message holds a texture, which cannot leave its GPU."""
-    values = (getattr(message, name) for name in message.__struct_fields__)
+    carrier: msgspec.Struct = message
+    if isinstance(message, AirChanged) and message.volume is not None:
+        carrier = message.volume
+    values = (getattr(carrier, name) for name in carrier.__struct_fields__)
     return any(isinstance(value, GpuTexture) for value in values)
 
 
@@ -89,15 +92,15 @@ def _check(message: Derived) -> None:
 
 def _check_air(volume: AirVolume) -> None:
     """Refuse tables that do not go with each other, or have nothing to blend between."""
-    slices, rows, columns, _ = (*volume.shaded.shape, 0, 0, 0, 0)[:4]
-    shapes = [part.shape for part in (volume.shaded, volume.direct, volume.aerosol)]
-    fits = all(shape == (slices, rows, columns, 3) for shape in shapes)
-    fits &= volume.extinction.shape == (slices, rows, 3) and min(slices, columns) >= 2
+    slices, rows, _ = (*volume.extinction.shape, 0, 0, 0)[:3]
+    shapes = [array.shape for array in arrays_of(volume)]
+    fits = shapes == [(3, slices, rows, volume.columns, 3), (slices, rows, 3)]
+    fits &= min(slices, volume.columns) >= 2
     fits &= rows == volume.rows_above + volume.rows_below
     fits &= min(volume.rows_above, volume.rows_below) >= 2
     dtypes = [array.dtype.str for array in arrays_of(volume)]
     lengths = volume.reach_m, volume.ground_radius_m, volume.top_altitude_m
-    if not fits or dtypes != ["<f2"] * 3 + ["<f4"] or min(lengths) <= 0.0:
+    if not fits or dtypes != ["<f2", "<f4"] or min(lengths) <= 0.0:
         raise UserError("AirChanged: the tables of its volume do not fit each other")
 
 

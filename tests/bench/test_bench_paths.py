@@ -36,7 +36,7 @@ def coarse_truth(monkeypatch):
     """The converged solver takes seconds: here the product's own sizes stand for it."""
     from bruneton_sky.solver import SolverSizes
 
-    monkeypatch.setattr(sky_truth, "_QUICK_SIZES", SolverSizes())
+    monkeypatch.setattr(sky_truth, "_QUICK_SIZES", SolverSizes.in_clear_air())
     sky_truth.exact_skies.cache_clear()
     yield
     sky_truth.exact_skies.cache_clear()

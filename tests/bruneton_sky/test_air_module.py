@@ -2,13 +2,17 @@
 
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings
 from bruneton_sky.sky_view import STANDING_M
 
+from vrut_lite.errors import UserError
 from vrut_lite.geometry.air_volume import look_up_air
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.kernel.messages import (
     AirChanged,
@@ -25,6 +29,7 @@ from vrut_lite.kernel.messages import (
     SunLightChanged,
     SunMoved,
 )
+from vrut_lite.kernel.recording.codec import to_plain
 
 
 class Link:
@@ -217,3 +222,90 @@ def test_background_says_whether_air_is_before_its_ground(
     tell(sky, link, camera_at(height_m))
     background = next(m for m in reversed(link.posted) if isinstance(m, BackgroundChanged))
     assert background.ground_through_air is through
+
+
+@pytest.fixture
+def gpu_sky(link: Link) -> BrunetonSky:
+    """With the GPU chosen, and somebody to run its jobs."""
+    link.want(GpuJob)
+    return BrunetonSky(link, BrunetonSkySettings(orders=2, cube_device="gpu"))
+
+
+def done(sky: BrunetonSky, job: Derived, **result: Any) -> None:
+    """What whoever runs GPU jobs answers, as a journal tells it: in plain fields."""
+    assert isinstance(job, GpuJob)
+    texture = GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
+    answer = {"value": to_plain(texture)} | result
+    sky.job_done(JobResult(module=job.module, job=job.job, **answer))
+
+
+def test_the_gpu_fills_the_air(gpu_sky: BrunetonSky, link: Link) -> None:
+    """A job, nothing of which is read back; its texture becomes the light of a volume that is
+    otherwise the CPU's."""
+    tell(gpu_sky, link, sun_at(30.0))
+    tell(gpu_sky, link, needs(20_000.0))
+    (job,) = link.posted
+    assert isinstance(job, GpuJob)
+    assert (job.job, job.output, job.read_back) == ("air", "3d", False)
+    done(gpu_sky, job)
+    (_, message) = link.posted
+    assert isinstance(message, AirChanged)
+    assert message.volume is not None
+    assert message.volume.light == GpuTexture(
+        size=(32, 56, 96), format=job.format, recipe=job.recipe
+    )
+    link.posted.clear()
+    gpu_sky.settings = BrunetonSkySettings(orders=2)
+    gpu_sky.settings_changed("cube_device")
+    (volume,) = link.air()
+    assert volume is not None
+    light = {"light": message.volume.light, "radiance_scale": message.volume.radiance_scale}
+    assert msgspec.structs.replace(volume, **light) == message.volume
+
+
+def test_air_that_comes_late_is_not_shown(gpu_sky: BrunetonSky, link: Link) -> None:
+    """What was asked for before the newest air, or before there was none to be seen, is no news."""
+    tell(gpu_sky, link, sun_at(30.0))
+    tell(gpu_sky, link, needs(20_000.0))
+    tell(gpu_sky, link, sun_at(31.0))
+    old, new = link.posted
+    done(gpu_sky, new)
+    done(gpu_sky, old)
+    assert len(link.air()) == 1
+    assert gpu_sky.ledger.skipped["GpuJob outdated"] == 1
+    tell(gpu_sky, link, sun_at(32.0))
+    (job,) = link.posted
+    tell(gpu_sky, link, needs(1.0))
+    done(gpu_sky, job)
+    assert link.air() == [None]
+    assert gpu_sky.ledger.skipped["GpuJob outdated"] == 2
+
+
+def test_cube_map_and_air_wait_each_for_its_own_texture(gpu_sky: BrunetonSky, link: Link) -> None:
+    """Whichever comes first, neither makes the other late."""
+    link.want(BackgroundChanged)
+    tell(gpu_sky, link, sun_at(30.0))
+    tell(gpu_sky, link, needs(20_000.0))
+    cube, air = sorted(link.posted, key=lambda job: getattr(job, "job", ""), reverse=True)
+    done(gpu_sky, air)
+    done(gpu_sky, cube)
+    said = [type(message) for message in link.posted[2:]]
+    assert said == [AirChanged, BackgroundChanged]
+
+
+@pytest.mark.parametrize("hindrance", ["nobody runs GPU jobs", "the GPU failed"])
+def test_where_the_gpu_does_not_serve_the_cpu_does(
+    gpu_sky: BrunetonSky, link: Link, hindrance: str
+) -> None:
+    """Air is there all the same, and the ledger says why the GPU had nothing to do."""
+    if hindrance == "nobody runs GPU jobs":
+        del link.demands[GpuJob]
+    tell(gpu_sky, link, sun_at(30.0))
+    tell(gpu_sky, link, needs(20_000.0))
+    if hindrance == "the GPU failed":
+        with pytest.raises(UserError, match="set cube_device to cpu"):
+            done(gpu_sky, link.posted[-1], value=None, error="out of memory")
+    (volume,) = link.air()
+    assert volume is not None
+    assert isinstance(volume.light, Array)
+    assert gpu_sky.ledger.skipped[f"GpuJob: {hindrance}"] == 1

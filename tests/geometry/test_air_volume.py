@@ -1,22 +1,22 @@
 """Where the nodes of a volume of air lie, and that looking it up finds them again."""
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vrut_lite.geometry.air_rows import Grid, grid_of, horizon_depth, row_heights
 from vrut_lite.geometry.air_volume import (
-    Grid,
     entry_distance_m,
-    grid_of,
-    horizon_depth,
+    light_of,
     look_up_air,
     node_rays,
-    row_heights,
     slice_shares,
     span_m,
 )
 from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import AirVolume
 
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 7, 5, 4, 6
@@ -33,11 +33,9 @@ def grid_at(altitude_m: float, planet: tuple[float, float] = EARTH, reach_m: flo
 
 def volume_of(grid: Grid, light: np.ndarray, extinction: np.ndarray) -> AirVolume:
     """A volume of these values: light (3, slices, rows, columns, 3), without a phase function."""
-    shaded, direct, aerosol = (Array(part.astype(np.float16)) for part in light)
     return AirVolume(
-        shaded=shaded,
-        direct=direct,
-        aerosol=aerosol,
+        light=Array(light.astype(np.float16)),
+        columns=COLUMNS,
         extinction=Array(extinction.astype(np.float32)),
         radiance_scale=2.0,
         aerosol_phase=(0.0, 1.0 / (4.0 * np.pi), 0.0),
@@ -52,6 +50,11 @@ def even_volume(grid: Grid, extinction_per_m: float = 1e-5) -> AirVolume:
         np.array([1.0, 2.0, 4.0])[:, None, None, None, None], (3, SLICES, ROWS, COLUMNS, 3)
     )
     return volume_of(grid, light, np.full((SLICES, ROWS, 3), extinction_per_m))
+
+
+def rayleigh(nu: float) -> float:
+    """The phase function of molecules, sr^-1."""
+    return 3.0 / (16.0 * np.pi) * (1.0 + nu * nu)
 
 
 def direction_of(one_plus_mu: float, cos_phi: float) -> np.ndarray:
@@ -75,7 +78,7 @@ def test_look_up_is_exact_on_the_nodes(altitude_m: float, planet: tuple[float, f
     extinction = dice.uniform(0.5e-5, 2e-5, (SLICES, ROWS, 3))
     volume = volume_of(grid, light, extinction)
     rays = node_rays(grid, COLUMNS, SUN[1])
-    heights = row_heights(horizon_depth(grid), ROWS_ABOVE, ROWS_BELOW)
+    heights = row_heights(grid)
     shares = slice_shares(SLICES, altitude_m)
     # The very horizon is a row of each side, and the air's own edge has no air; at the nadir and
     # the zenith all azimuths are one.
@@ -89,10 +92,10 @@ def test_look_up_is_exact_on_the_nodes(altitude_m: float, planet: tuple[float, f
             depth = volume.extinction.values[1:, row].astype(float) * inside_m[:, None]
             weight = -np.expm1(-depth) * 2.0
             assert found.transmittance == pytest.approx(np.exp(-depth), rel=1e-4)
-            parts = (volume.shaded, volume.direct, volume.aerosol)
-            shaded, direct, aerosol = (p.values[1:, row, column].astype(float) for p in parts)
+            shaded, direct, aerosol = light_of(volume)[:, 1:, row, column].astype(float)
             assert found.shaded == pytest.approx(weight * shaded, rel=2e-4)
-            sunlit = weight * (direct + aerosol / (4.0 * np.pi))
+            nu = float(view @ np.array(SUN))
+            sunlit = weight * (direct * rayleigh(nu) + aerosol / (4.0 * np.pi))
             assert found.sunlit == pytest.approx(sunlit, rel=2e-4)
 
 
@@ -128,9 +131,18 @@ def test_even_air_looks_even(
     assert np.ptp(depth) == 0.0
     weight = -np.expm1(-depth) * 2.0
     assert found.shaded == pytest.approx(weight * 1.0)
-    assert found.sunlit == pytest.approx(weight * (2.0 + 4.0 / (4.0 * np.pi)))
+    nu = float(view @ np.array(SUN))
+    assert found.sunlit == pytest.approx(weight * (2.0 * rayleigh(nu) + 4.0 / (4.0 * np.pi)))
     if not np.isfinite(entry):
         assert np.all(depth == 0.0)
+
+
+def test_light_on_the_gpu_is_not_looked_up_here() -> None:
+    """Its numbers are not in the message; the sentence says what to do."""
+    texture = GpuTexture(size=(COLUMNS, ROWS, 3 * SLICES), format="rgba32f", recipe="")
+    volume = msgspec.structs.replace(even_volume(grid_at(2.0)), light=texture)
+    with pytest.raises(ValueError, match="ask for air made on the CPU"):
+        look_up_air(volume, np.array([0.0, 0.0, -1.0]), 10.0)
 
 
 @pytest.mark.parametrize("altitude_m", [0.0, 2.0, 3000.0, 59_999.0])

@@ -15,9 +15,8 @@ def volume_of(extinction, shaded, direct=0.0, aerosol=0.0, **changes):
     nodes |= {name: changes.pop(name) for name in list(changes) if name in nodes}
     rows = nodes["rows_above"] + nodes["rows_below"]
     shape = (nodes["slices"], rows, nodes["columns"], 3)
-
-    def values(given, shape, dtype):
-        return Array(np.ascontiguousarray(np.broadcast_to(given, shape), dtype=dtype))
+    light = np.stack([np.broadcast_to(part, shape) for part in (shaded, direct, aerosol)])
+    extinction = np.broadcast_to(extinction, (shape[0], rows, 3))
 
     known = {
         "radiance_scale": 1.0,
@@ -29,10 +28,9 @@ def volume_of(extinction, shaded, direct=0.0, aerosol=0.0, **changes):
         "sun_direction": (0.6, 0.8, 0.0),
     }
     return AirVolume(
-        shaded=values(shaded, shape, np.float16),
-        direct=values(direct, shape, np.float16),
-        aerosol=values(aerosol, shape, np.float16),
-        extinction=values(extinction, (shape[0], rows, 3), np.float32),
+        light=Array(light.astype(np.float16)),
+        extinction=Array(extinction.astype(np.float32)),
+        columns=nodes["columns"],
         rows_above=nodes["rows_above"],
         rows_below=nodes["rows_below"],
         **(known | changes),

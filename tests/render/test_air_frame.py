@@ -86,8 +86,8 @@ def test_walls_fade_into_the_air(backend, tmp_path, distance_m, albedo):
     assert backend.ledger.done["air"] == 1
 
 
-def test_sunlit_air_has_the_aerosols_phase(backend, tmp_path):
-    """direct + aerosol p(nu) beside shaded light: in and away from the sun, within 1 %."""
+def test_sunlit_air_has_its_phase_functions(backend, tmp_path):
+    """direct p_R(nu) + aerosol p(nu) beside shaded light: in and away from the sun, within 1 %."""
     g, factor, form = 0.7, 0.05, 0.3
     backend.show_scene(scene_of(tmp_path, wall(1e4, 0.0)), None)
     show_light(backend, uniform_sky(0.0))
@@ -96,7 +96,7 @@ def test_sunlit_air_has_the_aerosols_phase(backend, tmp_path):
         volume = volume_of(
             EXTINCTION,
             1.0,
-            2.0,
+            30.0,
             8.0,
             sun_direction=tuple(direction),
             aerosol_phase=(g, factor, form),
@@ -106,7 +106,9 @@ def test_sunlit_air_has_the_aerosols_phase(backend, tmp_path):
         picture = look(backend, EYE, target, 0.02)
         nu = (target - EYE) @ direction / np.linalg.norm(target - EYE)
         phase = factor * (1 + form * nu**2) / (1 + g**2 - 2 * g * nu) ** 1.5
-        expected = through(0.0, np.linalg.norm(target - EYE), source=3.0 + 8.0 * phase)
+        rayleigh = 3.0 / (16.0 * np.pi) * (1.0 + nu**2)
+        source = 1.0 + 30.0 * rayleigh + 8.0 * phase
+        expected = through(0.0, np.linalg.norm(target - EYE), source=source)
         np.testing.assert_allclose(picture.radiance[16, 24], expected, rtol=0.01)
 
 

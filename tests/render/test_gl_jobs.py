@@ -1,6 +1,7 @@
 """GpuJobs: modules hand shaders to the GL owner, and results come back as inputs."""
 
 from concurrent.futures import wait
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -163,6 +164,87 @@ def test_a_shader_reads_buffers_by_their_bindings(gl_owner):
     assert result.error == ""
     expected = near[:, None] + far[None, :, None] * SIZE
     np.testing.assert_array_equal(result.value.values, expected)
+
+
+LAYERS = """
+#version 430
+layout(local_size_x = 4, local_size_y = 4) in;
+layout(rgba32f, binding = 0) writeonly uniform image3D made;
+layout(std430, binding = 1) readonly buffer Numbers { float number[]; };
+void main() {
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    if (any(greaterThanEqual(at, imageSize(made)))) return;
+    imageStore(made, at, vec4(at, number[at.z]));
+}
+"""
+
+
+def test_a_shader_fills_layers(gl_owner):
+    """A 3-D image of three sizes, none a multiple of the groups', read back layer by layer; or a
+    texture that says its size."""
+    width, height, depth = size = (5, 6, 3)
+    numbers = Array(np.array([8.0, 1.5, 4.0], np.float32))
+
+    class Layers(Asker):
+        job = GpuJob(module="asker", job="x", compute_shader=LAYERS, uniforms={}, output="3d",
+                     size=size, format="rgba32f", groups=(2, 2, depth), read_back=True,
+                     buffers=((1, numbers),))  # fmt: skip
+
+    class Kept(Layers):
+        job = msgspec.structs.replace(Layers.job, read_back=False)
+
+    (result,) = run(gl_owner, Layers)
+    assert result.error == ""
+    z, y, x = np.indices((depth, height, width))
+    expected = np.stack([x, y, z, numbers.values[z]], axis=-1)
+    np.testing.assert_array_equal(result.value.values, expected)
+    (kept,) = run(gl_owner, Kept)
+    assert kept.value == GpuTexture(size=size, format="rgba32f", recipe=Layers.job.recipe)
+    # A journal keeps the plain fields, in which a tuple is a list.
+    assert GpuTexture.of(to_plain(kept.value)) == kept.value
+
+
+def test_a_buffer_that_is_there_is_not_sent_again(gl_owner):
+    """The very array that the last job of the name had; another of the same content is sent."""
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    results = []
+    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
+    near = Array(np.ones((SIZE, 4), np.float32))
+    for step, kept in ((1.0, None), (2.0, 1), (3.0, 2)):
+        far = Array(np.full(SIZE, step, np.float32))
+        job = GpuJob(module="asker", job="x", compute_shader=BUFFERED, uniforms={}, output="2d",
+                     size=SIZE, format="rgba32f", groups=(2, 2, 1), read_back=True,
+                     buffers=((1, near), (3, far)))  # fmt: skip
+        jobs.on_job(job)
+        wait(jobs.pending)
+        assert np.all(results[-1].value.values == 1.0 + step * SIZE)
+        assert jobs.ledger.skipped.get("gpu job's buffer: still there") == kept
+    near = Array(near.values.copy())
+    jobs.on_job(msgspec.structs.replace(job, buffers=((1, near), (3, far))))
+    wait(jobs.pending)
+    assert jobs.ledger.skipped["gpu job's buffer: still there"] == 3
+
+
+def test_jobs_that_take_turns_keep_their_textures(gl_owner):
+    """A sky's cube and its air are made one after the other: two textures each, and no more."""
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    results = []
+    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
+    layers = GpuJob(module="asker", job="layers", compute_shader=LAYERS, uniforms={}, output="3d",
+                    size=(4, 4, 2), format="rgba32f", groups=(1, 1, 2),
+                    buffers=((1, Array(np.zeros(2, np.float32))),))  # fmt: skip
+    made, shown = {"x": {}, "layers": {}}, {}
+    for _ in range(5):
+        for job in (Keeper.job, layers):
+            jobs.on_job(job)
+            wait(jobs.pending)
+            shown[job.job] = results.pop().value
+            # The objects themselves are kept, lest a number or a name be given again.
+            texture = shown[job.job].opaque
+            made[job.job][id(texture)] = texture
+    assert [len(textures) for textures in made.values()] == [2, 2]
 
 
 def test_buffers_are_part_of_the_recipe():

@@ -104,7 +104,7 @@ def test_the_day_skys_air_is_light(stress):
         day = Daylight(turbidity, 0.1, "disc", elevation, np.pi / 2, float(elevation > 0.0))
         air_is_seen(turbidity, place, reach)
         volume = air_volume(day, sun, place, reach)
-        for part in (volume.shaded, volume.direct, volume.aerosol, volume.extinction):
+        for part in (volume.light, volume.extinction):
             assert_light(part.values, f"{turbidity} {elevation} {place} {reach}")
         direction = stress.directions(count)
         distance = np.sort(stress.within(count, 0.0, 2.0 * reach, [1e-6, 1.0, reach]))

@@ -169,7 +169,7 @@ def test_sky_views_are_the_same_on_two_threads(stress):
         assert_same_on_threads(lambda: sky_view(field, 2000.0, sun).nodes)
         view = sky_view(field, 2000.0, sun)
         assert_same_on_threads(fill_cube, view, 32, np.ones(3))
-        assert_same_on_threads(lambda: air_volume(field, 2.0, sun, 2e4).shaded.values)
+        assert_same_on_threads(lambda: air_volume(field, 2.0, sun, 2e4).light.values)
         mu = stress.within(200, -1.0, 1.0)
         assert_same_on_threads(multiple_scattering, field, 10.0, mu, 0.3, mu * 0.3)
 
@@ -192,7 +192,7 @@ def test_air_volumes_are_light(stress, name):
         reach = float(10.0 ** stress.within(1, -3.0, 8.0)[0])
         (sun,) = stress.directions(1)
         volume = air_volume(field, place, sun, reach, SMALL)
-        for part in (volume.shaded, volume.direct, volume.aerosol, volume.extinction):
+        for part in (volume.light, volume.extinction):
             assert_light(part.values, f"{place} {reach} {sun}")
         direction = stress.directions(count)
         distance = stress.within(count, 0.0, 2.0 * reach, [1e-6, 1.0, reach])

@@ -1,4 +1,4 @@
-"""Air between two processes: four arrays in a structure, and what is refused of them."""
+"""Air between two processes: two arrays in a structure, and what is refused of them."""
 
 import msgspec
 import numpy as np
@@ -9,15 +9,15 @@ from zenoh_bridge.shareable import revive
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import AirChanged, AirVolume, ViewShader
 from vrut_lite.kernel.recording.codec import arrays_of, to_plain
 
-LIGHT = np.linspace(0, 9, 3 * 4 * 2 * 3).astype(np.float16).reshape(3, 4, 2, 3)
+LIGHT = np.linspace(0, 9, 3 * 3 * 4 * 2 * 3).astype(np.float16).reshape(3, 3, 4, 2, 3)
 AIR = AirChanged(
     volume=AirVolume(
-        shaded=Array(LIGHT.copy()),
-        direct=Array(LIGHT + np.float16(1.0)),
-        aerosol=Array(LIGHT + np.float16(2.0)),
+        light=Array(LIGHT.copy()),
+        columns=2,
         extinction=Array(np.full((3, 4, 3), 1e-5, np.float32)),
         radiance_scale=0.25,
         aerosol_phase=(0.8, 0.1, 1.0),
@@ -48,6 +48,14 @@ def test_air_crosses(message):
     assert revive("AirChanged", fields) == message
 
 
+def test_air_that_stays_on_the_gpu_does_not_cross():
+    """Its texels are not in the message: the other side would have nothing to draw."""
+    texture = GpuTexture(size=(2, 4, 9), format="rgba32f", recipe="00")
+    volume = msgspec.structs.replace(AIR.volume, light=texture)
+    with pytest.raises(UserError, match="stays on the GPU"):
+        encode_frame(msgspec.structs.replace(AIR, volume=volume), 2**16)
+
+
 def test_a_stranger_s_shader_does_not_cross():
     """The cube map of a sky seen from aloft arrives; code for the GPU of another is left out."""
     view = ViewShader(
@@ -69,9 +77,11 @@ def test_a_stranger_s_shader_does_not_cross():
         ({"reach_m": 0.0}, "do not fit"),
         ({"rows_above": 1, "rows_below": 3}, "do not fit"),
         ({"rows_above": 3}, "do not fit"),
-        ({"direct": Array(LIGHT[:2].copy())}, "do not fit"),
-        ({"shaded": Array(LIGHT[..., 0].copy())}, "do not fit"),
-        ({"aerosol": Array(LIGHT.astype(np.float32))}, "do not fit"),
+        ({"columns": 3}, "do not fit"),
+        ({"light": Array(LIGHT[:, :2].copy())}, "do not fit"),
+        ({"light": Array(LIGHT[..., 0].copy())}, "do not fit"),
+        ({"light": Array(LIGHT.astype(np.float32))}, "do not fit"),
+        ({"light": GpuTexture(size=(2, 4, 9), format="rgba16f", recipe="")}, "no array"),
         ({"extinction": Array(np.ones((4, 3, 3), np.float32))}, "do not fit"),
     ],
 )

@@ -4,11 +4,9 @@ Slices share out a ray's span, which begins where the ray enters the air (the ey
 inside it) and ends after `reach_m` of air, or before: where a ray above the horizon leaves the
 air, and `BELOW_LEVEL_M` under the ground's level. They lie at the shares u (2 b + (1 - 2 b) u), u
 uniform in [0, 1]: dense near an eye on the ground, where b is 0, even at 5 km, and dense near the
-ground, where the haze is, for an eye high up. Rows are heights of view directions,
-mu = mu_h + (mu_top - mu_h) x^2 above the horizon and mu_h - (1 + mu_h) x^2 below it, x uniform in
-[0, 1]: dense toward the horizon, where radiance changes fast; mu_top is the zenith, or the edge of
-the air for an eye above it. Columns are t = sin(phi / 2), uniform in [0, 1], phi the azimuth from
-the sun: light is even about the sun's vertical plane.
+ground, where the haze is, for an eye high up. Rows are heights of view directions: see `air_rows`.
+Columns are t = sin(phi / 2), uniform in [0, 1], phi the azimuth from the sun: light is even about
+the sun's vertical plane.
 
 A ray does not end at the ground's level: below it the air counts as at level 0. So no value jumps
 at the horizon, and things that stand below the level are served too.
@@ -19,17 +17,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.geometry.air_rows import BELOW_LEVEL_M, Grid, grid_of, row_heights, rows_of
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import AirVolume
 
 FloatArray = NDArray[np.float64]
 
-
-# How deep things may stand below the level: past that, air counts no more.
-BELOW_LEVEL_M = 500.0
 # From this altitude slices are even.
 _EVEN_ALTITUDE_M = 5000.0
 # Spans that grazing the edge of the air, or standing on it, would make zero.
 SHORTEST_SPAN_M = 1.0
+# What none of it is counts as, for its logarithm.
+_LEAST_EXTINCTION_PER_M = 1e-15
 
 
 class AirLight(NamedTuple):
@@ -55,20 +54,15 @@ class NodeRays(NamedTuple):
     nu: FloatArray
 
 
-class Grid(NamedTuple):
-    """What the places of nodes depend on; its names are those of `AirVolume`."""
+def light_of(volume: AirVolume) -> NDArray[np.floating]:
+    """The light (3, slices, rows, columns, 3) of a volume.
 
-    observer_altitude_m: float
-    ground_radius_m: float
-    top_altitude_m: float
-    reach_m: float
-    rows_above: int
-    rows_below: int
-
-
-def grid_of(volume: AirVolume) -> Grid:
-    """The grid of a volume."""
-    return Grid(*(getattr(volume, name) for name in Grid._fields))
+    Raises:
+        ValueError: it stays on the GPU.
+    """
+    if isinstance(volume.light, GpuTexture):
+        raise ValueError("the light of this air stays on the GPU: ask for air made on the CPU")
+    return volume.light.values
 
 
 def slice_shares(slices: int, observer_altitude_m: float) -> FloatArray:
@@ -101,7 +95,7 @@ def span_m(grid: Grid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayL
 
 def node_rays(grid: Grid, columns: int, mu_s: float) -> NodeRays:
     """The rays of all nodes under a sun whose zenith angle has the cosine mu_s at the observer."""
-    one_plus = row_heights(horizon_depth(grid), grid.rows_above, grid.rows_below)
+    one_plus = row_heights(grid)
     mu, sine = one_plus - 1.0, np.sqrt(one_plus * (2.0 - one_plus))
     across = sine * np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
     nu = np.clip((mu * mu_s)[:, None] + across[:, None] * column_cosines(columns), -1.0, 1.0)
@@ -115,24 +109,6 @@ def node_rays(grid: Grid, columns: int, mu_s: float) -> NodeRays:
         start, entering = np.full(mu.shape, grid.top_altitude_m), -half_chord / top_radius
         suns = np.clip((radius * mu_s + entry[:, None] * nu) / top_radius, -1.0, 1.0)
     return NodeRays(start, entering, span_m(grid, start, entering, below), suns, nu)
-
-
-def horizon_depth(grid: AirVolume | Grid) -> FloatArray:
-    """1 + mu (2,) of the ground's horizon and of the highest row, for the volume's observer."""
-    return row_depth(grid.ground_radius_m, grid.top_altitude_m, grid.observer_altitude_m)
-
-
-def row_depth(ground_radius_m: float, top_altitude_m: float, altitude_m: float) -> FloatArray:
-    """1 + mu (2,) of the ground's horizon, and of the zenith or, from above, the air's edge."""
-    inside = altitude_m <= top_altitude_m
-    edge = 2.0 if inside else _grazing_depth(ground_radius_m, top_altitude_m, altitude_m)
-    return np.array([_grazing_depth(ground_radius_m, 0.0, altitude_m), edge])
-
-
-def row_heights(depth: FloatArray, rows_above: int, rows_below: int) -> FloatArray:
-    """1 + mu (rows,) of the rows, those above the horizon first, each from the horizon on."""
-    up, down = (np.linspace(0.0, 1.0, rows) ** 2 for rows in (rows_above, rows_below))
-    return np.concatenate([depth[0] + (depth[1] - depth[0]) * up, depth[0] * (1.0 - down)])
 
 
 def column_cosines(columns: int) -> FloatArray:
@@ -161,16 +137,27 @@ def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) 
         len(volume.extinction.values) - 1
     )
     column = _columns_of(volume, view)
-    extinction = _blend(volume.extinction.values[:, :, None], depth, row, np.zeros_like(column))
-    optical_depth = extinction * inside_m[..., None]
+    extinction = _blend(log_extinction(volume)[:, :, None], depth, row, np.zeros_like(column))
+    optical_depth = np.exp(extinction) * inside_m[..., None]
     weight = -np.expm1(-optical_depth) * volume.radiance_scale
     shaded, direct, aerosol = (
-        weight * _blend(part.values, depth, row, column)
-        for part in (volume.shaded, volume.direct, volume.aerosol)
+        weight * _blend(part, depth, row, column) for part in light_of(volume)
     )
     nu = view @ np.asarray(volume.sun_direction)
-    sunlit = direct + aerosol * aerosol_phase(volume, nu)[..., None]
+    sunlit = direct * molecules_phase(nu)[..., None]
+    sunlit += aerosol * aerosol_phase(volume, nu)[..., None]
     return AirLight(np.exp(-optical_depth), shaded, sunlit)
+
+
+def log_extinction(volume: AirVolume) -> FloatArray:
+    """What is linear between nodes (slices, rows, 3): extinction falls off with height like exp."""
+    return np.log(np.maximum(volume.extinction.values.astype(float), _LEAST_EXTINCTION_PER_M))
+
+
+def molecules_phase(nu: ArrayLike) -> FloatArray:
+    """Rayleigh's phase function (...,) in sr^-1, of the cosine of the angle to the sun."""
+    cosine = np.asarray(nu, dtype=float)
+    return np.asarray(3.0 / (16.0 * np.pi) * (1.0 + cosine * cosine))
 
 
 def aerosol_phase(volume: AirVolume, nu: ArrayLike) -> FloatArray:
@@ -179,14 +166,6 @@ def aerosol_phase(volume: AirVolume, nu: ArrayLike) -> FloatArray:
     g, factor, form = volume.aerosol_phase
     spread = (1.0 - g) ** 2 + 2.0 * g * (1.0 - cosine)
     return np.asarray(factor * (1.0 + form * cosine * cosine) / spread**1.5)
-
-
-def _grazing_depth(ground_radius_m: float, grazed_altitude_m: float, altitude_m: float) -> float:
-    """1 + mu of the ray that descends from an altitude to graze a lower one."""
-    radius, grazed = ground_radius_m + altitude_m, ground_radius_m + grazed_altitude_m
-    sine = grazed / radius
-    cosine = np.sqrt(max(altitude_m - grazed_altitude_m, 0.0) * (radius + grazed)) / radius
-    return float(sine * sine / (1.0 + cosine))
 
 
 class _Entry(NamedTuple):
@@ -235,18 +214,12 @@ def _slice_of(share: FloatArray, observer_altitude_m: float) -> FloatArray:
 
 
 def _rows_of(grid: Grid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Which row (...,), as a fraction, a direction lies on, and whether below the horizon."""
     level = view[..., 0] ** 2 + view[..., 2] ** 2
     # 1 + mu without cancellation near the nadir, where a far observer has all of the planet.
     one_plus = np.where(
         view[..., 1] < 0.0, level / (1.0 + np.abs(view[..., 1])), 1.0 + view[..., 1]
     )
-    depth = horizon_depth(grid)
-    below = one_plus < depth[0]
-    up = np.sqrt(np.clip((one_plus - depth[0]) / (depth[1] - depth[0]), 0.0, 1.0))
-    down = np.sqrt(np.clip((depth[0] - one_plus) / depth[0], 0.0, 1.0))
-    lowest = grid.rows_above + down * (grid.rows_below - 1)
-    return np.where(below, lowest, up * (grid.rows_above - 1)), below
+    return rows_of(grid, one_plus)
 
 
 def _columns_of(volume: AirVolume, view: FloatArray) -> FloatArray:
@@ -254,7 +227,7 @@ def _columns_of(volume: AirVolume, view: FloatArray) -> FloatArray:
     azimuth = _level(np.asarray(volume.sun_direction, dtype=float))
     # Half the chord between level unit vectors is the sine of half the azimuth.
     chord = np.linalg.norm(_level(view) - azimuth, axis=-1)
-    return np.minimum(0.5 * chord, 1.0) * (volume.shaded.shape[2] - 1)
+    return np.minimum(0.5 * chord, 1.0) * (volume.columns - 1)
 
 
 def _level(direction: FloatArray) -> FloatArray:

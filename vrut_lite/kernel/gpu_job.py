@@ -24,19 +24,20 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     """A compute shader that writes a texture; its completion comes back as a `JobResult`.
 
     The shader (GLSL 4.30) writes image unit 0, a cube (`imageCube`) or 2-D image
-    (`image2D`) of the given size and format. It reads `uniforms` by name, and `buffers`, pairs
-    of a binding and what a std430 storage buffer there holds: an `Array` of float32. Of a
-    module's waiting jobs of one name only the latest is run. The result's value is an `Array`
-    (6, size, size, 4) or (size, size, 4) of float32 if `read_back`, else a `GpuTexture`:
-    nothing is copied.
+    (`image2D`) of the given size and format, or a 3-D image (`image3D`), of which the size is
+    (width, height, depth). It reads `uniforms` by name, and `buffers`, pairs of a binding and
+    what a std430 storage buffer there holds: an `Array` of float32. An `Array` that the last job
+    of this name had too is not sent again. Of a module's waiting jobs of one name only the
+    latest is run. The result's value is an `Array` (6, size, size, 4), (size, size, 4) or
+    (depth, height, width, 4) of float32 if `read_back`, else a `GpuTexture`: nothing is copied.
     """
 
     module: str
     job: str
     compute_shader: str
     uniforms: dict[str, UniformValue]
-    output: Literal["cube", "2d"]
-    size: int
+    output: Literal["cube", "2d", "3d"]
+    size: int | tuple[int, int, int]
     format: Literal["rgba16f", "rgba32f"] = "rgba16f"
     groups: tuple[int, int, int] = (1, 1, 1)
     read_back: bool = False

@@ -15,12 +15,12 @@ class GpuTexture:
     compare and journals digest alike on every machine.
 
     Attributes:
-        size: edge in texels.
+        size: edge in texels; of a 3-D texture (width, height, depth).
         format: "rgba16f" or "rgba32f".
         recipe: digest of the shader, its uniforms and the output (`GpuJob.recipe`).
     """
 
-    size: int
+    size: int | tuple[int, int, int]
     format: str
     recipe: str
 

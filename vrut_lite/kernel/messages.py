@@ -394,15 +394,15 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     Values are kept at nodes (slices, rows, columns) by distance, height and azimuth from the
     sun; `vrut_lite.geometry.air_volume` says where the nodes lie and how values become light.
-    Radiance is linear sRGB, float16, to be multiplied by `radiance_scale` (a power of two), and
-    is a mean along the ray: what the air adds before a point is mean * (1 - transmittance).
+    Radiance is linear sRGB, to be multiplied by `radiance_scale` (a power of two), and is a mean
+    along the ray: what the air adds before a point is mean * (1 - transmittance).
 
     Attributes:
-        shaded: (slices, rows, columns, 3) light scattered twice or more, W m^-2 sr^-1: what the
-            air sends also where no sun falls on it.
-        direct: the same of sunlight scattered once by molecules, their phase function in it.
-        aerosol: the same of sunlight scattered once by aerosol, to be multiplied by its phase
-            function (sr^-1): W m^-2.
+        light: (3, slices, rows, columns, 3) of three kinds. Light scattered twice or more,
+            W m^-2 sr^-1: what the air sends also where no sun falls on it. Sunlight scattered
+            once by molecules, and once by aerosol, each to be multiplied by its phase function
+            (sr^-1): W m^-2. An array of float16, or a texture, the slices of one kind after those
+            of the other.
         extinction: (slices, rows, 3) float32, m^-1, mean along the ray: transmittance is
             exp(-extinction * distance).
         aerosol_phase: g, factor and form: factor (1 + form nu^2) / (1 + g^2 - 2 g nu)^1.5.
@@ -410,10 +410,9 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         reach_m: how much of a ray's air the slices span at most, from where it enters the air.
     """
 
-    shaded: Array
-    direct: Array
-    aerosol: Array
+    light: Array | GpuTexture
     extinction: Array
+    columns: int
     radiance_scale: float
     aerosol_phase: tuple[float, float, float]
     rows_above: int

@@ -10,19 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.air_volume import (
-    BELOW_LEVEL_M,
-    SHORTEST_SPAN_M,
-    evenness,
-    horizon_depth,
-)
+from vrut_lite.geometry.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
+from vrut_lite.geometry.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
+from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import AirVolume
 from vrut_lite.render.gl_owner import rest
 from vrut_lite.render.shader_files import Defines
 
 # As air.glsl binds them.
 _BLOCK, _RADIANCE_UNIT, _EXTINCTION_UNIT = 0, 12, 13
-_BLOCK_BYTES = 4 * 44
+_BLOCK_BYTES = 4 * 48
 
 
 class AirSurroundings(NamedTuple):
@@ -60,23 +57,29 @@ class AirOnGpu:
     def __init__(self, context: Any):
         self._context = context
         self._block = context.buffer(reserve=_BLOCK_BYTES)
+        self._uploaded: Any = None
         self._radiance: Any = None
         self._extinction: Any = None
         self.volume: AirVolume | None = None
 
     def show(self, volume: AirVolume | None) -> None:
-        """Upload a volume in place of the last; None where there is no air to be seen."""
+        """Upload a volume in place of the last; None where there is no air to be seen.
+
+        Light that has never left the GPU is taken as it is.
+        """
         self.volume = volume
         if volume is None:
             return
-        parts = [volume.shaded, volume.direct, volume.aerosol]
-        radiance = np.concatenate([np.asarray(part.values, np.float16) for part in parts])
-        extinction = np.ascontiguousarray(volume.extinction.values, dtype=np.float32)
-        if self._radiance is None or self._radiance.size != radiance.shape[2::-1]:
-            self._release_textures()
-            self._make_textures(radiance.shape[2::-1], extinction.shape[1::-1])
-        self._radiance.write(radiance.tobytes(), alignment=1)
-        self._extinction.write(extinction.tobytes(), alignment=1)
+        extinction = np.ascontiguousarray(log_extinction(volume), dtype=np.float32)
+        self._extinction = self._written(self._extinction, extinction, extinction.shape[1::-1])
+        if isinstance(volume.light, GpuTexture):
+            # It stays ours for as long as the volume that is kept holds it.
+            self._radiance = _between_nodes(self._context, volume.light.opaque)
+            return
+        light = np.ascontiguousarray(volume.light.values, dtype=np.float16)
+        _, slices, rows, columns, _ = light.shape
+        self._uploaded = self._written(self._uploaded, light, (columns, rows, 3 * slices))
+        self._radiance = self._uploaded
 
     def bind(self, around: AirSurroundings) -> None:
         """Hand volume and surroundings to all shaders that are drawn with next."""
@@ -88,29 +91,39 @@ class AirOnGpu:
 
     def release(self) -> None:
         """Free the GL objects."""
-        self._release_textures()
+        self._release(self._uploaded)
+        self._release(self._extinction)
+        self._uploaded = self._extinction = self._radiance = None
         self._block.release()
 
-    def _make_textures(self, size: tuple[int, ...], rows_by_slices: tuple[int, ...]) -> None:
-        linear = (self._context.LINEAR, self._context.LINEAR)
-        self._radiance = self._context.texture3d(size, 3, dtype="f2", alignment=1)
-        self._extinction = self._context.texture(rows_by_slices, 3, dtype="f4", alignment=1)
-        for texture in (self._radiance, self._extinction):
-            texture.filter = linear
-            texture.repeat_x = texture.repeat_y = False
-        self._radiance.repeat_z = False
+    def _written(self, texture: Any, values: NDArray[Any], size: tuple[int, ...]) -> Any:
+        """Values in a texture of that size: the one given, or a new one in its place."""
+        if texture is None or texture.size != size:
+            self._release(texture)
+            make = self._context.texture3d if len(size) == 3 else self._context.texture
+            dtype = f"f{values.itemsize}"
+            texture = _between_nodes(self._context, make(size, 3, dtype=dtype, alignment=1))
+        texture.write(values.tobytes(), alignment=1)
+        return texture
 
-    def _release_textures(self) -> None:
-        if self._radiance is not None:
+    def _release(self, texture: Any) -> None:
+        if texture is not None:
             rest(self._context)
-            self._radiance.release()
-            self._extinction.release()
-        self._radiance = self._extinction = None
+            texture.release()
+
+
+def _between_nodes(context: Any, texture: Any) -> Any:
+    """The texture, to be looked up between its nodes, and at its edges past them."""
+    texture.filter = (context.LINEAR, context.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    if len(texture.size) == 3:
+        texture.repeat_z = False
+    return texture
 
 
 def _packed(volume: AirVolume, around: AirSurroundings) -> NDArray[np.float32]:
     """The block `Air` of air.glsl."""
-    slices, _, columns = volume.shaded.shape[:3]
+    slices = volume.extinction.shape[0]
     horizon, top = horizon_depth(volume)
     radius, altitude = volume.ground_radius_m, volume.observer_altitude_m
     start_m = min(altitude, volume.top_altitude_m)
@@ -121,7 +134,7 @@ def _packed(volume: AirVolume, around: AirSurroundings) -> NDArray[np.float32]:
         [
             *volume.sun_direction, volume.reach_m,
             *_azimuth(volume), horizon, top - horizon,
-            slices, volume.rows_above, volume.rows_below, columns,
+            slices, volume.rows_above, volume.rows_below, volume.columns,
             *volume.aerosol_phase, volume.radiance_scale,
             radius + altitude, radius + volume.top_altitude_m,
             altitude - volume.top_altitude_m, evenness(altitude),
@@ -131,6 +144,7 @@ def _packed(volume: AirVolume, around: AirSurroundings) -> NDArray[np.float32]:
             ground_radius, above_ground_m,
             _horizon_height(ground_radius, above_ground_m) if around.ground_is_bare else 0.0,
             float(around.ground_is_bare),
+            *rows_below(volume), 0.0,
             *around.shadow_from_eye.T.ravel(),
         ],
         np.float32,

@@ -1,5 +1,6 @@
 """The host module that runs GpuJobs on the GL owner and returns results as inputs."""
 
+from collections import defaultdict
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any
@@ -13,6 +14,7 @@ from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite.render.job_buffers import JobBuffers
 from vrut_lite.render.texture_pool import NUMPY_TYPES, TexturePool
 from vrut_lite.render.unlocked import run_compute
 
@@ -32,7 +34,9 @@ class GlJobs(Module):
         super().__init__(link, settings)
         self._owner = owner
         self._inject = inject
-        self._pool = TexturePool()
+        # A pool for each job: those that take turns would release each other's textures.
+        self._pools: defaultdict[str, TexturePool] = defaultdict(TexturePool)
+        self._buffers = JobBuffers()
         self._programs: dict[str, Any] = {}
         self._latest: dict[str, GpuJob] = {}
         self.pending: list[Future[None]] = []
@@ -57,7 +61,7 @@ class GlJobs(Module):
         self._inject(JobResult(module=job.module, job=job.job, value=value, error=error))
 
     def _compute(self, context: Any, job: GpuJob) -> Array | GpuTexture:
-        handle = self._pool.take(context, job)
+        handle = self._pools[job.key()].take(context, job)
         texture = handle.opaque
         if job.compute_shader not in self._programs:
             self._programs[job.compute_shader] = context.compute_shader(job.compute_shader)
@@ -66,25 +70,18 @@ class GlJobs(Module):
             # A uniform that the compiler found unused is not an error.
             if name in program:
                 program[name].value = value
-        buffers = [_bound_buffer(context, *pair) for pair in job.buffers]
+        if kept := self._buffers.bind(context, job):
+            self.ledger.skip("gpu job's buffer: still there", kept)
         texture.bind_to_image(0, read=False, write=True)
         run_compute(program, *job.groups)
         context.memory_barrier()
-        for buffer in buffers:
-            buffer.release()
         return Array(_read(texture, job)) if job.read_back else handle
-
-
-def _bound_buffer(context: Any, binding: int, content: Array) -> Any:
-    buffer = context.buffer(np.ascontiguousarray(content.values, dtype=np.float32).tobytes())
-    buffer.bind_to_storage_buffer(binding)
-    return buffer
 
 
 def _read(texture: Any, job: GpuJob) -> np.ndarray:
     dtype = np.dtype(NUMPY_TYPES[job.format])
-    shape = (job.size, job.size, 4)
-    if job.output == "2d":
+    shape = (job.size, job.size, 4) if isinstance(job.size, int) else (*job.size[::-1], 4)
+    if job.output != "cube":
         return np.frombuffer(texture.read(), dtype).reshape(shape).astype(np.float32)
     faces = [np.frombuffer(texture.read(face), dtype).reshape(shape) for face in range(6)]
     return np.stack(faces).astype(np.float32)

@@ -61,8 +61,10 @@ class GlOwner:
 
 
 def _release(context: Any) -> None:
-    from OpenGL import EGL
+    from OpenGL import EGL, contextdata
 
+    # PyOpenGL keeps the arrays that were given to this context, by its address.
+    contextdata.cleanupContext()
     context.release()
     # A context that is current to a thread lives on, with every texture that is left in it.
     EGL.eglReleaseThread()

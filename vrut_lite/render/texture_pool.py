@@ -7,7 +7,7 @@ from vrut_lite.kernel.gpu_job import GpuJob
 from vrut_lite.kernel.gpu_texture import GpuTexture
 
 NUMPY_TYPES = {"rgba16f": "f2", "rgba32f": "f4"}
-Kind = tuple[str, int, str]
+Kind = tuple[str, int | tuple[int, int, int], str]
 
 
 class _Lent(NamedTuple):
@@ -46,5 +46,8 @@ class TexturePool:
 
 
 def _make(context: Any, job: GpuJob) -> Any:
+    dtype = NUMPY_TYPES[job.format]
+    if job.output == "3d":
+        return context.texture3d(job.size, 4, dtype=dtype)
     make = context.texture_cube if job.output == "cube" else context.texture
-    return make((job.size, job.size), 4, dtype=NUMPY_TYPES[job.format])
+    return make((job.size, job.size), 4, dtype=dtype)

@@ -27,9 +27,11 @@ def radiance_to_point(
     A difference of interpolated values is at its worst where rays graze the ground. In tables
     of the full sizes light scattered once errs by 1 to 4 % by day, by 15 % over a kilometre
     toward the horizon seen from 1 km up, and by 30 % to the horizon seen from 2 m; where the
-    planet's shadow covers the whole segment, some light leaks into it. Bruneton's later remedy,
-    to look up such rays 0.004 in mu above the horizon, is meant for textures of low precision,
-    which these are not.
+    planet's shadow covers the whole segment, some light leaks into it. It is finer tables that
+    help: 4 times as many altitudes, nu and mu_s and, for near things toward the horizon, as many
+    nodes of the transmittance leave 0.1 to 1.3 % from 2 degrees up, 2 % at 1 degree.
+    Bruneton's later remedy, to look up such rays 0.004 in mu above the horizon, is meant for
+    textures of low precision, which these are not.
     """
     air, state = tables.atmosphere, view.state
     way = np.clip(distance_m - view.entry_m, 0.0, to_edge(air, state))

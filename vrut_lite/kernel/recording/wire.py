@@ -7,31 +7,33 @@ import msgspec
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import Message
 
-M = TypeVar("M", bound=Message)
+S = TypeVar("S", bound=msgspec.Struct)
 
 
-def convert(plain: Any, kind: type[M]) -> M:
-    """A message of this type from its fields.
+def convert(plain: Any, kind: type[S]) -> S:
+    """A message of this type, or a structure that one holds, from its fields.
 
     Raises:
         msgspec.ValidationError, OverflowError: a field does not fit.
         UserError: a field that holds an array holds something else.
     """
-    unions = _unions_of(kind)
-    if not unions:
+    unions, structures = _unions_of(kind), _structures_of(kind)
+    if not unions and not structures:
         return msgspec.convert(plain, kind)
     wire = msgspec.convert(plain, _wire_type(kind))
     fields = {name: getattr(wire, name) for name in wire.__struct_fields__}
     for name, types in unions.items():
         if not isinstance(fields[name], types):
             raise UserError(f"{name} is no array")
+    for name, structure in structures.items():
+        if fields[name] is not None:
+            fields[name] = convert(fields[name], structure)
     return kind(**fields)
 
 
 @cache
-def _unions_of(kind: type[Message]) -> dict[str, tuple[type, ...]]:
+def _unions_of(kind: type[msgspec.Struct]) -> dict[str, tuple[type, ...]]:
     """The fields that may hold an array or something else of ours, and what they may hold."""
     hints = get_type_hints(kind)
     return {
@@ -42,15 +44,30 @@ def _unions_of(kind: type[Message]) -> dict[str, tuple[type, ...]]:
 
 
 @cache
-def _wire_type(kind: type[Message]) -> type[Any]:
-    """The type with such fields left open."""
-    hints, unions = get_type_hints(kind), _unions_of(kind)
+def _structures_of(kind: type[msgspec.Struct]) -> dict[str, type[msgspec.Struct]]:
+    """The fields that hold None or a structure with such fields of its own, and its type."""
+    hints = get_type_hints(kind)
+    return {
+        name: part
+        for name in kind.__struct_fields__
+        for part in get_args(hints[name])
+        if isinstance(part, type) and issubclass(part, msgspec.Struct) and _unions_of(part)
+    }
+
+
+@cache
+def _wire_type(kind: type[msgspec.Struct]) -> type[Any]:
+    """The type with such fields left open; like it, strict or not about unknown ones."""
+    hints, left_open = get_type_hints(kind), {*_unions_of(kind), *_structures_of(kind)}
     fields = [
         (
             field.name,
-            Any if field.name in unions else hints[field.name],
+            Any if field.name in left_open else hints[field.name],
             *(() if field.required else (field.default,)),
         )
         for field in msgspec.structs.fields(kind)
     ]
-    return msgspec.defstruct(kind.__name__, fields, frozen=True, kw_only=True)
+    strict = kind.__struct_config__.forbid_unknown_fields
+    return msgspec.defstruct(
+        kind.__name__, fields, frozen=True, kw_only=True, forbid_unknown_fields=strict
+    )

@@ -25,17 +25,19 @@ layout(std140, binding = 0) uniform Air {  // render/air.py packs it
     float above_ground_m;
     float horizon_height;         // mu that parts it from the sky
     float ground_is_bare;         // 1: air is drawn before it
+    vec3 rows_down;               // crowding, x and place of the row that is moved: air_rows.py
     mat4 shadow_from_eye;
 } air;
 layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice
-layout(binding = 13) uniform sampler2D air_extinction;  // rows by slices
+layout(binding = 13) uniform sampler2D air_extinction;  // its logarithm; rows by slices
 
 const float MISSES_AIR = 1e30;
+const float AIR_PI = 3.14159265;
 
 struct AirRay {
     float row;
     float column;
-    float phase;    // of the aerosol, sr^-1
+    vec2 phase;     // of molecules and aerosol, sr^-1
     float entry_m;  // how far from the eye the air begins
     float span_m;   // how much of it the slices share out
 };
@@ -69,6 +71,14 @@ float air_span_m(float along, bool below) {
     return clamp(span, air.shortest_span_m, air.reach_m);
 }
 
+// Place of a row below the horizon, by the share of the way in mu from there to the nadir.
+float row_below(float down) {
+    float c = air.rows_down.x, moved_x = air.rows_down.y, moved_place = air.rows_down.z;
+    float x = sqrt(down / (c + (1.0 - c) * down));
+    return x < moved_x ? x * moved_place / moved_x
+        : 1.0 - (1.0 - x) * (1.0 - moved_place) / (1.0 - moved_x);
+}
+
 AirRay air_ray(vec3 d) {
     // 1 + mu without cancellation near the nadir, where a far observer has all of the planet.
     float one_plus = d.y < 0.0 ? dot(d.xz, d.xz) / (1.0 - d.y) : 1.0 + d.y;
@@ -76,15 +86,16 @@ AirRay air_ray(vec3 d) {
     // Rows above and below the horizon are two blocks: no filter reaches from one into the other.
     float row = above >= 0.0
         ? sqrt(min(above / air.depth_above_horizon, 1.0)) * (air.rows_above - 1.0)
-        : air.rows_above + sqrt(min(-above / air.horizon_depth, 1.0)) * (air.rows_below - 1.0);
+        : air.rows_above + row_below(min(-above / air.horizon_depth, 1.0)) * (air.rows_below - 1.0);
     float level = length(d.xz);
     vec2 azimuth = level > 1e-12 ? d.xz / level : vec2(0.0, -1.0);
     float column = min(0.5 * distance(azimuth, air.sun_azimuth), 1.0) * (air.columns - 1.0);
     // 1 - nu as half the squared chord keeps its precision beside the sun.
     vec3 chord = d - air.sun_direction;
     float beside = 0.5 * dot(chord, chord), nu = 1.0 - beside, g = air.aerosol_phase.x;
-    float phase = air.aerosol_phase.y * (1.0 + air.aerosol_phase.z * nu * nu)
-                  / pow((1.0 - g) * (1.0 - g) + 2.0 * g * beside, 1.5);
+    vec2 phase = vec2(3.0 / (16.0 * AIR_PI), air.aerosol_phase.y)
+                 * (1.0 + vec2(1.0, air.aerosol_phase.z) * nu * nu);
+    phase.y /= pow((1.0 - g) * (1.0 - g) + 2.0 * g * beside, 1.5);
     vec2 entry = air_entry(d);
     return AirRay(row, column, phase, entry.x, air_span_m(entry.y, above < 0.0));
 }
@@ -113,11 +124,11 @@ float slice_at(AirRay ray, float inside_m) {
 vec3 optical_depth_of(AirRay ray, float inside_m) {
     vec2 node = vec2(ray.row, slice_at(ray, inside_m));
     vec2 at = (node + 0.5) / vec2(textureSize(air_extinction, 0));
-    return textureLod(air_extinction, at, 0.0).rgb * inside_m;
+    return exp(textureLod(air_extinction, at, 0.0).rgb) * inside_m;
 }
 
 vec3 sunlit_mean(AirRay ray, float slice) {
-    return air_part(1.0, slice, ray) + air_part(2.0, slice, ray) * ray.phase;
+    return air_part(1.0, slice, ray) * ray.phase.x + air_part(2.0, slice, ray) * ray.phase.y;
 }
 
 vec3 sunlit_before(AirRay ray, float metres) {

@@ -1,0 +1,37 @@
+"""Storage buffers of GPU jobs: what the last job of the same name read is not sent again."""
+
+from typing import Any
+
+import numpy as np
+
+from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.gpu_job import GpuJob
+
+_Sent = dict[int, tuple[Array, Any]]
+
+
+class JobBuffers:
+    """Keeps the buffers of the last job of each name; on the GL thread only."""
+
+    def __init__(self) -> None:
+        self._sent: dict[str, _Sent] = {}
+
+    def bind(self, context: Any, job: GpuJob) -> int:
+        """Bind what a job reads; how many of its buffers were still there."""
+        before, now, kept = self._sent.pop(job.key(), {}), _Sent(), 0
+        for binding, content in job.buffers:
+            # The same object: to compare contents might take longer than to send them.
+            if binding in before and before[binding][0] is content:
+                now[binding] = before.pop(binding)
+                kept += 1
+            else:
+                now[binding] = content, _buffer(context, content)
+            now[binding][1].bind_to_storage_buffer(binding)
+        for _, buffer in before.values():
+            buffer.release()
+        self._sent[job.key()] = now
+        return kept
+
+
+def _buffer(context: Any, content: Array) -> Any:
+    return context.buffer(np.ascontiguousarray(content.values, dtype=np.float32).tobytes())
