@@ -1,6 +1,7 @@
 """The wheel must hold all that the checkout runs with; an editable installation hides a gap."""
 
 import configparser
+import os
 import shutil
 import subprocess
 import sys
@@ -30,7 +31,7 @@ def wheel(tmp_path_factory):
     source = tmp_path_factory.mktemp("source")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    for name in ("vrut_lite", "modules", "benchmarks", "studies"):
+    for name in ("vrut_lite", "modules", "benchmarks", "studies", "scenes"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", "dist"],
@@ -74,7 +75,39 @@ def test_the_packages_are_marked_as_typed(wheel, package):
 def test_nothing_else_is_in_the_wheel(wheel):
     """Tests and tools would land as top-level packages in everybody's environment."""
     tops = {name.split("/")[0] for name in wheel.namelist()}
-    assert tops == {*PACKAGES, f"vrut_lite-{PROJECT['version']}.dist-info"}
+    folders = {f"vrut_lite-{PROJECT['version']}.{kind}" for kind in ("dist-info", "data")}
+    assert tops == {*PACKAGES, *folders}
+
+
+def test_the_first_scene_is_found_where_the_wheel_is_installed(wheel, tmp_path):
+    """Without a checkout the first start would show nothing: the street, all that it is made of."""
+    home = tmp_path / "lib" / "site-packages"
+    data = f"vrut_lite-{PROJECT['version']}.data/data/"
+    record = f"vrut_lite-{PROJECT['version']}.dist-info/RECORD"
+    wheel.extractall(home)
+    # As an installer lays data out, and tells where: beside `lib`.
+    shutil.copytree(home / data, tmp_path, dirs_exist_ok=True)
+    told = (home / record).read_text(encoding="utf-8").replace(data, "../../")
+    (home / record).write_text(told, encoding="utf-8")
+    ask = (
+        "from vrut_lite.commands.run import _first_project;"
+        "from vrut_lite.scene.loading import load_scene;"
+        "project = _first_project();"
+        "print(project.scene, project.at, load_scene(project.scene).triangles)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", ask],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(home)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    scene, hour, triangles = done.stdout.split()
+    assert Path(scene) == tmp_path / "share" / "vrut_lite" / "scenes" / "street.obj"
+    assert hour == "2026-06-21T18:40"
+    assert int(triangles) > 1000
 
 
 def test_licence_notices_travel_with_the_wheel(wheel):

@@ -13,6 +13,7 @@ from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.render.skips import FrameSkips
 from vrut_lite.scene.backend import Picture, SceneBackend
@@ -82,10 +83,14 @@ class Host:
         self.settle()
         return self.draw_now(still)
 
-    def draw_now(self, still: bool = True) -> Picture:
-        """Draw what the scene manager knows by now."""
+    def draw_now(self, still: bool = True, is_given_up: IsGivenUp | None = None) -> Picture:
+        """Draw what the scene manager knows by now.
+
+        Raises:
+            GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
+        """
         self._backend.set_tolerance(tolerance_of(self.kernel))
-        return self._backend.draw(still)
+        return self._backend.draw(still, is_given_up)
 
     @property
     def frame_ledger(self) -> Ledger:

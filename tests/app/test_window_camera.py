@@ -1,14 +1,17 @@
 """The camera by mouse and keys, and files dropped on the picture."""
 
 import math
+import threading
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
+from window_driver import WindowDriver
 
-from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded
+from vrut_lite.app.stage import GlStage
+from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded, SetExposure
 
 
 @pytest.fixture
@@ -96,6 +99,43 @@ def test_flying_by_keys_goes_on_while_they_are_held(driver, qtbot):
     way = driver.view.rig.eye_m - eye
     assert np.allclose(way / np.linalg.norm(way), forward)
     driver.until(lambda: not driver.view._flight.isActive())
+
+
+class HeldStage(GlStage):
+    """Waits in the midst of a finished picture until the test has gone on."""
+
+    reached, released = threading.Event(), threading.Event()
+
+    def draw(self, size, still, is_given_up=None):
+        def is_given_up_now():
+            self.reached.set()
+            self.released.wait()
+            return is_given_up()
+
+        return super().draw(size, still, is_given_up_now if still else None)
+
+
+@pytest.mark.gl
+def test_a_finished_picture_is_given_up_for_a_hand_that_moves_on(qtbot, tmp_path):
+    """It takes seconds on a software renderer: after a drag or an undone step the next picture is
+    a quick one, made at once, and a window that is closed shows none any more."""
+    HeldStage.released.set()
+    driver = WindowDriver(qtbot, HeldStage, tmp_path)
+    driver.session.send(SetExposure(compensation_ev=1.0))
+    view, shown = driver.window.desk.viewport, []
+    driver.session.picture_shown.connect(shown.append)
+    for act in (lambda: drag(qtbot, view, QPoint(0, 40)), driver.window.undo, driver.window.close):
+        HeldStage.released.clear()
+        HeldStage.reached.clear()
+        drag(qtbot, view, QPoint(40, 0))
+        driver.until(HeldStage.reached.is_set)
+        shown.clear()
+        act()
+        HeldStage.released.set()
+        driver.until(lambda: driver.session.has_ended or (len(shown) > 0 and shown[-1].still))
+        assert [picture.still for picture in shown[:1]] in ([False], [])
+        assert driver.session.has_ended == (shown == [])
+    driver.close()
 
 
 def test_keys_alone_turn_and_frame(driver, qtbot):

@@ -5,10 +5,13 @@ import time
 
 import pytest
 from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QApplication
 from window_driver import NOON, PATIENCE_MS, SCENES, HeadlessStage, WindowDriver
 
+from vrut_lite.app.day import SunScout
 from vrut_lite.app.engine import Engine
 from vrut_lite.app.session import Session
+from vrut_lite.app.twin_skies import TwinSkies
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, LoadScene, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
@@ -80,6 +83,37 @@ def test_closing_during_a_render_ends_cleanly(drawn_window):
     drawn_window.window.close()
     drawn_window.until(lambda: drawn_window.session.has_ended)
     assert "gl-owner_0" not in [thread.name for thread in threading.enumerate()]
+
+
+@pytest.mark.parametrize("work", ["day", "comparison"])
+def test_what_a_thread_finds_after_the_window_was_closed_is_told_to_nobody(
+    headless_window, monkeypatch, work
+):
+    """Qt may have deleted whom it would be told to: that ended the process, now and then."""
+    driver, told = headless_window, []
+    found, goes_on = threading.Event(), threading.Event()
+
+    def held(*wish):
+        found.set()
+        goes_on.wait()
+        raise UserError("too late")
+
+    if work == "day":
+        monkeypatch.setattr(SunScout, "day", lambda *wish: found.set() or goes_on.wait())
+        driver.window.desk.scout._found.connect(lambda *found: told.append(found))
+        driver.session.send(SetClock(instant=NOON.replace(month=3)))
+    else:
+        monkeypatch.setattr(TwinSkies, "look", held)
+        driver.panel("compare").comparison._done.connect(lambda *found: told.append(found))
+        driver.window.docks["compare"].show()
+    driver.until(found.is_set)
+    driver.window.close()
+    goes_on.set()
+    driver.until(lambda: driver.session.has_ended)
+    names = ("vrut-lite day", "vrut-lite comparison")
+    driver.until(lambda: not any(t.name.startswith(names) for t in threading.enumerate()))
+    QApplication.processEvents()
+    assert told == []
 
 
 def test_a_host_that_cannot_open_ends_the_session_with_a_line(qtbot):

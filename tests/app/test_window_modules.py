@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import Qt
 from window_driver import NOON
 
-from vrut_lite.app.panels.module_panel import ModulePanel
+from vrut_lite.app.docks import module_docks
 from vrut_lite.app.roster import roster_of
 from vrut_lite.kernel.messages import (
     ClockMoved,
@@ -176,15 +176,23 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
     import growing_module
 
     driver.asked(lambda stage: stage.kernel.add_module(growing_module.Growing))
-    info = driver.asked(lambda stage: roster_of(stage).modules["growing"])
-    panel = ModulePanel(driver.session, info, driver.window.desk.presets)
-    driver.qtbot.addWidget(panel)
+    (spec,) = (
+        spec for spec in module_docks(driver.asked(roster_of)) if spec.name == "module growing"
+    )
+    driver.window.add_dock(spec)
+    driver.window.show_dock(spec.name)
+    panel = driver.panel(spec.name)
     assert list(panel.rows) == ["first"]
     file.write_text(GROWING.format(settings="first: float = 1.0; second: bool = True"))
     driver.session.send(ReloadModule(module="growing"))
     driver.until(lambda: list(panel.rows) == ["first", "second"])
     assert panel.rows["second"].editor.isChecked()
-    panel.rows["second"].editor.click()
+    # Of the window's keys a new row's control gets its own.
+    driver.window.activateWindow()
+    driver.until(driver.window.isActiveWindow)
+    panel.rows["second"].editor.setFocus()
+    driver.qtbot.keyClick(panel.rows["second"].editor, Qt.Key.Key_Space)
+    assert not driver.window.time.player.playing
     driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("second", False))
     monkeypatch.delitem(sys.modules, "growing_module")
 

@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 from window_driver import NOON, SCENES
 
+from vrut_lite.app import history
 from vrut_lite.app.history import History
 from vrut_lite.app.inverse import inverse_of
 from vrut_lite.daylight_kernel import daylight_kernel
@@ -128,8 +129,9 @@ def test_controls_show_what_was_taken_back(driver):
     assert not driver.window.actions_by_name["redo"].isEnabled()
 
 
-def test_a_drag_is_one_step(driver):
-    """As many values as a slider passes on its way."""
+def test_a_drag_is_one_step(driver, monkeypatch):
+    """As many values as a slider passes on its way, however slow the hand."""
+    monkeypatch.setattr(history, "GESTURE_S", 1000.0)
     editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
     for notch in range(300, 900, 60):
         editor.slider.setValue(notch)
@@ -226,12 +228,12 @@ def test_the_inverse_of_an_input(kernel, message, back):
 def test_what_closely_follows_is_one_step_and_what_does_not_is_another(kernel):
     """One control in quick succession, or all that was sent together; never another control."""
     now, told = [0.0], []
-    history = History(told.append, lambda: now[0])
-    history.attach(kernel)
+    steps = History(told.append, lambda: now[0])
+    steps.attach(kernel)
 
     def send(*inputs, after_s=0.1):
         now[0] += after_s
-        history.expect(inputs)
+        steps.expect(inputs)
         for message in inputs:
             kernel.inject(message)
         kernel.pump_until_idle()
@@ -247,11 +249,28 @@ def test_what_closely_follows_is_one_step_and_what_does_not_is_another(kernel):
     kernel.inject(setting("seed", 5))
     kernel.pump_until_idle()
     titles = []
-    while title := history.undo():
+    while title := steps.undo():
         titles.append(title)
         kernel.pump_until_idle()
     assert titles == ["2 changes", "coverage 0.3", "coverage 0.2"]
     settings = kernel.seats["clouds"].settings
     assert (settings.coverage, settings.base_m, settings.thickness_m) == (0.0, 1300.0, 1500.0)
     assert settings.seed == 5
-    assert history.redo() == "coverage 0.2"
+    assert steps.redo() == "coverage 0.2"
+
+
+def test_what_is_sent_in_quick_succession_is_one_step_also_on_a_busy_machine(kernel):
+    """The hand's time counts: the kernel may admit a drag's values seconds apart."""
+    now, told = [0.0], []
+    steps = History(told.append, lambda: now[0])
+    steps.attach(kernel)
+    drag = [SetSetting(module="clouds", name="coverage", value=value) for value in (0.1, 0.2, 0.3)]
+    for message in drag:
+        steps.expect((message,))
+        now[0] += 0.1
+    for message in drag:
+        now[0] += 5.0
+        kernel.inject(message)
+        kernel.pump_until_idle()
+    assert steps.undo() == "coverage 0.3"
+    assert steps.undo() == ""

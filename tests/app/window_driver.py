@@ -39,7 +39,7 @@ class HeadlessStage:
         self.frame_ledger = Ledger()
         self.sizes = []
 
-    def draw(self, size, still):
+    def draw(self, size, still, is_given_up=None):
         self.sizes.append((size, still))
         return self.watched.draw_sized(size, lambda: self.watched.draw(still))
 

@@ -23,6 +23,7 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
 from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.white_balance import white_balance_matrix
 from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.camera import look_at
@@ -87,8 +88,10 @@ class CpuSkyStage:
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()
 
-    def draw(self, size: tuple[int, int], still: bool) -> Picture:
-        """Draw what is known by now."""
+    def draw(
+        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+    ) -> Picture:
+        """Draw what is known by now, which does not take long."""
         return self.watched.draw_sized(size, lambda: self.watched.draw(still))
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from PySide6.QtCore import QObject, Qt, Signal
 
 from vrut_lite.app.day import Day, SunScout
+from vrut_lite.app.hand_over import HandOver
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.session import Session
 from vrut_lite.kernel.messages import ClockMoved, SetPlace, SettingChanged, SlotChanged
@@ -36,9 +37,11 @@ class DayScout(QObject):
         self._wish: _Wish | None = None
         self._scout: SunScout | None = None
         self._closed = False
+        self._tell = HandOver(self._found.emit)
         self._thread = ThreadPoolExecutor(1, "vrut-lite day")
         self._session = session
         self._found.connect(self._take, Qt.ConnectionType.QueuedConnection)
+        session.closing.connect(self.close)
         session.ready.connect(self._know)
         session.listen(SetPlace, lambda _: self._look())
         session.listen(ClockMoved, lambda _: self._look())
@@ -48,6 +51,7 @@ class DayScout(QObject):
     def close(self) -> None:
         """Look no more."""
         self._closed = True
+        self._tell.close()
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def _know(self, roster: Roster) -> None:
@@ -83,7 +87,7 @@ class DayScout(QObject):
             self._scout = SunScout()
         self._scout.set_up(wish.place, wish.holder, dict(wish.settings))
         day = self._scout.day(wish.day, time_zone_at(place_of(wish.place)))
-        self._found.emit(wish, day)
+        self._tell(wish, day)
 
     def _take(self, wish: _Wish, day: Day | None) -> None:
         if wish is self._wish and day is not None:

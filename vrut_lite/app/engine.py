@@ -1,7 +1,8 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
 Inputs wait in an inbox in front of the kernel's own, and pass in one go: a storm of them merges
-while a frame is drawn, and the kernel always comes to an end with what it was given.
+while a frame is drawn, and the kernel always comes to an end with what it was given. A finished
+picture, which may take seconds, is given up for them.
 """
 
 import threading
@@ -19,6 +20,7 @@ from vrut_lite.app.stage import Stage
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.inbox import Inbox
 from vrut_lite.kernel.messages import Input, Message
+from vrut_lite.render.patience import GivenUp
 from vrut_lite.scene.backend import Picture
 
 T = TypeVar("T")
@@ -56,6 +58,8 @@ class Engine:
         self._inbox = Inbox()
         self._questions: deque[tuple[Question, Future[Any]]] = deque()
         self._awake = threading.Event()
+        # Something was sent, undone, or is to end: nobody waits for a picture of what was before.
+        self._moved_on = threading.Event()
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._finish_at_s: float | None = None
@@ -73,12 +77,17 @@ class Engine:
         """Bring inputs, also before the stage is open."""
         for message in inputs:
             self._inbox.put(message)
-        self._awake.set()
+        self._move_on()
 
-    def ask(self, question: Callable[[Stage], T]) -> "Future[T]":
-        """Have something done on the engine's thread, after what was sent before."""
+    def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
+        """Have something done on the engine's thread, after what was sent before.
+
+        What `changes` something does not wait for a picture to be finished.
+        """
         answer: Future[T] = Future()
         self._questions.append((question, answer))
+        if changes:
+            self._moved_on.set()
         self._awake.set()
         if self._ending.is_set():
             answer.cancel()
@@ -87,6 +96,10 @@ class Engine:
     def stop(self) -> None:
         """Ask the thread to end soon; ENDED is told when it has."""
         self._ending.set()
+        self._move_on()
+
+    def _move_on(self) -> None:
+        self._moved_on.set()
         self._awake.set()
 
     def join(self, timeout_s: float | None = None) -> bool:
@@ -127,6 +140,7 @@ class Engine:
         while not self._ending.is_set():
             self._awake.wait(self._patience_s())
             self._awake.clear()
+            self._moved_on.clear()
             # Counted first: whatever was sent before a question has been pumped when it is put.
             questions = len(self._questions)
             self._pump(stage)
@@ -172,14 +186,22 @@ class Engine:
             stage.watched.changed = False
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
             self._finish_at_s = perf_counter() + self._pacing.rest_s()
+        elif self._awake.is_set():
+            # An answer has left something to be pumped first, an undone step say.
+            return
         elif self._finish_at_s is not None and now_s >= self._finish_at_s:
             self._finish_at_s = None
             self._draw_one(stage, 1.0, still=True)
 
     def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
         start_s = perf_counter()
+        size, is_given_up = scaled(stage.watched.size, scale), self._moved_on.is_set
         try:
-            picture = stage.draw(scaled(stage.watched.size, scale), still)
+            picture = stage.draw(size, still, is_given_up if still else None)
+        except GivenUp:
+            # Where what came changes nothing to be seen, it is still to be finished.
+            self._finish_at_s = start_s
+            return
         except Exception as error:
             self._trouble(error)
             return

@@ -72,8 +72,9 @@ class History:
         self._now_s = now_s
         self._kernel: Kernel | None = None
         self._acts = count(1)
-        # By identity, held so that none is given to another meanwhile.
-        self._expected: OrderedDict[int, tuple[Input, int]] = OrderedDict()
+        # By identity, held so that none is given to another meanwhile; with the time of the hand:
+        # on a busy machine a drag is admitted in pieces that are far apart.
+        self._expected: OrderedDict[int, tuple[Input, int, float]] = OrderedDict()
         self._done: deque[_Step] = deque(maxlen=_MOST_STEPS)
         self._undone: list[_Step] = []
         self._closed = True
@@ -119,13 +120,13 @@ class History:
 
     def _note(self, inputs: tuple[Input, ...], act: int) -> None:
         for message in inputs:
-            self._expected[id(message)] = (message, act)
+            self._expected[id(message)] = (message, act, self._now_s())
         # What gave way to a later input of its key is never admitted.
         while len(self._expected) > _MOST_EXPECTED:
             self._expected.popitem(last=False)
 
     def _admitted(self, message: Input) -> None:
-        _, act = self._expected.pop(id(message), (message, _OWN))
+        _, act, sent_s = self._expected.pop(id(message), (message, _OWN, 0.0))
         if act == _BEGINNING:
             self._done.clear()
             self._undone.clear()
@@ -134,11 +135,10 @@ class History:
         assert self._kernel is not None
         back = inverse_of(message, self._kernel) if act != _OWN else None
         if back is not None:
-            self._add(message, back, act)
+            self._add(message, back, act, sent_s)
 
-    def _add(self, forth: Input, back: Input, act: int) -> None:
+    def _add(self, forth: Input, back: Input, act: int, now_s: float) -> None:
         key: Key = (type(forth), forth.key())
-        now_s = self._now_s()
         last = self._done[-1] if self._done and not self._closed else None
         if last is None or not _continues(last, key, act, now_s):
             last = _Step(act)

@@ -15,6 +15,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.panels.module_panel import ModulePanel
+
 _TAKING_BACK = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
 _PLAIN = (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.KeypadModifier)
 
@@ -23,10 +25,12 @@ class KeyJudge(QObject):
     """Watches the controls of panels."""
 
     def watch(self, panel: QWidget) -> None:
-        """Judge the keys of all controls in a panel."""
+        """Judge the keys of all controls in a panel, and of those that come into it later."""
         for control in (panel, *panel.findChildren(QWidget)):
             if isinstance(control, _CONTROLS):
                 control.installEventFilter(self)
+            elif isinstance(control, ModulePanel):
+                control.remade.connect(self.watch)
 
     def eventFilter(self, control: QObject, event: QEvent) -> bool:
         """Qt asks whether a control wants a key for itself before it tries shortcuts."""

@@ -132,7 +132,6 @@ class MainWindow(QMainWindow):
         session.problem.connect(self.show_problem)
         session.picture_shown.connect(self._show_facts)
         session.steps_changed.connect(self.menus.show_steps)
-        session.ended.connect(self._ended)
         desk.viewport.scene_dropped.connect(self.open_path)
         desk.viewport.mode_changed.connect(self._mode_changed)
 
@@ -256,7 +255,6 @@ class MainWindow(QMainWindow):
         if not self.session.has_ended:
             self._guarded(self._keep)
             self.time.player.pause()
-            self.desk.scout.close()
             self.session.close()
         self.hide()
         event.accept()
@@ -267,10 +265,6 @@ class MainWindow(QMainWindow):
             self.kept.keep_session(self.desk.keeper.project)
             geometry, docks = self.saveGeometry().data(), self.saveState().data()
             self.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
-
-    def _ended(self) -> None:
-        """The engine is gone, by our wish or because it could not begin."""
-        self.desk.scout.close()
 
 
 _TABS_ABOVE = QTabWidget.TabPosition.North

@@ -5,8 +5,8 @@ QUICK_S = 0.11
 # Few sizes, for each one needs framebuffers of its own.
 SCALES = (1.0, 0.7, 0.5, 0.35, 0.25)
 # Where nothing has changed for so long the hand rests, and the picture is finished: later where
-# that takes long, for a hand that moves on would have to wait for it.
-_SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 1.0
+# that takes long, for it is given up for a hand that moves on, a piece too late.
+_SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.5
 _REST_SHARE = 0.3
 _MEMORY = 0.5
 

@@ -17,6 +17,7 @@ from vrut_lite.app import engine
 from vrut_lite.app.cpu_sky import best_stage
 from vrut_lite.app.engine import Engine, Shown
 from vrut_lite.app.flight_recorder import FlightRecorder, Recorded
+from vrut_lite.app.hand_over import HandOver
 from vrut_lite.app.history import History
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.stage import Stage
@@ -36,7 +37,8 @@ class Session(QObject):
     Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `sent` (an input)
     whenever something was sent, `heard` (message, sender), `picture_shown` (a `Shown`),
     `camera_moved` (the `MoveCamera` that is looked through), `steps_changed` (`Steps` to take back
-    and to do again), `problem` (a line for people), `ended` when nothing runs any more.
+    and to do again), `problem` (a line for people), `closing` when the end begins, `ended` when
+    nothing runs any more.
     """
 
     ready = Signal(object)
@@ -46,6 +48,7 @@ class Session(QObject):
     camera_moved = Signal(object)
     steps_changed = Signal(object)
     problem = Signal(str)
+    closing = Signal()
     ended = Signal()
     _mail_came = Signal()
 
@@ -57,7 +60,8 @@ class Session(QObject):
         self._listeners: defaultdict[type[Message], list[Listener]] = defaultdict(list)
         self._numbers = count()
         self._has_ended = False
-        self._mailbox = Mailbox(self._mail_came.emit)
+        self._wake = HandOver(self._mail_came.emit)
+        self._mailbox = Mailbox(self._wake)
         self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
         self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
         self._recorder: FlightRecorder | None = None
@@ -87,11 +91,11 @@ class Session(QObject):
 
     def undo(self, then: Callable[[str], None] | None = None) -> None:
         """Take the last step back; `then` gets its title, empty if there was none."""
-        self.ask(lambda stage: self.history.undo(), then)
+        self.follow(self._engine.ask(lambda stage: self.history.undo(), changes=True), then)
 
     def redo(self, then: Callable[[str], None] | None = None) -> None:
         """Do again what was taken back last; `then` gets its title, empty if there was nothing."""
-        self.ask(lambda stage: self.history.redo(), then)
+        self.follow(self._engine.ask(lambda stage: self.history.redo(), changes=True), then)
 
     @property
     def recorded(self) -> Recorded:
@@ -147,10 +151,14 @@ class Session(QObject):
     def close(self) -> None:
         """Begin to end; `ended` comes when all that runs has noticed."""
         self._engine.stop()
+        self.closing.emit()
 
     def join(self, timeout_s: float | None = None) -> bool:
-        """Wait for the engine's end; whether it came."""
-        return self._engine.join(timeout_s)
+        """Wait for the engine's end; whether it came. Nothing is told after it."""
+        came = self._engine.join(timeout_s)
+        if came:
+            self._wake.close()
+        return came
 
     @property
     def has_ended(self) -> bool:
@@ -193,6 +201,7 @@ class Session(QObject):
             self.ready.emit(value)
         elif kind == engine.ENDED:
             self._has_ended = True
+            self.closing.emit()
             self.ended.emit()
         else:
             self._take_answer(*value)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
 
+from vrut_lite.app.hand_over import HandOver
 from vrut_lite.app.roster import ModuleInfo, Roster
 from vrut_lite.app.session import Session
 from vrut_lite.app.twin_skies import (
@@ -85,13 +86,14 @@ class SkyComparison(QObject):
         self._looked: SkyWish | None = None
         self._twin: TwinSkies | None = None
         self._thread: ThreadPoolExecutor | None = None
+        self._tell = HandOver(self._done.emit)
         self._done.connect(self._take, Qt.ConnectionType.QueuedConnection)
         session.ready.connect(self._know)
         session.listen(SlotChanged, self._slot_changed)
         session.listen(SettingChanged, self._setting_changed)
         session.listen(SetPlace, lambda _: self._look())
         session.listen(ClockMoved, lambda _: self._look())
-        session.ended.connect(self.close)
+        session.closing.connect(self.close)
 
     def set_active(self, active: bool) -> None:
         """Whether someone looks."""
@@ -119,6 +121,7 @@ class SkyComparison(QObject):
     def close(self) -> None:
         """Compare no more."""
         self._active, self._asked = False, None
+        self._tell.close()
         thread, self._thread = self._thread, None
         if thread is not None:
             thread.submit(self._close_twin)
@@ -178,21 +181,18 @@ class SkyComparison(QObject):
         try:
             if wish != self._looked:
                 self._looked = None
-                self._done.emit(asked, compared(twin.look(wish)))
+                self._tell(asked, compared(twin.look(wish)))
                 self._looked = wish
             if asked is self._asked:
-                self._done.emit(asked, Spectra(direction, twin.spectra(wish, direction)))
+                self._tell(asked, Spectra(direction, twin.spectra(wish, direction)))
         except UserError as error:
-            self._done.emit(asked, str(error))
+            self._tell(asked, str(error))
         except Exception as error:
             line = f"the skies cannot be compared: {type(error).__name__}: {error}"
-            self._done.emit(asked, line)
+            self._tell(asked, line)
 
     def _opened(self) -> TwinSkies:
         if self._twin is None:
-            # Imported here: it takes a second, in which the window is not to stand still.
-            import pyqtgraph  # noqa: F401
-
             self._twin = TwinSkies()
         return self._twin
 

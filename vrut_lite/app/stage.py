@@ -21,6 +21,7 @@ from vrut_lite.kernel.messages import (
     SunLightChanged,
 )
 from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.scene.backend import Picture, SceneBackend
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import LoadedScene
@@ -149,8 +150,10 @@ class Stage(Protocol):
     def frame_ledger(self) -> Ledger:
         """What frames did and what they left out."""
 
-    def draw(self, size: tuple[int, int], still: bool) -> Picture:
-        """Draw what is known by now."""
+    def draw(
+        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+    ) -> Picture:
+        """Draw what is known by now; where that takes long, GivenUp is raised when it is."""
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on what a pixel of the full size shows; None for the sky."""
@@ -189,10 +192,12 @@ class GlStage:
         """What frames did and what they left out."""
         return self._host.frame_ledger
 
-    def draw(self, size: tuple[int, int], still: bool) -> Picture:
-        """Draw what is known by now."""
+    def draw(
+        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+    ) -> Picture:
+        """Draw what is known by now, or raise GivenUp as soon as `is_given_up()`."""
         self.pass_seconds = {}
-        return self.watched.draw_sized(size, lambda: self._host.draw_now(still))
+        return self.watched.draw_sized(size, lambda: self._host.draw_now(still, is_given_up))
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on what a pixel of the full size shows; None for the sky."""

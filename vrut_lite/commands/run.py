@@ -1,6 +1,7 @@
 """`vrut-lite run`: the desktop application."""
 
 import sys
+from importlib.metadata import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,9 +16,8 @@ from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
 if TYPE_CHECKING:
     from vrut_lite.app.kept import Kept
 
-# What a checkout shows who names nothing: a summer evening in a street.
-_FIRST_SCENE = Path(__file__).parents[2] / "scenes" / "street.toml"
-_FIRST_HOUR = "2026-06-21T18:40"
+# What is shown who names nothing: a summer evening in a street.
+_FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
 
 
 @click.command(name="run")
@@ -57,6 +57,16 @@ def _project(scene: str | None, kept: "Kept") -> Project:
 
 
 def _first_project() -> Project:
-    if not _FIRST_SCENE.is_file():
+    scene = _first_scene()
+    if scene is None:
         return Project()
-    return msgspec.structs.replace(load_project(_FIRST_SCENE), at=_FIRST_HOUR)
+    return msgspec.structs.replace(load_project(scene), at=_FIRST_HOUR)
+
+
+def _first_scene() -> Path | None:
+    """A checkout's own, or that which a wheel has brought, wherever it was installed to."""
+    checkout = Path(__file__).parents[2] / "scenes" / _FIRST_SCENE
+    if checkout.is_file():
+        return checkout
+    brought = (Path(str(file.locate())) for file in files("vrut-lite") or ())
+    return next((path.resolve() for path in brought if path.name == _FIRST_SCENE), None)

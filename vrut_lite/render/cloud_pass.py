@@ -4,15 +4,18 @@ Each sample of the frame gets what is before the sky or what is before its mesh,
 own depth: edges with several samples stay smooth.
 """
 
+import os
 from typing import Any
 
 import numpy as np
 
+from vrut_lite.render.by_size import BySize
 from vrut_lite.render.clouds import CloudsOnGpu
 from vrut_lite.render.full_screen import FullScreen
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.gl_owner import rest
 from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.patience import Patience
+from vrut_lite.render.pieces import Pieces
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.targets import Targets
 
@@ -21,17 +24,21 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
 # Pixels of the frame to one of the clouds', along each side; a still has one for each.
 COARSER = 2
+# What is below the clouds takes no time, what is among them does: no piece is to learn from the
+# former how large it may be. Two for each thread that a software renderer may have.
+_MOST_TILES = 2 * (os.cpu_count() or 1)
 
 
 class CloudPass:
     """Draws with reversed depth into the multisampled target; on the GL thread only."""
 
-    def __init__(self, context: Any):
+    def __init__(self, context: Any, patience: Patience):
         self._context = context
+        self._pieces = Pieces(patience, _MOST_TILES)
         self._marches: dict[Defines, FullScreen] = {}
         self._composite: FullScreen | None = None
-        self._target: _CloudTarget | None = None
-        self._depth: _MeshDepth | None = None
+        self._targets = BySize(context, lambda size: _CloudTarget(context, size))
+        self._depths = BySize(context, _MeshDepth)
 
     def draw(
         self,
@@ -48,11 +55,14 @@ class CloudPass:
             pixels: of the frame to one of the clouds', along each side.
             before_meshes: whether clouds may stand before meshes.
         """
-        target = self._target_of(targets.size, pixels)
+        width, height = targets.size
+        target = self._targets.of((-(-width // pixels), -(-height // pixels)))
         defines = (*(name for name in air if name == "AIR"),)
         if before_meshes:
             defines = (*defines, "BEFORE_MESHES")
-            self._mesh_depth(targets).use(location=4)
+            depth = self._depths.of(targets.size)
+            depth.copy(targets)
+            depth.use(location=4)
         self._march(clouds, view, defines, target, pixels)
         targets.multisampled.use()
         self._blend(target.before_sky, only_sky=True)
@@ -61,9 +71,11 @@ class CloudPass:
 
     def release(self) -> None:
         """Free the GL objects."""
-        for thing in (*self._marches.values(), self._composite, self._target, self._depth):
-            if thing is not None:
-                thing.release()
+        for screen in (*self._marches.values(), self._composite):
+            if screen is not None:
+                screen.release()
+        self._targets.release()
+        self._depths.release()
 
     def _march(
         self, clouds: CloudsOnGpu, view: View, defines: Defines, target: Any, pixels: int
@@ -79,7 +91,7 @@ class CloudPass:
         clouds.bind_noises()
         self._context.disable(self._context.DEPTH_TEST | self._context.BLEND)
         self._context.disable(self._context.CULL_FACE)
-        march.draw()
+        self._pieces.draw(target.size, lambda piece: march.draw())
 
     def _blend(self, cloud: Any, only_sky: bool) -> None:
         """Over the samples of the sky, at infinite depth, or over those of meshes."""
@@ -96,24 +108,6 @@ class CloudPass:
         context.depth_mask = True
         GL.glDepthFunc(GL.GL_GREATER)
         context.disable(context.BLEND)
-
-    def _target_of(self, size: tuple[int, int], pixels: int) -> "_CloudTarget":
-        coarse = -(-size[0] // pixels), -(-size[1] // pixels)
-        if self._target is None or self._target.size != coarse:
-            if self._target is not None:
-                rest(self._context)
-                self._target.release()
-            self._target = _CloudTarget(self._context, coarse)
-        return self._target
-
-    def _mesh_depth(self, targets: Targets) -> "_MeshDepth":
-        if self._depth is None or self._depth.size != targets.size:
-            if self._depth is not None:
-                rest(self._context)
-                self._depth.release()
-            self._depth = _MeshDepth(targets.size)
-        self._depth.copy(targets)
-        return self._depth
 
 
 class _CloudTarget:

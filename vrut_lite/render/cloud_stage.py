@@ -16,6 +16,7 @@ from vrut_lite.render.cloud_shadow import CloudShadowMap
 from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
 from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.patience import Patience
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.targets import Targets
 
@@ -30,9 +31,10 @@ class CloudStage:
     room, and the copy of depths where no mesh reaches up to them.
     """
 
-    def __init__(self, context: Any, ledger: Ledger):
+    def __init__(self, context: Any, ledger: Ledger, patience: Patience):
         self._context = context
         self._ledger = ledger
+        self._patience = patience
         # Made with the first layer: a frame without clouds compiles nothing of them.
         self._clouds: CloudsOnGpu | None = None
         self._pass: CloudPass | None = None
@@ -44,7 +46,8 @@ class CloudStage:
         if self._clouds is None:
             if layer is None:
                 return
-            self._clouds, self._pass = CloudsOnGpu(self._context), CloudPass(self._context)
+            self._clouds = CloudsOnGpu(self._context)
+            self._pass = CloudPass(self._context, self._patience)
             self._shadow = CloudShadowMap(self._context, self._ledger)
         self._clouds.show(layer)
 

@@ -18,7 +18,12 @@ from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.geometry.sun_aloft import sun_aloft
 from vrut_lite.kernel.messages import CloudLayer
 from vrut_lite.render.cloud_light import ClearLight, sky_beneath
+from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.unlocked import build_mipmaps
+
+import_pyrender()
+from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
 # As cloud_block.glsl, cloud_density.glsl and cloud_light.glsl bind them.
 _BLOCK, _WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 1, 0, 1, 2, 3
@@ -110,8 +115,9 @@ class CloudsOnGpu:
                 for volume in (shape, detail)
             ),
         ]
-        for texture in self._noises:
-            texture.build_mipmaps()
+        targets = GL.GL_TEXTURE_2D, GL.GL_TEXTURE_3D, GL.GL_TEXTURE_3D
+        for target, texture in zip(targets, self._noises, strict=True):
+            build_mipmaps(target, texture)
             texture.filter = (context.LINEAR_MIPMAP_LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = True
         for volume in self._noises[1:]:

@@ -1,8 +1,11 @@
 """Which meshes a view can show."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.pieces import Piece
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 
 
@@ -14,3 +17,14 @@ def in_view(placed: PlacedPrimitive, view: View) -> bool:
     planes /= np.linalg.norm(planes, axis=1, keepdims=True)
     distance_m = planes @ (placed.centre_m - view.eye_m)
     return bool(np.all(distance_m >= -placed.radius_m))
+
+
+def part_of(view: View, size: tuple[int, int], piece: Piece) -> View:
+    """The view of a piece of a picture of this size, for culling."""
+    projection = view.projection.copy()
+    for axis, (low, high) in enumerate(((piece.left, piece.right), (piece.lower, piece.upper))):
+        # In clip space -1 is to be where 2 low / size - 1 was, and 1 where 2 high / size - 1 was.
+        offset = (size[axis] - low - high) / size[axis]
+        scale = size[axis] / (high - low)
+        projection[axis] = (projection[axis] + offset * projection[3]) * scale
+    return replace(view, projection=projection)

@@ -11,8 +11,9 @@ from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import AirVolume, CloudLayer, SetExposure, ViewShader
 from vrut_lite.render import exposure
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
+from vrut_lite.render.by_size import BySize
 from vrut_lite.render.cloud_stage import CloudStage
-from vrut_lite.render.culling import in_view
+from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.gl_owner import rest
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.mesh_renderer import (
@@ -22,6 +23,8 @@ from vrut_lite.render.mesh_renderer import (
     in_order,
     shadow_from_eye,
 )
+from vrut_lite.render.patience import IsGivenUp, Patience
+from vrut_lite.render.pieces import Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reflection import reflectance_table
 from vrut_lite.render.reversed_depth import reversed_depth
@@ -61,9 +64,11 @@ class Frame:
         self._shadow = ShadowMaps(context, self.ledger)
         self._filter = SpecularFilter(context, self.ledger)
         self._air = AirOnGpu(context)
-        self._clouds = CloudStage(context, self.ledger)
+        self._patience = Patience(self.ledger)
+        self._mesh_pieces = Pieces(self._patience)
+        self._clouds = CloudStage(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
-        self._targets: Targets | None = None
+        self._targets = BySize(context, lambda size: Targets(context, size))
 
     def set_tolerance(self, tolerance: float) -> None:
         """Let reflections lag behind the sky as far as a tolerance of radiance allows."""
@@ -91,13 +96,18 @@ class Frame:
         size: tuple[int, int],
         still: bool = True,
         light_shafts: bool = False,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
         """Draw a scene, the sky and the sun; size is (width, height) in pixels.
 
         A `still` is finished in every respect; otherwise what may lag is done in slices.
         With `light_shafts` the scene shades the air too.
+
+        Raises:
+            GivenUp: `is_given_up()`, asked again and again, says that nobody waits for it.
         """
-        targets = self._targets_of(size)
+        self._patience.is_given_up = is_given_up
+        targets = self._targets.of(size)
         self._meshes.update(scene)
         seen = self._seen(scene, view)
         with self.measure("reflection"):
@@ -108,10 +118,13 @@ class Frame:
         air = self._air_before(scene, view, light, shadows.scene, light_shafts)
         with self.measure("cloud shadows"):
             light, air = self._clouds.prepare(scene, view, light, air, size)
+        self._patience.check()
         targets.multisampled.use()
         targets.multisampled.clear()
         with reversed_depth():
-            self._draw_seen(scene, seen, view, light, disc, shadows, reflection, air, still)
+            self._draw_seen(
+                targets, scene, seen, view, light, disc, shadows, reflection, air, still
+            )
         with self.measure("resolve"):
             self._context.copy_framebuffer(targets.resolved, targets.multisampled)
         with self.measure("copy and meter"):
@@ -127,13 +140,12 @@ class Frame:
         rest(self._context)
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
-                      self._air, self._clouds):  # fmt: skip
+                      self._air, self._clouds, self._targets):  # fmt: skip
             thing.release()
-        if self._targets is not None:
-            self._targets.release()
 
     def _draw_seen(
         self,
+        targets: Targets,
         scene: PyrenderScene,
         seen: list[PlacedPrimitive],
         view: View,
@@ -145,18 +157,29 @@ class Frame:
         still: bool,
     ) -> None:
         """Opaque meshes, the sky in what they leave, clouds, and what lets all through."""
-        assert self._targets is not None
+
+        def draw_meshes(placed: list[PlacedPrimitive]) -> None:
+            def draw(piece: Piece) -> None:
+                within = placed
+                if self.skips.meshes and piece[2:] != targets.size:
+                    part = part_of(view, targets.size, piece)
+                    within = [p for p in placed if in_view(p, part)]
+                self._meshes.draw(scene, within, view, light, shadows, reflection, air.mesh)
+
+            if placed:
+                self._mesh_pieces.draw(targets.size, draw)
+
         opaque, blended = in_order(seen, view.eye_m)
         if not self.skips.sky:
-            self._draw_sky(view, light, disc, air)
+            self._draw_sky(targets, view, light, disc, air)
         with self.measure("mesh"):
-            self._meshes.draw(scene, opaque, view, light, shadows, reflection, air.mesh)
+            draw_meshes(opaque)
         if self.skips.sky:
-            self._draw_sky(view, light, disc, air)
+            self._draw_sky(targets, view, light, disc, air)
         with self.measure("clouds"):
-            self._clouds.draw(scene, self._targets, view, air, still)
+            self._clouds.draw(scene, targets, view, air, still)
         with self.measure("blended mesh"):
-            self._meshes.draw(scene, blended, view, light, shadows, reflection, air.mesh)
+            draw_meshes(blended)
 
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool
@@ -182,15 +205,16 @@ class Frame:
         self.ledger.did("air")
         return FrameAir.of(around, shafts)
 
-    def _draw_sky(self, view: View, light: Light, disc: SunDisc, air: FrameAir) -> None:
-        assert self._targets is not None
+    def _draw_sky(
+        self, targets: Targets, view: View, light: Light, disc: SunDisc, air: FrameAir
+    ) -> None:
         if light.is_none and self.skips.unlit:
-            self.ledger.skip("sky sample: in a closed room", self._targets.samples)
+            self.ledger.skip("sky sample: in a closed room", targets.samples)
             return
         with self.measure("sky"):
             drawn = self._sky.draw(view, light, disc, self.skips.sky, air.sky)
         self.ledger.did("sky sample", drawn)
-        self.ledger.skip("sky sample: covered", self._targets.samples - drawn)
+        self.ledger.skip("sky sample: covered", targets.samples - drawn)
 
     def _seen(self, scene: PyrenderScene, view: View) -> list[PlacedPrimitive]:
         """What may be in the picture."""
@@ -217,14 +241,6 @@ class Frame:
             # Something must be bound; nobody looks at it.
             return Reflection(light.sky.texture, light.sky.scale, self._reflectance)
         return Reflection(filtered, self._filter.scale, self._reflectance)
-
-    def _targets_of(self, size: tuple[int, int]) -> Targets:
-        if self._targets is None or self._targets.size != size:
-            if self._targets is not None:
-                rest(self._context)
-                self._targets.release()
-            self._targets = Targets(self._context, size)
-        return self._targets
 
 
 def _table_texture(context: Any) -> Any:

@@ -24,6 +24,7 @@ from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, Sky
 from vrut_lite.render.light_meter import Illuminance, illuminance, surface_at
 from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.skips import FrameSkips
@@ -143,9 +144,13 @@ class PyrenderBackend:
         """Enter `measure(name)` around each pass, on the GL thread."""
         self._frame.measure = measure
 
-    def draw(self, still: bool = True) -> Picture:
-        """Draw a frame; RuntimeError names what is still missing."""
-        return self._owner.call(lambda context: self._draw(still))
+    def draw(self, still: bool = True, is_given_up: IsGivenUp | None = None) -> Picture:
+        """Draw a frame; RuntimeError names what is still missing.
+
+        Raises:
+            GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
+        """
+        return self._owner.call(lambda context: self._draw(still, is_given_up))
 
     def surface_at(self, x: int, y: int) -> Hit | None:
         """The surface in the middle of a pixel, None if it is the sky; y counts from the top."""
@@ -198,7 +203,7 @@ class PyrenderBackend:
             self._uploaded.write(index, rgba.tobytes())
         return self._uploaded
 
-    def _draw(self, still: bool) -> Picture:
+    def _draw(self, still: bool, is_given_up: IsGivenUp | None) -> Picture:
         told = self._told
         missing = [name for name, value in vars(told).items() if value is None]
         if told.scene is None or told.camera is None or told.sun is None or missing:
@@ -215,6 +220,7 @@ class PyrenderBackend:
             size=told.size,
             still=still,
             light_shafts=told.light_shafts,
+            is_given_up=is_given_up,
         )
 
     def _light(self, sun: SunLightChanged) -> Light:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.render.reversed_depth import FloatDepth
+from vrut_lite.render.unlocked import read_rgba
 
 SAMPLES = 4
 
@@ -33,9 +34,7 @@ class Targets:
 
     def read_radiance(self) -> NDArray[np.float32]:
         """The resolved picture (h, w, 3), row 0 at the top."""
-        width, height = self.size
-        pixels = np.frombuffer(self.radiance.read(), np.float32)
-        return pixels.reshape(height, width, 4)[::-1, :, :3].copy()
+        return read_rgba(self.radiance)[::-1, :, :3].copy()
 
     def read_display(self) -> NDArray[np.uint8]:
         """The tone-mapped picture (h, w, 3), row 0 at the top."""

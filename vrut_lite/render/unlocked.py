@@ -7,6 +7,9 @@ this on the GL thread.
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 def draw_triangle(program: Any, vertex_array: Any) -> None:
     """Draw three vertices of a moderngl vertex array."""
@@ -23,3 +26,24 @@ def run_compute(program: Any, x: int, y: int, z: int) -> None:
 
     GL.glUseProgram(program.glo)
     GL.glDispatchCompute(x, y, z)
+
+
+def build_mipmaps(target: int, texture: Any) -> None:
+    """Average a moderngl texture of this GL target down; its filter is the caller's."""
+    from OpenGL import GL
+
+    GL.glBindTexture(target, texture.glo)
+    GL.glGenerateMipmap(target)
+    GL.glBindTexture(target, 0)
+
+
+def read_rgba(texture: Any) -> NDArray[np.float32]:
+    """The numbers (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
+    from OpenGL import GL
+
+    width, height = texture.size
+    numbers = np.empty((height, width, 4), np.float32)
+    GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
+    GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, GL.GL_FLOAT, numbers)
+    GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+    return numbers

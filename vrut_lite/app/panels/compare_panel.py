@@ -1,7 +1,5 @@
 """Two models of the sky side by side, at equal air."""
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidget
 
@@ -10,6 +8,7 @@ from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.panels.sky_disc import SkyDisc
+from vrut_lite.app.panels.sky_plots import SkyPlots
 from vrut_lite.app.roster import ModuleInfo, Roster
 from vrut_lite.app.session import Session
 from vrut_lite.app.sky_comparison import (
@@ -22,9 +21,6 @@ from vrut_lite.app.sky_comparison import (
 )
 from vrut_lite.app.viewport import Viewport
 from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
-
-if TYPE_CHECKING:
-    from vrut_lite.app.panels.sky_plots import SkyPlots
 
 _TURBIDITY = "turbidity"
 # As the curves of `sky_plots` are drawn.
@@ -146,11 +142,9 @@ class ComparePanel(QWidget):
         self.told.setText(f"Without a spectrum here: {', '.join(without)}" if without else "")
         self._plots().show_spectra(spectra.seen)
 
-    def _plots(self) -> "SkyPlots":
-        """Made when there is something to draw: their library takes a second to import."""
+    def _plots(self) -> SkyPlots:
+        """Made when there is something to draw."""
         if self.plots is None:
-            from vrut_lite.app.panels.sky_plots import SkyPlots
-
             self.plots = SkyPlots()
             self._column.insertWidget(self._column.count() - 2, self.plots)
         return self.plots

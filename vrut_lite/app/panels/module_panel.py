@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
@@ -25,7 +25,12 @@ from vrut_lite.kernel.messages import Fault, ReloadModule, SetSetting, SettingCh
 
 
 class ModulePanel(QWidget):
-    """A row for each setting; presets and reset for all of them."""
+    """A row for each setting; presets and reset for all of them.
+
+    `remade` tells the widget that holds the rows when a reload has brought others.
+    """
+
+    remade = Signal(QWidget)
 
     def __init__(self, session: Session, module: ModuleInfo, presets: PresetStore):
         super().__init__()
@@ -127,6 +132,7 @@ class ModulePanel(QWidget):
         layout.replaceWidget(old, self._settings)
         old.deleteLater()
         self._show_resettable()
+        self.remade.emit(self._settings)
 
     def _refused(self, fault: Fault) -> None:
         """What was asked for and refused is not what holds."""

@@ -1,4 +1,9 @@
-"""Two skies as curves: luminance along the sun's meridian, spectra of one direction."""
+"""Two skies as curves: luminance along the sun's meridian, spectra of one direction.
+
+pyqtgraph is imported with the window's other parts, though it takes 0.4 s. It goes through all
+of Qt's classes, which PySide makes when they are first asked for: on a thread of its own, beside
+a window at work, that ended the process now and then.
+"""
 
 from typing import Any
 
