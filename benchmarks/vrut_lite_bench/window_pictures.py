@@ -58,7 +58,7 @@ POINTED = (0.0, 0.7071, -0.7071)
 # Panels of one width stand below each other, each column as wide as a dock.
 _COLUMNS, _WIDTH_PX, _GAP_PX = 4, 420, 8
 _BEHIND = (12, 12, 13)
-_REST_S, _LIMIT_S = 1.5, 300.0
+_REST_S, _LIMIT_S = 1.5, 120.0
 
 Pixels = NDArray[np.uint8]
 
@@ -84,12 +84,13 @@ class Sitter:
 
     def open(self, project: Project) -> None:
         """Become a project's picture."""
+        self._shown = None
         self.window.open_project(project)
         self.finish()
 
     def finish(self) -> None:
-        """Wait for a finished picture, after which none has come for a while."""
-        self._shown = None
+        """Wait for a finished picture after which none has come for a while."""
+        self.rest()
         self.until(
             lambda: (
                 self._shown is not None
@@ -179,11 +180,14 @@ def messages(sitter: Sitter) -> Pixels:
 
 
 def profiler(sitter: Sitter) -> Pixels:
-    """The overlay over the picture."""
-    sitter.window.actions_by_name["profiler"].trigger()
-    later(sitter)
+    """The overlay over the picture, while the day passes."""
+    actions = sitter.window.actions_by_name
+    actions["profiler"].trigger()
+    actions["play"].trigger()
+    sitter.until(lambda: len(sitter.window.profiler.lines) > 12)
     found = seen(sitter.window.profiler)
-    sitter.window.actions_by_name["profiler"].trigger()
+    actions["play"].trigger()
+    actions["profiler"].trigger()
     return found
 
 
@@ -202,10 +206,11 @@ def dialogs(sitter: Sitter) -> list[Pixels]:
 
 def all_parts(sitter: Sitter) -> list[Pixels]:
     """Each panel, in the order of the sheet."""
-    parts = [sitter.panel(name) for name in ("place", "sun", "picture", "export", "sky")]
-    sitter.session.send(ChooseSlot(slot="sky", module="bruneton_sky"))
-    sitter.rest()
-    parts.append(sitter.panel("sky"))
+    parts = [sitter.panel(name) for name in ("place", "sun", "picture", "export")]
+    for sky in ("dynamic_skylight", "bruneton_sky"):
+        sitter.session.send(ChooseSlot(slot="sky", module=sky))
+        sitter.rest()
+        parts.append(sitter.panel("sky"))
     parts += [sitter.panel(name) for name in sitter.window.docks if name.startswith("module ")]
     sitter.window.show_dock("compare")
     sitter.rest()
