@@ -45,7 +45,7 @@ INDOORS = ("large/hall.toml", "work/indoor.glb")
 SKIES = {"dynamic_skylight": "Hosek-Wilkie", "bruneton_sky": "Bruneton"}
 HOURS = ("07:00", "12:30", "20:00")
 REGIONS = ("sunlit", "shadowed", "sky")
-SIZE, SAMPLES, INDOOR_SAMPLES = (240, 150), 48, 256
+SIZE, SAMPLES, INDOOR_SAMPLES, DIRECT_SAMPLES = (240, 150), 48, 64, 24
 _CAPTION_PX = 14
 _BALL_SIZE, _BALL_SAMPLES = (128, 128), 32
 _BESIDE_RAD = np.radians(40.0)
@@ -109,10 +109,10 @@ def cases(gl: PyrenderBackend, scene: str, sky: str) -> Iterator[Case]:
 def case(
     gl: PyrenderBackend, subject: Subject, ambient: AmbientChanged, caption: str, samples: int
 ) -> Case:
-    """The frame's and the path tracer's pictures of a subject, direct light of half the samples."""
+    """The frame's and the path tracer's pictures of a subject."""
     by_sun = replace(subject, background=no_background())
     by_sky = replace(subject, sun=no_sun())
-    sun = traced(by_sun, samples // 2, max_bounces=1)
+    sun = traced(by_sun, DIRECT_SAMPLES, max_bounces=1)
     frame = framed(gl, subject, ambient)
     with patch.object(mesh_renderer, "DIELECTRIC_F0", 0.0):
         bare_frame = framed(gl, by_sun, no_ambient()).radiance
@@ -120,7 +120,7 @@ def case(
         caption=caption,
         frame=frame.radiance,
         traced=traced(subject, samples),
-        direct=sun + traced(by_sky, samples // 2, max_bounces=1),
+        direct=sun + traced(by_sky, DIRECT_SAMPLES, max_bounces=1),
         sun=sun,
         sun_frame=framed(gl, by_sun, no_ambient()).radiance,
         bare=traced(by_sun, 8, max_bounces=1, surfaces="bare", sun="sharp"),

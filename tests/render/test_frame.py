@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from box_stage import light, look, show_box, sun_at, uniform_sky
+from scene_stage import square, surface
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.messages import SetExposure
@@ -54,6 +55,30 @@ def test_no_acne_between_narrow_triangles(backend, tmp_path, elevation_deg):
     # From so far that the disc's middle looks the same from all of its pixels.
     picture = look(backend, (0.0, 12.0, 60.0), (0.0, 0.1, 0.0), 0.06)
     np.testing.assert_allclose(picture.radiance, np.median(picture.radiance), rtol=0.02)
+
+
+@pytest.mark.parametrize("elevation_deg", [10.0, 30.0, 60.0])
+def test_no_light_leaks_under_a_low_roof(backend, tmp_path, elevation_deg):
+    """A roof just above the floor shades it, by the geometry of the taps along an axis of the map:
+    the floor is lifted by half a texel and two of the slope, and the taps reach two texels on.
+
+    The roof is one-sided and looks down: from above the floor is seen through it.
+    """
+    from vrut_lite.render.shadow_map import SHADOW_SIZE
+
+    sine = np.cos(np.radians(elevation_deg))  # of the angle between floor's normal and sun
+    scale, texel_m = 40.0, 40.0 * np.sqrt(2.0) / SHADOW_SIZE
+    roof = {"mesh": 0, "scale": [4.0, 1.0, 4.0], "rotation": [1.0, 0.0, 0.0, 0.0]}
+    roof["translation"] = [0.0, (0.5 + 4.0 * sine + 0.2) * texel_m, 0.0]
+    nodes = [{"mesh": 0, "scale": [scale, 1.0, scale]}, roof]
+    backend.show_scene(load_scene(square(tmp_path, surface(0.0, 1.0), nodes=nodes)), None)
+    # In the plane of x and y, in which one axis of the map then lies.
+    sun = {"sun_direction": sun_at(90.0, elevation_deg), "sun_irradiance": (10.0,) * 3}
+    light(backend, uniform_sky(0.0), **sun)
+    under = look(backend, (0.0, 20.0, 0.1), (0.0, 0.0, 0.0), 0.05).radiance
+    beside = look(backend, (0.0, 20.0, 8.1), (0.0, 0.0, 8.0), 0.05).radiance
+    np.testing.assert_array_equal(under, 0.0)
+    assert beside.min() > 0.0
 
 
 def test_a_pixel_on_an_edge_is_the_mean_of_what_it_shows(backend, box_file):

@@ -171,12 +171,13 @@ float lit_share(sampler2DShadow map, vec3 at) {
 }
 
 // Share of the sun that reaches this point.
-float sun_visibility(vec3 face, float cos_face) {
+float sun_visibility(vec3 face) {
     // The receiver is moved off its own surface by what the taps can span, more where the
-    // light grazes it: one texel, and one of the filter, both along the diagonal. Measured in
-    // texels it is free of acne at any scale.
-    float sin_face = sqrt(max(0.0, 1.0 - cos_face * cos_face));
-    vec3 p = point_in_triangle(face), off = face * (0.5 + 2.83 * sin_face);
+    // light grazes it: along each axis of the map one texel, and one of the filter. Measured in
+    // texels it is free of acne at any scale; farther off, light would leak under what overhangs.
+    vec3 slope = normalize(mat3(shadow_matrix) * face);  // both maps have the sun's axes
+    vec3 p = point_in_triangle(face);
+    vec3 off = face * (0.5 + 2.0 * (abs(slope.x) + abs(slope.y)));
     vec3 at = (shadow_matrix * vec4(p + off * shadow_texel_m, 1.0)).xyz;
 #ifdef NEAR_SHADOW
     vec3 near_at = (near_shadow_matrix * vec4(p + off * near_shadow_texel_m, 1.0)).xyz;
@@ -315,7 +316,7 @@ void main() {
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
-        vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face, cos_face));
+        vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face));
 #ifdef CLOUD_SHADOWS
         sun *= cloud_transmittance(eye_to_sample);
 #endif
