@@ -1,5 +1,7 @@
 """Fixtures that several test folders share; GL tests say so when there is no GL."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from vrut_lite.render.gl_environment import probe_gl
@@ -47,3 +49,20 @@ def gl_owner():
     owner = GlOwner()
     yield owner
     owner.close()
+
+
+@pytest.fixture(scope="module")
+def compute(gl_owner):
+    """Runs a job on the GL thread as the host does, and reads its texels back."""
+    from vrut_lite.render.gl_jobs import GlJobs
+
+    results = []
+    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
+
+    def run(job):
+        jobs.on_job(job)
+        jobs.pending[-1].result()
+        assert results[-1].error == ""
+        return results[-1].value.values[..., :3].astype(float)
+
+    return run

@@ -1,7 +1,6 @@
 """The light of a volume of air: what the GPU makes of it against what the CPU does."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -42,23 +41,6 @@ def fields(other_planet) -> dict[str, SourceField]:
         "another planet": replace(other_planet, wavelength_nm=SKYLIGHT_NM, solar_irradiance=sun),
     }
     return {name: solve(air, 3, COARSE) for name, air in airs.items()}
-
-
-@pytest.fixture(scope="module")
-def compute(gl_owner):
-    """Runs a job on the GL thread as the host does, and reads its texels back."""
-    from vrut_lite.render.gl_jobs import GlJobs
-
-    results = []
-    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
-
-    def run(job):
-        jobs.on_job(job)
-        jobs.pending[-1].result()
-        assert results[-1].error == ""
-        return results[-1].value.values[..., :3].astype(float)
-
-    return run
 
 
 def sun_at(elevation_deg):

@@ -1,7 +1,6 @@
 """The job that writes single scattering as a cube map, against the float64 twin per texel."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,23 +16,6 @@ from vrut_lite.geometry.cube_map import texel_directions
 GROUND = np.array([20.0, 30.0, 10.0])
 SUN = np.array([0.3, 0.4, -0.866])
 SUN = SUN / np.linalg.norm(SUN)
-
-
-@pytest.fixture(scope="module")
-def compute(gl_owner):
-    """Runs a job on the GL thread as the host does, and reads its texels back."""
-    from vrut_lite.render.gl_jobs import GlJobs
-
-    results = []
-    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
-
-    def run(job):
-        jobs.on_job(job)
-        jobs.pending[-1].result()
-        assert results[-1].error == ""
-        return results[-1].value.values[..., :3].astype(float)
-
-    return run
 
 
 def cube_job(air: Atmosphere, altitude_m: float = 0.0, sun=SUN, size: int = 16, **options):

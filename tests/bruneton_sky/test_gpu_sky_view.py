@@ -1,7 +1,6 @@
 """The sky-view table's cube map: what the GPU makes of it against what the CPU does."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,23 +21,6 @@ NOON, LOW, SET = 65.0, 3.0, -5.0
 def field():
     """A coarsely solved Earth: any numbers will do."""
     return solve(Atmosphere.earth(), 2, COARSE)
-
-
-@pytest.fixture(scope="module")
-def compute(gl_owner):
-    """Runs a job on the GL thread as the host does, and reads its texels back."""
-    from vrut_lite.render.gl_jobs import GlJobs
-
-    results = []
-    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
-
-    def run(job):
-        jobs.on_job(job)
-        jobs.pending[-1].result()
-        assert results[-1].error == ""
-        return results[-1].value.values[..., :3].astype(float)
-
-    return run
 
 
 def seen(field, altitude_m, sun_deg):

@@ -1,7 +1,5 @@
 """The GPU's cube map against the float64 model, texel by texel."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from dynamic_skylight import HosekWilkieSky
@@ -12,23 +10,6 @@ from exact_cube import twin_cube
 from vrut_lite.geometry.cube_map import texel_directions
 
 GROUND = (1.0, 2.0, 3.0)
-
-
-@pytest.fixture(scope="module")
-def compute(gl_owner):
-    """Runs a job on the GL thread as the host does, and reads its texels back."""
-    from vrut_lite.render.gl_jobs import GlJobs
-
-    results = []
-    jobs = GlJobs(SimpleNamespace(), None, owner=gl_owner, inject=results.append)
-
-    def run(job):
-        jobs.on_job(job)
-        jobs.pending[-1].result()
-        assert results[-1].error == ""
-        return results[-1].value.values[..., :3].astype(float)
-
-    return run
 
 
 def on_gpu(compute, sky, azimuth, size, **wanted):
