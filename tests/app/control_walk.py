@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 from shiboken6 import isValid
+from window_driver import PATIENCE_MS
 
 from vrut_lite.app.panels.day_bar import DayBar
 from vrut_lite.app.panels.world_map import WorldMap
@@ -25,8 +26,6 @@ _DRAWN = (DayBar, WorldMap)
 _KINDS = (
     QAbstractButton, QAbstractItemView, QAbstractSpinBox, QComboBox, QLineEdit, QSlider, *_DRAWN,
 )  # fmt: skip
-# Long enough for two skies to be made anew; only a control without effect takes so long.
-_PATIENCE_MS = 30_000
 _QUIET_MS, _MOST_LOOKS = 25, 40
 
 
@@ -58,7 +57,7 @@ def name_of(control):
 class ControlWalk:
     """`restless`: labels that change by themselves, and tell nothing of a control."""
 
-    def __init__(self, driver, monkeypatch, restless=(), patience_ms=_PATIENCE_MS):
+    def __init__(self, driver, monkeypatch, restless=(), patience_ms=PATIENCE_MS):
         self.patience_ms = patience_ms
         self._driver, self._window = driver, driver.window
         self._restless = {
