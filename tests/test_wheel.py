@@ -110,6 +110,15 @@ def test_the_first_scene_is_found_where_the_wheel_is_installed(wheel, tmp_path):
     assert int(triangles) > 1000
 
 
+def test_without_a_distribution_there_is_no_first_scene(monkeypatch):
+    """A folder on the path that nobody has installed opens an empty project, no traceback."""
+    from vrut_lite.commands import run
+
+    monkeypatch.setattr(run, "_FIRST_SCENE", "nowhere.toml")
+    monkeypatch.setattr(run, "_DISTRIBUTION", "no-such-distribution")
+    assert run._first_project().scene == ""
+
+
 def test_licence_notices_travel_with_the_wheel(wheel):
     """MIT asks for its notice in all copies, the Hosek-Wilkie data for theirs in binary ones."""
     assert PROJECT["license-files"]

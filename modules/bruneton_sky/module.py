@@ -148,6 +148,9 @@ class BrunetonSky(Module):
     def _texture_made(self, result: JobResult) -> None:
         if result.error:
             self._gpu_failed = True
+            # Of what nobody wants just now too, for somebody may come back to it.
+            for product in ON_GPU:
+                self._posted.pop(product, None)
             self._update()
             raise UserError(
                 f"the GPU could not make the sky ({result.error}): set cube_device to cpu"

@@ -16,7 +16,7 @@ from zenoh_bridge.inputs import RemoteMessage
 from zenoh_bridge.shareable import revive, texture_in
 
 VERSION = 1
-# The air's four are the most that a shareable message holds; a forged one could ask for many.
+# More than any shareable message holds: the air has two. A forged one could ask for many.
 _MOST_ARRAYS = 4
 
 FetchArray = Callable[[Handle], Array]

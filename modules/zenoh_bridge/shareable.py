@@ -100,7 +100,8 @@ def _check_air(volume: AirVolume) -> None:
     fits &= min(volume.rows_above, volume.rows_below) >= 2
     dtypes = [array.dtype.str for array in arrays_of(volume)]
     lengths = volume.reach_m, volume.ground_radius_m, volume.top_altitude_m
-    if not fits or dtypes != ["<f2", "<f4"] or min(lengths) <= 0.0:
+    beneath = volume.observer_altitude_m < 0.0
+    if not fits or dtypes != ["<f2", "<f4"] or min(lengths) <= 0.0 or beneath:
         raise UserError("AirChanged: the tables of its volume do not fit each other")
 
 

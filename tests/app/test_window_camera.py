@@ -2,16 +2,18 @@
 
 import math
 import threading
+import time
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
-from window_driver import WindowDriver
+from window_driver import HeadlessStage, WindowDriver
 
 from vrut_lite.app.stage import GlStage
-from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded, SetExposure
+from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded, SetExposure, Tick
+from vrut_lite.render.patience import GivenUp
 
 
 @pytest.fixture
@@ -135,6 +137,36 @@ def test_a_finished_picture_is_given_up_for_a_hand_that_moves_on(qtbot, tmp_path
         driver.until(lambda: driver.session.has_ended or (len(shown) > 0 and shown[-1].still))
         assert [picture.still for picture in shown[:1]] in ([False], [])
         assert driver.session.has_ended == (shown == [])
+    driver.close()
+
+
+class SlowStage(HeadlessStage):
+    """A finished picture takes until it is given up, or a fifth of a second."""
+
+    def draw(self, size, still, is_given_up=None):
+        end_s = time.monotonic() + 0.2
+        while still and time.monotonic() < end_s:
+            if is_given_up():
+                raise GivenUp
+            time.sleep(0.005)
+        return super().draw(size, still)
+
+
+def test_what_changes_nothing_to_be_seen_gives_a_picture_up_once(qtbot, tmp_path):
+    """Time that passes slowly tells so thirty times a second: were each a reason to begin anew, no
+    picture would ever be finished."""
+    driver = WindowDriver(qtbot, SlowStage, tmp_path)
+    shown = []
+    driver.session.picture_shown.connect(shown.append)
+    for stops in (1.0, 2.0):
+        shown.clear()
+        driver.session.send(SetExposure(compensation_ev=stops))
+        for _ in range(400):
+            driver.session.send(Tick(elapsed_s=0.0))
+            qtbot.wait(20)
+            if shown and shown[-1].still:
+                break
+        assert shown[-1].still
     driver.close()
 
 

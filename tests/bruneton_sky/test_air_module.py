@@ -293,6 +293,21 @@ def test_cube_map_and_air_wait_each_for_its_own_texture(gpu_sky: BrunetonSky, li
     assert said == [AirChanged, BackgroundChanged]
 
 
+def test_a_job_that_failed_unwanted_is_made_up_for(gpu_sky: BrunetonSky, link: Link) -> None:
+    """Who went indoors before it failed, and comes out when the GPU is chosen anew, has air."""
+    tell(gpu_sky, link, sun_at(30.0))
+    tell(gpu_sky, link, needs(20_000.0))
+    demand = link.demands.pop(AirChanged)
+    with pytest.raises(UserError, match="set cube_device to cpu"):
+        done(gpu_sky, link.posted[-1], value=None, error="out of memory")
+    link.posted.clear()
+    gpu_sky.settings_changed("cube_device")
+    link.demands[AirChanged] = demand
+    tell(gpu_sky, link, demand)
+    (job,) = link.posted
+    assert isinstance(job, GpuJob)
+
+
 @pytest.mark.parametrize("hindrance", ["nobody runs GPU jobs", "the GPU failed"])
 def test_where_the_gpu_does_not_serve_the_cpu_does(
     gpu_sky: BrunetonSky, link: Link, hindrance: str

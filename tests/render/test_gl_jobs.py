@@ -14,6 +14,7 @@ from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.messages import JobResult, Resize
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.kernel.recording.codec import arrays_of, decode, to_plain
+from vrut_lite.render import texture_pool
 
 pytestmark = pytest.mark.gl
 SIZE = 16
@@ -127,6 +128,59 @@ def test_a_held_texture_is_never_written_over(gl_owner):
         made = gl_owner.call(take)
         assert made.opaque.glo != shown.opaque.glo
         assert made.opaque.glo in names
+
+
+def test_a_texture_that_is_let_go_at_any_moment_is_used_again():
+    """Holders live on other threads: one that lets go while the pool looks must not lose it."""
+
+    class Dying:
+        def __init__(self):
+            self.asked = 0
+
+        def __call__(self):
+            self.asked += 1
+            return None if self.asked > 1 else object()
+
+    pool, dying = texture_pool.TexturePool(), Dying()
+    pool._lent.append(texture_pool._Lent(("cube", 8, "rgba16f"), "texture", dying))
+    assert pool._free_one(("cube", 8, "rgba16f")) is None
+    assert pool._free_one(("cube", 8, "rgba16f")) == "texture"
+
+
+def test_buffers_stay_known_where_the_next_cannot_be_made():
+    """What one job had is released by its end, what a failed one has made by the next."""
+    from vrut_lite.render.job_buffers import JobBuffers
+
+    class Buffer:
+        def __init__(self):
+            self.released = False
+
+        def bind_to_storage_buffer(self, _binding):
+            pass
+
+        def release(self):
+            self.released = True
+
+    class Context:
+        def __init__(self):
+            self.made = []
+
+        def buffer(self, data):
+            if not data:
+                raise ValueError("a buffer of nothing")
+            self.made.append(Buffer())
+            return self.made[-1]
+
+    def job(*contents):
+        arrays = enumerate(Array(np.array(content, np.float32)) for content in contents)
+        return msgspec.structs.replace(Keeper.job, buffers=tuple(arrays))
+
+    buffers, context = JobBuffers(), Context()
+    buffers.bind(context, job([1.0]))
+    with pytest.raises(ValueError, match="of nothing"):
+        buffers.bind(context, job([2.0], []))
+    buffers.bind(context, job([3.0]))
+    assert [buffer.released for buffer in context.made] == [True, True, False]
 
 
 def test_the_recipe_tells_what_was_computed():

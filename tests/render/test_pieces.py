@@ -82,19 +82,40 @@ def given_up(backend, after):
 
 
 @pytest.mark.parametrize(
-    ("tiles", "placed_s", "shaded_s", "expected"),
+    ("asked", "drawn", "placed_s", "shaded_s", "expected"),
     [
-        (10.0, 0.0, 0.001, 20),  # quick: twice as large, no more
-        (20.0, 0.0, 0.5, 6),  # 25 ms a tile: six in 0.15 s
-        (20.0, 0.0, 40.0, 2),  # never fewer than two
-        (20.0, 0.1, 0.2, 10),  # 50 ms are left, but placing takes 100: as long for pixels
+        (10, 10.0, 0.0, 0.001, 20),  # quick: twice as large, no more
+        (10, 1.5, 0.0, 0.001, 20),  # at the picture's edge: as quick
+        (20, 20.0, 0.0, 0.5, 6),  # 25 ms a tile: six in 0.15 s
+        (20, 5.0, 0.0, 0.125, 6),  # the same at the edge
+        (20, 20.0, 0.0, 40.0, 2),  # never fewer than two
+        (20, 20.0, 0.1, 0.2, 10),  # 50 ms are left, but placing takes 100: as long for pixels
     ],
 )
-def test_a_piece_takes_a_sixth_of_a_second(tiles, placed_s, shaded_s, expected):
+def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, expected):
     """By what the last one took; placing triangles never takes longer than shading."""
     from vrut_lite.render.pieces import next_tiles
 
-    assert next_tiles(tiles, placed_s, shaded_s) == expected
+    assert next_tiles(asked, drawn, placed_s, shaded_s) == expected
+
+
+@pytest.mark.parametrize("size", [(960, 540), (1024, 576), (1367, 769), (2561, 1441)])
+def test_what_is_quick_is_soon_one_piece(size):
+    """Of any size: what the edge leaves of a piece must not make the next ones small."""
+    from vrut_lite.render.pieces import next_tiles, piece_at
+
+    tiles, counts = 2, []
+    for _ in range(3):
+        left = lower = number = 0
+        while lower < size[1]:
+            piece = piece_at(left, lower, size, tiles)
+            tiles = next_tiles(tiles, piece.tiles, 0.0, 1e-5 * piece.tiles)
+            left = piece.right % size[0]
+            lower = lower if left else piece.upper
+            number += 1
+        counts.append(number)
+    assert counts[0] < 40
+    assert counts[-1] == 1
 
 
 @pytest.mark.parametrize("tiles", [1, 4, 9, 10, 25, 1000])

@@ -75,6 +75,7 @@ def test_a_stranger_s_shader_does_not_cross():
         ({"reach_m": float("nan")}, "not finite"),
         ({"sun_direction": (0.0, float("inf"), 0.0)}, "not finite"),
         ({"reach_m": 0.0}, "do not fit"),
+        ({"observer_altitude_m": -1000.0}, "do not fit"),
         ({"rows_above": 1, "rows_below": 3}, "do not fit"),
         ({"rows_above": 3}, "do not fit"),
         ({"columns": 3}, "do not fit"),

@@ -63,6 +63,8 @@ class Engine:
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._finish_at_s: float | None = None
+        # A finished picture was given up, and nothing that is seen has changed since.
+        self._in_vain = False
         self._camera: Any = None
         self._numbers = count()
         self._thread = threading.Thread(target=self._run, name="vrut-lite engine", daemon=True)
@@ -183,7 +185,7 @@ class Engine:
         if not stage.watched.can_draw:
             return
         if stage.watched.changed:
-            stage.watched.changed = False
+            stage.watched.changed = self._in_vain = False
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
             self._finish_at_s = perf_counter() + self._pacing.rest_s()
         elif self._awake.is_set():
@@ -195,12 +197,14 @@ class Engine:
 
     def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
         start_s = perf_counter()
-        size, is_given_up = scaled(stage.watched.size, scale), self._moved_on.is_set
+        size = scaled(stage.watched.size, scale)
+        is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
         try:
             picture = stage.draw(size, still, is_given_up if still else None)
         except GivenUp:
-            # Where what came changes nothing to be seen, it is still to be finished.
-            self._finish_at_s = start_s
+            # Where what came changes nothing to be seen, it is still to be finished, and now
+            # whatever comes: time that passes says so more often than pictures can be drawn.
+            self._finish_at_s, self._in_vain = start_s, True
             return
         except Exception as error:
             self._trouble(error)

@@ -1,7 +1,7 @@
 """`vrut-lite run`: the desktop application."""
 
 import sys
-from importlib.metadata import files
+from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from vrut_lite.app.kept import Kept
 
 # What is shown who names nothing: a summer evening in a street.
+_DISTRIBUTION = "vrut-lite"
 _FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
 
 
@@ -68,5 +69,9 @@ def _first_scene() -> Path | None:
     checkout = Path(__file__).parents[2] / "scenes" / _FIRST_SCENE
     if checkout.is_file():
         return checkout
-    brought = (Path(str(file.locate())) for file in files("vrut-lite") or ())
+    try:
+        listed = files(_DISTRIBUTION) or ()
+    except PackageNotFoundError:  # A folder on the path, which nobody has installed.
+        return None
+    brought = (Path(str(file.locate())) for file in listed)
     return next((path.resolve() for path in brought if path.name == _FIRST_SCENE), None)

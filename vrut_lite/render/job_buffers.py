@@ -18,7 +18,17 @@ class JobBuffers:
 
     def bind(self, context: Any, job: GpuJob) -> int:
         """Bind what a job reads; how many of its buffers were still there."""
-        before, now, kept = self._sent.pop(job.key(), {}), _Sent(), 0
+        before, now = self._sent.pop(job.key(), {}), _Sent()
+        # Whatever is made or kept stays known, also where the next cannot be made.
+        self._sent[job.key()] = now
+        try:
+            return self._bind_all(context, job, before, now)
+        finally:
+            for _, buffer in before.values():
+                buffer.release()
+
+    def _bind_all(self, context: Any, job: GpuJob, before: _Sent, now: _Sent) -> int:
+        kept = 0
         for binding, content in job.buffers:
             # The same object: to compare contents might take longer than to send them.
             if binding in before and before[binding][0] is content:
@@ -27,9 +37,6 @@ class JobBuffers:
             else:
                 now[binding] = content, _buffer(context, content)
             now[binding][1].bind_to_storage_buffer(binding)
-        for _, buffer in before.values():
-            buffer.release()
-        self._sent[job.key()] = now
         return kept
 
 

@@ -78,7 +78,7 @@ class Pieces:
         placed_s = perf_counter() - start_s
         GL.glFinish()
         shaded_s = perf_counter() - start_s - placed_s
-        tiles = next_tiles(piece.tiles, placed_s, shaded_s)
+        tiles = next_tiles(self._tiles, piece.tiles, placed_s, shaded_s)
         self._tiles = tiles if self._most_tiles is None else min(tiles, self._most_tiles)
 
 
@@ -90,12 +90,13 @@ def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:
     return Piece(left, lower, right, min(lower + rows * TILE, height))
 
 
-def next_tiles(tiles: float, placed_s: float, shaded_s: float) -> int:
+def next_tiles(asked: int, drawn: float, placed_s: float, shaded_s: float) -> int:
     """How large the next piece is to be, after one for which placing and shading took so long.
 
     Every piece places triangles anew: no more time is to go into that than into pixels. A piece
-    of bare sky says little of the next, which is at most twice as large.
+    of bare sky says little of the next, which is at most twice as large as was `asked` for: of
+    that the picture's edge may have left little to be `drawn`.
     """
     wished_s = max(_PIECE_S - placed_s, placed_s)
-    wished = min(2.0 * tiles, wished_s / max(shaded_s, 1e-6) * tiles)
+    wished = min(2.0 * max(asked, drawn), wished_s / max(shaded_s, 1e-6) * drawn)
     return max(_LEAST_TILES, int(wished))

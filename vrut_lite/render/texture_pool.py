@@ -36,8 +36,10 @@ class TexturePool:
 
     def _free_one(self, kind: Kind) -> Any:
         """A texture of this kind whose holders have let go, or None."""
-        free = [lent for lent in self._lent if lent.handle() is None]
-        self._lent = [lent for lent in self._lent if lent.handle() is not None]
+        # Asked once: a holder may let go, on another thread, at any moment.
+        held = [lent.handle() is not None for lent in self._lent]
+        free = [lent for lent, is_held in zip(self._lent, held, strict=True) if not is_held]
+        self._lent = [lent for lent, is_held in zip(self._lent, held, strict=True) if is_held]
         fitting = [lent.texture for lent in free if lent.kind == kind]
         for lent in free:
             if lent.texture not in fitting[:1]:

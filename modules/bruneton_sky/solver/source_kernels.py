@@ -87,7 +87,7 @@ def _suns_in_sight(air, altitude, bins, b, extremes, source):  # type: ignore[no
     high = (radius * extremes[1] + distance * extremes[3]) * inverse_r
     grid, suns = source.grid, source.rayleigh.shape[2] // 4
     places = suns - 1
-    first = int(sun_place(max(low, -ONE), grid[0], grid[1], grid[2], grid[3]) * places)
+    first = int(sun_place(min(max(low, -ONE), ONE), grid[0], grid[1], grid[2], grid[3]) * places)
     last = int(sun_place(min(high, ONE), grid[0], grid[1], grid[2], grid[3]) * places) + 1
     # One more on either side: the places of the cells are rounded in their own way.
     return max(min(first - 1, suns - 2), 0), min(last + 1, suns - 1)
