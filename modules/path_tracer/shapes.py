@@ -1,8 +1,8 @@
 """Placed meshes and the ground as shapes of mitsuba, in the tracer's units from the eye.
 
-A mesh that stands in several places is kept once and instanced. Like the GL frame's, its
-vertices count from the middle of its bounds, and the place's matrix is put together in double
-precision, so that single precision suffices for both.
+A mesh that stands in several places is kept once and instanced, unless it glows or its vertices
+have colours. Like the GL frame's, its vertices count from the middle of its bounds, and the
+place's matrix is put together in double precision, so that single precision suffices for both.
 """
 
 from collections import Counter
@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 
 from path_tracer.settings import SurfaceModel
 from path_tracer.subject import Subject
-from path_tracer.surfaces import VERTEX_COLOUR, Plugin, emission, matte, painted_vertices, surface
+from path_tracer.surfaces import (
+    VERTEX_COLOUR,
+    Plugin,
+    colours_vary,
+    emission,
+    matte,
+    painted_vertices,
+    surface,
+)
 from vrut_lite.scene.ground_disc import triangulate
 from vrut_lite.scene.materials import SurfaceMaterial
 
@@ -30,7 +38,7 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
     for number, placed in enumerate(subject.scene.meshes):
         matrix = subject.units_from_world() @ placed.world_from_model
         name, mesh = f"shape_{number}", placed.mesh
-        if times[id(mesh)] == 1 or _glows(mesh) or _is_flat(matrix):
+        if times[id(mesh)] == 1 or _glows(mesh) or _is_painted(mesh) or _is_flat(matrix):
             result[name] = _mesh(mitsuba, mesh, matrix, model)
             continue
         centre = _centre(mesh)
@@ -88,7 +96,8 @@ def _mesh(
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
     if colours is not None:
-        made.add_attribute(VERTEX_COLOUR, 3, painted_vertices(material, layer, colours).ravel())
+        painted = painted_vertices(material, layer, colours)
+        made.add_attribute(VERTEX_COLOUR, painted.shape[1], painted.ravel())
     return made
 
 
@@ -171,6 +180,12 @@ def _repeats(uv: NDArray[np.float64] | None) -> bool:
 def _glows(mesh: trimesh.Trimesh) -> bool:
     """Whether it shines by itself: mitsuba instances no emitters."""
     return bool(np.any(np.asarray(mesh.visual.material.emissiveFactor) > 0.0))  # type: ignore[union-attr]
+
+
+def _is_painted(mesh: trimesh.Trimesh) -> bool:
+    """Whether vertices colour it: mitsuba takes an instance's place for one on the mesh itself."""
+    colours = mesh.vertex_attributes.get("color")
+    return colours is not None and colours_vary(np.asarray(colours))
 
 
 def _is_flat(matrix: NDArray[np.float64]) -> bool:

@@ -28,6 +28,10 @@ _DIELECTRIC_SPECULAR, _DIELECTRIC_INDEX = 0.5, 1.5
 # mitsuba blends surfaces, and does not add them: a mean of two doubled ones is their sum.
 _DOUBLED = 2.0
 _LEAST_ALPHA = 2e-3
+# Half a step of 8 bits: vertex colours that differ by no more are one.
+_SAME_COLOUR = 0.002
+# So far, of the largest channel, colours of one hue may be from shades of it.
+_SAME_HUE = 0.02
 
 
 def matte(albedo_rgb: NDArray[np.float64]) -> Plugin:
@@ -82,15 +86,24 @@ def emission(mitsuba: Any, material: SurfaceMaterial, layer: int, repeats: bool)
 def painted_vertices(
     material: SurfaceMaterial, layer: int, vertex_colours: NDArray
 ) -> NDArray[np.float32]:
-    """Base colour (V, 3) at vertices of these colours (V, 4), for the mesh's attribute.
+    """The mesh's attribute for `surface` from vertices' colours (V, 4): colours (V, 3) or weights.
 
-    A map over colours that vary counts here by its hue, and in `surface` by its brightness.
+    Under a map, colours of one hue are weights (V, 1). To colours of many hues it lends its mean
+    hue; where it has many itself, no channel of the product goes beyond 1.
     """
-    maps = maps_of(material, layer)
-    factor: NDArray[Any] = material.baseColorFactor[:3]
-    if maps.base_colour is not None and _vary(vertex_colours):
-        factor = _brightness_and_hue(maps.base_colour)[1]
-    return np.asarray(vertex_colours[:, :3] * factor, np.float32)
+    texels = maps_of(material, layer).base_colour
+    if texels is None:
+        return np.asarray(vertex_colours[:, :3] * material.baseColorFactor[:3], np.float32)
+    shades = _shades_of_one_hue(vertex_colours)
+    if shades is not None:
+        return shades[0]
+    colours = vertex_colours[:, :3] * _brightness_and_hue(texels)[1]
+    return np.minimum(colours, 1.0).astype(np.float32)
+
+
+def colours_vary(vertex_colours: NDArray) -> bool:
+    """Whether colours (V, 4) of a mesh's vertices are more than one."""
+    return bool(np.any(np.ptp(vertex_colours[:, :3], axis=0) > _SAME_COLOUR))
 
 
 def _burleys(
@@ -162,35 +175,49 @@ def _coloured(
     """The BSDF of the base colour times a scale, which it is an affine function of.
 
     Colours are bitmaps, for these may exceed 1. No texture of mitsuba multiplies a map and
-    vertex colours: between a black surface and one of the vertices' colours the map weighs.
+    vertex colours: one is the colour, and the other weighs between it and black. Vertices of one
+    hue weigh the map, which is exact; else the map's brightness weighs the vertices' colours.
     """
-    if vertex_colours is None or (maps.base_colour is not None and not _vary(vertex_colours)):
+    if vertex_colours is None or not colours_vary(vertex_colours):
         tint = 1.0 if vertex_colours is None else vertex_colours[0, :3]
         texels = maps.base_colour
         if texels is None:
             texels = np.asarray(material.baseColorFactor[:3], np.float32)[None, None]
         return bsdf_of(_bitmap(mitsuba, np.asarray(texels * tint * scale, np.float32)))
-    of_vertices = bsdf_of({"type": "mesh_attribute", "name": VERTEX_COLOUR, "scale": scale})
+    colour: Plugin = {"type": "mesh_attribute", "name": VERTEX_COLOUR, "scale": scale}
     if maps.base_colour is None:
-        return of_vertices
-    weight = _bitmap(mitsuba, _brightness_and_hue(maps.base_colour)[0])
+        return bsdf_of(colour)
+    shades = _shades_of_one_hue(vertex_colours)
+    if shades is None:
+        weight = _bitmap(mitsuba, _brightness_and_hue(maps.base_colour)[0])
+    else:
+        weight = {"type": "mesh_attribute", "name": VERTEX_COLOUR}
+        colour = _bitmap(mitsuba, maps.base_colour * shades[1] * np.float32(scale))
     black = bsdf_of(_rgb(np.zeros(3)))
-    return {"type": "blendbsdf", "weight": weight, "black": black, "painted": of_vertices}
+    return {"type": "blendbsdf", "weight": weight, "black": black, "painted": bsdf_of(colour)}
+
+
+def _shades_of_one_hue(
+    vertex_colours: NDArray,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+    """Weights (V, 1) and the colour (3,), up to 1, whose shades these are; None of many hues."""
+    colours = np.asarray(vertex_colours[:, :3], np.float32)
+    weights, colour = _brightness_and_hue(colours)
+    if np.abs(colours - weights * colour).max() > _SAME_HUE * colours.max():
+        return None
+    return weights, np.minimum(colour, np.float32(1.0))
 
 
 def _brightness_and_hue(
-    texels: NDArray[np.float32],
+    colours: NDArray[np.float32],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Weights (h, w, 1) up to 1 and a colour (3,): their product is a map (h, w, 3) of one hue."""
-    brightness = texels.mean(axis=-1, keepdims=True)
+    """Weights (..., 1) up to 1 and a colour (3,): their product is colours (..., 3) of one hue."""
+    brightness = colours.mean(axis=-1, keepdims=True)
     peak, mean = float(brightness.max()), float(brightness.mean())
     if peak <= 0.0:
         return brightness, np.zeros(3, np.float32)
-    return brightness / np.float32(peak), texels.mean(axis=(0, 1)) * np.float32(peak / mean)
-
-
-def _vary(vertex_colours: NDArray) -> bool:
-    return bool(np.any(np.ptp(vertex_colours[:, :3], axis=0) > 0.0))
+    hue = colours.reshape(-1, 3).mean(axis=0, dtype=np.float64) * (peak / mean)
+    return brightness / np.float32(peak), hue.astype(np.float32)
 
 
 def _cut_out(mitsuba: Any, inner: Plugin, material: SurfaceMaterial, maps: Maps) -> Plugin:

@@ -20,6 +20,13 @@ pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
 # From straight above the square of 1 m in the plane y = 0.
 ABOVE = ((0.0, 3.0, 0.0), (0.0, 0.0, 0.0))
 CORNER_COLOURS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], float)
+# Of the way from north to south, of which 3 tan 0.15 of a metre are seen either side of half:
+# the middles of four bands.
+SOUTH = (0.5 + 3.0 * np.tan(0.15) * np.array([-0.75, -0.25, 0.25, 0.75]))[:, None, None]
+GREY_SHADE = np.repeat([[1.0], [1.0], [0.5], [0.5]], 3, axis=1)
+# White in the west, red in the east.
+WHITE_AND_RED = np.full((32, 32, 3), 255, np.uint8)
+WHITE_AND_RED[:, 16:, 1:] = 0
 
 
 @pytest.fixture
@@ -39,6 +46,11 @@ def picture(backend, path, radiance=1.0, eye_target=ABOVE, angle_rad=0.3, **sun)
     eye, target = eye_target
     backend.set_camera(MoveCamera(eye_m=eye, target_m=target, vertical_field_of_view_rad=angle_rad))
     return backend.draw().radiance
+
+
+def bands_and_halves(found):
+    """Means (4, 2, 3) of a picture's bands from the north, west and east of its middle."""
+    return found.reshape(4, 12, 2, 24, 3)[:, :, :, 2:-2].mean(axis=(1, 3))
 
 
 @pytest.mark.parametrize("roughness", [0.05, 0.2])
@@ -142,14 +154,52 @@ def test_vertex_colours_and_a_map_multiply(backend, tmp_path, model, metallic):
 
     def seen(corners):
         colours = {"COLOR_0": np.repeat(np.array(corners, float)[:, None], 3, axis=1)}
-        found = picture(backend, square(tmp_path, paint, [image], attributes=colours))
-        return found.reshape(4, 12, 2, 24, 3)[:, :, :, 2:-2].mean(axis=(1, 3))
+        path = square(tmp_path, paint, [image], attributes=colours)
+        return bands_and_halves(picture(backend, path))
 
-    # Rows from the north, 3 tan 0.15 of a metre in half: t in the middle of each twelve.
-    south = (0.5 + 3.0 * np.tan(0.15) * np.array([-0.75, -0.25, 0.25, 0.75]))[:, None, None]
     white, black = seen([1, 1, 1, 1]), seen([0, 0, 0, 0])
-    expected = south * white + (1.0 - south) * black
+    expected = SOUTH * white + (1.0 - SOUTH) * black
     np.testing.assert_allclose(seen([1, 1, 0, 0]), expected, atol=0.02 * white.max())
+
+
+@pytest.mark.parametrize("model", ["bare", "gltf"])
+def test_shades_of_vertices_keep_a_maps_hues(backend, tmp_path, model):
+    """White and red halves under baked grey, 1 in the south to 0.5 in the north, in a furnace.
+
+    Without coat each half is the map's colour times the shade; with it, so is what a white
+    surface has more than a black one. 2 % of white.
+    """
+    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces=model)
+    black, white = 0.0, 1.0
+    if model == "gltf":
+        plain = (square(tmp_path, surface(0.0, 0.6, albedo)) for albedo in (0.0, 1.0))
+        black, white = (bands_and_halves(picture(backend, path)) for path in plain)
+    found = bands_and_halves(traced_map(backend, tmp_path, GREY_SHADE))
+    colour = np.array([[1, 1, 1], [1, 0, 0]]) * (0.5 + 0.5 * SOUTH)
+    np.testing.assert_allclose(found, black + (white - black) * colour, atol=0.02)
+
+
+def test_nothing_reflects_more_than_it_gets(backend, tmp_path):
+    """White and red under vertex colours of many hues, bare in a furnace of 1: noise of 5 %.
+
+    The map's mean hue would make the white half's red 1.5.
+    """
+    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces="bare")
+    assert traced_map(backend, tmp_path, CORNER_COLOURS).max() < 1.05
+
+
+def test_a_rounding_of_vertex_colours_changes_nothing(backend, tmp_path):
+    """Colours that differ by 1e-6 are one: sample for sample the picture without them, to 1e-5."""
+    alone = traced_map(backend, tmp_path, np.ones((4, 3)))
+    rounded = traced_map(backend, tmp_path, 1.0 - 1e-6 * CORNER_COLOURS)
+    np.testing.assert_allclose(rounded, alone, atol=1e-5)
+
+
+def traced_map(backend, folder, colours):
+    """The picture of white and red under these colours (4, 3) of the corners."""
+    paint = surface(0.0, 0.6)
+    paint["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    return picture(backend, square(folder, paint, [WHITE_AND_RED], attributes={"COLOR_0": colours}))
 
 
 def test_what_is_cut_out_shows_the_sky_and_what_is_blended_its_share(backend, tmp_path):
@@ -228,6 +278,20 @@ def test_instances_stand_where_single_meshes_would(backend, tmp_path):
     other = load_scene(both).meshes[1]
     backend.show_scene(replace(scene, meshes=(scene.meshes[0], other)), None)
     np.testing.assert_allclose(backend.draw().radiance, together, atol=2e-3)
+
+
+def test_vertex_colours_stay_on_a_mesh_in_several_places(backend, tmp_path):
+    """A second square 5 m away changes no colour of the first, to 2 %: both have their own.
+
+    An instance would look its colours up by its place in the world, far off the mesh.
+    """
+    colours = {"COLOR_0": CORNER_COLOURS}
+    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces="bare")
+    alone = picture(backend, square(tmp_path, surface(0.0, 0.6), attributes=colours))
+    nodes = [{"mesh": 0}, {"mesh": 0, "translation": [5, 0, 0]}]
+    path = square(tmp_path, surface(0.0, 0.6), attributes=colours, nodes=nodes)
+    both = picture(backend, path)
+    np.testing.assert_allclose(bands_and_halves(both), bands_and_halves(alone), atol=0.02)
 
 
 def sun_at(azimuth_deg, elevation_deg):
