@@ -74,6 +74,8 @@ class PathTracer(Module):
         alone = SceneSettings(air=False)
         self._stage = SceneManager(_Muted(link), alone, backend=self._backend)
         self._wanted = False
+        # Since the scene was opened.
+        self._camera: MoveCamera | None = None
         self._path: str | None = None
         self._shown: str | None = None
         self._tracer: Tracer | None = None
@@ -101,7 +103,7 @@ class PathTracer(Module):
     @handles(SceneLoaded)
     def on_scene(self, message: SceneLoaded) -> None:
         """The scene manager has opened a file: it is opened here too, if a picture is wanted."""
-        self._path, self._shown = message.path, None
+        self._path, self._shown, self._camera = message.path, None, None
         self._show_scene()
 
     @handles(MoveCamera)
@@ -109,6 +111,7 @@ class PathTracer(Module):
         """Look from there."""
         # The scene manager tells whoever sent it that such a camera looks nowhere.
         if message.eye_m != message.target_m:
+            self._camera = message
             self._stage.on_camera(message)
             self._outdated()
 
@@ -165,6 +168,9 @@ class PathTracer(Module):
         else:
             self._shown = self._path
             self._stage.on_load(LoadScene(path=self._path))
+            # Which has its own camera; whoever has moved on since looks from elsewhere.
+            if self._camera is not None:
+                self._stage.on_camera(self._camera)
             self._outdated()
 
     # --- tracing ------------------------------------------------------------------------

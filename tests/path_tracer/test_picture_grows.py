@@ -104,6 +104,18 @@ def test_nothing_is_opened_or_traced_until_somebody_wants_it(stage):
     assert ledger(stage).skipped["scene: nobody wants a picture"] == 1
 
 
+def test_who_asks_late_sees_what_is_looked_at_by_then(stage):
+    """A camera that was moved after the scene came, before anybody wanted a picture, is kept."""
+    kernel, heard = stage
+    kernel.inject(MoveCamera(eye_m=(0.0, 50.0, 0.1), target_m=(0.0, 90.0, 0.0)))
+    kernel.pump_until_idle()
+    kernel.inject(WANT)
+    kernel.pump_until_idle()
+    picture = [message for message in heard if isinstance(message, PathTracedPicture)][-1]
+    # The uniform sky above, and nothing of the box.
+    np.testing.assert_allclose(picture.radiance.values, 2.0, rtol=0.02)
+
+
 def test_a_picture_grows_in_passes_that_double(stage):
     """1, 2, 4 and 8 samples of 8; each picture is the mean of all so far, radiance 2 or less."""
     found = pictures(play(stage, WANT))

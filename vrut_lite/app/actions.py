@@ -56,6 +56,8 @@ ACTIONS: list[ActionSpec] = [
                lambda window, on: window.desk.sun_path.show(on), True),
     ActionSpec("compare", "View", "Compare two skies", "C",
                lambda window, on: window.show_dock("compare")),
+    ActionSpec("traced", "View", "Path-traced picture", "T",
+               lambda window, on: window.toggle_dock("traced")),
     ActionSpec("profiler", "View", "Profiler", "F3",
                lambda window, on: window.profiler.setVisible(on), True),
     ActionSpec("modules", "View", "Module manager", "F4",

@@ -18,6 +18,7 @@ from vrut_lite.app.panels.place_panel import PlacePanel
 from vrut_lite.app.panels.sky_panel import SHOWN_SLOT, SkyPanel
 from vrut_lite.app.panels.sun_panel import SunPanel
 from vrut_lite.app.panels.time_panel import TimePanel
+from vrut_lite.app.panels.traced_panel import TracedPanel
 from vrut_lite.app.roster import ModuleInfo, Roster
 
 Area = Qt.DockWidgetArea
@@ -62,6 +63,14 @@ DOCKS: list[DockSpec] = [
         "tools",
         lambda desk: ComparePanel(desk.session, desk.viewport),
         shown=False,
+    ),
+    DockSpec(
+        "traced",
+        "Path-traced picture",
+        "tools",
+        lambda desk: TracedPanel(desk.session),
+        shown=False,
+        scrolled=False,
     ),
     DockSpec(
         "time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout), scrolled=False
