@@ -18,6 +18,8 @@ from bruneton_sky.tables.observer import (
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from vrut_lite.geometry.colour import rgb_from_spectrum
 
+# Of shorter ways the squares lose digits, and with them the direction its length.
+_IN_THE_EYE_M = 1e-100
 _SKYLIGHT_EXPONENT = 3.0
 
 
@@ -92,7 +94,7 @@ class Tables:
         camera, point = self._point("camera_m", camera_m), checked_point("point_m", point_m, 0.0)
         way = point - camera
         distance = np.linalg.norm(way, axis=-1)
-        there = distance[..., None] > 0
+        there = distance[..., None] > _IN_THE_EYE_M
         # A point in the observer's eye has no direction: any serves.
         direction = np.divide(way, distance[..., None], out=_upward(way), where=there)
         seen = self._view(camera, direction, sun)
