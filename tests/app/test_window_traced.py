@@ -9,7 +9,7 @@ from vrut_lite.kernel.messages import Demand, SetSetting
 
 @pytest.fixture
 def driver(drawn_window):
-    pytest.importorskip("mitsuba")
+    pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
     drawn_window.window.activateWindow()
     drawn_window.until(drawn_window.window.isActiveWindow)
     return drawn_window
