@@ -9,17 +9,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from system_libraries import LIBRARIES
 
 ROOT = Path(__file__).parents[1]
 PLAIN_TOOLS = ["cat", "dirname", "env", "find", "head", "ln", "mkdir", "mv", "rm", "sed"]
-LIBRARIES = "\tlibEGL.so.1 (libc6,x86-64) => /x/libEGL.so.1\n\tlibGL.so.1 (libc6) => /x/libGL.so.1"
-QT_LIBRARIES = "".join(
-    f"\n\t{name} (libc6,x86-64) => /x/{name}"
-    for name in (
-        "libglib-2.0.so.0", "libfontconfig.so.1", "libxkbcommon.so.0", "libdbus-1.so.3"
-    )
-)  # fmt: skip
-
 APT_GET = """
 case $* in
 *--simulate*)
@@ -30,7 +23,7 @@ case $* in
 esac"""
 DPKG = """
 mkdir -p "$3/usr/lib/x86_64-linux-gnu"
-echo elf >"$3/usr/lib/x86_64-linux-gnu/libEGL.so.1"
+for name in libEGL.so.1 libGL.so.1; do echo elf >"$3/usr/lib/x86_64-linux-gnu/$name"; done
 """
 SUDO = """
 while [ "$1" = -n ]; do shift; done
@@ -75,10 +68,16 @@ class Machine:
             check=False,
         )
 
-    def provide_gl(self, **variables: str) -> str:
+    def has_libraries(self, *groups: str) -> None:
+        names = [name for group in groups for name in LIBRARIES[group]]
+        lines = "".join(f"\t{name} (libc6,x86-64) => /x/{name}\n" for name in names)
+        self.has("ldconfig", f"printf '%s' '{lines}'")
+
+    def provide(self, purpose: str = "test", **variables: str) -> str:
         """Climb the ladder as `bootstrap.sh` does; what it said. It must never fail."""
         script = (
-            'set -eu; say() { echo "$*" >&2; }; . tools/bootstrap_gl.sh; provide_gl "$PWD"; echo on'
+            'set -eu; say() { echo "$*" >&2; }; . tools/bootstrap_system.sh; '
+            f'provide_system "$PWD" {purpose}; echo on'
         )
         done = self.shell("-c", script, **variables)
         assert (done.returncode, done.stdout) == (0, "on\n"), done.stderr
@@ -97,37 +96,70 @@ def machine(tmp_path):
     return made
 
 
-def test_gl_that_is_there_is_left_alone(machine):
-    """One look and not a word, though the user could install."""
-    machine.has("ldconfig", f"echo '{LIBRARIES}'")
+OTHERS = ("qt", "x11", "mitsuba")
+
+
+def test_libraries_that_are_there_are_left_alone(machine):
+    """A look and not a word, though the user could install."""
+    machine.has_libraries("gl", *OTHERS)
     machine.has("apt-get", APT_GET)
     machine.user(0)
-    assert machine.provide_gl() == ""
-    assert machine.calls() == ["ldconfig -p"]
+    assert machine.provide() == ""
+    assert set(machine.calls()) == {"ldconfig -p"}
 
 
 def test_half_of_gl_is_not_gl(machine):
     """libGL without libEGL, as on many desktops' minimal installations, must not count."""
     machine.has("ldconfig", "echo '\tlibGL.so.1 (libc6,x86-64) => /x/libGL.so.1'")
-    assert "missing" in machine.provide_gl()
+    assert "going on without GL: missing" in machine.provide()
 
 
 def test_root_installs_without_recommendations(machine):
     """Lists first, as fresh images have none; the two packages bring Mesa's llvmpipe."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.user(0)
-    assert machine.provide_gl() == "installing libegl1 libgl1\n"
+    assert machine.provide() == "installing libegl1 libgl1\n"
     update, install = machine.calls("apt-get")
     assert update.endswith(" update")
     assert install.endswith("install --yes --no-install-recommends libegl1 libgl1")
-    assert not (machine.root / ".gl").exists()
+    assert not (machine.root / ".system").exists()
+
+
+@pytest.mark.parametrize(
+    ("purpose", "display", "groups"),
+    [
+        ("run", "", ["libegl1", "libglib2.0-0"]),
+        ("run", ":0", ["libegl1", "libglib2.0-0", "libxcb-cursor0"]),
+        ("test", "", ["libegl1", "libglib2.0-0", "libxcb-cursor0", "libatomic1"]),
+    ],
+)
+def test_each_purpose_installs_what_it_loads(machine, purpose, display, groups):
+    """PySide6's wheels lack what Qt loads, mitsuba's lacks libatomic; X11 serves screens alone."""
+    machine.has("apt-get", APT_GET)
+    machine.user(0)
+    machine.provide(purpose, DISPLAY=display)
+    installed = [call.split("--no-install-recommends ")[1] for call in machine.calls("apt-get")[1:]]
+    assert [packages.split()[0] for packages in installed] == groups
+
+
+def test_a_group_that_cannot_be_installed_costs_no_other(machine):
+    """On a system without one package's name the others are installed, and the line names it."""
+    machine.has("apt-get", "case $* in *--simulate*|*libatomic1*) exit 100;; esac")
+    machine.user(0)
+    said = machine.provide().splitlines()
+    assert [line for line in said if "missing" in line] == [
+        "going on without the path tracer: missing are the system's packages libatomic1, "
+        "or their like"
+    ]
 
 
 def test_sudo_is_used_when_it_asks_no_password(machine):
     """It is asked first with -n, so that set-up never stops at a prompt."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("sudo", SUDO)
-    machine.provide_gl()
+    machine.provide()
     assert machine.calls("sudo")[0] == "sudo -n true"
     assert all(call.startswith("sudo -n ") for call in machine.calls("sudo"))
     assert machine.calls("apt-get")[-1].endswith(
@@ -137,41 +169,55 @@ def test_sudo_is_used_when_it_asks_no_password(machine):
 
 def test_a_failed_update_does_not_stop_the_installation(machine):
     """One unreachable source fails the update; the packages may be had all the same."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", "case $* in *update) exit 100;; esac")
     machine.user(0)
-    assert machine.provide_gl() == "installing libegl1 libgl1\n"
+    assert machine.provide() == "installing libegl1 libgl1\n"
 
 
 @pytest.mark.parametrize("sudo", ["none", "asks"])
 def test_without_root_the_packages_go_into_a_private_folder(machine, sudo):
     """What is lacking is downloaded and unpacked, never the C library; nothing is installed."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
     if sudo == "asks":
         machine.has("sudo", "exit 1")
-    assert "fetching libegl1 libgl1 into .gl" in machine.provide_gl()
+    assert "fetching libegl1 libgl1 into .system" in machine.provide()
     update, simulate, download = machine.calls("apt-get")
     assert update.endswith(" update")
     assert "--simulate" in simulate
     assert download.endswith(" download libegl1")
-    assert f"Dir::State::Lists={machine.root}/.gl/apt/lists" in download
-    libraries = machine.root / ".gl/root/usr/lib/x86_64-linux-gnu"
+    assert f"Dir::State::Lists={machine.root}/.system/apt/lists" in download
+    libraries = machine.root / ".system/root/usr/lib/x86_64-linux-gnu"
     assert (libraries / "EGL").resolve() == libraries / "libEGL.so.1"
-    assert sorted(entry.name for entry in (machine.root / ".gl").iterdir()) == [
+    assert sorted(entry.name for entry in (machine.root / ".system").iterdir()) == [
         ".gitignore",
         "env",
         "root",
     ]
 
 
-def test_the_private_folder_is_found_through_the_environment(machine):
-    """The variables of loader, Mesa, GLVND and glcontext lead there, blanks in the path kept."""
+def test_all_that_is_lacking_goes_into_one_private_folder(machine):
+    """Windows and the path tracer run for a user without rights, too."""
+    machine.has_libraries("gl")
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
-    machine.provide_gl()
-    done = machine.shell("-c", '. ".gl/env"; env', LD_LIBRARY_PATH="/own")
+    machine.provide()
+    (simulate,) = [call for call in machine.calls("apt-get") if "--simulate" in call]
+    for package in ("libglib2.0-0", "libxcb-cursor0", "libatomic1"):
+        assert package in simulate.split()
+
+
+def test_the_private_folder_is_found_through_the_environment(machine):
+    """The variables of loader, Mesa, GLVND and glcontext lead there, blanks in the path kept."""
+    machine.has_libraries(*OTHERS)
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    machine.provide()
+    done = machine.shell("-c", '. ".system/env"; env', LD_LIBRARY_PATH="/own")
     variables = dict(line.split("=", 1) for line in done.stdout.splitlines())
-    private = f"{machine.root}/.gl/root"
+    private = f"{machine.root}/.system/root"
     libraries = f"{private}/usr/lib/x86_64-linux-gnu"
     assert variables["LD_LIBRARY_PATH"] == f"{libraries}:{private}/lib/x86_64-linux-gnu:/own"
     assert variables["LIBGL_DRIVERS_PATH"] == f"{libraries}/dri"
@@ -182,52 +228,68 @@ def test_the_private_folder_is_found_through_the_environment(machine):
 
 def test_a_private_folder_is_fetched_once(machine):
     """The second time no apt-get runs and nothing is said."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
-    machine.provide_gl()
-    assert machine.provide_gl() == ""
-    assert machine.calls() == ["ldconfig -p"]
+    machine.provide()
+    assert machine.provide() == ""
+    assert set(machine.calls()) == {"ldconfig -p"}
+
+
+def test_a_private_folder_that_lacks_a_library_is_fetched_anew(machine):
+    """`make test` after `make run` needs more than that fetched."""
+    machine.has_libraries(*OTHERS)
+    machine.has("apt-get", APT_GET)
+    machine.has("dpkg", DPKG)
+    machine.provide()
+    machine.has_libraries("qt", "x11")
+    assert "fetching libegl1 libgl1 libatomic1" in machine.provide()
 
 
 def test_the_systems_gl_wins_over_the_private_one(machine):
     """A driver installed later, with the GPU perhaps, is not hidden by llvmpipe."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
-    machine.provide_gl()
-    machine.has("ldconfig", f"echo '{LIBRARIES}'")
-    machine.provide_gl()
-    assert not (machine.root / ".gl/env").exists()
+    machine.provide()
+    machine.has_libraries("gl", *OTHERS)
+    machine.provide()
+    assert not (machine.root / ".system/env").exists()
 
 
 def test_private_can_be_asked_for(machine):
-    """VRUT_LITE_GL=private leaves the system as it is though root could change it."""
+    """VRUT_LITE_SYSTEM=private leaves the system as it is though root could change it."""
+    machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
     machine.user(0)
-    machine.provide_gl(VRUT_LITE_GL="private")
-    assert (machine.root / ".gl/env").exists()
+    machine.provide(VRUT_LITE_SYSTEM="private")
+    assert (machine.root / ".system/env").exists()
     assert not any(" install --yes" in call for call in machine.calls("apt-get"))
 
 
 def test_none_can_be_asked_for(machine):
-    """VRUT_LITE_GL=none does not even look."""
+    """VRUT_LITE_SYSTEM=none does not even look."""
     machine.user(0)
-    assert machine.provide_gl(VRUT_LITE_GL="none") == ""
+    assert machine.provide(VRUT_LITE_SYSTEM="none") == ""
     assert machine.calls() == []
 
 
 @pytest.mark.parametrize("broken", ["no apt", "offline", "no download", "broken package"])
 @pytest.mark.parametrize("user", [0, 1000])
 def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
-    """The last line names the packages, and no half-made environment is left to be sourced."""
+    """A line for each group names its packages; no half-made environment is left to source."""
     machine.user(user)
     if broken != "no apt":
         failing = {"offline": OFFLINE, "no download": "case $* in *download*|*--yes*) exit 1; esac"}
         machine.has("apt-get", failing.get(broken, "case $* in *--yes*) exit 1; esac") + APT_GET)
         machine.has("dpkg", DPKG + ("exit 2" if broken == "broken package" else ""))
-    last = machine.provide_gl().splitlines()[-1]
-    assert last.startswith("going on without GL: missing are the system's packages libegl1 libgl1")
-    assert not (machine.root / ".gl/env").exists()
+    *_, gl, qt, x11, mitsuba = machine.provide().splitlines()
+    assert gl.startswith("going on without GL: missing are the system's packages libegl1 libgl1")
+    assert qt.startswith("going on without windows: missing are the system's packages libglib2.0-0")
+    assert x11.startswith("going on without windows on a screen: missing")
+    assert mitsuba.endswith("the system's packages libatomic1, or their like")
+    assert not (machine.root / ".system/env").exists()
 
 
 def with_venv(machine: Machine, pip: str = "") -> None:
@@ -240,7 +302,7 @@ case $1$2 in
 esac"""
     machine.has("python", body, machine.root / ".venv/bin")
     machine.has("pip", "", machine.root / ".venv/bin")
-    machine.has("ldconfig", f"echo '{LIBRARIES}{QT_LIBRARIES}'")
+    machine.has_libraries("gl", *OTHERS)
 
 
 def installations(machine: Machine) -> list[str]:
@@ -274,6 +336,10 @@ def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
     with_venv(machine)
     machine.shell("tools/bootstrap.sh", "test")
     machine.shell("tools/bootstrap.sh", "run")
+    assert installations(machine) == []
+    machine.shell("tools/bootstrap.sh", "lint")
+    assert installations(machine) == ["[app,test,ref,lint]"]
+    machine.shell("tools/bootstrap.sh", "test")
     assert installations(machine) == []
 
 
@@ -336,40 +402,5 @@ def test_bootstrap_asks_for_a_purpose(machine):
     """A slip gives the usage and code 2, and makes nothing."""
     done = machine.shell("tools/bootstrap.sh")
     assert done.returncode == 2
-    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test\n"
+    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test|lint\n"
     assert not (machine.root / ".venv").exists()
-
-
-def test_qts_libraries_are_installed_where_they_are_missing(machine):
-    """PySide6's wheels bring Qt but not what Qt loads: glib, fontconfig, xkbcommon and D-Bus."""
-    with_venv(machine)
-    machine.has("ldconfig", f"echo '{LIBRARIES}'")
-    machine.has("apt-get")
-    machine.user(0)
-    assert machine.shell("tools/bootstrap.sh", "test").returncode == 0
-    assert machine.calls("apt-get")[-1].endswith(
-        "install --yes --no-install-recommends "
-        "libglib2.0-0 libfontconfig1 libxkbcommon0 libdbus-1-3"
-    )
-
-
-@pytest.mark.parametrize(("purpose", "display"), [("run", ":0"), ("run", ""), ("test", ":0")])
-def test_x11s_libraries_are_installed_to_run_on_a_screen_alone(machine, purpose, display):
-    """libxcb-cursor0, without which Qt aborts since 6.5, is on few machines; tests need none."""
-    with_venv(machine)
-    machine.has("apt-get")
-    machine.user(0)
-    assert machine.shell("tools/bootstrap.sh", purpose, DISPLAY=display).returncode == 0
-    asked = any("libxcb-cursor0" in call for call in machine.calls("apt-get"))
-    assert asked == (purpose == "run" and display != "")
-
-
-def test_without_qts_libraries_set_up_goes_on(machine):
-    """One line names the packages; everything but windows works without them."""
-    with_venv(machine)
-    machine.has("ldconfig", f"echo '{LIBRARIES}'")
-    done = machine.shell("tools/bootstrap.sh", "test")
-    assert done.returncode == 0
-    assert done.stderr.splitlines()[-1].startswith(
-        "vrut_lite: going on without windows: missing are the system's packages libglib2.0-0"
-    )

@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import OpenEXR
 import pytest
+from path_tracer_here import mitsuba_or_skip
 
 from vrut_lite import cli
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
@@ -126,7 +127,7 @@ def test_turned_by_90_degrees_it_fits_blender(sky):
 
 def test_turned_by_180_degrees_mitsuba_lights_the_scenes_own_axes_with_it(sky):
     """Mitsuba's own reader and its envmap: the brightest direction is the sun's, in world axes."""
-    mitsuba = pytest.importorskip("mitsuba", reason="mitsuba is not installed: extra `ref`")
+    mitsuba = mitsuba_or_skip()
     mitsuba.set_variant("scalar_rgb")
     path = sky("sky.exr", "--sun-disc", "--rotate", 180)
     emitter = mitsuba.load_dict({"type": "envmap", "filename": str(path)})
@@ -145,7 +146,7 @@ def test_turned_by_180_degrees_mitsuba_lights_the_scenes_own_axes_with_it(sky):
 
 def test_mitsuba_reads_the_metadata(sky):
     """Another program's EXR reader finds place, time and model in the header."""
-    mitsuba = pytest.importorskip("mitsuba", reason="mitsuba is not installed: extra `ref`")
+    mitsuba = mitsuba_or_skip()
     mitsuba.set_variant("scalar_rgb")
     bitmap = mitsuba.Bitmap(str(sky("sky.exr")))
     assert bitmap.metadata()["skyModel"] == "dynamic_skylight"

@@ -1,12 +1,12 @@
 #!/bin/sh
 # Sets up what `make run` and `make test` need, in the checkout: .venv with the project and its
-# packages, then the system's GL libraries (bootstrap_gl.sh) and those of windows
-# (bootstrap_window.sh). Quick when there is nothing to do.
+# packages, then the system's libraries for GL, windows and mitsuba (bootstrap_system.sh). Quick
+# when there is nothing to do.
 #
-#   tools/bootstrap.sh run|test
+#   tools/bootstrap.sh run|test|lint
 #
 # PYTHON names the interpreter to make .venv with; without it the first Python 3.11 or newer.
-# VRUT_LITE_GL is explained in bootstrap_gl.sh; it holds for windows too.
+# VRUT_LITE_SYSTEM is explained in bootstrap_system.sh.
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
@@ -39,6 +39,7 @@ install_venv_module() {
         return 1
     fi
     say "installing $package"
+    apt_update "$as_root"
     apt_install "$as_root" "$package" || {
         say "apt-get could not install $package, without which $1 makes no virtual environment"
         return 1
@@ -74,12 +75,19 @@ pip_install() {
     "$python" -m pip install --quiet --quiet --editable "$root$1"
 }
 
-# install_packages PURPOSE EXTRAS; what suffices to test suffices to run.
+# install_packages PURPOSE EXTRAS; what suffices to lint suffices to test, and that to run.
 install_packages() {
     key=$(installation_key)
-    if is_installed "$1" "$key" || is_installed test "$key"; then
-        return
-    fi
+    case $1 in
+    run) sufficient='run test lint' ;;
+    test) sufficient='test lint' ;;
+    *) sufficient=lint ;;
+    esac
+    for purpose in $sufficient; do
+        if is_installed "$purpose" "$key"; then
+            return
+        fi
+    done
     say "installing Python packages into .venv (the first time takes a minute or more)"
     if pip_install "$2"; then
         printf '%s\n' "$key" >"$root/.venv/installed-for-$1"
@@ -92,20 +100,19 @@ install_packages() {
     fi
 }
 
-# shellcheck source=tools/bootstrap_gl.sh
-. "$root/tools/bootstrap_gl.sh"
-# shellcheck source=tools/bootstrap_window.sh
-. "$root/tools/bootstrap_window.sh"
+# shellcheck source=tools/bootstrap_system.sh
+. "$root/tools/bootstrap_system.sh"
 
 case ${1-} in
 run) extras='[app]' ;;
 test) extras='[app,test,ref]' ;;
+lint) extras='[app,test,ref,lint]' ;;
 *)
-    say "usage: tools/bootstrap.sh run|test"
+    say "usage: tools/bootstrap.sh run|test|lint"
     exit 2
     ;;
 esac
 make_venv
 install_packages "$1" "$extras"
-provide_gl "$root"
-provide_window "$1"
+# Linters load no library of the system's.
+[ "$1" = lint ] || provide_system "$root" "$1"

@@ -82,13 +82,22 @@ def main() -> None:
         _end("there is not enough memory for this: ask for a smaller size", 1)
     except BrokenPipeError:
         # Whoever read the output has had enough; nothing is left to say, and nowhere to.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
     except OSError as error:
+        _drop_output()
         _end(f"{error.strerror or error}", 1)
     except (click.Abort, KeyboardInterrupt):
         _end("interrupted", 130)
     except Terminated:
         _end("terminated", 143)
+
+
+def _drop_output() -> None:
+    """Let what cannot be written vanish: Python would try again at its end, and exit with 120."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _tell_any_name() -> None:

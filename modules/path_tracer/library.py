@@ -16,6 +16,8 @@ from vrut_lite.errors import UserError
 
 Variant = Literal["scalar", "llvm"]
 EXTRA = "ref"
+# What mitsuba's wheel loads and does not bring.
+SYSTEM_PACKAGE = "libatomic1"
 LIBRARY_VARIABLE = "DRJIT_LIBLLVM_PATH"
 _PROBE_S = 60.0
 # Newer ones first; mitsuba 3.6 and later are made for 16 to 20, and others abort.
@@ -27,13 +29,19 @@ def load_mitsuba(variant: Variant = "scalar") -> Any:
     """The package, set to a variant.
 
     Raises:
-        UserError: it is not installed, or this variant does not run here.
+        UserError: it is not installed, or lacks a library, or this variant does not run here.
     """
     try:
         import mitsuba
-    except ImportError:
+    except ModuleNotFoundError:
         raise UserError(
             f"the path tracer needs mitsuba: install it with pip install 'vrut-lite[{EXTRA}]'"
+        ) from None
+    # Its package goes on after a library that is missing, and raises a NameError then.
+    except Exception as error:
+        raise UserError(
+            f"mitsuba cannot be loaded ({error.__context__ or error}): install the system's "
+            f"package {SYSTEM_PACKAGE}, or its like"
         ) from None
     if variant == "llvm":
         os.environ[LIBRARY_VARIABLE] = safe_library()

@@ -7,9 +7,10 @@ import sys
 
 import pytest
 from click.testing import CliRunner
+from system_libraries import LIBRARIES
 
 from vrut_lite.app import desktop
-from vrut_lite.app.desktop import objection, require_desktop
+from vrut_lite.app.desktop import PACKAGES, objection, require_desktop
 from vrut_lite.commands.run import run
 from vrut_lite.errors import UserError
 
@@ -27,6 +28,11 @@ def test_without_a_display_the_headless_way_is_named(monkeypatch):
 
 def test_a_display_that_does_not_answer_is_told_by_name(monkeypatch):
     """Qt itself is asked, in a process that it may abort."""
+    for library in LIBRARIES["x11"]:
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            pytest.skip(f"{library} is missing: install the system's packages {PACKAGES}")
     monkeypatch.setenv("DISPLAY", ":987")
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.delenv("QT_QPA_PLATFORM", raising=False)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from path_tracer_here import mitsuba_or_skip
 from PySide6.QtCore import Qt
 
 from vrut_lite.kernel.messages import Demand, SetSetting
@@ -9,7 +10,7 @@ from vrut_lite.kernel.messages import Demand, SetSetting
 
 @pytest.fixture
 def driver(drawn_window):
-    pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+    mitsuba_or_skip()
     drawn_window.window.activateWindow()
     drawn_window.until(drawn_window.window.isActiveWindow)
     return drawn_window

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from dynamic_skylight import HosekWilkieSky
 from exact_cube import angles_to, world_sun
+from path_tracer_here import mitsuba_or_skip
 
 from vrut_lite.geometry.cube_map import texel_directions
 
-mitsuba = pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+mitsuba = mitsuba_or_skip()
 # Mitsuba divides RGB by the integral of CIE Y; our radiance is not normalised so.
 CIE_Y_NORMALISATION = 106.7502593994140625
 

@@ -6,15 +6,15 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
-import pytest
 from dynamic_skylight.hosek_wilkie.coefficients import tables
+from path_tracer_here import mitsuba_or_skip
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_committed_tables_equal_the_wheels():
     """Extraction must not have touched a bit (sunsky_datasets.bin of the mitsuba wheel)."""
-    mitsuba = pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+    mitsuba = mitsuba_or_skip()
     spec = spec_from_file_location("extract", ROOT / "tools" / "extract_hosek_wilkie.py")
     assert spec is not None
     assert spec.loader is not None

@@ -9,7 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 NOON = ["--at", "2026-06-21T12:00Z", "--place", "50,14"]
 SMALL_SKY = ["sky", *NOON, "--size", "16"]
-PATIENCE_S = 240
+PATIENCE_S = 120
 # A job that a shell started in the background is born deaf to Ctrl-C.
 HEAR_INTERRUPTS = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
 

@@ -14,6 +14,7 @@ from path_tracer import module as path_tracer_module
 from path_tracer.messages import PathTracedPicture
 from path_tracer.module import PathTracer
 from path_tracer.tracer import Tracer
+from path_tracer_here import mitsuba_or_skip
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -31,7 +32,7 @@ from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.recording_backend import RecordingBackend
 
-pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+mitsuba_or_skip()
 WANT = Demand(consumer="test", message="PathTracedPicture")
 NO_MORE = Demand(consumer="test", message="PathTracedPicture", size=0)
 DEADLINE_S = 30.0

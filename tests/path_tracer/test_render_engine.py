@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from path_tracer_here import mitsuba_or_skip
 from PIL import Image
 
 from vrut_lite.commands.render import render
 from vrut_lite.commands.sky import sky
 from vrut_lite.errors import UserError
 
-pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+mitsuba_or_skip()
 SPHERES = str(Path(__file__).parents[2] / "scenes" / "spheres.glb")
 TRACED = ("--engine", "path-tracer", "--size", "32x20")
 

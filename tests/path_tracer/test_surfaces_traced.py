@@ -9,6 +9,7 @@ from light_messages import light_messages
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer.textures import scaled_normals
+from path_tracer_here import mitsuba_or_skip
 from render.scene_stage import square, surface
 
 from vrut_lite.geometry.cube_map import texel_directions
@@ -16,7 +17,7 @@ from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.messages import MoveCamera
 from vrut_lite.scene.loading import load_scene
 
-pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+mitsuba_or_skip()
 # From straight above the square of 1 m in the plane y = 0.
 ABOVE = ((0.0, 3.0, 0.0), (0.0, 0.0, 0.0))
 CORNER_COLOURS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], float)

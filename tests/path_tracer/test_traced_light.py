@@ -13,6 +13,7 @@ from path_tracer.sky_map import environment_map, map_directions, sky_emitter
 from path_tracer.subject import Subject
 from path_tracer.sun import disc_picture
 from path_tracer.tracer import Tracer
+from path_tracer_here import mitsuba_or_skip
 
 from vrut_lite.geometry.cube_map import sample_cube, texel_directions, texel_solid_angles
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
@@ -20,7 +21,7 @@ from vrut_lite.kernel.messages import MoveCamera
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
 
-mitsuba = pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+mitsuba = mitsuba_or_skip()
 # Mitsuba divides RGB by the integral of CIE Y; our radiance is not normalised so.
 CIE_Y_NORMALISATION = 106.7502593994140625
 

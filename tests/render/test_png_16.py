@@ -6,6 +6,7 @@ import zlib
 
 import numpy as np
 import pytest
+from path_tracer_here import mitsuba_or_skip
 from PIL import Image
 
 from vrut_lite import cli
@@ -55,7 +56,7 @@ def test_every_value_comes_back(tmp_path):
 
 def test_mitsuba_reads_it(tmp_path):
     """Another program's reader finds the same 16 bits."""
-    mitsuba = pytest.importorskip("mitsuba", reason="mitsuba is not installed: extra `ref`")
+    mitsuba = mitsuba_or_skip()
     mitsuba.set_variant("scalar_rgb")
     write_png(tmp_path / "a.png", RGB16[::-1])
     np.testing.assert_array_equal(np.array(mitsuba.Bitmap(str(tmp_path / "a.png"))), RGB16[::-1])

@@ -13,6 +13,7 @@ from box_stage import SIZE, light, look, show_box, sun_at, uniform_sky
 from light_messages import light_messages
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
+from path_tracer_here import mitsuba_or_skip
 from scene_stage import CORNERS, square
 
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
@@ -44,7 +45,7 @@ def made(kind, request):
 
         backend = PyrenderBackend(request.getfixturevalue("gl_owner"))
     elif kind == "path tracer":
-        pytest.importorskip("mitsuba", reason="the extra `ref` is not installed")
+        mitsuba_or_skip()
         backend = PathTracedBackend(PathTracerSettings(spp=8, max_bounces=1))
     else:
         backend = RecordingBackend()

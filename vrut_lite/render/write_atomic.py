@@ -48,9 +48,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         folder = target.parent
         objection = _objection(target)
         if not objection:
-            beside = _beside(target)
-            beside.touch(exist_ok=False)
-            beside.unlink()
+            _try_a_file(_beside(target))
     except OSError as error:
         objection = f"{_reason(error)} in {folder}"
     if objection:
@@ -72,6 +70,14 @@ def _objection(target: Path) -> str:
     # Opened and not truncated: an older file that refuses bytes is meant to stay.
     os.close(os.open(target, os.O_WRONLY))
     return ""
+
+
+def _try_a_file(path: Path) -> None:
+    """Make a file and take it away, also when the process is asked to end between the two."""
+    try:
+        path.touch(exist_ok=False)
+    finally:
+        path.unlink(missing_ok=True)
 
 
 def _beside(target: Path) -> Path:
