@@ -23,7 +23,7 @@ run:
 
 test:
 	@sh tools/bootstrap.sh test
-	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --durations=10 --durations-min=1
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --dist worksteal --durations=10 --durations-min=1
 
 lint:
 	@sh tools/bootstrap.sh lint
@@ -33,6 +33,7 @@ lint:
 
 test-long:
 	@sh tools/bootstrap.sh test
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto -m long --long
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto tests/stress --stress-scale 20
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/kernel/recording -k live_runs --live-runs 1000
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/test_soak.py --soak-minutes 60

@@ -19,6 +19,7 @@ except ImportError as error:
 
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
+    parser.addoption("--long", action="store_true", help="run the tests marked long too")
     parser.addoption("--live-runs", type=int, default=50, help="recorded runs to replay")
     parser.addoption("--scene-cycles", type=int, default=36, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.25, help="minutes of play at 60 Hz")
@@ -26,7 +27,12 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Skip what needs OpenGL, and say why, where there is none."""
+    """Skip what takes long, and what needs OpenGL where there is none, and say why."""
+    if not config.getoption("--long"):
+        skip = pytest.mark.skip(reason="takes long: `make test-long` runs it")
+        for item in items:
+            if "long" in item.keywords:
+                item.add_marker(skip)
     needing = [item for item in items if "gl" in item.keywords]
     if needing and not probe_gl()[0]:
         skip = pytest.mark.skip(reason=f"no OpenGL 4.3 through EGL: {probe_gl()[1]}")

@@ -152,13 +152,22 @@ def test_a_project_file_renders_like_its_options(vrut_lite, tmp_path):
 @pytest.mark.gl
 def test_the_demo_renders_every_scene_at_four_hours(vrut_lite, tmp_path):
     """Four pictures for each bundled scene, and one sheet of all; noon is brighter than dusk."""
-    said = vrut_lite("demo", "--out", tmp_path, "--scenes", SCENES)
+    scenes = tmp_path / "scenes"
+    scenes.mkdir()
+    for path in (path for path in SCENES.iterdir() if path.is_file()):
+        shutil.copy(path, scenes)
+    # The size does not matter here.
+    for name in ("pavilion.gltf", "spheres.glb", "street.obj", "sundial.glb"):
+        project = scenes / f"{Path(name).stem}.toml"
+        text = project.read_text() if project.exists() else f'scene = "{name}"\n'
+        project.write_text(f"size = [96, 54]\n{text}")
+    said = vrut_lite("demo", "--out", tmp_path / "out", "--scenes", scenes)
     names = {"pavilion", "spheres", "street", "sundial"}
     hours = ("sunrise", "noon", "late_afternoon", "dusk")
-    made = {path.name for path in tmp_path.iterdir()}
+    made = {path.name for path in (tmp_path / "out").iterdir()}
     assert made == {f"{n}_{h}.png" for n in names for h in hours} | {"contact_sheet.png"}
     assert "16 pictures" in said
-    texts = [Image.open(tmp_path / f"sundial_{hour}.png").text for hour in hours]
+    texts = [Image.open(tmp_path / "out" / f"sundial_{hour}.png").text for hour in hours]
     elevations = [float(text["sunElevationDeg"]) for text in texts]
     np.testing.assert_allclose(elevations[0], 2.0, atol=0.3)
     np.testing.assert_allclose(elevations[2:], [14.0, -4.0], atol=0.3)
@@ -190,6 +199,7 @@ def test_the_demo_uses_what_a_project_says(vrut_lite, tmp_path):
     folder.mkdir()
     shutil.copy(SCENES / "sundial.glb", folder / "a.glb")
     shutil.copy(SCENES / "sundial.glb", folder / "b.glb")
+    (folder / "b.toml").write_text('scene = "b.glb"\nsize = [32, 32]\n')
     (folder / "a.toml").write_text(
         'scene = "a.glb"\nsize = [32, 32]\n[slots]\nsky = "bruneton_sky"\n'
         "[settings.bruneton_sky]\nturbidity = 5\n"

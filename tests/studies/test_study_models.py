@@ -86,8 +86,9 @@ def test_models_answer_everywhere(name):
     assert model.title
     zenith = np.linspace(0.0, np.pi / 2, 7)
     for sun_deg in (0.0, 45.0, 89.0):
-        left = model.sky_radiance(np.radians(sun_deg), zenith, np.full(7, 0.7))
-        right = model.sky_radiance(np.radians(sun_deg), zenith, np.full(7, -0.7))
+        azimuths = np.repeat([0.7, -0.7], 7)
+        both = model.sky_radiance(np.radians(sun_deg), np.tile(zenith, 2), azimuths)
+        left, right = both[:7], both[7:]
         assert left.shape == (7, WAVELENGTHS_NM.size)
         assert np.isfinite(left).all()
         np.testing.assert_allclose(left, right, rtol=1e-12)
