@@ -11,8 +11,8 @@
 BIN := .venv/bin
 # Libraries fetched into the checkout are found through these variables.
 WITH_SYSTEM := if [ -f .system/env ]; then . ./.system/env; fi;
-# The tests run side by side, so each keeps to one core.
-ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# The tests run side by side, so each keeps to one core (LP: Mesa's llvmpipe).
+ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 
 .PHONY: run test lint test-long clean
 
@@ -23,7 +23,8 @@ run:
 
 test:
 	@sh tools/bootstrap.sh test
-	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --dist worksteal --durations=10 --durations-min=1
+	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist worksteal \
+		--durations=10 --durations-min=1
 
 lint:
 	@sh tools/bootstrap.sh lint
