@@ -4,7 +4,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from broken_files import GOOD, broken
+from vrut_lite_bench.mangled_scenes import GOOD, broken
 
 from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene

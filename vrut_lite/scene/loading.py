@@ -36,17 +36,18 @@ class LoadedScene:
     camera: SceneCamera | None
 
 
-def load_scene(path: str | os.PathLike[str]) -> LoadedScene:
+def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
     """Read a scene file with the materials, textures and camera it brings.
+
+    `budget` is what loading may take; without one, what the environment allows.
 
     Raises:
         UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
             anything outside its own folder.
     """
     file = Path(path)
-    budget = budget_of_environment()
     try:
-        return _load(file, budget)
+        return _load(file, budget or budget_of_environment())
     except SceneFileError as fault:
         raise UserError(f"cannot open the scene {file}: {fault}") from fault
 
