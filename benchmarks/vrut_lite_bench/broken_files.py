@@ -7,6 +7,7 @@ was resident above what the process began with; time is CPU time of all its thre
 """
 
 import argparse
+import contextlib
 import multiprocessing
 import resource
 import tempfile
@@ -77,10 +78,8 @@ def measured(files: Iterable[tuple[str, Path]], open_file: Open) -> Iterator[Row
         sender.close()
         told = None
         if receiver.poll(_PATIENCE_S):
-            try:
+            with contextlib.suppress(EOFError):  # It was ended before it could tell.
                 told = receiver.recv()
-            except EOFError:
-                pass
         child.kill()
         child.join()
         yield Row(kind, size, *(told or (0, float(_PATIENCE_S), None)))

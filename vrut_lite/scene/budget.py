@@ -9,6 +9,7 @@ behind, are counted against the bytes that the scene brings.
 """
 
 import os
+import re
 
 from vrut_lite.errors import UserError
 from vrut_lite.scene.file_checks import SceneFileError
@@ -22,6 +23,7 @@ _ASKED_PER_BYTE = 8
 _ASKED_BASE_BYTES = 4 * 2**20
 _LEAST_GIB, _MOST_GIB = 1.0, 1024.0
 _MIB, _GIB = 2.0**20, 2.0**30
+_NUMBER = re.compile(r"\d{1,9}(\.\d{0,9})?", re.ASCII)
 
 
 class SceneBudget:
@@ -86,11 +88,8 @@ def budget_of_environment() -> SceneBudget:
     Raises:
         UserError: if the variable is no number from 1 to 1024.
     """
-    word = os.environ.get(LIMIT_VARIABLE, "").strip()
-    try:
-        limit_gib = float(word) if word else DEFAULT_LIMIT_GIB
-    except ValueError:
-        limit_gib = 0.0
+    word = os.environ.get(LIMIT_VARIABLE, "").strip() or f"{DEFAULT_LIMIT_GIB:g}"
+    limit_gib = float(word) if _NUMBER.fullmatch(word) else 0.0
     if not _LEAST_GIB <= limit_gib <= _MOST_GIB:
         raise UserError(
             f"{LIMIT_VARIABLE} is {ascii(word)[:40]}; give the GiB of memory that loading a scene "

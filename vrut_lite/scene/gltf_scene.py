@@ -27,6 +27,7 @@ from vrut_lite.scene.uv_layers import UvLayer, layers_of
 _FAN, _TRIANGLES = 6, 4
 _READ = ("POSITION", "NORMAL", "COLOR_0")
 _INDEX_BYTES = 4
+_STILL = Node()
 
 
 def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | None]:
@@ -61,8 +62,10 @@ def _placed_nodes(file: GltfFile) -> Iterator[tuple[Node, NDArray[np.float64]]]:
             raise SceneFileError(f"node {index} has several parents; export the scene again")
         seen.add(index)
         check_places(len(seen))
-        with np.errstate(over="ignore", invalid="ignore"):
-            world_from_node = world_from_parent @ _local_matrix(node)
+        world_from_node = world_from_parent
+        if _moves(node):
+            with np.errstate(over="ignore", invalid="ignore"):
+                world_from_node = world_from_parent @ _local_matrix(node)
         yield node, world_from_node
         waiting += [(child, world_from_node) for child in reversed(node.children)]
 
@@ -73,6 +76,12 @@ def _roots(file: GltfFile) -> list[int]:
         return item_at(document.scenes, document.scene or 0, "scene").nodes
     children = {child for node in document.nodes for child in node.children}
     return [index for index in range(len(document.nodes)) if index not in children]
+
+
+def _moves(node: Node) -> bool:
+    """Whether a node has a matrix or parts of one; most of a large tree have none."""
+    parts = (node.translation, node.rotation, node.scale)
+    return node.matrix is not None or parts != (_STILL.translation, _STILL.rotation, _STILL.scale)
 
 
 def _local_matrix(node: Node) -> NDArray[np.float64]:
@@ -101,8 +110,9 @@ def _first_camera(
             continue
         camera = item_at(file.document.cameras, node.camera, "camera")
         axes = world_from_node[:3, :3]
-        usable = np.all(np.isfinite(world_from_node)) and np.linalg.matrix_rank(axes) == 3
-        if camera.perspective is None or not usable:
+        if camera.perspective is None or not np.all(np.isfinite(world_from_node)):
+            continue
+        if np.linalg.matrix_rank(axes) < 3:
             continue
         pose = world_from_node.copy()
         left, _, right = np.linalg.svd(axes)
@@ -255,8 +265,13 @@ class _Meshes:
             return arrays, self._faces(shape, len(arrays["POSITION"]))
         view, attributes = shape.draco
         counts = {key: self._file.accessor(number).count for key, number in shape.attributes}
-        packed = self._file.view_bytes(view)
-        arrays, faces = decode_draco(packed, dict(attributes), counts, self._file.folder.budget)
+        arrays, faces = decode_draco(
+            self._file.view_bytes(view),
+            dict(attributes),
+            counts,
+            shape.triangles(self._file),
+            self._file.folder.budget,
+        )
         if "POSITION" not in arrays:
             raise SceneFileError("its Draco data lack positions; export it again")
         return arrays, faces

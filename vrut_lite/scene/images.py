@@ -13,8 +13,9 @@ MAX_IMAGE_PIXELS = 64 * 2**20
 MAX_TOTAL_PIXELS = 256 * 2**20
 # Pillow keeps RGB and RGBA alike in four bytes.
 _PIXEL_BYTES, _IMAGE_BYTES = 4, 4096
+# Each scan of a JPEG, if only of a few bytes, is a pass over all pixels; the usual ones have 10.
 _JPEG_SCAN = b"\xff\xda"
-_MOST_SCANS = 100
+_MOST_SCANNED_PIXELS = 16 * MAX_TOTAL_PIXELS
 _BAND_ROWS = 256
 # A fixed list: Pillow also opens formats that run other programs (EPS) or nest files.
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "GIF", "TIFF")
@@ -28,6 +29,7 @@ class PixelBudget:
     def __init__(self, memory: SceneBudget) -> None:
         self._memory = memory
         self._pixels = 0
+        self._scanned_pixels = 0
 
     def admit(self, data: Encoded, name: str) -> None:
         """Count an encoded image; `name` is told in errors.
@@ -45,11 +47,14 @@ class PixelBudget:
                 f"its images together have more than {MAX_TOTAL_PIXELS >> 20} megapixels; "
                 "scale the textures down"
             )
-        if image.format in ("JPEG", "MPO") and bytes(data).count(_JPEG_SCAN) > _MOST_SCANS:
-            # Each scan, if only of a few bytes, is a pass over all pixels.
-            raise SceneFileError(
-                f"the image {name} is a JPEG of more than {_MOST_SCANS} scans; save it anew"
-            )
+        if image.format in ("JPEG", "MPO"):
+            scans = bytes(data).count(_JPEG_SCAN)
+            self._scanned_pixels += scans * width * height
+            if self._scanned_pixels > _MOST_SCANNED_PIXELS:
+                raise SceneFileError(
+                    f"the image {name} is a JPEG of {scans} scans, too many for its size; "
+                    "save it anew"
+                )
         self._memory.take(width * height * _PIXEL_BYTES + _IMAGE_BYTES, f"the image {name}")
 
 

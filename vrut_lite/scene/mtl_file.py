@@ -1,11 +1,12 @@
 """MTL: the materials of an OBJ file, and the pictures that they name."""
 
 import re
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
+from io import BytesIO
 
 from PIL import Image
 
-from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.file_checks import SceneFileError, SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
 
@@ -19,7 +20,8 @@ _OPTION_WORDS = {
 _MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 # What a statement takes, as the objects it is kept in.
-_STATEMENT_BYTES = 512
+_STATEMENT_BYTES, _WORD_BYTES = 512, 64
+_MOST_LINE_BYTES = 2**22
 Statements = dict[str, list[str]]
 
 
@@ -30,11 +32,11 @@ class MtlMaterials:
         SceneFileError: if a picture is missing, damaged, too large or outside the folder.
     """
 
-    def __init__(self, text: str, folder: SceneFolder) -> None:
+    def __init__(self, data: bytes, folder: SceneFolder) -> None:
         self._folder = folder
         self._pixels = PixelBudget(folder.budget)
         self._pictures: dict[Hashable, Image.Image] = {}
-        self._statements = _read(text, folder)
+        self._statements = _read(data, folder)
         self._images = {
             name: self._picture(_file_name(statements["map_kd"]))
             for name, statements in self._statements.items()
@@ -56,15 +58,15 @@ class MtlMaterials:
         return self._pictures[key]
 
 
-def _read(text: str, folder: SceneFolder) -> dict[str, Statements]:
+def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
     """The statements of each material; every file that a map names is in the folder."""
     materials: dict[str, Statements] = {}
     statements: Statements = {}
-    for line in text.splitlines():
+    for line in _lines(data):
         words = line.split()
-        if len(words) < 2:
+        if len(words) < 2 or words[0].startswith("#"):
             continue
-        folder.budget.take(_STATEMENT_BYTES + 64 * len(words), "its materials")
+        folder.budget.take(_STATEMENT_BYTES + _WORD_BYTES * len(words), "its materials")
         kind = words[0].lower()
         if kind == "newmtl":
             statements = materials[" ".join(words[1:])] = {}
@@ -73,6 +75,16 @@ def _read(text: str, folder: SceneFolder) -> dict[str, Statements]:
             folder.locate(_file_name(words[1:]))
         statements[kind] = words[1:]
     return materials
+
+
+def _lines(data: bytes) -> Iterator[str]:
+    """Lines of text, one at a time: a list of all could be many times as large as the file."""
+    for line in BytesIO(data.removeprefix(b"\xef\xbb\xbf")):
+        if len(line) > _MOST_LINE_BYTES:
+            raise SceneFileError(
+                f"a line in its MTL is longer than {_MOST_LINE_BYTES >> 20} MB; export it again"
+            )
+        yield from line.decode("utf-8", errors="replace").splitlines()
 
 
 def _file_name(words: list[str]) -> str:

@@ -11,6 +11,8 @@ CREASE_ANGLE_RAD = np.radians(40.0)
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 _BLOCK = 2**15
+# The corners after and before each of a triangle.
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 
 def crease_normals(
@@ -61,7 +63,7 @@ def _corner_angles(vertices: FloatArray, faces: IntArray) -> FloatArray:
     angles = np.empty(faces.shape)
     for block in _blocks(len(faces)):
         corner = vertices[faces[block]]
-        onward, back = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
+        onward, back = corner[:, _NEXT] - corner, corner[:, _LAST] - corner
         sine = np.linalg.norm(np.cross(onward, back), axis=2)
         np.arctan2(sine, np.sum(onward * back, axis=2), out=angles[block])
     return angles
@@ -88,6 +90,8 @@ def _smooth_corners(place: IntArray, face_normals: FloatArray, least_cosine: flo
     Edges are matched by place, so that seams in texture coordinates do not show.
     """
     first, second = _smooth_links(place, face_normals, least_cosine)
+    if first.size == 0:  # scipy's sparse matrices cost more than a small mesh does.
+        return np.arange(place.size)
     links = coo_matrix((np.ones(first.size, bool), (first, second)), (place.size, place.size))
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
@@ -99,7 +103,7 @@ def _smooth_links(
 
     An edge is named by the corner it begins at: those of one face are 3 f, 3 f + 1, 3 f + 2.
     """
-    end = np.roll(place, -1, axis=1)
+    end = place[:, _NEXT]
     flipped = (place > end).reshape(-1)
     edge = (np.minimum(place, end) * (int(place.max()) + 1) + np.maximum(place, end)).reshape(-1)
     order = np.argsort(edge, kind="stable").astype(np.int32)

@@ -13,14 +13,13 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFileError
 
 _BLOCK_BYTES = 2**22
-_MOST_LINE_BYTES = 2**24
+# What Python makes of one line's words stays within what any scene may take.
+_MOST_LINE_BYTES = 2**22
 _KINDS = (b"v", b"vt", b"vn")
 _DIGITS = b"0123456789"
 # Of a corner: its vertex, texture coordinates and normal, counted from 1; 0 is none.
 _CORNER = 3
 _MOST_NUMBER = 2**31 - 2
-# What a corner takes as a Python object, where it is none of the usual forms.
-_ODD_CORNER_BYTES = 256
 _NAME_BYTES = 256
 
 
@@ -105,7 +104,7 @@ def _blocks(data: bytes) -> Iterator[bytes]:
         end = start + _BLOCK_BYTES
         while True:
             end = data.find(b"\n", end) + 1 or len(data)
-            if end - start > _MOST_LINE_BYTES:
+            if end - start > _BLOCK_BYTES + _MOST_LINE_BYTES:
                 raise SceneFileError(
                     f"a line in it is longer than {_MOST_LINE_BYTES >> 20} MB; export it again"
                 )
@@ -194,7 +193,7 @@ def _read_faces(rows: list[bytes], groups: NDArray[np.int32], reading: _Reading)
         polygons = _alike(found, form.split(b" "), gap)
         if polygons is None:
             for number, row in zip(numbers, found, strict=True):
-                triangles.append(_fans(_odd(row, reading.budget)))
+                triangles.append(_fans(_odd(row)))
                 faces.append(np.full(len(triangles[-1]), number))
         else:
             triangles.append(_fans(polygons))
@@ -223,9 +222,8 @@ def _alike(rows: list[bytes], form: list[bytes], gap: bool) -> NDArray[np.int32]
     return _from_one(polygons)
 
 
-def _odd(row: bytes, budget: SceneBudget) -> NDArray[np.int32]:
+def _odd(row: bytes) -> NDArray[np.int32]:
     """A polygon (1, k, 3) whose corners are each written in another way."""
-    budget.check(row.count(b" ") * _ODD_CORNER_BYTES, "a face")
     corners = []
     for corner in row.split():
         words = [*corner.split(b"/"), b"", b""][:_CORNER]

@@ -32,7 +32,7 @@ def read_obj_scene(path: Path, budget: SceneBudget) -> list[PlacedMesh]:
     folder = SceneFolder(path.parent, budget)
     obj = parse_obj(folder.read(path), budget)
     check_triangles(len(obj.corners))
-    library = "" if obj.library is None else _text(folder.get(obj.library))
+    library = b"" if obj.library is None else folder.get(obj.library)
     materials = MtlMaterials(library, folder)
     placed: list[PlacedMesh] = []
     for group, corners in _groups(obj):
@@ -42,10 +42,6 @@ def read_obj_scene(path: Path, budget: SceneBudget) -> list[PlacedMesh]:
         geometry = _geometry(obj, shown, corners, budget)
         placed.append(PlacedMesh(shown, make_mesh(geometry, materials.make(name)), np.eye(4)))
     return placed
-
-
-def _text(data: bytes) -> str:
-    return data.decode("utf-8", errors="replace").removeprefix("\ufeff")
 
 
 def _groups(obj: ObjFile) -> Iterator[tuple[int, NDArray[np.int32]]]:
