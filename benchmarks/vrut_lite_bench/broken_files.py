@@ -58,9 +58,11 @@ def open_scene(path: Path) -> Opened:
     return Opened(end, budget.peak_bytes)
 
 
-def scene_files(folder: Path, mangled: int) -> Iterator[tuple[str, Path]]:
-    """Kinds and paths of all bombs and so many mangled scenes, each written when it is its turn."""
-    for kind in BOMBS:
+def scene_files(
+    folder: Path, mangled: int, kinds: Iterable[str] = tuple(BOMBS)
+) -> Iterator[tuple[str, Path]]:
+    """Kinds and paths of bombs and so many mangled scenes, each written when it is its turn."""
+    for kind in kinds:
         yield kind, _written(folder, *bomb(kind))
     for number in range(mangled):
         yield MANGLED, _written(folder, *broken(number))
@@ -131,10 +133,11 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mangled", type=int, default=130, metavar="FILES")
-    parser.add_argument("--only", default="", metavar="WORD", help="Kinds with this word in them.")
+    parser.add_argument("--only", default="", metavar="WORD", help="Bombs with this word in them.")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        files = (f for f in scene_files(Path(folder), asked.mangled) if asked.only in f[0])
+        kinds = [kind for kind in BOMBS if asked.only in kind]
+        files = scene_files(Path(folder), asked.mangled, kinds)
         print("\n".join(table(list(measured(files, open_scene)))))
 
 
