@@ -93,7 +93,8 @@ def table(rows: list[Row]) -> Iterator[str]:
     yield "|---|---:|---:|---:|---:|---:|---|"
     for kind in dict.fromkeys(row.kind for row in rows):
         alike = [row for row in rows if row.kind == kind]
-        largest, peak = (max(row[k] for row in alike) / _MIB for k in (1, 2))
+        largest = max(row.file_bytes for row in alike) / _MIB
+        peak = max(row.peak_bytes for row in alike) / _MIB
         allowed = max(row.opened.allowed_bytes / _MIB if row.opened else 0.0 for row in alike)
         cpu_s = max(row.cpu_s for row in alike)
         ends = {_short(row.opened) for row in alike}
