@@ -261,7 +261,7 @@ BOMBS: dict[str, tuple[Callable[[int], Files], int]] = {
                 "nodes": [{"mesh": 0}] * n,
             }
         ),
-        5_000,
+        1_000,
     ),
     "nodes: empty": (lambda n: gltf({"nodes": [{"mesh": 0}, *[{}] * n]}), 150_000),
     "nodes: a chain": (_chain, 100_000),
