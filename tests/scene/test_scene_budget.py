@@ -219,6 +219,18 @@ def test_many_of_a_kind_are_read_at_once(tmp_path, kind, no_hang):
         assert open_files(tmp_path, files)[0].triangles > 0
 
 
+@pytest.mark.parametrize("part", ["scene", "children", "nodes"])
+def test_nodes_are_counted_before_they_are_placed(tmp_path, part):
+    """A scene stands in so many places, however its nodes are named: as roots, children, or all."""
+    many = [1] * 200_001
+    parts: dict[str, dict[str, Any]] = {
+        "scene": {"scenes": [{"nodes": [0, *many]}], "nodes": [{"mesh": 0}, {}]},
+        "children": {"nodes": [{"mesh": 0, "children": many}, {}]},
+        "nodes": {"nodes": [{"mesh": 0}, *[{}] * 200_000]},
+    }
+    assert "more than 200000 nodes" in refusal(tmp_path, gltf(parts[part]))
+
+
 def test_memory_is_not_taken_for_what_is_named_often(tmp_path):
     """The real thing: three bombs in a process that may take 300 MiB beyond what it holds.
 

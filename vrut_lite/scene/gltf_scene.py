@@ -53,15 +53,16 @@ def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | Non
 def _placed_nodes(file: GltfFile) -> Iterator[tuple[Node, NDArray[np.float64]]]:
     """Each node of the scene with its 4 x 4 matrix to world axes, parents first."""
     document = file.document
-    waiting = [(index, np.eye(4)) for index in reversed(_roots(file))]
+    origin = np.eye(4)
+    waiting = [(index, origin) for index in reversed(_roots(file))]
     seen: set[int] = set()
     while waiting:
+        check_places(len(seen) + len(waiting))
         index, world_from_parent = waiting.pop()
         node = item_at(document.nodes, index, "node")
         if index in seen:
             raise SceneFileError(f"node {index} has several parents; export the scene again")
         seen.add(index)
-        check_places(len(seen))
         world_from_node = world_from_parent
         if _moves(node):
             with np.errstate(over="ignore", invalid="ignore"):
