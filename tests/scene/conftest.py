@@ -1,13 +1,15 @@
 """Fixtures that write small scene files."""
 
 import json
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from scene_files import SQUARE, TRIANGLES, square_document
 
+PATIENCE_S = 60
 Edit = Callable[[dict[str, Any]], None]
 
 
@@ -46,3 +48,16 @@ def write_obj(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture
+def no_hang() -> Iterator[Callable[[], int]]:
+    """End a test that waits for ever: no measure of speed."""
+
+    def give_up(number: int, frame: object) -> None:
+        raise AssertionError("a broken file keeps the loader busy for ever")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    yield lambda: signal.alarm(PATIENCE_S)
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)

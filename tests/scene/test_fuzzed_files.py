@@ -1,31 +1,15 @@
 """Scene files broken at random: each opens or is refused in one clear sentence."""
 
-import signal
 from pathlib import Path
 
-import pytest
-from broken_files import GOOD, broken
+from vrut_lite_bench.mangled_scenes import GOOD, broken
 
 from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene
 
 FILES, LEAST_REFUSED = 130, 100
-PATIENCE_S = 60
 # Words of libraries that say nothing to whoever made the file.
 FOREIGN = ("Traceback", "NoneType", "numpy", "dtype", "axis 0", "object has no", "invalid literal")
-
-
-@pytest.fixture
-def no_hang():
-    """End a test that waits for ever: no measure of speed."""
-
-    def give_up(number, frame):
-        raise AssertionError("a broken file keeps the loader busy for ever")
-
-    before = signal.signal(signal.SIGALRM, give_up)
-    yield lambda: signal.alarm(PATIENCE_S)
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
 
 
 def test_each_broken_file_has_its_sentence(tmp_path, no_hang):

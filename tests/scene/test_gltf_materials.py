@@ -95,6 +95,15 @@ def test_pictures_of_every_depth(write_square: WriteScene, mode: str, value: int
     assert texture.getpixel((1, 1)) == (min(value, 128 if mode == "I;16" else value),) * 3
 
 
+def test_a_tall_picture_of_16_bits(write_square: WriteScene) -> None:
+    """All 65536 greys, in more rows than are scaled at once, are v / 257 rounded."""
+    path = write_square(lambda d: add_texture(d, {"uri": "a.png"}))
+    greys = np.arange(2**16, dtype=np.uint16).reshape(1024, 64)
+    Image.fromarray(greys).save(path.parent / "a.png")
+    texture = np.asarray(material_of(load_scene(path)).baseColorTexture)
+    np.testing.assert_array_equal(texture[..., 1], np.round(greys / 257.0))
+
+
 def test_webp_instead_of_png(write_square: WriteScene) -> None:
     """EXT_texture_webp names the image to take instead."""
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 import trimesh
 
 from vrut_lite.scene.ground import has_own_ground
@@ -57,6 +58,17 @@ def test_degenerate_triangles_do_no_harm() -> None:
     _, new_faces, normals = crease_normals(vertices, faces)
     np.testing.assert_allclose(normals[new_faces[0]], [[0, 0, 1]] * 3)
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
+
+
+def test_blocks_of_triangles_meet(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is worked out block by block is the same to the bit as all at once."""
+    random = np.random.default_rng(3)
+    faces = np.unique(random.integers(0, 60, (400, 3)), return_inverse=True)[1].reshape(-1, 3)
+    vertices = random.integers(-2, 3, (faces.max() + 1, 3)).astype(float)
+    whole = crease_normals(vertices, faces)
+    monkeypatch.setattr("vrut_lite.scene.normals._BLOCK", 7)
+    for one, other in zip(crease_normals(vertices, faces), whole, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_box_file_without_normals(tmp_path: Path) -> None:

@@ -5,10 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from loaded_scenes import WriteScene, material_of
 from PIL import Image
 from scene_files import png_bytes
 
+from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene
 
 
@@ -113,3 +116,64 @@ def test_obj_of_trimesh(tmp_path: Path) -> None:
     assert scene.triangles == 12
     assert material_of(scene).baseColorTexture.size == (5, 5)
     np.testing.assert_allclose(scene.upper_m, [0.5, 1.0, 1.5])
+
+
+@st.composite
+def _obj_texts(draw: st.DrawFn) -> str:
+    """Three vertices or more, and faces of any lengths and forms over them."""
+    count = draw(st.integers(3, 9))
+    number = st.integers(-50, 50).map(lambda value: f"{value / 8:g}")
+    lines = [f"v {draw(number)} {draw(number)} {draw(number)}" for _ in range(count)]
+    lines += ["vt 0.25 0.5"] * count + ["vn 0 1 0"] * count
+    form = st.sampled_from(["{}", "{}/{}", "{}//{}", "{}/{}/{}"])
+    alike = draw(st.none() | form)
+    for _ in range(draw(st.integers(1, 12))):
+        corners = draw(st.lists(st.integers(1, count), min_size=3, max_size=7, unique=True))
+        way = alike or draw(form)
+        gap = draw(st.sampled_from([" ", "  ", "\t", " \\\n"]))
+        lines.append("f " + gap.join(way.format(*[at] * way.count("{}")) for at in corners))
+        lines.append(draw(st.sampled_from(["", "# f 9 9 9", "g a", "s off", "usemtl a b", "o c"])))
+    return draw(st.sampled_from(["\n", "\r\n"])).join(lines)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(text=_obj_texts())
+def test_obj_has_the_triangles_that_trimesh_finds(tmp_path: Path, text: str) -> None:
+    """Another reader's triangles in space, whatever forms the faces are written in."""
+    (tmp_path / "a.obj").write_bytes(text.encode())
+    scene = load_scene(tmp_path / "a.obj")
+    ours = np.concatenate([place.world_triangles() for place in scene.meshes])
+    theirs = trimesh.load_scene(tmp_path / "a.obj", process=False).to_mesh().triangles
+    assert _sorted_triangles(ours) == _sorted_triangles(theirs)
+
+
+def _sorted_triangles(triangles: np.ndarray) -> list[tuple[tuple[float, ...], ...]]:
+    """Each from its least corner on, for a face may begin at any."""
+    corners = [[tuple(corner) for corner in triangle] for triangle in triangles.tolist()]
+    return sorted(tuple(min(c[k:] + c[:k] for k in range(3))) for c in corners)
+
+
+def test_obj_blocks_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Faces keep their order and material where the text is cut into blocks to be read."""
+    random = np.random.default_rng(5)
+    lines = ["mtllib a.mtl"]
+    for number in range(40):
+        lines += [f"v {number} {k} {number * k % 7}" for k in range(3)]
+        lines += [f"usemtl m{number % 3}", "f -1 -2 \\", "-3" if number % 2 else "-3 1"]
+    (tmp_path / "a.obj").write_text("\n".join(lines))
+    (tmp_path / "a.mtl").write_text("newmtl m0\nnewmtl m1\nnewmtl m2\n")
+    whole = load_scene(tmp_path / "a.obj")
+    for size in random.integers(1, 200, 8):
+        monkeypatch.setattr("vrut_lite.scene.obj_file._BLOCK_BYTES", int(size))
+        pieces = load_scene(tmp_path / "a.obj")
+        assert [place.name for place in pieces.meshes] == [place.name for place in whole.meshes]
+        for one, other in zip(pieces.meshes, whole.meshes, strict=True):
+            np.testing.assert_array_equal(one.world_triangles(), other.world_triangles())
+
+
+def test_obj_line_without_end(write_obj: WriteScene) -> None:
+    """A line of megabytes is no face that anyone drew."""
+    with pytest.raises(UserError, match="longer than 4 MB"):
+        load_scene(write_obj(faces="f 1 2 3" + " 4" * 5_000_000))
+    with pytest.raises(UserError, match="longer than 4 MB"):
+        load_scene(write_obj("newmtl paint\nKd " + "1 " * 2_500_000))

@@ -7,20 +7,33 @@ import DracoPy
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.draco_header import DracoCounts, read_draco_counts
 from vrut_lite.scene.file_checks import SceneFileError
+
+# What the decoder holds at its peak, beside what it returns, is measured (docs/stability.md).
+_FACE_BYTES, _POINT_BYTES = 80, 24
+# Regular meshes, the smallest, come to some 20 triangles a byte.
+_FACES_PER_BYTE, _FACES_BASE = 64, 20_000
 
 
 def decode_draco(
-    packed: bytes, attributes: Mapping[str, int], counts: Mapping[str, int]
+    packed: bytes,
+    attributes: Mapping[str, int],
+    counts: Mapping[str, int],
+    triangles: int,
+    budget: SceneBudget,
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
     """Arrays (V, components) by attribute name, and triangles (F, 3), of packed bytes.
 
     `attributes` gives Draco's id of each attribute, `counts` how many elements the glTF's own
-    accessor promises for it.
+    accessor promises for it, and `triangles` how many of these it promises.
 
     Raises:
-        SceneFileError: if the bytes cannot be unpacked, or hold something else than promised.
+        SceneFileError: if the bytes cannot be unpacked, hold something else than promised, or
+            declare more than fits the budget.
     """
+    _check_counts(read_draco_counts(packed), len(packed), counts, triangles, budget)
     try:
         mesh = DracoPy.decode(packed)
     except Exception as fault:
@@ -37,3 +50,25 @@ def decode_draco(
             raise SceneFileError(f"its Draco data lack the promised {name}; export it again")
         arrays[name] = np.asarray(found[number])
     return arrays, np.asarray(mesh.faces, np.int64).reshape(-1, 3)
+
+
+def _check_counts(
+    declared: DracoCounts,
+    packed_bytes: int,
+    counts: Mapping[str, int],
+    triangles: int,
+    budget: SceneBudget,
+) -> None:
+    """Judge what the packed bytes declare before the decoder takes memory for it."""
+    if declared.faces > _FACES_BASE + _FACES_PER_BYTE * packed_bytes:
+        raise SceneFileError(
+            f"its Draco data declare {declared.faces} triangles in {packed_bytes} bytes, above the "
+            f"limit of {_FACES_PER_BYTE} for each; export it again"
+        )
+    if declared.points > counts["POSITION"] or declared.faces > triangles:
+        raise SceneFileError(
+            f"its Draco data declare {declared.points} vertices and {declared.faces} triangles "
+            f"where {counts['POSITION']} and {triangles} are promised; export it again"
+        )
+    points_bytes = counts["POSITION"] * len(counts) * _POINT_BYTES
+    budget.take(declared.faces * _FACE_BYTES + points_bytes, "its Draco data")

@@ -8,9 +8,11 @@ import base64
 import binascii
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import unquote_to_bytes
 
-from trimesh.resolvers import Resolver
+if TYPE_CHECKING:
+    from vrut_lite.scene.budget import SceneBudget
 
 MAX_FILE_BYTES = 2**30
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*):")
@@ -21,35 +23,42 @@ class SceneFileError(ValueError):
     """What is wrong with a scene file and what to do; the path is added by `load_scene`."""
 
 
-def read_whole_file(path: Path) -> bytes:
-    """The bytes of a regular file of at most `MAX_FILE_BYTES`.
+class SceneFolder:
+    """Serves files inside one folder and nothing else, each read once, whatever names it has."""
 
-    Raises:
-        SceneFileError: if it cannot be read or is too large.
-    """
-    try:
-        size = path.stat().st_size
+    def __init__(self, folder: Path, budget: "SceneBudget") -> None:
+        self.folder = folder.resolve()
+        self.budget = budget
+        self._files: dict[tuple[int, int], bytes] = {}
+        self._by_uri: dict[str, bytes] = {}
+
+    def read(self, path: Path) -> bytes:
+        """The bytes of a regular file of at most `MAX_FILE_BYTES`.
+
+        Raises:
+            SceneFileError: if it cannot be read, is too large, or does not fit the budget.
+        """
+        try:
+            status = path.stat()
+            identity = (status.st_dev, status.st_ino)
+            if identity not in self._files:
+                self._admit(status.st_size, path.name)
+                with path.open("rb") as file:
+                    self._files[identity] = file.read(status.st_size)
+            return self._files[identity]
+        except OSError as fault:
+            raise SceneFileError(
+                f"{path.name} cannot be read ({fault.strerror}); check its permissions"
+            ) from fault
+
+    def _admit(self, size: int, name: str) -> None:
         if size > MAX_FILE_BYTES:
             raise SceneFileError(
-                f"{path.name} has {size} bytes, more than the limit of {MAX_FILE_BYTES}; "
+                f"{name} has {size} bytes, more than the limit of {MAX_FILE_BYTES}; "
                 "split or simplify it"
             )
-        return path.read_bytes()
-    except OSError as fault:
-        raise SceneFileError(
-            f"{path.name} cannot be read ({fault.strerror}); check its permissions"
-        ) from fault
-
-
-class SceneFolder(Resolver):
-    """Serves files inside one folder and nothing else; also trimesh's resolver.
-
-    trimesh swallows a resolver's exceptions, hence the first one is kept in `fault`.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder.resolve()
-        self.fault: SceneFileError | None = None
+        self.budget.take(size, f"the file {_short(name)}")
+        self.budget.find(size)
 
     def locate(self, name: str) -> Path:
         """The path of a file named relative to the folder; it need not exist.
@@ -71,19 +80,12 @@ class SceneFolder(Resolver):
             )
         return path
 
-    def get(self, key: str) -> bytes:
+    def get(self, name: str) -> bytes:
         """The bytes of a file in the folder.
 
         Raises:
             SceneFileError: if it is outside the folder, missing, unreadable or too large.
         """
-        try:
-            return self._get(key)
-        except SceneFileError as fault:
-            self.fault = self.fault or fault
-            raise
-
-    def _get(self, name: str) -> bytes:
         path = self.locate(name)
         try:
             there = path.is_file()
@@ -93,28 +95,28 @@ class SceneFolder(Resolver):
             raise SceneFileError(
                 f"it names {_short(name)}, which is missing; put that file beside the scene"
             )
-        return read_whole_file(path)
+        return self.read(path)
 
     def get_uri(self, uri: str) -> bytes:
-        """The bytes behind a glTF URI: a base64 data URI, or a percent-encoded relative path."""
-        return _decode_data_uri(uri) if _is_data_uri(uri) else self.get(_decode_path(uri))
+        """The bytes behind a glTF URI: a base64 data URI, or a percent-encoded relative path.
+
+        The same bytes are the same object, so that what is made of them can be made once.
+
+        Raises:
+            SceneFileError: if it is damaged, or as `get` does.
+        """
+        if uri not in self._by_uri:
+            if _is_data_uri(uri):
+                self.budget.take(len(uri), "a data URI in it")
+                self._by_uri[uri] = _decode_data_uri(uri)
+            else:
+                self._by_uri[uri] = self.get(_decode_path(uri))
+        return self._by_uri[uri]
 
     def check_uri(self, uri: str) -> None:
         """Raise if a glTF URI leads out of the folder; whether the file is there is not asked."""
         if not _is_data_uri(uri):
             self.locate(_decode_path(uri))
-
-    def write(self, name: str, data: bytes) -> None:
-        """Refused: loading a scene writes nothing."""
-        raise SceneFileError(f"it asks to write {_short(name)}; a scene is only read")
-
-    def namespaced(self, namespace: str) -> "SceneFolder":
-        """The same checks for a folder inside this one."""
-        return type(self)(self.locate(namespace))
-
-    def keys(self) -> list[str]:
-        """Names of the files directly in the folder."""
-        return sorted(path.name for path in self.folder.iterdir() if path.is_file())
 
 
 def _is_data_uri(uri: str) -> bool:

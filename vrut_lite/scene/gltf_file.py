@@ -1,8 +1,8 @@
 """glTF and GLB containers: the document, its bytes, and typed arrays out of them."""
 
 import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -10,7 +10,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.scene.file_checks import SceneFileError, SceneFolder, read_whole_file
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.file_checks import SceneFileError, SceneFolder
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
 
 # Extensions a file may require: each is honoured by the reader.
@@ -23,51 +24,71 @@ SUPPORTED_EXTENSIONS = (
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+# What the document's objects and the values in them take, measured.
+_OBJECT_BYTES, _VALUE_BYTES = 256, 96
 Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
 class GltfFile:
-    """A parsed document with all its buffers in memory."""
+    """A parsed document with all its buffers in memory; those of the same bytes are one object."""
 
     document: Gltf
-    buffers: tuple[bytes, ...]
+    buffers: tuple[bytes | memoryview, ...]
     folder: SceneFolder
+    _sparse: dict[int, NDArray[Any]] = field(default_factory=dict)
 
     def array(self, index: int) -> NDArray[Any]:
-        """Elements (count, components) of an accessor, sparse and normalised ones resolved.
+        """Elements (count, components) of an accessor as they are stored, sparse ones resolved.
 
-        Integers stay integers unless they are normalised (glTF 2.0, section 3.11).
+        It takes no memory, and is not to be written to: it looks into the buffer, where it is
+        not sparse.
 
         Raises:
             SceneFileError: if it reaches beyond its buffer.
         """
         accessor = self.accessor(index)
-        dtype, components = np.dtype(_DTYPES[accessor.component_type]), _width(accessor)
+        if accessor.sparse is None:
+            return self._dense(index)
+        if index not in self._sparse:
+            values = self._dense(index)
+            self.folder.budget.take(values.size * values.itemsize, f"accessor {index}")
+            self._sparse[index] = self._replaced(f"accessor {index}", values, accessor.sparse)
+        return self._sparse[index]
+
+    def _dense(self, index: int) -> NDArray[Any]:
+        accessor = self.accessor(index)
+        dtype = np.dtype(_DTYPES[accessor.component_type])
+        shape = (accessor.count, _COMPONENTS[accessor.type])
         if accessor.buffer_view is None:
-            values = np.zeros((accessor.count, components), dtype)
-        else:
-            values = self._slice(
-                f"accessor {index}",
-                (accessor.buffer_view, accessor.byte_offset),
-                (accessor.count, components),
-                dtype,
-            )
-        if accessor.sparse is not None:
-            values = self._replaced(f"accessor {index}", values, accessor.sparse)
-        return normalised(values) if accessor.normalized else values
+            return np.broadcast_to(np.zeros(1, dtype), shape)
+        start = (accessor.buffer_view, accessor.byte_offset)
+        return self._slice(f"accessor {index}", start, shape, dtype)
+
+    def accessor_bytes(self, index: int) -> int:
+        """How many bytes an accessor asks for; whether they are there is not asked."""
+        accessor = self.accessor(index)
+        dtype = np.dtype(_DTYPES[accessor.component_type])
+        replaced = 0 if accessor.sparse is None else accessor.sparse.count
+        return (accessor.count + replaced) * _COMPONENTS[accessor.type] * dtype.itemsize
 
     def accessor(self, index: int) -> Accessor:
         """The accessor of this number."""
         return item_at(self.document.accessors, index, "accessor")
 
-    def image_bytes(self, image: Image) -> bytes:
-        """An image as it is encoded in its file, data URI or buffer view."""
+    def image_source(self, image: Image) -> tuple[Hashable, bytes | memoryview]:
+        """An image as it is encoded in its file, data URI or buffer view, and what tells it apart.
+
+        Images of the same bytes in the same place have the same key.
+        """
         if image.uri is not None:
-            return self.folder.get_uri(image.uri)
+            data = self.folder.get_uri(image.uri)
+            return id(data), data
         if image.buffer_view is None:
             raise SceneFileError("an image in it has no source; export the scene again")
-        return self.view_bytes(image.buffer_view)
+        view = item_at(self.document.buffer_views, image.buffer_view, "buffer view")
+        key = (id(item_at(self.buffers, view.buffer, "buffer")), view.byte_offset, view.byte_length)
+        return key, self._view(image.buffer_view)
 
     def view_bytes(self, index: int) -> bytes:
         """The bytes of a buffer view."""
@@ -86,7 +107,7 @@ class GltfFile:
     def _slice(
         self, what: str, start: tuple[int, int], shape: tuple[int, int], dtype: np.dtype[Any]
     ) -> NDArray[Any]:
-        """A contiguous copy (count, components) of what lies in a (buffer view, byte offset)."""
+        """What lies (count, components) in a (buffer view, byte offset)."""
         view, offset = self._view(start[0]), start[1]
         packed = shape[1] * dtype.itemsize
         stride = self.document.buffer_views[start[0]].byte_stride or packed
@@ -96,7 +117,7 @@ class GltfFile:
                 "export the scene again"
             )
         strides = (stride, dtype.itemsize)
-        return np.ndarray(shape, dtype, view, offset, strides).copy()
+        return np.ndarray(shape, dtype, view, offset, strides)
 
     def _replaced(self, what: str, values: NDArray[Any], sparse: Sparse) -> NDArray[Any]:
         where = sparse.indices
@@ -109,22 +130,23 @@ class GltfFile:
         if at.max() >= len(values):
             raise SceneFileError(f"{what} replaces elements it has not; export the scene again")
         start = (sparse.values.buffer_view, sparse.values.byte_offset)
-        values[at] = self._slice(what, start, (sparse.count, values.shape[1]), values.dtype)
-        return values
+        replaced = values.copy()
+        replaced[at] = self._slice(what, start, (sparse.count, values.shape[1]), values.dtype)
+        return replaced
 
 
-def read_gltf_file(path: Path) -> GltfFile:
+def read_gltf_file(path: Path, budget: SceneBudget) -> GltfFile:
     """Parse a .gltf or .glb file and fetch its buffers.
 
     Raises:
-        SceneFileError: if it is damaged, needs an unsupported extension, or names files that
-            are missing or outside its folder.
+        SceneFileError: if it is damaged, needs an unsupported extension, names files that are
+            missing or outside its folder, or does not fit the budget.
     """
-    data = read_whole_file(path)
+    folder = SceneFolder(path.parent, budget)
+    data = folder.read(path)
     text, binary = _glb_chunks(data) if path.suffix.lower() == ".glb" else (data, None)
-    document = _parse(text)
+    document = _parse(bytes(text), budget)
     _check_version(document)
-    folder = SceneFolder(path.parent)
     for image in document.images:
         if image.uri is not None:
             folder.check_uri(image.uri)
@@ -142,7 +164,10 @@ def item_at(items: Sequence[Item], index: int, what: str) -> Item:
     return items[index]
 
 
-def _parse(text: bytes) -> Gltf:
+def _parse(text: bytes, budget: SceneBudget) -> Gltf:
+    objects, values = text.count(b"{"), text.count(b",")
+    size = len(text) + objects * _OBJECT_BYTES + values * _VALUE_BYTES
+    budget.take(size, "its glTF document")
     try:
         return msgspec.json.decode(text.removeprefix(b"\xef\xbb\xbf"), type=Gltf)
     except msgspec.ValidationError as fault:
@@ -166,7 +191,7 @@ def _check_version(document: Gltf) -> None:
         )
 
 
-def _glb_chunks(data: bytes) -> tuple[bytes, bytes | None]:
+def _glb_chunks(data: bytes) -> tuple[bytes | memoryview, memoryview | None]:
     """The JSON chunk and the binary chunk of a GLB file (glTF 2.0, section 4.4)."""
     if data[:4] != _GLB_MAGIC or len(data) < 20:
         raise SceneFileError(
@@ -182,16 +207,18 @@ def _glb_chunks(data: bytes) -> tuple[bytes, bytes | None]:
             f"it is cut short: its header promises {length} bytes, there are {len(data)}; "
             "fetch or export it again"
         )
-    chunks = _split_chunks(data[:length])
+    chunks = _split_chunks(memoryview(data)[:length])
     if not chunks or chunks[0][0] != _JSON_CHUNK:
         raise SceneFileError("its first chunk is not the glTF document; export it again")
     binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == _BINARY_CHUNK else None
     return chunks[0][1], binary
 
 
-def _split_chunks(data: bytes) -> list[tuple[bytes, bytes]]:
-    chunks, at = [], 12
-    while at + 8 <= len(data):
+def _split_chunks(data: memoryview) -> list[tuple[bytes, memoryview]]:
+    """The first two, of which alone something is read."""
+    chunks: list[tuple[bytes, memoryview]] = []
+    at = 12
+    while at + 8 <= len(data) and len(chunks) < 2:
         size, kind = struct.unpack_from("<I4s", data, at)
         at += 8
         if size > len(data) - at:
@@ -201,11 +228,13 @@ def _split_chunks(data: bytes) -> list[tuple[bytes, bytes]]:
     return chunks
 
 
-def _fetch_buffers(document: Gltf, folder: SceneFolder, binary: bytes | None) -> tuple[bytes, ...]:
-    buffers = []
+def _fetch_buffers(
+    document: Gltf, folder: SceneFolder, binary: memoryview | None
+) -> tuple[bytes | memoryview, ...]:
+    buffers: list[bytes | memoryview] = []
     for index, buffer in enumerate(document.buffers):
         if buffer.uri is not None:
-            data = folder.get_uri(buffer.uri)
+            data: bytes | memoryview = folder.get_uri(buffer.uri)
         elif index == 0 and binary is not None:
             data = binary
         else:
@@ -217,10 +246,6 @@ def _fetch_buffers(document: Gltf, folder: SceneFolder, binary: bytes | None) ->
             )
         buffers.append(data)
     return tuple(buffers)
-
-
-def _width(accessor: Accessor) -> int:
-    return _COMPONENTS[accessor.type]
 
 
 def normalised(values: NDArray[Any]) -> NDArray[Any]:

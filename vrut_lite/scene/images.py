@@ -6,27 +6,39 @@ from io import BytesIO
 import numpy as np
 from PIL import Image
 
+from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFileError
 
 MAX_IMAGE_PIXELS = 64 * 2**20
 MAX_TOTAL_PIXELS = 256 * 2**20
+# Pillow keeps RGB and RGBA alike in four bytes.
+_PIXEL_BYTES, _IMAGE_BYTES = 4, 4096
+# Each scan of a JPEG, if only of a few bytes, is a pass over all pixels; the usual ones have 10.
+_JPEG_SCAN = b"\xff\xda"
+_MOST_SCANNED_PIXELS = 16 * MAX_TOTAL_PIXELS
+_BAND_ROWS = 256
 # A fixed list: Pillow also opens formats that run other programs (EPS) or nest files.
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "GIF", "TIFF")
+
+Encoded = bytes | memoryview
 
 
 class PixelBudget:
     """Admits the images of one scene, by their headers, up to a total of pixels."""
 
-    def __init__(self) -> None:
+    def __init__(self, memory: SceneBudget) -> None:
+        self._memory = memory
         self._pixels = 0
+        self._scanned_pixels = 0
 
-    def admit(self, data: bytes, name: str) -> None:
+    def admit(self, data: Encoded, name: str) -> None:
         """Count an encoded image; `name` is told in errors.
 
         Raises:
-            SceneFileError: if it is no image or claims too many pixels.
+            SceneFileError: if it is no image, claims too many pixels, or does not fit in memory.
         """
-        width, height = _open(data, name).size
+        image = _open(data, name)
+        width, height = image.size
         self._pixels += width * height
         if width * height > MAX_IMAGE_PIXELS:
             raise _too_large(name, f"{width} x {height} pixels")
@@ -35,9 +47,18 @@ class PixelBudget:
                 f"its images together have more than {MAX_TOTAL_PIXELS >> 20} megapixels; "
                 "scale the textures down"
             )
+        if image.format in ("JPEG", "MPO"):
+            scans = bytes(data).count(_JPEG_SCAN)
+            self._scanned_pixels += scans * width * height
+            if self._scanned_pixels > _MOST_SCANNED_PIXELS:
+                raise SceneFileError(
+                    f"the image {name} is a JPEG of {scans} scans, too many for its size; "
+                    "save it anew"
+                )
+        self._memory.take(width * height * _PIXEL_BYTES + _IMAGE_BYTES, f"the image {name}")
 
 
-def decode_image(data: bytes, name: str) -> Image.Image:
+def decode_image(data: Encoded, name: str) -> Image.Image:
     """An RGB or RGBA image with 8 bits per channel, of bytes that were admitted.
 
     Raises:
@@ -50,7 +71,7 @@ def decode_image(data: bytes, name: str) -> Image.Image:
         raise SceneFileError(f"the image {name} is damaged ({fault}); export it again") from fault
 
 
-def _open(data: bytes, name: str) -> Image.Image:
+def _open(data: Encoded, name: str) -> Image.Image:
     """The image with its header read; Pillow itself balks at more than twice its own limit."""
     try:
         with warnings.catch_warnings():
@@ -74,7 +95,16 @@ def _too_large(name: str, claim: str) -> SceneFileError:
 
 def _eight_bit(image: Image.Image) -> Image.Image:
     if image.mode.startswith("I"):
-        # Pillow clips 16-bit greys at 255 where it should scale them.
-        values = np.asarray(image, dtype=np.float64) / 257.0
-        return Image.fromarray(np.clip(values, 0, 255).round().astype(np.uint8)).convert("RGB")
+        return _eight_bit_grey(image).convert("RGB")
     return image.convert("RGBA" if image.has_transparency_data else "RGB")
+
+
+def _eight_bit_grey(image: Image.Image) -> Image.Image:
+    """A 16-bit grey, scaled; Pillow would clip it at 255. In bands, for floats are wide."""
+    width, height = image.size
+    grey = np.empty((height, width), np.uint8)
+    for top in range(0, height, _BAND_ROWS):
+        bottom = min(top + _BAND_ROWS, height)
+        values = np.asarray(image.crop((0, top, width, bottom)), dtype=np.float64) / 257.0
+        grey[top:bottom] = np.clip(values, 0, 255).round()
+    return Image.fromarray(grey)

@@ -9,6 +9,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
+from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
@@ -35,8 +36,10 @@ class LoadedScene:
     camera: SceneCamera | None
 
 
-def load_scene(path: str | os.PathLike[str]) -> LoadedScene:
+def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
     """Read a scene file with the materials, textures and camera it brings.
+
+    `budget` is what loading may take; without one, what the environment allows.
 
     Raises:
         UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
@@ -44,25 +47,27 @@ def load_scene(path: str | os.PathLike[str]) -> LoadedScene:
     """
     file = Path(path)
     try:
-        return _load(file)
+        return _load(file, budget or budget_of_environment())
     except SceneFileError as fault:
         raise UserError(f"cannot open the scene {file}: {fault}") from fault
 
 
-def _load(path: Path) -> LoadedScene:
+def _load(path: Path, budget: SceneBudget) -> LoadedScene:
     _check_path(path)
     real = path.resolve()
     camera: SceneCamera | None = None
     if real.suffix.lower() == ".obj":
-        placed = read_obj_scene(real)
+        placed = read_obj_scene(real, budget)
     else:
-        placed, camera = read_gltf_scene(read_gltf_file(real))
+        placed, camera = read_gltf_scene(read_gltf_file(real, budget))
     triangles = sum(len(place.mesh.faces) for place in placed)
     if triangles == 0:
         raise SceneFileError("it has no triangles; export the scene with its meshes")
     check_triangles(triangles)
     lower_m, upper_m = _bounds(placed)
-    return LoadedScene(path, tuple(_wound_outwards(placed)), lower_m, upper_m, triangles, camera)
+    return LoadedScene(
+        path, tuple(_wound_outwards(placed, budget)), lower_m, upper_m, triangles, camera
+    )
 
 
 def _check_path(path: Path) -> None:
@@ -83,14 +88,14 @@ def _check_path(path: Path) -> None:
         )
 
 
-def _wound_outwards(placed: list[PlacedMesh]) -> list[PlacedMesh]:
+def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
     """A matrix that mirrors turns triangles inside out (glTF 2.0, section 3.7.4): undo it."""
     turned: dict[int, trimesh.Trimesh] = {}
     result = []
     for place in placed:
         if np.linalg.det(place.world_from_model[:3, :3]) < 0:
             if id(place.mesh) not in turned:
-                turned[id(place.mesh)] = mirrored(place.mesh)
+                turned[id(place.mesh)] = mirrored(place.mesh, budget)
             place = replace(place, mesh=turned[id(place.mesh)])
         result.append(place)
     return result

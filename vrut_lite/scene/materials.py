@@ -1,17 +1,17 @@
 """Surfaces: metallic-roughness materials with exact factors, from glTF and from OBJ's MTL."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
-from trimesh.visual.material import PBRMaterial, SimpleMaterial
+from trimesh.visual.material import PBRMaterial
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
-from vrut_lite.scene.images import PixelBudget, decode_image
+from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
 DEFAULT_ALBEDO = 0.5
@@ -54,8 +54,9 @@ class GltfMaterials:
 
     def __init__(self, file: GltfFile) -> None:
         self._file = file
+        self._keys: dict[int, Hashable] = {}
         self._encoded = self._admitted()
-        self._images: dict[int, Image.Image] = {}
+        self._images: dict[Hashable, Image.Image] = {}
         self._materials: dict[int, SurfaceMaterial] = {}
 
     def material(self, index: int | None) -> SurfaceMaterial:
@@ -94,20 +95,26 @@ class GltfMaterials:
         index = _image_index(texture)
         if index is None:
             return None
-        if index not in self._images:
-            self._images[index] = decode_image(self._encoded[index], f"number {index}")
-        return self._images[index]
+        key = self._keys[index]
+        if key not in self._images:
+            self._images[key] = decode_image(self._encoded.pop(key), f"number {index}")
+        return self._images[key]
 
-    def _admitted(self) -> dict[int, bytes]:
-        """The encoded images by number."""
-        document, budget = self._file.document, PixelBudget()
-        encoded: dict[int, bytes] = {}
+    def _admitted(self) -> dict[Hashable, Encoded]:
+        """The encoded images, each once; which of them has what number goes to `_keys`."""
+        document, memory = self._file.document, self._file.folder.budget
+        pixels = PixelBudget(memory)
+        encoded: dict[Hashable, Encoded] = {}
         for texture in document.textures:
             index = _image_index(texture)
-            if index is not None and index not in encoded:
-                data = self._file.image_bytes(item_at(document.images, index, "image"))
-                budget.admit(data, f"number {index}")
-                encoded[index] = data
+            if index is None or index in self._keys:
+                continue
+            key, data = self._file.image_source(item_at(document.images, index, "image"))
+            if key not in encoded:
+                memory.ask(len(data), f"the image number {index}")
+                pixels.admit(data, f"number {index}")
+                encoded[key] = data
+            self._keys[index] = key
         return encoded
 
 
@@ -116,26 +123,31 @@ def _image_index(texture: Texture) -> int | None:
     return webp.source if webp is not None else texture.source
 
 
-def from_simple(source: SimpleMaterial) -> SurfaceMaterial:
-    """Metallic-roughness from an OBJ material that trimesh has read.
+def from_mtl(
+    name: str, statements: Mapping[str, Sequence[str]], image: Image.Image | None
+) -> SurfaceMaterial:
+    """Metallic-roughness from the statements of an MTL file, in lower case, and map_Kd's image.
 
     Kd is the base colour, a metal's only if the file says so (Pm). Ns, the exponent of
     Blinn-Phong, becomes a roughness r with r^4 = 2 / (Ns + 2) (Karis 2013, alpha = r^2); Pr
     sets it outright. d, or 1 - Tr, is the alpha; an image with an alpha channel cuts out.
     OBJ knows no back faces: both sides show.
     """
-    image = source.image
-    colour = _numbers(source.kwargs.get("kd"), 3, 1.0 if image is not None else DEFAULT_ALBEDO)
-    alpha = _number(source.kwargs.get("d"), 1.0 - _number(source.kwargs.get("tr"), 0.0))
-    glossiness = max(_number(source.kwargs.get("ns"), 0.0), 0.0)
+
+    def numbers(word: str, size: int, default: float) -> list[float]:
+        return _numbers(statements.get(word, ()), size, default)
+
+    colour = numbers("kd", 3, 1.0 if image is not None else DEFAULT_ALBEDO)
+    (alpha,) = numbers("d", 1, 1.0 - numbers("tr", 1, 0.0)[0])
+    (glossiness,) = numbers("ns", 1, 0.0)
     cut_out = image is not None and image.mode == "RGBA"
     return _material(
-        name=source.name,
+        name=name,
         baseColorFactor=[*colour, alpha],
         baseColorTexture=image,
-        metallicFactor=_number(source.kwargs.get("pm"), 0.0),
-        roughnessFactor=_number(source.kwargs.get("pr"), (2.0 / (glossiness + 2.0)) ** 0.25),
-        emissiveFactor=_numbers(source.kwargs.get("ke"), 3, 0.0),
+        metallicFactor=numbers("pm", 1, 0.0)[0],
+        roughnessFactor=numbers("pr", 1, (2.0 / (glossiness + 2.0)) ** 0.25)[0],
+        emissiveFactor=numbers("ke", 3, 0.0),
         alphaMode="BLEND" if alpha < 1.0 else "MASK" if cut_out else "OPAQUE",
         doubleSided=True,
     )
@@ -152,17 +164,11 @@ def _material(**values: Any) -> SurfaceMaterial:
     return SurfaceMaterial(**values)
 
 
-def _number(value: Any, default: float) -> float:
-    """The first finite number of an MTL entry, which may be a string, a list or absent."""
-    return float(_numbers(value, 1, default)[0])
-
-
-def _numbers(value: Any, size: int, default: float) -> list[float]:
-    """`size` finite numbers of an MTL entry, one repeated; the default if there are none."""
-    items = value if isinstance(value, list | tuple) else [value]
+def _numbers(words: Sequence[str], size: int, default: float) -> list[float]:
+    """`size` finite numbers of an MTL statement, one repeated; the default if there are none."""
     try:
-        numbers = [float(item) for item in items[:size]]
-    except (TypeError, ValueError):
+        numbers = [float(word) for word in words[:size]]
+    except ValueError:
         numbers = []
     if len(numbers) == 1:
         numbers *= size

@@ -1,5 +1,6 @@
-"""One triangle mesh, checked: what every reader hands its arrays to."""
+"""Triangle meshes, checked: what every reader hands its arrays to."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -7,78 +8,150 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh.visual.texture import TextureVisuals
 
+from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.materials import SurfaceMaterial
 from vrut_lite.scene.normals import crease_normals, unit_or_none
 
-_WIDTHS = {
-    "normals": (3,),
-    "texture coordinates": (2,),
-    "second texture coordinates": (2,),
-    "colours": (3, 4),
-}
+# What a mesh takes however small it is: objects here, buffers where it is drawn.
+MESH_BYTES = 2**15
+_CORNER_BYTES, _FACE_BYTES, _LAYER_BYTES = 48, 24, 16
 
 
-def make_mesh(
+@dataclass(frozen=True)
+class Geometry:
+    """Triangles without their material; meshes of several materials may share them.
+
+    vertices (V, 3) in metres, faces (F, 3), unit normals (V, 3), texture coordinates (V, 2) with
+    v upwards, colours (V, 4) linear in [0, 1].
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    normals: NDArray[np.float64]
+    uv: NDArray[np.float64] | None
+    second_uv: NDArray[np.float64] | None
+    colours: NDArray[np.float32] | None
+
+
+def geometry_bytes(vertices: int, triangles: int, *, normals: bool, layers: int) -> int:
+    """The most bytes that a geometry holds.
+
+    `normals` tells whether it brings them: without them every corner may become a vertex.
+    `layers` counts its texture coordinates and colours.
+    """
+    corners = min(vertices, 3 * triangles) if normals else 3 * triangles
+    return corners * (_CORNER_BYTES + layers * _LAYER_BYTES) + triangles * _FACE_BYTES
+
+
+def used_vertices(
+    name: str, faces: NDArray[np.int64], arrays: dict[str, NDArray[Any]]
+) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
+    """The triangles and the arrays (V, components), of the vertices that are in use alone.
+
+    Raises:
+        SceneFileError: for indices out of range, or arrays of different lengths.
+    """
+    shown = ascii(name)[:60]
+    count = len(arrays["POSITION"])
+    if faces.min() < 0 or faces.max() >= count:
+        raise SceneFileError(
+            f"mesh {shown} refers to vertex {faces.max()}, and it has {count}; export it again"
+        )
+    for kind, values in arrays.items():
+        if len(values) != count:
+            raise SceneFileError(
+                f"mesh {shown} has {len(values)} {kind!a} for {count} vertices; export it again"
+            )
+    used, faces = _numbered_anew(faces, count)
+    return faces, {kind: values[used] for kind, values in arrays.items()}
+
+
+def _numbered_anew(
+    faces: NDArray[np.int64], vertices: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The vertices (U,) in use, in their order, and the triangles (F, 3) that count only them."""
+    if vertices > 2 * faces.size:  # Of a great many vertices, few are asked about here.
+        used, faces_of_used = np.unique(faces, return_inverse=True)
+        return used, faces_of_used.reshape(-1, 3)
+    in_use = np.zeros(vertices, bool)
+    in_use[faces] = True
+    number = np.cumsum(in_use) - 1
+    return np.flatnonzero(in_use), number[faces]
+
+
+def make_geometry(
     name: str,
     positions: NDArray[Any],
     faces: NDArray[np.int64],
+    budget: SceneBudget,
     *,
-    material: SurfaceMaterial,
     normals: NDArray[Any] | None = None,
     uv: NDArray[Any] | None = None,
     second_uv: NDArray[Any] | None = None,
     colours: NDArray[Any] | None = None,
-) -> trimesh.Trimesh | None:
-    """A mesh with unit normals, a material, and vertices that are all in use.
+) -> Geometry:
+    """A geometry with unit normals.
 
     Args:
         name: told in errors.
         positions: (V, 3), metres.
-        faces: (F, 3) vertex indices.
-        material: of the whole mesh.
+        faces: (F, 3) vertex indices in range, at least one.
+        budget: was asked for `geometry_bytes`; is asked for more if bad normals are replaced.
         normals: (V, 3) as authored; without them, or with a bad one among them, they are made.
         uv, second_uv: (V, 2) texture coordinates, v upwards.
         colours: (V, 3) or (V, 4), linear, in [0, 1].
 
-    Returns:
-        The mesh, or None if there are no triangles.
-
     Raises:
-        SceneFileError: for indices out of range, values that are not finite, or arrays of
-            different lengths.
+        SceneFileError: for values that are not finite, or arrays of the wrong width.
     """
-    if len(faces) == 0:
-        return None
-    attributes = {
-        "normals": normals,
-        "texture coordinates": uv,
-        "second texture coordinates": second_uv,
-        "colours": colours,
-    }
-    _check(name, positions, faces, attributes)
-    used, faces = np.unique(faces, return_inverse=True)
-    faces = faces.reshape(-1, 3)
-    vertices = positions[used].astype(np.float64)
+    _check_widths(name, positions, normals, uv, second_uv, colours)
+    vertices = positions.astype(np.float64)
     if not np.all(np.isfinite(vertices)):
         raise SceneFileError(
             f"mesh {ascii(name)[:60]} has vertices that are not finite numbers; export it again"
         )
-    unit = None if normals is None else unit_or_none(normals[used].astype(np.float64))
+    unit = None if normals is None else unit_or_none(normals.astype(np.float64))
+    source: Any = slice(None)
     if unit is None:
+        if normals is not None:
+            more = geometry_bytes(0, len(faces), normals=False, layers=3)
+            budget.take(more, f"mesh {ascii(name)[:60]}")
         source, faces, unit = crease_normals(vertices, faces)
-        vertices, used = vertices[source], used[source]
-    visual = TextureVisuals(uv=None if uv is None else _finite(uv)[used], material=material)
-    mesh = trimesh.Trimesh(vertices, faces, vertex_normals=unit, visual=visual, process=False)
-    if second_uv is not None:
-        mesh.vertex_attributes["second_uv"] = _finite(second_uv)[used]
-    if colours is not None:
-        mesh.vertex_attributes["color"] = _rgba(colours[used])
+        vertices = vertices[source]
+    return Geometry(
+        vertices,
+        faces,
+        unit,
+        None if uv is None else _finite(uv)[source],
+        None if second_uv is None else _finite(second_uv)[source],
+        None if colours is None else _rgba(colours)[source],
+    )
+
+
+def make_mesh(geometry: Geometry, material: SurfaceMaterial) -> trimesh.Trimesh:
+    """A mesh of one material; its arrays are the geometry's own."""
+    mesh = trimesh.Trimesh(
+        geometry.vertices,
+        geometry.faces,
+        vertex_normals=geometry.normals,
+        visual=TextureVisuals(uv=geometry.uv, material=material),
+        process=False,
+    )
+    if geometry.second_uv is not None:
+        mesh.vertex_attributes["second_uv"] = geometry.second_uv
+    if geometry.colours is not None:
+        mesh.vertex_attributes["color"] = geometry.colours
     return mesh
 
 
-def mirrored(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The same mesh with its triangles wound the other way, for a matrix that mirrors it."""
+def mirrored(mesh: trimesh.Trimesh, budget: SceneBudget) -> trimesh.Trimesh:
+    """The same mesh with its triangles wound the other way, for a matrix that mirrors it.
+
+    Raises:
+        SceneFileError: if the second list of triangles does not fit the budget.
+    """
+    budget.take(len(mesh.faces) * _FACE_BYTES + MESH_BYTES, "a mirrored mesh")
     copy = trimesh.Trimesh(
         mesh.vertices,
         mesh.faces[:, ::-1],
@@ -92,31 +165,25 @@ def mirrored(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return copy
 
 
-def _check(
+def _check_widths(
     name: str,
     positions: NDArray[Any],
-    faces: NDArray[np.int64],
-    attributes: dict[str, NDArray[Any] | None],
+    normals: NDArray[Any] | None,
+    uv: NDArray[Any] | None,
+    second_uv: NDArray[Any] | None,
+    colours: NDArray[Any] | None,
 ) -> None:
-    shown = ascii(name)[:60]
-    if positions.shape[1] != 3:
-        raise SceneFileError(f"mesh {shown} has positions that are not in space; export it again")
-    if faces.min() < 0 or faces.max() >= len(positions):
-        raise SceneFileError(
-            f"mesh {shown} refers to vertex {faces.max()}, and it has {len(positions)}; "
-            "export it again"
-        )
-    for kind, values in attributes.items():
-        if values is None:
-            continue
-        if len(values) != len(positions):
+    for kind, values, widths in (
+        ("positions", positions, (3,)),
+        ("normals", normals, (3,)),
+        ("texture coordinates", uv, (2,)),
+        ("second texture coordinates", second_uv, (2,)),
+        ("colours", colours, (3, 4)),
+    ):
+        if values is not None and values.shape[1] not in widths:
             raise SceneFileError(
-                f"mesh {shown} has {len(values)} {kind} for {len(positions)} vertices; "
+                f"mesh {ascii(name)[:60]} has {kind} of {values.shape[1]} numbers each; "
                 "export it again"
-            )
-        if values.shape[1] not in _WIDTHS[kind]:
-            raise SceneFileError(
-                f"mesh {shown} has {kind} of {values.shape[1]} numbers each; export it again"
             )
 
 

@@ -1,5 +1,7 @@
 """Vertex normals for meshes that bring none: smooth where the surface bends, split at creases."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
@@ -8,6 +10,9 @@ from scipy.sparse.csgraph import connected_components
 CREASE_ANGLE_RAD = np.radians(40.0)
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+_BLOCK = 2**15
+# The corners after and before each of a triangle.
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 
 def crease_normals(
@@ -26,12 +31,12 @@ def crease_normals(
         A vertex of degenerate triangles only points up.
     """
     face_normals = _face_normals(vertices, faces)
-    place = np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1)[faces]
-    group = _smooth_corners(place, face_normals, np.cos(crease_angle_rad))
+    group = _smooth_corners(_places(vertices)[faces], face_normals, np.cos(crease_angle_rad))
     normals = _summed_normals(group, face_normals, _corner_angles(vertices, faces))
-    pairs = np.stack([faces.reshape(-1), group], axis=1)
-    unique_pairs, corner = np.unique(pairs, axis=0, return_inverse=True)
-    return unique_pairs[:, 0], corner.reshape(faces.shape), normals[unique_pairs[:, 1]]
+    # One number for each pair of an old vertex and a group, which sorts as the pair does.
+    pairs, corner = np.unique(faces.reshape(-1) * len(normals) + group, return_inverse=True)
+    source, group = np.divmod(pairs, len(normals))
+    return source, corner.reshape(faces.shape), normals[group]
 
 
 def unit_or_none(normals: FloatArray) -> FloatArray | None:
@@ -44,18 +49,39 @@ def unit_or_none(normals: FloatArray) -> FloatArray | None:
 
 def _face_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Unit normals (F, 3); zero for degenerate triangles."""
-    a, b, c = np.moveaxis(vertices[faces], 1, 0)
-    normal = np.cross(b - a, c - a)
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+    normals = np.zeros(faces.shape)
+    for block in _blocks(len(faces)):
+        a, b, c = np.moveaxis(vertices[faces[block]], 1, 0)
+        normal = np.cross(b - a, c - a)
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        np.divide(normal, length, out=normals[block], where=length > 0)
+    return normals
 
 
 def _corner_angles(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """The angle (F, 3) of each triangle at each corner, rad."""
-    corner = vertices[faces]
-    onward, back = np.roll(corner, -1, axis=1) - corner, np.roll(corner, 1, axis=1) - corner
-    sine = np.linalg.norm(np.cross(onward, back), axis=2)
-    return np.arctan2(sine, np.sum(onward * back, axis=2))
+    angles = np.empty(faces.shape)
+    for block in _blocks(len(faces)):
+        corner = vertices[faces[block]]
+        onward, back = corner[:, _NEXT] - corner, corner[:, _LAST] - corner
+        sine = np.linalg.norm(np.cross(onward, back), axis=2)
+        np.arctan2(sine, np.sum(onward * back, axis=2), out=angles[block])
+    return angles
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    """Slices of so many items: what is worked out for each stays small, and in the cache."""
+    for start in range(0, count, _BLOCK):
+        yield slice(start, start + _BLOCK)
+
+
+def _places(vertices: FloatArray) -> IntArray:
+    """A number (V,) for each vertex, the same for those at the same position."""
+    order = np.lexsort(vertices.T[::-1])
+    place = np.zeros(len(vertices), dtype=np.int64)
+    last, first = vertices[order[1:]], vertices[order[:-1]]
+    place[order[1:]] = np.cumsum(np.any(last != first, axis=1))
+    return place
 
 
 def _smooth_corners(place: IntArray, face_normals: FloatArray, least_cosine: float) -> IntArray:
@@ -63,25 +89,51 @@ def _smooth_corners(place: IntArray, face_normals: FloatArray, least_cosine: flo
 
     Edges are matched by place, so that seams in texture coordinates do not show.
     """
-    corner = np.arange(place.size).reshape(place.shape)
-    ends = np.stack([place, np.roll(place, -1, axis=1)], axis=-1).reshape(-1, 2)
-    corners = np.stack([corner, np.roll(corner, -1, axis=1)], axis=-1).reshape(-1, 2)
-    flipped = ends[:, 0] > ends[:, 1]
-    ends[flipped], corners[flipped] = ends[flipped, ::-1], corners[flipped, ::-1]
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    ends, corners = ends[order], corners[order]
-    face = corners[:, 0] // 3
-    cosine = np.sum(face_normals[face[1:]] * face_normals[face[:-1]], axis=1)
-    join = np.all(ends[1:] == ends[:-1], axis=1) & (cosine >= least_cosine)
-    first, second = corners[:-1][join].reshape(-1), corners[1:][join].reshape(-1)
+    first, second = _smooth_links(place, face_normals, least_cosine)
+    if first.size == 0:  # scipy's sparse matrices cost more than a small mesh does.
+        return np.arange(place.size)
     links = coo_matrix((np.ones(first.size, bool), (first, second)), (place.size, place.size))
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
 
+def _smooth_links(
+    place: IntArray, face_normals: FloatArray, least_cosine: float
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """The numbers of corners that are to be joined, in pairs: an edge's two ends in two faces.
+
+    An edge is named by the corner it begins at: those of one face are 3 f, 3 f + 1, 3 f + 2.
+    """
+    end = place[:, _NEXT]
+    flipped = (place > end).reshape(-1)
+    edge = (np.minimum(place, end) * (int(place.max()) + 1) + np.maximum(place, end)).reshape(-1)
+    order = np.argsort(edge, kind="stable").astype(np.int32)
+    edge = edge[order]
+    same = np.flatnonzero(edge[1:] == edge[:-1]).astype(np.int32)
+    del edge, end
+    smooth = np.empty(len(same), bool)
+    for block in _blocks(len(same)):
+        faces = order[same[block]] // 3, order[same[block] + 1] // 3
+        cosine = np.sum(face_normals[faces[1]] * face_normals[faces[0]], axis=1)
+        smooth[block] = cosine >= least_cosine
+    joined = same[smooth]
+    first, second = (_ends(corner, flipped) for corner in (order[joined], order[joined + 1]))
+    return first, second
+
+
+def _ends(corner: NDArray[np.int32], flipped: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Both ends (2n,) of edges, as corners: that of the lower place first."""
+    onward = np.where(corner % 3 == 2, corner - 2, corner + 1)
+    turned = flipped[corner]
+    ends = np.where(turned, onward, corner), np.where(turned, corner, onward)
+    return np.concatenate(ends)
+
+
 def _summed_normals(group: IntArray, face_normals: FloatArray, weight: FloatArray) -> FloatArray:
     """Unit normal (groups, 3) of each group of corners."""
-    total = np.zeros((int(group.max()) + 1, 3))
-    np.add.at(total, group, (face_normals[:, None, :] * weight[:, :, None]).reshape(-1, 3))
+    axes = [
+        np.bincount(group, (face_normals[:, axis, None] * weight).reshape(-1)) for axis in range(3)
+    ]
+    total = np.stack(axes, axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
     up = np.broadcast_to([0.0, 1.0, 0.0], total.shape).copy()
     return np.divide(total, length, out=up, where=length > 0)

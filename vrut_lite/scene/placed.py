@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from vrut_lite.scene.file_checks import SceneFileError
 
 MAX_TRIANGLES = 20_000_000
+MAX_PLACES = 200_000
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,14 @@ def check_triangles(count: int) -> None:
     if count > MAX_TRIANGLES:
         raise SceneFileError(
             f"it has {count} triangles, above the limit of {MAX_TRIANGLES}; simplify it"
+        )
+
+
+def check_places(count: int) -> None:
+    """Raise SceneFileError if a scene is to stand in more than `MAX_PLACES`, nodes or meshes."""
+    if count > MAX_PLACES:
+        raise SceneFileError(
+            f"it places more than {MAX_PLACES} nodes and meshes; join meshes that belong together"
         )
 
 

@@ -1,0 +1,99 @@
+"""MTL: the materials of an OBJ file, and the pictures that they name."""
+
+import re
+from collections.abc import Hashable, Iterator
+from io import BytesIO
+
+from PIL import Image
+
+from vrut_lite.scene.file_checks import SceneFileError, SceneFolder
+from vrut_lite.scene.images import PixelBudget, decode_image
+from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
+
+# How many words follow each option of a map statement (Wavefront MTL, "texture map options").
+_OPTION_WORDS = {
+    **dict.fromkeys(("-blendu", "-blendv", "-cc", "-clamp", "-bm", "-boost", "-texres"), 1),
+    **dict.fromkeys(("-imfchan", "-type"), 1),
+    "-mm": 2,
+    **dict.fromkeys(("-o", "-s", "-t"), 3),
+}
+_MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+# What a statement takes, as the objects it is kept in.
+_STATEMENT_BYTES, _WORD_BYTES = 512, 64
+_MOST_LINE_BYTES = 2**22
+Statements = dict[str, list[str]]
+
+
+class MtlMaterials:
+    """The materials of one MTL file by name; a picture is decoded once, however often named.
+
+    Raises:
+        SceneFileError: if a picture is missing, damaged, too large or outside the folder.
+    """
+
+    def __init__(self, data: bytes, folder: SceneFolder) -> None:
+        self._folder = folder
+        self._pixels = PixelBudget(folder.budget)
+        self._pictures: dict[Hashable, Image.Image] = {}
+        self._statements = _read(data, folder)
+        self._images = {
+            name: self._picture(_file_name(statements["map_kd"]))
+            for name, statements in self._statements.items()
+            if "map_kd" in statements
+        }
+
+    def make(self, name: str | None) -> SurfaceMaterial:
+        """The material of this name, or the default one if there is none."""
+        if name is None or name not in self._statements:
+            return default_material()
+        return from_mtl(name, self._statements[name], self._images.get(name))
+
+    def _picture(self, name: str) -> Image.Image:
+        data = self._folder.get(name)
+        key = id(data)  # The folder gives the same file as the same object.
+        if key not in self._pictures:
+            self._pixels.admit(data, ascii(name))
+            self._pictures[key] = decode_image(data, ascii(name))
+        return self._pictures[key]
+
+
+def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
+    """The statements of each material; every file that a map names is in the folder."""
+    materials: dict[str, Statements] = {}
+    statements: Statements = {}
+    for line in _lines(data):
+        words = line.split()
+        if len(words) < 2 or words[0].startswith("#"):
+            continue
+        folder.budget.take(_STATEMENT_BYTES + _WORD_BYTES * len(words), "its materials")
+        kind = words[0].lower()
+        if kind == "newmtl":
+            statements = materials[" ".join(words[1:])] = {}
+            continue
+        if kind.startswith("map_") or kind in _MAP_WORDS:
+            folder.locate(_file_name(words[1:]))
+        statements[kind] = words[1:]
+    return materials
+
+
+def _lines(data: bytes) -> Iterator[str]:
+    """Lines of text, one at a time: a list of all could be many times as large as the file."""
+    for line in BytesIO(data.removeprefix(b"\xef\xbb\xbf")):
+        if len(line) > _MOST_LINE_BYTES:
+            raise SceneFileError(
+                f"a line in its MTL is longer than {_MOST_LINE_BYTES >> 20} MB; export it again"
+            )
+        yield from line.decode("utf-8", errors="replace").splitlines()
+
+
+def _file_name(words: list[str]) -> str:
+    """The file that a map statement names, its options dropped."""
+    at = 0
+    while at < len(words) - 1 and words[at].lower() in _OPTION_WORDS:
+        most = _OPTION_WORDS[words[at].lower()]
+        at += 1
+        end = min(at + most, len(words) - 1)
+        while at < end and (most == 1 or _NUMBER.fullmatch(words[at])):
+            at += 1
+    return " ".join(words[at:])

@@ -1,0 +1,269 @@
+"""OBJ text as arrays: read block by block, in a time that grows as the file does."""
+
+import warnings
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.file_checks import SceneFileError
+
+_BLOCK_BYTES = 2**22
+# What Python makes of one line's words stays within what any scene may take.
+_MOST_LINE_BYTES = 2**22
+_KINDS = (b"v", b"vt", b"vn")
+_DIGITS = b"0123456789"
+# Of a corner: its vertex, texture coordinates and normal, counted from 1; 0 is none.
+_CORNER = 3
+_MOST_NUMBER = 2**31 - 2
+_NAME_BYTES = 256
+
+
+@dataclass(frozen=True)
+class ObjFile:
+    """What an OBJ file holds.
+
+    positions (V, 3), colours (V, 3) or none, texture coordinates (T, 2), normals (N, 3);
+    `corners` (F, 3, 3) are the triangles' corners, each with the numbers of its position, texture
+    coordinates and normal, counted from 0, -1 if it has none; `group` (F,) is the number of each
+    triangle's material in `materials`.
+    """
+
+    positions: NDArray[np.float64]
+    colours: NDArray[np.float64] | None
+    uv: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    corners: NDArray[np.int32]
+    group: NDArray[np.int32]
+    materials: tuple[str | None, ...]
+    library: str | None
+
+
+@dataclass
+class _Reading:
+    """What was read so far."""
+
+    budget: SceneBudget
+    counts: dict[bytes, int] = field(default_factory=lambda: dict.fromkeys(_KINDS, 0))
+    numbers: dict[bytes, list[NDArray[np.float64]]] = field(
+        default_factory=lambda: {kind: [] for kind in _KINDS}
+    )
+    corners: list[NDArray[np.int32]] = field(default_factory=list)
+    groups: list[NDArray[np.int32]] = field(default_factory=list)
+    materials: dict[str | None, int] = field(default_factory=lambda: {None: 0})
+    group: int = 0
+    library: str | None = None
+
+    def keep(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Count what stays in memory."""
+        self.budget.take(values.nbytes, "its text, as numbers,")
+        return values
+
+    def wear(self, material: str) -> None:
+        """Give the faces that follow this material."""
+        if material not in self.materials:
+            self.budget.take(len(material) + _NAME_BYTES, "the names of its materials")
+            self.materials[material] = len(self.materials)
+        self.group = self.materials[material]
+
+
+def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
+    """The arrays of an OBJ file; polygons become fans of triangles.
+
+    Raises:
+        SceneFileError: for numbers that are none, indices that point nowhere, endless lines, or
+            more than fits the budget.
+    """
+    reading = _Reading(budget)
+    for block in _blocks(data):
+        _read_block(block, reading)
+    positions = _joined(reading.numbers[b"v"], 3)
+    coloured = bool(reading.numbers[b"v"]) and positions.shape[1] >= 6
+    corners = np.concatenate([np.zeros((0, 3, _CORNER), np.int32), *reading.corners])
+    corners -= 1
+    return ObjFile(
+        positions[:, :3],
+        positions[:, 3:6] if coloured else None,
+        _joined(reading.numbers[b"vt"], 2)[:, :2],
+        _joined(reading.numbers[b"vn"], 3)[:, :3],
+        corners,
+        np.concatenate([np.zeros(0, np.int32), *reading.groups]),
+        tuple(reading.materials),
+        reading.library,
+    )
+
+
+def _blocks(data: bytes) -> Iterator[bytes]:
+    """Whole lines, some megabytes at a time, continued lines joined, with single spaces."""
+    start = 3 if data.startswith(b"\xef\xbb\xbf") else 0
+    while start < len(data):
+        end = start + _BLOCK_BYTES
+        while True:
+            end = data.find(b"\n", end) + 1 or len(data)
+            if end - start > _BLOCK_BYTES + _MOST_LINE_BYTES:
+                raise SceneFileError(
+                    f"a line in it is longer than {_MOST_LINE_BYTES >> 20} MB; export it again"
+                )
+            continued = data[max(end - 3, start) : end].rstrip(b"\r\n").endswith(b"\\")
+            if end == len(data) or not continued:
+                break
+        block = data[start:end].replace(b"\r\n", b"\n").replace(b"\\\n", b" ")
+        yield block.replace(b"\t", b" ")
+        start = end
+
+
+def _read_block(block: bytes, reading: _Reading) -> None:
+    rows: dict[bytes, list[bytes]] = {kind: [] for kind in _KINDS}
+    faces: list[bytes] = []
+    groups: list[int] = []
+    before = dict(reading.counts)
+    for line in block.split(b"\n"):
+        kind, _, rest = line.strip().partition(b" ")
+        if kind == b"f":
+            if b"-" in rest:
+                counts = [before[name] + len(rows[name]) for name in _KINDS]
+                rest = b" ".join(_absolute_corner(corner, counts) for corner in rest.split())
+            faces.append(rest)
+            groups.append(reading.group)
+        elif kind in rows:
+            rows[kind].append(rest)
+        elif kind == b"usemtl":
+            reading.wear(_text(rest))
+        elif kind == b"mtllib" and reading.library is None:
+            reading.library = _text(rest)
+    for kind, found in rows.items():
+        reading.counts[kind] += len(found)
+        if found:
+            reading.numbers[kind].append(reading.keep(_numbers(found, 2 if kind == b"vt" else 3)))
+    if faces:
+        _read_faces(faces, np.array(groups, np.int32), reading)
+
+
+def _text(words: bytes) -> str:
+    return words.decode("utf-8", errors="replace").strip()
+
+
+def _numbers(rows: list[bytes], least: int) -> NDArray[np.float64]:
+    """The numbers (n, columns) in rows of words; of longer rows only what all of them have."""
+    widths = {len(row.split()) for row in rows}
+    columns = min(widths)
+    if columns < least:
+        raise _damaged("where numbers belong are too few of them")
+    if len(widths) > 1:
+        rows = [b" ".join(row.split()[:columns]) for row in rows]
+    values = _parsed(b" ".join(rows), np.float64)
+    if values is None or values.size != columns * len(rows):
+        raise _damaged("where numbers belong stands something else")
+    return values.reshape(-1, columns)
+
+
+def _parsed(words: bytes, dtype: type) -> NDArray[Any] | None:
+    """The numbers in a text, or None if there is anything else in it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            return np.fromstring(words, dtype, sep=" ")
+        except (DeprecationWarning, ValueError):
+            return None
+
+
+def _joined(parts: list[NDArray[np.float64]], columns: int) -> NDArray[np.float64]:
+    """Blocks of rows as one, as wide as the narrowest."""
+    if not parts:
+        return np.zeros((0, columns))
+    width = min(part.shape[1] for part in parts)
+    return np.concatenate([part[:, :width] for part in parts])
+
+
+def _read_faces(rows: list[bytes], groups: NDArray[np.int32], reading: _Reading) -> None:
+    """Rows of the same form, such as three corners of two numbers each, are read at once."""
+    forms: defaultdict[tuple[bytes, bool], list[int]] = defaultdict(list)
+    rows = [b" ".join(row.split()) for row in rows]
+    for number, row in enumerate(rows):
+        forms[row.translate(None, _DIGITS), b"//" in row].append(number)
+    triangles, faces = [], []
+    for (form, gap), numbers in forms.items():
+        if form.count(b" ") < 2:  # A point or a line.
+            continue
+        found = [rows[number] for number in numbers]
+        polygons = _alike(found, form.split(b" "), gap)
+        if polygons is None:
+            for number, row in zip(numbers, found, strict=True):
+                triangles.append(_fans(_odd(row)))
+                faces.append(np.full(len(triangles[-1]), number))
+        else:
+            triangles.append(_fans(polygons))
+            faces.append(np.repeat(numbers, polygons.shape[1] - 2))
+    if faces:
+        face = np.concatenate(faces)
+        order = np.argsort(face, kind="stable")
+        reading.corners.append(reading.keep(np.concatenate(triangles)[order]))
+        reading.groups.append(reading.keep(groups[face[order]]))
+
+
+def _alike(rows: list[bytes], form: list[bytes], gap: bool) -> NDArray[np.int32] | None:
+    """Polygons (m, k, 3) of rows whose corners are all written alike, or None.
+
+    `form` has the slashes of each corner; a gap between two of them is where the texture
+    coordinates are left out.
+    """
+    columns = {b"": [0], b"/": [0, 1], b"//": [0, 2] if gap else [0, 1, 2]}.get(form[0])
+    if columns is None or any(corner != form[0] for corner in form):
+        return None
+    numbers = _parsed(b" ".join(rows).replace(b"/", b" "), np.int64)
+    if numbers is None or numbers.size != len(rows) * len(form) * len(columns):
+        return None
+    polygons = np.zeros((len(rows), len(form), _CORNER), np.int32)
+    polygons[..., columns] = _checked(numbers).reshape(len(rows), len(form), len(columns))
+    return _from_one(polygons)
+
+
+def _odd(row: bytes) -> NDArray[np.int32]:
+    """A polygon (1, k, 3) whose corners are each written in another way."""
+    corners = []
+    for corner in row.split():
+        words = [*corner.split(b"/"), b"", b""][:_CORNER]
+        if not words[0] or not all(word.isdigit() or not word for word in words):
+            raise _damaged("where numbers belong stands something else")
+        corners.append([min(int(word or b"0"), _MOST_NUMBER + 1) for word in words])
+    return _from_one(_checked(np.array([corners])).astype(np.int32))
+
+
+def _checked(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    if numbers.max() > _MOST_NUMBER:
+        raise _damaged(f"a face refers to number {numbers.max()}")
+    return numbers
+
+
+def _from_one(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
+    if polygons[..., 0].min() < 1:
+        raise SceneFileError("a face refers to vertex 0, and OBJ counts from 1; export it again")
+    return polygons
+
+
+def _fans(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Triangles (n, 3, 3) of convex polygons (m, k, 3), each about its first corner."""
+    onward = np.arange(1, polygons.shape[1] - 1)
+    fan = np.stack([np.zeros_like(onward), onward, onward + 1], axis=1)
+    return polygons[:, fan].reshape(-1, 3, _CORNER)
+
+
+def _absolute_corner(corner: bytes, counts: list[int]) -> bytes:
+    """A corner that counts backwards from the present line, made to count from the first."""
+    words = []
+    for word, count in zip(corner.split(b"/"), counts, strict=False):
+        if word.startswith(b"-") and word[1:].isdigit():
+            absolute = count + 1 - int(word[1:])
+            if absolute < 1:
+                raise SceneFileError("a face counts back beyond the first vertex; export it again")
+            word = b"%d" % absolute
+        words.append(word)
+    return b"/".join(words)
+
+
+def _damaged(reason: str) -> SceneFileError:
+    return SceneFileError(f"its OBJ text is damaged: {reason}; export it again")
