@@ -193,6 +193,41 @@ def test_a_module_that_came_late_is_late_in_the_replay(tmp_path):
     assert replayed(tmp_path, kernel, TICK) is None
 
 
+class Owner(Module):
+    """Wants something of its own accord, as who runs GPU jobs does."""
+
+    manifest = Manifest(name="owner", title="Owner", version="1")
+
+    def __init__(self, link, settings):
+        super().__init__(link, settings)
+        link.demand(Told, size=5)
+
+
+class StandIn(Module):
+    manifest = Owner.manifest
+
+
+class Asked(Clerk):
+    manifest = Manifest(name="asked", title="Asked", version="1")
+
+    @handles(Tick)
+    def on_tick(self, message: Tick) -> None:
+        wish = self.link.wanted(Told)
+        self.link.post(Told(module="asked", history=(wish.consumer, str(wish.size))))
+
+
+def test_what_a_module_wanted_is_wanted_of_its_stand_in(tmp_path):
+    """Or a sky that was asked of the GPU would be made by the CPU in the replay."""
+    kernel, stream = kernel_with(Owner, Asked), io.BytesIO()
+    recorder = Recorder(kernel, stream)
+    act(kernel, TICK)
+    recorder.close()
+    path = tmp_path / "session.mcap"
+    path.write_bytes(stream.getvalue())
+    outcome = rerecord(Journal(path), io.BytesIO(), [StandIn, Asked])
+    assert (outcome.difference, outcome.messages) == (None, 1)
+
+
 def test_a_job_that_runs_when_the_recording_begins_is_done_in_the_replay(tmp_path):
     """It was begun before and its result is admitted after."""
     kernel = kernel_with(*MODULES)
