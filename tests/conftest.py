@@ -20,7 +20,7 @@ except ImportError as error:
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
-    parser.addoption("--live-runs", type=int, default=50, help="recorded runs to replay")
+    parser.addoption("--live-runs", type=int, default=40, help="random sessions to replay")
     parser.addoption("--scene-cycles", type=int, default=36, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.25, help="minutes of play at 60 Hz")
     parser.addoption("--stress-scale", type=float, default=1.0, help="times more inputs")

@@ -31,9 +31,16 @@ class EntryPointGroup(click.Group):
             return None
         try:
             with interrupts_held():
-                return point.load()
+                return _with_help(point.load())
         except Exception as error:
             return _broken(name, f"the command {name} failed to load: {error}")
+
+
+def _with_help(command: click.Command) -> click.Command:
+    """The command; where Python left its docstring out, its help says so."""
+    if sys.flags.optimize >= 2 and not command.help:
+        command.help = "PYTHONOPTIMIZE=2 leaves out what would be said here: unset it."
+    return command
 
 
 def _broken(name: str, reason: str) -> click.Command:
@@ -66,7 +73,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         with terminations_raised():
-            root(standalone_mode=False)
+            _with_help(root)(standalone_mode=False)
         # There is no output at all where it was closed before the start.
         if sys.stdout is not None:
             sys.stdout.flush()

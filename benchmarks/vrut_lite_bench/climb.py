@@ -178,7 +178,7 @@ def _plot(path: Path, steps: list[Step]) -> None:
 
 def main() -> None:
     """Draw, measure, write."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--measure", action="store_true", help="Compare pictures 2 percent apart.")
     parser.add_argument("--sky", default="bruneton_sky", help="The module that holds the sky.")

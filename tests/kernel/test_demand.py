@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from probe_messages import Sun, act, collect
 
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.demands import Demands
 from vrut_lite.kernel.messages import Demand, EnableModule, Fault
 from vrut_lite.kernel.module import Manifest, Module, handles
 
@@ -54,6 +55,17 @@ def test_the_merged_demand_serves_every_consumer(wishes):
     else:
         assert merged.size == max(size for size, _ in present)
         assert merged.encoding == max((e for _, e in present), key=EXACTNESS.index)
+
+
+def test_many_consumers_of_one_message_are_merged_one_by_one():
+    """A setup of a thousand demands asks a thousand times who runs, not half a million times."""
+    asked = []
+    demands = Demands(lambda name: bool(asked.append(name)))
+    for number in range(1000):
+        demands.note(demand(f"consumer {number}", size=number % 70 + 1))
+    assert demands.merged["Sun"].size == 70
+    assert demands.merged["Sun"].consumer.count(", ") == 999
+    assert len(asked) <= 2000
 
 
 def test_a_disabled_consumer_wants_nothing_until_it_is_back():

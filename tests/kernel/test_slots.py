@@ -3,7 +3,8 @@
 from probe_messages import Halo, Poke, Sun, act, collect, faults_of
 
 from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, Kernel
-from vrut_lite.kernel.messages import ChooseSlot, EnableModule, SlotChanged
+from vrut_lite.kernel.memory import Memory
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Fault, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 
@@ -108,3 +109,21 @@ def test_who_does_not_stand_in_holds_a_slot_only_when_chosen():
     assert kernel.slots.holder("sun") == "bridge"
     act(kernel, EnableModule(module="bridge", enabled=False))
     assert kernel.slots.holder("sun") == "a"
+
+
+def test_a_switch_looks_once_through_all_that_is_remembered(monkeypatch):
+    """However many keys the former holder has said: nine thousand took seconds."""
+    memory, looks = Memory(), []
+    for number in range(3000):
+        kind = (Sun, Halo)[number % 2]
+        memory.keep((kind, "ab"[number % 3 == 0], str(number)), number, kind(source=str(number)))
+    memory.keep((Fault, "c", ""), 3000, Fault(module="c", where="", error=""))
+    recall = memory.recall
+    monkeypatch.setattr(memory, "recall", lambda types: looks.append(1) or recall(types))
+    memory.keep_only("sun", "b")
+    assert len(looks) == 1
+    assert memory.latest[Sun].source == "2994"
+    assert memory.latest[Halo].source == "2997"
+    assert memory.latest[Fault].module == "c"
+    memory.keep_only("sun", "nobody")
+    assert set(memory.latest) == {Fault}

@@ -1,8 +1,9 @@
 """Records a live session from its beginning, so that a journal can be saved at any moment.
 
-The kernel's thread only hands over what it admits and delivers; a thread of the recorder's own
-makes digests and writes entries to a temporary file. A journal is written from there, as often as
-wished, while the session and its recording go on.
+The kernel's thread only hands over what it admits and delivers, with copies of what a handler
+could still change; a thread of the recorder's own makes digests and writes entries to a temporary
+file. A journal is written from there, as often as wished, while the session and its recording
+go on.
 """
 
 import struct
@@ -19,6 +20,7 @@ import zstandard
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Message
+from vrut_lite.kernel.recording.as_delivered import as_delivered
 from vrut_lite.kernel.recording.entry import Entry, Kind
 from vrut_lite.kernel.recording.journal_writer import JournalWriter
 from vrut_lite.kernel.recording.observer import Observer, entry_of
@@ -76,7 +78,15 @@ class FlightRecorder:
         self._thread.join()
 
     def _saw(self, kind: Kind, message: Message, sender: str) -> None:
-        self._queue.put(lambda: self._keep(kind, message, sender))
+        try:
+            self._observer.check_modules()
+            still = as_delivered(message)
+        # A message that nests without end, say: the session goes on.
+        except Exception as problem:
+            error = problem
+            self._queue.put(lambda: self._end(message, error))
+        else:
+            self._queue.put(lambda: self._keep(kind, still, sender))
 
     # --- on the recorder's own thread --------------------------------------------------------
 
@@ -96,14 +106,20 @@ class FlightRecorder:
             self._packer.write(_LENGTH.pack(len(body)) + body)
         # Whatever it is (a full disk, a message that nests without end): the session goes on.
         except Exception as error:
-            ended = f"recording ended at a {type(message).__name__}: {error}"
+            self._end(message, error)
+            return
+        inputs, messages = inputs + (kind == "input"), messages + (kind == "derived")
+        if kind == "input" and self._spool.tell() > self._most_bytes:
+            ended = f"recording ended: the journal has {self._most_bytes >> 20} MiB"
             self._observer.close()
-        else:
-            inputs, messages = inputs + (kind == "input"), messages + (kind == "derived")
-            if kind == "input" and self._spool.tell() > self._most_bytes:
-                ended = f"recording ended: the journal has {self._most_bytes >> 20} MiB"
-                self._observer.close()
         self.recorded = Recorded(inputs, messages, ended)
+
+    def _end(self, message: Message, error: Exception) -> None:
+        """Record no more, and say at which message."""
+        self._observer.close()
+        if not self.recorded.ended:
+            ended = f"recording ended at a {type(message).__name__}: {error}"
+            self.recorded = self.recorded._replace(ended=ended)
 
     def _answer(self, answer: "Future[Recorded]", path: Path) -> None:
         try:

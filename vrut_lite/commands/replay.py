@@ -24,7 +24,7 @@ def replay(journal: str, check: bool, trace: str | None) -> None:
     """Replay JOURNAL with the installed modules and tell whether they still say the same.
 
     On the machine and the versions of the recording digests must be equal; elsewhere scalars
-    are compared to 1e-12 and sampled values of arrays to 1e-3, and the output says so.
+    are compared to 1e-6 and sampled values of arrays to 1e-3, and the output says so.
 
     Example: vrut-lite replay day.mcap --check
     """

@@ -15,6 +15,7 @@ import msgspec
 from vrut_lite.errors import UserError
 from vrut_lite.kernel import messages
 from vrut_lite.kernel import settings as setting_rules
+from vrut_lite.kernel.beginning import Beginning, Step
 from vrut_lite.kernel.clock import Clock
 from vrut_lite.kernel.dispatch import HOST, Act, Dispatcher, Tap
 from vrut_lite.kernel.inbox import Inbox
@@ -46,6 +47,7 @@ class Kernel:
         self._clock = Clock()
         self._runner = runner or ThreadRunner()
         self.jobs = JobDesk(self._runner, self.inject, self.trace)
+        self.beginning = Beginning(self.jobs)
         self.dispatcher = Dispatcher(self.seats, self.slots, self.trace)
         self.lifecycle = Lifecycle(
             self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(self, seat)
@@ -67,6 +69,7 @@ class Kernel:
         if name in self.seats:
             raise UserError(f"two modules are called '{name}': uninstall one of them")
         self.seats[name] = Seat(module_type, services)
+        self.beginning.note(Step(module=name))
         self.lifecycle.start(self.seats[name])
 
     def check_module(self, name: str) -> Seat:
@@ -122,7 +125,9 @@ class Kernel:
         self._pumping = True
         transactions = 0
         try:
-            self.dispatcher.settle()
+            if self.dispatcher.waits:
+                self.beginning.note(Step())
+                self.dispatcher.settle()
             while (message := self._inbox.take()) is not None:
                 # A result that nobody waits for any more never happened.
                 if not isinstance(message, JobResult) or self.jobs.admit(message):
@@ -157,6 +162,8 @@ class Kernel:
         return self.seats[module].last_fault
 
     def _transact(self, message: Input) -> None:
+        if not self.beginning.ended_by:
+            self.beginning.note(Step(input=message))
         for watcher in self._watchers:
             watcher(message)
         self.dispatcher.put(message, HOST)

@@ -1,6 +1,6 @@
 """Who wants which message, how large and how exact."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import get_args
 
 from vrut_lite.errors import UserError
@@ -25,10 +25,16 @@ class Demands:
                 f"it can be {', '.join(filter(None, _PRECEDENCE))}"
             )
         consumers = self._of.setdefault(demand.message, {})
-        consumers.pop(demand.consumer, None)
+        before = consumers.pop(demand.consumer, None)
         if demand.size > 0:
             consumers[demand.consumer] = demand
-        self._merge(demand.message)
+        merged = self.merged.get(demand.message)
+        if before is None and merged is not None:
+            # One more of many: what the others want was merged before.
+            if demand.size > 0 and not self._is_stopped(demand.consumer):
+                self.merged[demand.message] = _of_all([merged, demand])
+        else:
+            self._merge(demand.message)
 
     def of_consumer(self, consumer: str) -> list[Demand]:
         """What a consumer wants."""
@@ -48,9 +54,14 @@ class Demands:
         if not wishes:
             self.merged.pop(message, None)
             return
-        self.merged[message] = Demand(
-            consumer=", ".join(wish.consumer for wish in wishes),
-            message=message,
-            size=max(wish.size for wish in wishes),
-            encoding=max((wish.encoding for wish in wishes), key=_PRECEDENCE.index),
-        )
+        self.merged[message] = _of_all(wishes)
+
+
+def _of_all(wishes: Sequence[Demand]) -> Demand:
+    """One demand for what serves all of these, which want one type of message."""
+    return Demand(
+        consumer=", ".join(wish.consumer for wish in wishes),
+        message=wishes[0].message,
+        size=max(wish.size for wish in wishes),
+        encoding=max((wish.encoding for wish in wishes), key=_PRECEDENCE.index),
+    )

@@ -67,6 +67,11 @@ class Dispatcher:
         """Number of the message that is being delivered, as the trace has it; 0 for none."""
         return self._cause
 
+    @property
+    def waits(self) -> bool:
+        """Whether something is queued."""
+        return bool(self._queue)
+
     def put(self, message: Message, sender: str) -> None:
         """Append; an undelivered message of equal type, sender and key gives way."""
         key = message.key()

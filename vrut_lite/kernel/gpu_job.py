@@ -50,10 +50,15 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     @cached_property
     def recipe(self) -> str:
         """Hexadecimal BLAKE2b-128 of all that decides the texels."""
-        made_of: tuple[Any, ...]
-        made_of = (self.compute_shader, self.uniforms, self.output, self.size, self.format,
-                   self.groups)  # fmt: skip
-        if self.buffers:
-            made_of = (*made_of, [(binding, array.digest) for binding, array in self.buffers])
-        text = msgspec.json.encode(made_of, order="sorted")
-        return hashlib.blake2b(text, digest_size=16).hexdigest()
+        buffers = [(binding, array.digest) for binding, array in self.buffers]
+        return recipe_of(self.compute_shader, self.uniforms, self.output, self.size, self.format,
+                         self.groups, buffers)  # fmt: skip
+
+
+def recipe_of(*made_of: Any) -> str:
+    """The recipe of a job's shader, uniforms, output, size, format and groups, and of its buffers.
+
+    Those are pairs of a binding and an array's digest.
+    """
+    text = msgspec.json.encode(made_of if made_of[-1] else made_of[:-1], order="sorted")
+    return hashlib.blake2b(text, digest_size=16).hexdigest()

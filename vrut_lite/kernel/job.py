@@ -39,7 +39,6 @@ class Job:
 
     def __init__(self, key: Key, work: Work, arguments: tuple[Any, ...], trace: Trace):
         self.key = key
-        self.result: JobResult | None = None
         module, name = key
         self.control = JobControl(lambda text: trace.remark("progress", module, f"{name}: {text}"))
         self._work = work

@@ -12,6 +12,9 @@ from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.messages import Input, JobResult
 from vrut_lite.kernel.trace import Trace
 
+# Who brings the results of the kernel's own jobs; those of others are brought by the host.
+JOBS = "jobs"
+
 
 class JobDesk:
     """One running and one pending job for each module and name; the latest pending wins."""
@@ -22,7 +25,8 @@ class JobDesk:
         self._trace = trace
         self._running: dict[Key, Job] = {}
         self._pending: dict[Key, Job] = {}
-        self._sent: set[int] = set()
+        self._sent: dict[int, Job] = {}
+        self._own: int | None = None
 
     @property
     def busy(self) -> bool:
@@ -52,18 +56,25 @@ class JobDesk:
     def admit(self, result: JobResult) -> bool:
         """Whether someone still waits for a result; if so, what waited for it may run.
 
-        A result that comes from elsewhere (the owner of the GPU, a test) is always let in.
+        A result that comes from elsewhere (the owner of the GPU, a test) is always let in, and
+        takes the place of that of a job of its name: nobody waits for the job any more.
         """
         key = (result.module, result.job)
-        job = self._running.get(key)
-        if id(result) in self._sent:
-            self._sent.remove(id(result))
-            if job is None or job.result is not result:
-                return False
-        self._running.pop(key, None)
+        running = self._running.get(key)
+        sent = self._sent.pop(id(result), None)
+        if sent is not None and sent is not running:
+            return False
+        self._own = None if sent is None else id(result)
+        if running is not None:
+            del self._running[key]
+            running.control.cancel()
         if key in self._pending:
             self._run(self._pending.pop(key))
         return True
+
+    def is_own(self, message: Input) -> bool:
+        """Whether the input that was admitted last is what a job of this kernel brought."""
+        return isinstance(message, JobResult) and id(message) == self._own
 
     def _run(self, job: Job) -> None:
         self._runner.start(job, self._finish)
@@ -71,6 +82,5 @@ class JobDesk:
 
     def _finish(self, job: Job, result: JobResult) -> None:
         """Bring in a result, from any thread; until it is admitted the inbox keeps it alive."""
-        job.result = result
-        self._sent.add(id(result))
+        self._sent[id(result)] = job
         self._inject(result)

@@ -1,4 +1,4 @@
-"""Where background jobs run: on threads when live; on the spot, and held, in a replay."""
+"""Where background jobs run: on threads when live; in a replay where the journal says so."""
 
 import threading
 from collections.abc import Callable
@@ -19,7 +19,7 @@ class JobRunner(Protocol):
         """Run the job some time and pass its result to `finish`, from any thread."""
 
     def wait(self) -> None:
-        """Return when every job that was started has finished."""
+        """Return when every job that was started has finished or was cancelled."""
 
     def close(self) -> None:
         """Start nothing more."""
@@ -33,33 +33,39 @@ class ThreadRunner:
 
     def __init__(self) -> None:
         self._executor = ThreadPoolExecutor(_WORKERS, "vrut-lite job")
-        self._busy: dict[Key, tuple[Job, Finish] | None] = {}
+        self._running: dict[Key, Job] = {}
+        self._waiting: dict[Key, tuple[Job, Finish]] = {}
         self._changed = threading.Condition()
 
     def start(self, job: Job, finish: Finish) -> None:
         """Hand the job to a thread, or let it wait for a cancelled one of its key."""
         with self._changed:
-            if job.key in self._busy:
-                self._busy[job.key] = (job, finish)
+            if job.key in self._running:
+                self._waiting[job.key] = (job, finish)
                 return
-            self._busy[job.key] = None
+            self._running[job.key] = job
         self._executor.submit(self._run, job, finish)
 
     def wait(self) -> None:
-        """Return when no job runs or waits."""
+        """Return when no job runs or waits, but for those that were cancelled."""
         with self._changed:
-            self._changed.wait_for(lambda: not self._busy)
+            self._changed.wait_for(self._is_idle)
 
     def close(self) -> None:
         """End the threads when their jobs return."""
         self._executor.shutdown(wait=False, cancel_futures=True)
 
+    def _is_idle(self) -> bool:
+        jobs = [*self._running.values(), *(job for job, _ in self._waiting.values())]
+        return all(job.control.cancelled() for job in jobs)
+
     def _run(self, job: Job, finish: Finish) -> None:
         result = None if job.control.cancelled() else job.run()
         with self._changed:
-            successor = self._busy.pop(job.key)
+            del self._running[job.key]
+            successor = self._waiting.pop(job.key, None)
             if successor is not None:
-                self._busy[job.key] = None
+                self._running[job.key] = successor[0]
             # Before anyone who waits may go on, and before the result lets a successor start.
             if result is not None:
                 finish(job, result)
@@ -69,37 +75,38 @@ class ThreadRunner:
 
 
 class HeldRunner:
-    """Runs each job where it is started, and keeps its result until it is told to let it go.
+    """Keeps each job until it is told to do the work and bring the result.
 
-    So a replay admits every result at the place where the journal has it.
+    So a replay admits every result at the place where the journal has it. Work whose result the
+    journal does not have is never done: it may have run until it was cancelled.
     """
 
     def __init__(self) -> None:
-        self._held: dict[Key, tuple[Job, JobResult, Finish]] = {}
+        self._held: dict[Key, tuple[Job, Finish]] = {}
 
     @property
     def held(self) -> list[Key]:
-        """Module and job of every result that is kept, oldest first."""
-        return list(self._held)
+        """Module and name of every job that is kept, oldest first."""
+        return [key for key, (job, _) in self._held.items() if not job.control.cancelled()]
 
     def start(self, job: Job, finish: Finish) -> None:
-        """Do the work and keep the result; that of a cancelled predecessor is dropped."""
-        self._held.pop(job.key, None)
-        self._held[job.key] = (job, job.run(), finish)
+        """Keep the job; those that were cancelled are forgotten, and their arguments with them."""
+        self._held = {key: self._held[key] for key in self.held if key != job.key}
+        self._held[job.key] = (job, finish)
 
     def release(self, module: str, job: str) -> bool:
-        """Inject a result that is kept; False if there is none."""
-        if (module, job) not in self._held:
+        """Do the work of a job that is kept and inject its result; False if there is none."""
+        if (module, job) not in self.held:
             return False
-        held, result, finish = self._held.pop((module, job))
-        finish(held, result)
+        held, finish = self._held.pop((module, job))
+        finish(held, held.run())
         return True
 
     def wait(self) -> None:
-        """Release every result, oldest first."""
+        """Release every job, oldest first."""
         for module, job in self.held:
             self.release(module, job)
 
     def close(self) -> None:
-        """Drop every result."""
+        """Drop every job."""
         self._held.clear()

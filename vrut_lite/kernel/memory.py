@@ -40,10 +40,11 @@ class Memory:
         )
 
     def _forget(self, places: Iterable[Place]) -> None:
-        for place in tuple(places):
+        places = tuple(places)
+        for place in places:
             del self._kept[place]
-            left = self.recall([place[0]])
-            if left:
-                self.latest[place[0]] = left[-1][0]
-            else:
-                self.latest.pop(place[0])
+        types = {place[0] for place in places}
+        for kind in types:
+            del self.latest[kind]
+        for message, _ in self.recall(types):
+            self.latest[type(message)] = message

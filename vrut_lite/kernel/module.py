@@ -61,8 +61,9 @@ class Link(Protocol):
     def start_job(self, name: str, work: Callable[..., Any], *arguments: Any) -> None:
         """Run `work(*arguments)` in the background; a `JobResult` brings what it returns.
 
-        Work is a plain function that sees its arguments alone; if it has a parameter named
-        `control` it gets a `JobControl`. One job of a name runs and one waits, the latest.
+        Work is a plain function that sees its arguments alone, which nobody changes; if it has a
+        parameter named `control` it gets a `JobControl`. One job of a name runs and one waits,
+        the latest. A replay does the work where its result was admitted, or never.
         """
 
     def cancel_job(self, name: str) -> None:

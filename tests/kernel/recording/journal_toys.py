@@ -1,8 +1,6 @@
-"""Small modules for the tests of recording, and live runs that keep three threads busy."""
+"""Small modules for the tests of recording."""
 
 import io
-import random
-import threading
 from typing import Annotated
 
 import msgspec
@@ -12,13 +10,9 @@ from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import (
-    ChooseSlot,
     Derived,
-    EnableModule,
     Input,
     JobResult,
-    RestartModule,
-    SetSetting,
     SlotChanged,
     SunMoved,
 )
@@ -115,22 +109,6 @@ def toy_kernel(runner=None):
     return kernel
 
 
-def random_input(dice):
-    """An input of a seeded dice: mostly pokes, and all that a user does to modules."""
-    module = dice.choice([toy.manifest.name for toy in TOYS])
-    return dice.choice(
-        [
-            Poke(value=dice.random()),
-            Poke(value=dice.random()),
-            Poke(value=dice.random()),
-            SetSetting(module="parrot", name="volume", value=dice.choice([1, 2.5, 7, 20, "loud"])),
-            EnableModule(module=module, enabled=dice.random() < 0.7),
-            RestartModule(module=module),
-            ChooseSlot(slot="sun", module=dice.choice(["parrot", "other_sun", "counter"])),
-        ]
-    )
-
-
 def record_inputs(inputs, full=False):
     """A journal's bytes of these inputs, each admitted alone; jobs finish after each."""
     stream = io.BytesIO()
@@ -144,27 +122,3 @@ def record_inputs(inputs, full=False):
         kernel.pump()
     recorder.close()
     return stream.getvalue()
-
-
-def record_live(seed, per_thread=12, full=False):
-    """A journal's bytes of three threads that inject while the kernel pumps and jobs run."""
-    stream = io.BytesIO()
-    kernel = toy_kernel()
-    recorder = Recorder(kernel, stream, full)
-    threads = [
-        threading.Thread(target=_inject, args=(kernel, seed * 3 + i, per_thread)) for i in range(3)
-    ]
-    for thread in threads:
-        thread.start()
-    while any(thread.is_alive() for thread in threads):
-        kernel.pump()
-    kernel.pump_until_idle()
-    kernel.close()
-    recorder.close()
-    return stream.getvalue()
-
-
-def _inject(kernel, seed, count):
-    dice = random.Random(seed)
-    for _ in range(count):
-        kernel.inject(random_input(dice))

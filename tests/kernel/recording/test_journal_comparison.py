@@ -53,11 +53,30 @@ def test_sampled_values_may_differ_by_a_thousandth(factor, equal):
     assert (difference is None) == equal
 
 
-@pytest.mark.parametrize(("factor", "equal"), [(1 + 0.9e-12, True), (1 + 1.1e-12, False)])
-def test_scalars_may_differ_by_the_twelfth_decimal(factor, equal):
-    """The kernel issue's tolerance with CPU features switched off."""
-    there, here = entry(sun_at(3.0)), entry(sun_at(3.0 * factor))
+@pytest.mark.parametrize("size", [1e-4, 3.0, -2e6])
+@pytest.mark.parametrize(("factor", "equal"), [(1 + 0.9e-6, True), (1 + 1.1e-6, False)])
+def test_scalars_may_differ_by_the_sixth_decimal(factor, equal, size):
+    """Also those that are small: the light of a night must not pass for any other."""
+    there, here = entry(sun_at(size)), entry(sun_at(size * factor))
     assert (entry_difference(there, here, by_value=True) is None) == equal
+
+
+def test_the_last_bit_of_float32_is_no_difference_by_value():
+    """What went through float32 moves by so much between processors."""
+    for value in np.exp(np.linspace(-20.0, 20.0, 50)).astype(np.float32):
+        after = float(np.nextafter(value, np.float32(np.inf)))
+        there, here = entry(sun_at(float(value))), entry(sun_at(after))
+        assert entry_difference(there, here, by_value=True) is None
+
+
+def test_the_rounding_of_the_largest_sample_is_no_difference_by_value():
+    """A sum that nearly cancels is known to the last bit of its terms, not of its own."""
+    wave = WAVE.copy()
+    wave[0] = 1e-7
+    there, here = echo(wave), echo(wave + np.where(wave < 1.0, np.finfo(np.float32).eps / 2, 0.0))
+    assert entry_difference(there, here, by_value=True) is None
+    here = echo(wave + np.where(wave < 1.0, 1e-6, 0.0))
+    assert "sampled values differ" in entry_difference(there, here, by_value=True)
 
 
 @pytest.mark.parametrize(("factor", "equal"), [(1.0009, True), (1.0011, False)])

@@ -48,7 +48,7 @@ def to_plain(value: Any) -> Any:
             return _time_text(value)
         case Array():
             return _handle(value)
-        case np.ndarray():
+        case np.ndarray() if not value.dtype.hasobject:
             return _handle(Array(value.view()))
         case list() | tuple() if not hasattr(value, "_fields"):
             return [to_plain(item) for item in value]
@@ -118,7 +118,7 @@ def arrays_of(value: Any) -> list[Array]:
     match value:
         case Array():
             return [value]
-        case np.ndarray():
+        case np.ndarray() if not value.dtype.hasobject:
             return [Array(value.view())]
         case list() | tuple():
             return [array for item in value for array in arrays_of(item)]

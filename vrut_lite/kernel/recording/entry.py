@@ -20,6 +20,19 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
     message: dict[str, Any]
 
 
+class SetupStep(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """One step before the recording: a module was added, or an input admitted.
+
+    Of what a job of the kernel's own brought (its sender tells) module and job alone are kept.
+    A step of neither: what was queued was delivered.
+    """
+
+    module: str = ""
+    type_name: str = ""
+    sender: str = ""
+    message: dict[str, Any] = {}
+
+
 class ModuleSetup(msgspec.Struct, frozen=True, kw_only=True):
     """A module as it was when the recording began."""
 
@@ -32,9 +45,11 @@ class ModuleSetup(msgspec.Struct, frozen=True, kw_only=True):
 class Setup(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """How the kernel was when the recording began.
 
-    The modules in load order, who held which slot, and who wanted what (plain `Demand`s).
+    The modules in load order, who held which slot, and who wanted what (plain `Demand`s); and
+    the steps that made it so. Journals of earlier versions have no steps.
     """
 
     modules: list[ModuleSetup]
     slots: dict[str, str]
     demands: list[dict[str, Any]] = []
+    steps: list[SetupStep] = []

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.job_desk import JOBS
 from vrut_lite.kernel.messages import Input
 from vrut_lite.kernel.recording.codec import decode
 from vrut_lite.kernel.recording.journal_reader import Journal
@@ -35,7 +36,8 @@ def dump_lines(journal: Journal) -> Iterator[str]:
 def read_inputs(path: str | Path, registry: Registry) -> list[Input]:
     """The inputs of a file of lines {"input": type, "message": {...}}.
 
-    Lines without "input" are passed over, so that what `dump_lines` makes can be read.
+    Lines without "input" are passed over, so that what `dump_lines` makes can be read, and so are
+    results of the recorded kernel's own jobs: those will be done again.
 
     Raises:
         UserError: the file cannot be read, or a line holds no known input; the line is named.
@@ -64,7 +66,7 @@ def _input_of(line: bytes, registry: Registry) -> Input | None:
     content = msgspec.json.decode(line)
     if not isinstance(content, dict):
         raise UserError('a line is an object: {"input": "SetClock", "message": {...}}')
-    if "input" not in content:
+    if "input" not in content or content.get("sender") == JOBS:
         return None
     kind = registry.find_input(str(content["input"]))
     return decode(kind, content.get("message", {}))

@@ -1,11 +1,14 @@
 """Records a session as a journal."""
 
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.gpu_texture import GpuTexture
+from vrut_lite.kernel.job_desk import JOBS
 from vrut_lite.kernel.messages import JobResult, Message
-from vrut_lite.kernel.recording.codec import arrays_of, decode
+from vrut_lite.kernel.recording.codec import Handle, arrays_of, decode
 from vrut_lite.kernel.recording.entry import Entry, Kind
 from vrut_lite.kernel.recording.journal_writer import JournalWriter
 from vrut_lite.kernel.recording.observer import Observer, entry_of
@@ -22,7 +25,6 @@ class Recorder:
     """
 
     def __init__(self, kernel: Kernel, stream: BinaryIO, full: bool = False):
-        kernel.pump()
         setup = capture_setup(kernel)
         self.inputs = 0
         self.messages = 0
@@ -46,6 +48,7 @@ class Recorder:
 
     def _add(self, kind: Kind, message: Message, sender: str) -> None:
         try:
+            self._observer.check_modules()
             self._write(entry_of(kind, message, sender), message)
         # Whatever it is (a full disk, a message that nests without end): the session goes on.
         except Exception as error:
@@ -56,7 +59,7 @@ class Recorder:
     def _write(self, entry: Entry, message: Message) -> None:
         if entry.kind == "input":
             self._registry.find(entry.type_name)
-            if not isinstance(message, JobResult):
+            if entry.sender != JOBS:
                 _check_readable(entry, message)
         if self._full:
             for array in arrays_of(message):
@@ -69,4 +72,35 @@ class Recorder:
 def _check_readable(entry: Entry, message: Message) -> None:
     """Read an input back; UserError if a reader of the journal would refuse it."""
     arrays = {array.digest: array for array in arrays_of(message)}
-    decode(type(message), entry.message, lambda handle: arrays[handle["$array"]])
+
+    def find_array(handle: Handle) -> Array:
+        if handle["$array"] not in arrays:
+            raise UserError("a field's name begins with $, as a journal's own do")
+        return arrays[handle["$array"]]
+
+    read = decode(type(message), entry.message, find_array)
+    if isinstance(message, JobResult) and isinstance(read, JobResult):
+        _check_heard(message.value, read.value)
+
+
+def _check_heard(value: Any, read: Any) -> None:
+    """Raise UserError unless a module would hear in a replay what it heard: types count too.
+
+    Textures are told from their fields by `GpuTexture.of`.
+    """
+    if isinstance(value, GpuTexture):
+        return
+    if type(value) is not type(read):
+        raise UserError(
+            f"a {type(value).__name__} in a result from elsewhere would be a "
+            f"{type(read).__name__} in the replay: bring numbers, texts, lists, dictionaries or "
+            "an Array"
+        )
+    if isinstance(value, list):
+        for item, other in zip(value, read, strict=True):
+            _check_heard(item, other)
+    if isinstance(value, dict):
+        if value.keys() != read.keys():
+            raise UserError("a dictionary in a result from elsewhere has keys that are no texts")
+        for key, item in value.items():
+            _check_heard(item, read[key])

@@ -9,6 +9,7 @@ import msgspec
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.discovery import discover
+from vrut_lite.kernel.job_desk import JOBS
 from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Module
@@ -17,6 +18,7 @@ from vrut_lite.kernel.recording.comparison import entry_difference
 from vrut_lite.kernel.recording.entry import Entry
 from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.observer import Observer, entry_of
+from vrut_lite.kernel.recording.recipes import Recipes
 from vrut_lite.kernel.recording.recorder import Recorder
 from vrut_lite.kernel.recording.registry import Registry
 from vrut_lite.kernel.recording.setup import Services, restore_setup
@@ -59,8 +61,9 @@ class Replay:
         known = list(modules) if modules is not None else discover()[0]
         self._journal = journal
         self._runner = HeldRunner()
+        self._recipes = Recipes()
         self.kernel = Kernel(runner=self._runner)
-        restore_setup(self.kernel, journal.setup, known, services or {})
+        restore_setup(self.kernel, journal.setup, known, services or {}, self._runner.release)
         self._registry = Registry(seat.module_type for seat in self.kernel.seats.values())
 
     def run(self, to_the_end: bool = False) -> Outcome:
@@ -81,6 +84,7 @@ class Replay:
         inputs = messages = 0
         difference: str | None = None
         for there in transactions(self._journal.entries()):
+            there[0] = self._recipes.translated(self._with_sender(there[0]))
             self._feed(there[0], inputs + messages)
             found = self._first_difference(there, heard, bool(unequal))
             if difference is None and found is not None:
@@ -110,15 +114,17 @@ class Replay:
                 return offset, f"{_title(expected)}, is in the journal and not here"
             if expected is None:
                 return offset, f"{_title(actual)}, is here and not in the journal"
-            phrase = entry_difference(expected, actual, by_value, self._exact_digits(expected))
+            translated = self._recipes.translated(expected)
+            phrase = entry_difference(translated, actual, by_value, self._exact_digits(expected))
             if phrase is not None:
                 return offset, f"{_title(expected)}: {phrase}"
+            self._recipes.note(expected, actual)
         return None
 
     def _exact_digits(self, entry: Entry) -> bool:
         """Whether who said it, or whose job it was, gives the same digits in every run."""
         of_job = entry.type_name == JobResult.__name__
-        seat = self.kernel.seats.get(str(entry.message["module"]) if of_job else entry.sender)
+        seat = self.kernel.seats.get(_job_of(entry)[0] if of_job else entry.sender)
         return seat is None or seat.manifest.exact_digits
 
     def _signature_differences(self) -> list[str]:
@@ -129,7 +135,10 @@ class Replay:
     def _feed(self, entry: Entry, number: int) -> None:
         """Give the kernel one input and let it settle."""
         try:
-            if not self._release(entry):
+            if _is_own(entry):
+                # Where the job is not begun here, the comparison finds its result missing.
+                self._runner.release(*_job_of(entry))
+            else:
                 kind = self._registry.find_input(entry.type_name)
                 self.kernel.inject(decode(kind, entry.message, self._journal.array))
         except UserError as error:
@@ -139,12 +148,15 @@ class Replay:
             ) from None
         self.kernel.pump()
 
-    def _release(self, entry: Entry) -> bool:
-        """Let go the result of a job that ran in the replay too, if the input is one."""
-        if entry.type_name != JobResult.__name__:
-            return False
-        module, job = entry.message.get("module"), entry.message.get("job")
-        return self._runner.release(str(module), str(job))
+    def _with_sender(self, entry: Entry) -> Entry:
+        """The entry, with the sender that journals of earlier versions left out.
+
+        They do not say who brought a result: a job of its name that is begun here, if any.
+        """
+        of_job = entry.type_name == JobResult.__name__ and not self._journal.setup.steps
+        if of_job and _job_of(entry) in self._runner.held:
+            return msgspec.structs.replace(entry, sender=JOBS)
+        return entry
 
 
 def rerecord(
@@ -181,6 +193,16 @@ def transactions(entries: Iterable[Entry]) -> Iterator[Transaction]:
         group.append(entry)
     if group:
         yield group
+
+
+def _is_own(entry: Entry) -> bool:
+    """Whether a job of the recorded kernel's own brought the input."""
+    return entry.type_name == JobResult.__name__ and entry.sender == JOBS
+
+
+def _job_of(entry: Entry) -> tuple[str, str]:
+    """Module and name of the job whose result the entry is."""
+    return str(entry.message.get("module")), str(entry.message.get("job"))
 
 
 def _title(entry: Entry) -> str:

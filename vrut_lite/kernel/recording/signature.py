@@ -1,5 +1,6 @@
 """What a journal's digests are bound to: machine features, versions, modules."""
 
+import os
 import platform
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError
@@ -11,6 +12,11 @@ from vrut_lite import __version__
 
 Signature = dict[str, str]
 
+# Beginnings of the names of processor features that say how sums and products are rounded.
+_ARITHMETIC = ("sse", "avx", "fma", "f16c", "fp", "neon", "sve", "vfp", "vsx", "altivec")
+# Parts that are lists of words: of two lists only what differs is told.
+_LISTS = ("cpu_features", "numba_target")
+
 
 def signature_of(modules: Iterable[tuple[str, str]]) -> Signature:
     """Texts by name, for modules of these names and versions; equal ones promise equal digests."""
@@ -21,6 +27,7 @@ def signature_of(modules: Iterable[tuple[str, str]]) -> Signature:
         "python": platform.python_version(),
         "numpy": np.__version__,
         "numba": _version("numba"),
+        "numba_target": _numba_target(),
         "vrut_lite": __version__,
         **{f"module {name}": version for name, version in modules},
     }
@@ -28,17 +35,45 @@ def signature_of(modules: Iterable[tuple[str, str]]) -> Signature:
 
 def differences(recorded: Signature, here: Signature) -> list[str]:
     """A phrase for each part of the signature that is not the same."""
-    return [
-        f"{name} {recorded.get(name, 'none')} there, {here.get(name, 'none')} here"
-        for name in sorted(recorded.keys() | here.keys())
-        if recorded.get(name) != here.get(name)
-    ]
+    found = []
+    for name in sorted(recorded.keys() | here.keys()):
+        there, now = recorded.get(name, "none"), here.get(name, "none")
+        if there != now:
+            if name in _LISTS:
+                there, now = _without(there, now), _without(now, there)
+            found.append(f"{name} {there} there, {now} here")
+    return found
+
+
+def _without(words: str, others: str) -> str:
+    """The words that are not among the others too; "no more" if there are none."""
+    known = others.split()
+    return " ".join(word for word in words.split() if word not in known) or "no more"
 
 
 def _cpu_features() -> str:
     # What numpy uses, after NPY_DISABLE_CPU_FEATURES: exp and pow differ in their last bit by it.
     groups = np.show_config(mode="dicts")["SIMD Extensions"]
-    return " ".join([*groups.get("baseline", ()), *groups.get("found", ())])
+    words = [*groups.get("baseline", ()), *groups.get("found", ())]
+    # Which kernels of matrix products OpenBLAS is made to take.
+    if core := os.environ.get("OPENBLAS_CORETYPE"):
+        words.append(f"OpenBLAS:{core}")
+    return " ".join(words)
+
+
+def _numba_target() -> str:
+    """For which processor numba compiles: its name, and which arithmetic it has."""
+    try:
+        from numba.core import config
+        from numba.core.registry import cpu_target
+    except ImportError:
+        return "none"
+    if getattr(config, "DISABLE_JIT", False):
+        return "interpreted"
+    _, name, features = cpu_target.target_context.codegen().magic_tuple()
+    words = sorted(word[1:] for word in features.split(",") if word.startswith("+"))
+    vector_library = ["svml"] if getattr(config, "USING_SVML", False) else []
+    return " ".join([name, *(w for w in words if w.startswith(_ARITHMETIC)), *vector_library])
 
 
 def _version(package: str) -> str:

@@ -1,0 +1,56 @@
+"""What a kernel was told before its first input of substance: how it was set up, to do it again.
+
+Faults, storms, remembered messages and what a module keeps of its settings depend on every step,
+and on their order: a list of final values would not tell them.
+"""
+
+from typing import NamedTuple
+
+from vrut_lite.kernel.job_desk import JobDesk
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    Demand,
+    EnableModule,
+    Input,
+    JobResult,
+    ReloadModule,
+    RestartModule,
+    SetSetting,
+)
+
+SETTING_UP = (SetSetting, EnableModule, RestartModule, ReloadModule, ChooseSlot, Demand)
+MOST_STEPS = 10_000
+
+
+class Step(NamedTuple):
+    """A module that was added, or an input; neither where what was queued was delivered."""
+
+    module: str = ""
+    input: Input | None = None
+
+
+class Beginning:
+    """The steps so far, until an input ends it: `ended_by` is the sentence that says which."""
+
+    def __init__(self, jobs: JobDesk) -> None:
+        self.steps: list[Step] = []
+        self.ended_by = ""
+        self._jobs = jobs
+
+    def note(self, step: Step) -> None:
+        """Remember a step; of a job's own result only whose it is."""
+        if self.ended_by:
+            return
+        message = step.input
+        if isinstance(message, JobResult) and self._jobs.is_own(message):
+            step = Step(input=JobResult(module=message.module, job=message.job))
+        elif message is not None and type(message) not in SETTING_UP:
+            self._end(f"a {type(message).__name__} has been admitted")
+            return
+        if len(self.steps) >= MOST_STEPS:
+            self._end(f"more than {MOST_STEPS} settings and choices have been admitted")
+            return
+        self.steps.append(step)
+
+    def _end(self, reason: str) -> None:
+        self.steps, self.ended_by = [], reason
