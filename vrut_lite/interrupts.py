@@ -1,4 +1,4 @@
-"""Ctrl-C while libraries are being loaded, and requests to end."""
+"""Ctrl-C while libraries are being loaded, requests to end, and what is neither."""
 
 import signal
 import threading
@@ -51,3 +51,14 @@ def _raise_terminated(_number: int, _frame: object) -> None:
     # Once: a second request must not end the clearing away.
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise Terminated
+
+
+def pass_interrupt(error: BaseException) -> None:
+    """Raise an exception anew that asks the process to end; return for one of a module's own.
+
+    Python raises Ctrl-C and requests to end in the main thread alone: on any other thread such an
+    exception was raised by whoever wrote the code that ran.
+    """
+    asked = isinstance(error, KeyboardInterrupt | Terminated)
+    if asked and threading.current_thread() is threading.main_thread():
+        raise error

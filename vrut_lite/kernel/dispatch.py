@@ -7,10 +7,18 @@ another; the clock is read once per delivery.
 """
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import (
+    AsyncGenerator,
+    Awaitable,
+    Callable,
+    Coroutine,
+    Generator,
+    Mapping,
+)
 from time import perf_counter_ns
 from typing import Any, NamedTuple
 
+from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.link import ModuleLink
 from vrut_lite.kernel.memory import Memory
 from vrut_lite.kernel.messages import JobResult, Message
@@ -25,8 +33,8 @@ Act = Callable[[Any], bool | None]
 Handler = Callable[[Any], None]
 
 
-# A bound handler, and the link and the name of the instance that it belongs to.
-Receiver = tuple[Handler, ModuleLink, str]
+# A bound handler, the link and the name of the instance that it belongs to, its own name.
+Receiver = tuple[Handler, ModuleLink, str, str]
 
 
 class Route(NamedTuple):
@@ -42,11 +50,11 @@ class Route(NamedTuple):
 class Dispatcher:
     """Delivers messages.
 
-    `acts` is what the kernel does before modules hear of a type; `fail` is told what a handler
-    raised. Both are set before the first message.
+    `act_on` says what the kernel does before modules hear of a type; `fail` is told what a
+    handler raised. Both are set before the first message.
     """
 
-    acts: Mapping[type[Message], Act]
+    act_on: Callable[[type[Message]], Act | None]
     fail: Callable[[Seat, str, BaseException], None]
 
     def __init__(self, seats: Mapping[str, Seat], slots: Slots, trace: Trace):
@@ -120,17 +128,19 @@ class Dispatcher:
                     receivers = prepared
                 if place is not None:
                     keep(place, sequence, message)
-                for call, link, receiver in receivers:
+                for call, link, receiver, method in receivers:
                     if not link.alive:
                         continue
                     try:
-                        call(message)
-                    except (Exception, SystemExit) as error:
-                        self.fail(link.seat, call.__name__, error)
+                        if (answer := call(message)) is not None:
+                            _refuse_answer(answer)
+                    except BaseException as error:
+                        pass_interrupt(error)
+                        self.fail(link.seat, method, error)
                     end_ns = perf_counter_ns()
                     record((sequence, cause, sender, name, receiver, start_ns, end_ns))
                     if end_ns - start_ns > SLOW_NS:
-                        self._trace.slow(receiver, call.__name__, start_ns, end_ns)
+                        self._trace.slow(receiver, method, start_ns, end_ns)
                     start_ns = end_ns
         finally:
             self._sequence = sequence
@@ -143,8 +153,12 @@ class Dispatcher:
         """Call a module outside delivery, as isolated and watched as a handler."""
         start_ns = perf_counter_ns()
         try:
-            return getattr(seat.module, method)(*arguments)
-        except (Exception, SystemExit) as error:
+            answer = getattr(seat.module, method)(*arguments)
+            if answer is not None:
+                _refuse_answer(answer)
+            return answer
+        except BaseException as error:
+            pass_interrupt(error)
             self.fail(seat, method, error)
             return None
         finally:
@@ -180,13 +194,31 @@ class Dispatcher:
     def _route(self, kind: type[Message]) -> Route:
         """Where messages of a type go now, in load order, then in order of declaration."""
         receivers = [
-            (getattr(seat.module, method), seat.link, seat.name)
+            (handler, seat.link, seat.name, method)
             for seat in self._seats.values()
             if seat.link is not None
             for method in seat.methods.get(kind, ())
+            if (handler := self._handler(seat, method)) is not None
         ]
-        act = self.acts.get(kind)
+        act = self.act_on(kind)
         plain = act is None and kind is not JobResult and bool(receivers)
         route = Route(kind.__name__, getattr(kind, "slot", None), plain, act, receivers)
         self._routes[kind] = route
         return route
+
+    def _handler(self, seat: Seat, method: str) -> Handler | None:
+        """An instance's method; none, and a Fault, where it cannot be had."""
+        try:
+            return getattr(seat.module, method)
+        except BaseException as error:
+            pass_interrupt(error)
+            self.fail(seat, method, error)
+            return None
+
+
+def _refuse_answer(answer: object) -> None:
+    """Raise if a handler's answer is work that nobody would do: an async function's, say."""
+    if isinstance(answer, Awaitable | Generator | AsyncGenerator):
+        if isinstance(answer, Coroutine):
+            answer.close()
+        raise TypeError("a handler was async or a generator, of which nothing was run")

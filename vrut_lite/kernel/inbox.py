@@ -4,6 +4,7 @@ import threading
 from collections import OrderedDict
 from typing import Any
 
+from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Input
 
 
@@ -23,7 +24,7 @@ class Inbox:
 
     def put(self, message: Input) -> None:
         """Append, in place of an input of equal type and key that still waits."""
-        key = message.key()
+        key = key_of_sound(message)
         with self._lock:
             if key is None:
                 self._serial += 1
@@ -51,3 +52,15 @@ class Inbox:
 
     def __len__(self) -> int:
         return len(self._entries)
+
+
+def key_of_sound(message: Input) -> str | None:
+    """The key of an input; None of one that will be refused: it must spoil nothing that waits."""
+    try:
+        message.check()
+        key = message.key()
+        hash(key)
+    except BaseException as error:
+        pass_interrupt(error)
+        return None
+    return key

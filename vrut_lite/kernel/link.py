@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.job import Work
 from vrut_lite.kernel.messages import Demand, Derived, Encoding, Message
 from vrut_lite.kernel.seat import Seat
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
 M = TypeVar("M", bound=Message)
 
 POSTS_PER_TRANSACTION = 10_000
+_STORM = f"posted over {POSTS_PER_TRANSACTION} messages after one input"
 
 
 class ModuleLink:
@@ -29,6 +31,11 @@ class ModuleLink:
         """Queue what a module says; a storm is cut by count, and its maker named."""
         if not self.alive:
             return
+        try:
+            message.check()
+        except UserError as error:
+            # Nobody but this module can mend it: it counts.
+            raise ValueError(str(error)) from None
         if message.slot is not None and not self.holds(message.slot):
             self.seat.ledger.skip(f"post {type(message).__name__} without slot")
             return
@@ -44,12 +51,19 @@ class ModuleLink:
         if not self.posts:
             self._kernel.dispatcher.posters.append(self)
         elif self.posts >= POSTS_PER_TRANSACTION:
-            storm = f"posted over {POSTS_PER_TRANSACTION} messages after one input"
-            where = f"post {type(message).__name__}"
-            self._kernel.lifecycle.suspend(self.seat, where, RuntimeError(storm))
+            self.alive = False
+            # Of an instance that is still being made its seat asks `check_storm`.
+            if self.seat.link is self:
+                where = f"post {type(message).__name__}"
+                self._kernel.lifecycle.suspend(self.seat, where, RuntimeError(_STORM))
             return False
         self.posts += 1
         return True
+
+    def check_storm(self) -> None:
+        """Raise RuntimeError if the instance was ended for all that it said in its constructor."""
+        if not self.alive:
+            raise RuntimeError(_STORM)
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
         """See `Link`."""
@@ -60,6 +74,10 @@ class ModuleLink:
         if self.alive:
             name = message_type.__name__
             wish = Demand(consumer=self.name, message=name, size=size, encoding=encoding)
+            try:
+                wish.check()
+            except UserError as error:
+                raise ValueError(str(error)) from None
             if self.counts(wish):
                 self._put(wish, self.name)
 
@@ -73,6 +91,8 @@ class ModuleLink:
 
     def start_job(self, name: str, work: Work, *arguments: Any) -> None:
         """See `Link`."""
+        if not (isinstance(name, str) and callable(work)):
+            raise TypeError("a job has a name, a text, and work that can be called")
         if self.alive:
             self._kernel.jobs.start((self.name, name), work, arguments)
 
