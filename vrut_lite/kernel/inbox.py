@@ -24,7 +24,14 @@ class Inbox:
 
     def put(self, message: Input) -> None:
         """Append, in place of an input of equal type and key that still waits."""
-        key = key_of_sound(message)
+        try:
+            message.check()
+            key = message.key()
+            hash(key)
+        # It will be refused: it must spoil nothing that waits.
+        except BaseException as error:
+            pass_interrupt(error)
+            key = None
         with self._lock:
             if key is None:
                 self._serial += 1
@@ -52,15 +59,3 @@ class Inbox:
 
     def __len__(self) -> int:
         return len(self._entries)
-
-
-def key_of_sound(message: Input) -> str | None:
-    """The key of an input; None of one that will be refused: it must spoil nothing that waits."""
-    try:
-        message.check()
-        key = message.key()
-        hash(key)
-    except BaseException as error:
-        pass_interrupt(error)
-        return None
-    return key

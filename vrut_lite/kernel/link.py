@@ -31,13 +31,7 @@ class ModuleLink:
         """Queue what a module says; a storm is cut by count, and its maker named."""
         if not self.alive:
             return
-        try:
-            message.check()
-        except UserError as error:
-            # Nobody but this module can mend it: it counts.
-            raise ValueError(str(error)) from None
-        if message.slot is not None and not self.holds(message.slot):
-            self.seat.ledger.skip(f"post {type(message).__name__} without slot")
+        if message.guarded and not self._may_say(message):
             return
         # What `counts` does, without a call: this is the kernel's hottest line.
         if 0 < self.posts < POSTS_PER_TRANSACTION:
@@ -45,6 +39,21 @@ class ModuleLink:
         elif not self.counts(message):
             return
         self._put(message, self.name)
+
+    def _may_say(self, message: Derived) -> bool:
+        """Whether the slot allows a message.
+
+        Raises:
+            ValueError: it is not what its type says; its maker's to mend, so that it counts.
+        """
+        try:
+            message.check()
+        except UserError as error:
+            raise ValueError(str(error)) from None
+        if message.slot is not None and not self.holds(message.slot):
+            self.seat.ledger.skip(f"post {type(message).__name__} without slot")
+            return False
+        return True
 
     def counts(self, message: Message) -> bool:
         """Count what is said in this transaction; too much of it ends the instance."""

@@ -92,6 +92,13 @@ class Derived(Message, frozen=True, kw_only=True):
     """A consequence, posted by a handler; those of a slot only by the slot's holder."""
 
     slot: ClassVar[str | None] = None
+    # Whether there is anything to ask before it is posted.
+    guarded: ClassVar[bool] = False
+
+    def __init_subclass__(cls) -> None:
+        """Note it here, where it costs no post anything."""
+        super().__init_subclass__()
+        cls.guarded = cls.slot is not None or cls.check is not Message.check
 
 
 # --- the kernel's own -----------------------------------------------------------------
