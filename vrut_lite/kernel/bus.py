@@ -169,7 +169,13 @@ class Kernel:
     def _transact(self, message: Input) -> None:
         for watcher in self._watchers:
             watcher(message)
-        self.dispatcher.put(message, HOST)
+        try:
+            self.dispatcher.put(message, HOST)
+        # A key that cannot be had: of a type whose maker is a module's.
+        except BaseException as error:
+            pass_interrupt(error)
+            where = type(message).__name__
+            self.lifecycle.refuse(HOST, where, f"{where} has no key: {sentence_of(error)}")
         self.dispatcher.settle()
 
     # --- what the kernel itself does -------------------------------------------------
