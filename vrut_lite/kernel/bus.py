@@ -14,7 +14,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import messages
 from vrut_lite.kernel import settings as setting_rules
-from vrut_lite.kernel.checks import check_foreign
+from vrut_lite.kernel.checks import refusal_of
 from vrut_lite.kernel.clock import Clock
 from vrut_lite.kernel.contract import check_module_type
 from vrut_lite.kernel.dispatch import HOST, Act, Dispatcher, Tap
@@ -135,7 +135,7 @@ class Kernel:
             self.dispatcher.settle()
             while (message := self._inbox.take()) is not None:
                 # A result that nobody waits for any more never happened.
-                if not isinstance(message, JobResult) or self.jobs.admit(message):
+                if not isinstance(message, JobResult) or self._is_awaited(message):
                     self._transact(message)
                     transactions += 1
         finally:
@@ -166,16 +166,20 @@ class Kernel:
         """A module's latest fault, also of one that is suspended, or None."""
         return self.seats[module].last_fault
 
+    def _is_awaited(self, result: JobResult) -> bool:
+        return refusal_of(result) is not None or self.jobs.admit(result)
+
     def _transact(self, message: Input) -> None:
         for watcher in self._watchers:
             watcher(message)
         try:
             self.dispatcher.put(message, HOST)
-        # A key that cannot be had: of a type whose maker is a module's.
+        # A key that cannot be had, of a malformed input or of a module's own.
         except BaseException as error:
             pass_interrupt(error)
             where = type(message).__name__
-            self.lifecycle.refuse(HOST, where, f"{where} has no key: {sentence_of(error)}")
+            said = refusal_of(message) or f"{where} has no key: {sentence_of(error)}"
+            self.lifecycle.refuse(HOST, where, said)
         self.dispatcher.settle()
 
     # --- what the kernel itself does -------------------------------------------------
@@ -214,15 +218,18 @@ class Kernel:
             return None
 
         def guarded(message: Any) -> bool:
-            try:
-                check_foreign(message)
-                act(message)
-            except UserError as error:
-                module = getattr(message, "module", HOST)
-                module = module if isinstance(module, str) else HOST
-                self.lifecycle.refuse(module, where, sentence_of(error))
-                return True
-            return False
+            refusal = refusal_of(message)
+            if refusal is None:
+                try:
+                    act(message)
+                except UserError as error:
+                    refusal = str(error)
+            if refusal is None:
+                return False
+            module = getattr(message, "module", HOST)
+            module = module if isinstance(module, str) else HOST
+            self.lifecycle.refuse(module, where, refusal)
+            return True
 
         return guarded
 

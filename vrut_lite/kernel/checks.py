@@ -34,19 +34,14 @@ class Checked(Protocol):
         """Pass, or raise one sentence."""
 
 
-def check_foreign(message: Checked) -> None:
-    """Check a message whose type, and so its check, may be a module's own.
-
-    Raises:
-        UserError: it is not as it should be, or its check fails in any other way.
-    """
+def refusal_of(message: Checked) -> str | None:
+    """Why a message is not as it should be, or None; its check may be a module's own."""
     try:
         message.check()
-    except UserError:
-        raise
     except BaseException as error:
         pass_interrupt(error)
-        raise UserError(f"{type(message).__name__}: {sentence_of(error)}") from None
+        return sentence_of(error)
+    return None
 
 
 def number(
