@@ -9,7 +9,12 @@ import click
 
 from vrut_lite import __version__
 from vrut_lite.errors import ModuleFailed, UserError
-from vrut_lite.interrupts import Terminated, interrupts_held, terminations_raised
+from vrut_lite.interrupts import (
+    Terminated,
+    interrupted_during,
+    interrupts_held,
+    terminations_raised,
+)
 
 GROUP = "vrut_lite.commands"
 
@@ -85,10 +90,10 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         _end(f"{error.strerror or error}", 1)
-    except (click.Abort, KeyboardInterrupt):
-        _end("interrupted", 130)
-    except Terminated:
-        _end("terminated", 143)
+    except (click.Abort, KeyboardInterrupt) as error:
+        _end(f"interrupted {interrupted_during(error)}", 130)
+    except Terminated as error:
+        _end(f"terminated {interrupted_during(error)}", 143)
 
 
 def _tell_any_name() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from probe_messages import Heard, Poke, act, collect, faults_of
 
 from vrut_lite.errors import UserError
-from vrut_lite.interrupts import Terminated
+from vrut_lite.interrupts import Terminated, interrupted_during
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import (
@@ -215,8 +215,10 @@ def test_a_request_to_end_ends(asked, where):
         kernel.add_module(bad)
         act(kernel, Poke())
 
-    with pytest.raises(asked):
+    with pytest.raises(asked) as ended:
         ask()
+    what = "at the start of" if where == "start" else f"in {where} of"
+    assert interrupted_during(ended.value) == f"{what} the module bad"
 
 
 def test_on_other_threads_nobody_asks_to_end():

@@ -135,7 +135,7 @@ class Dispatcher:
                         if (answer := call(message)) is not None:
                             _refuse_answer(answer)
                     except BaseException as error:
-                        pass_interrupt(error)
+                        pass_interrupt(error, f"in {method} of the module {receiver}")
                         self.fail(link.seat, method, error)
                     end_ns = perf_counter_ns()
                     record((sequence, cause, sender, name, receiver, start_ns, end_ns))
@@ -158,7 +158,7 @@ class Dispatcher:
                 _refuse_answer(answer)
             return answer
         except BaseException as error:
-            pass_interrupt(error)
+            pass_interrupt(error, f"in {method} of the module {seat.name}")
             self.fail(seat, method, error)
             return None
         finally:

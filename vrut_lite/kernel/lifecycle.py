@@ -81,7 +81,7 @@ class Lifecycle:
         try:
             seat.start(self._make_link(seat))
         except BaseException as error:
-            pass_interrupt(error)
+            pass_interrupt(error, f"at the start of the module {seat.name}")
             self.suspend(seat, "start", error)
         else:
             self._welcome(seat)
