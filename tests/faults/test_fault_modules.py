@@ -1,6 +1,7 @@
 """Modules that misbehave, in a command line of its own: it ends, in one line that names them."""
 
 import signal
+
 from fault_stage import SMALL_SKY, is_one_line, outcome, start, wait_for
 
 HOSTILE = """

@@ -103,6 +103,7 @@ def class_in(python_module: ModuleType) -> object:
 def _checked(candidate: object) -> type[Module]:
     check_module_type(candidate)
     assert isinstance(candidate, type)
+    assert issubclass(candidate, Module)
     if candidate.manifest.name in _NAMES_OF_THE_HOST:
         raise UserError(f"'{candidate.manifest.name}' is the host's own name: choose another")
     return candidate
