@@ -10,6 +10,7 @@ from probe_messages import Heard, Poke, act, collect, faults_of
 
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, interrupted_during
+from vrut_lite.kernel import link
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import (
@@ -263,6 +264,8 @@ DEEDS = {
     "no job": lambda m: m.link.start_job("j", None),
     "a job that is odd": lambda m: m.link.start_job("j", Odd()),
     "a job without a name": lambda m: m.link.start_job(["j"], abs, 1),
+    "an async job": lambda m: m.link.start_job("j", later),
+    "a job that is a generator": lambda m: m.link.start_job("j", lambda: (x for x in ())),
     "a job with other arguments": lambda m: m.link.start_job("j", abs, 1, 2, 3),
     "a demand by text": lambda m: m.link.demand("SunMoved"),
     "a demand of text size": lambda m: m.link.demand(SunMoved, size="x"),
@@ -387,6 +390,35 @@ def test_a_storm_in_a_constructor_ends_suspended_and_stays_so(speech, way):
     Stormy.calm = True
     act(kernel, RestartModule(module="stormy"), Poke())
     assert heard[-1].value == -1
+
+
+def test_a_job_that_starts_the_next_for_ever_is_cut_by_count(monkeypatch):
+    """A command waits for jobs: a chain of them must end. Each other input begins anew."""
+    assert link.JOBS_IN_A_CHAIN >= 4096, "a picture that grows has so many passes"
+    monkeypatch.setattr(link, "JOBS_IN_A_CHAIN", 50)
+
+    class Chained(Module):
+        manifest = Manifest(name="chained", title="Chained", version="1")
+
+        @handles(Poke)
+        @handles(JobResult)
+        def on_any(self, message):
+            if not (isinstance(message, JobResult) and message.value <= 1):
+                left = message.value if isinstance(message, Poke) else message.value - 1
+                self.link.start_job("next", abs, left)
+
+    kernel = Kernel(runner=HeldRunner())
+    kernel.add_module(Chained)
+    faults = faults_of(kernel)
+    for _ in range(2):
+        kernel.inject(Poke(value=50))
+        kernel.pump_until_idle()
+    assert not faults
+    kernel.inject(Poke(value=500))
+    kernel.pump_until_idle()
+    assert [fault.suspended for fault in faults] == [True]
+    assert "started over 50 jobs after one input" in faults[0].error
+    assert kernel.seats["chained"].state == "suspended"
 
 
 # --- inputs that are not as they should be ------------------------------------------------

@@ -56,6 +56,8 @@ class Kernel:
         self._watchers: list[Callable[[Input], None]] = []
         self._on_inject: Callable[[], None] | None = None
         self._pumping = False
+        # Who has started jobs since the last input that was no job's result.
+        self.job_starters: list[ModuleLink] = []
 
     # --- modules ---------------------------------------------------------------------
 
@@ -172,6 +174,10 @@ class Kernel:
     def _transact(self, message: Input) -> None:
         for watcher in self._watchers:
             watcher(message)
+        if self.job_starters and not isinstance(message, JobResult):
+            for starter in self.job_starters:
+                starter.jobs = 0
+            self.job_starters.clear()
         try:
             self.dispatcher.put(message, HOST)
         # A key that cannot be had, of a malformed input or of a module's own.

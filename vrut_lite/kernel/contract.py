@@ -6,7 +6,7 @@ asked again where the kernel could not bear the answer.
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable, Coroutine, Generator
 from typing import Any
 
 import msgspec
@@ -46,6 +46,18 @@ def check_module_type(candidate: object) -> None:
         pass_interrupt(error)
         name = safe_text(lambda: candidate.__name__, "it")  # type: ignore[attr-defined]
         raise UserError(f"{name} cannot be used: {sentence_of(error)}") from None
+
+
+def refuse_unrun(answer: object) -> None:
+    """Raise if a call has answered with work that nobody would do: an async function's, say.
+
+    Raises:
+        TypeError: it has.
+    """
+    if isinstance(answer, Awaitable | Generator | AsyncGenerator):
+        if isinstance(answer, Coroutine):
+            answer.close()
+        raise TypeError("it is async or a generator: nothing of it was run")
 
 
 def _check_manifest(manifest: object) -> None:

@@ -7,18 +7,12 @@ another; the clock is read once per delivery.
 """
 
 from collections import deque
-from collections.abc import (
-    AsyncGenerator,
-    Awaitable,
-    Callable,
-    Coroutine,
-    Generator,
-    Mapping,
-)
+from collections.abc import Callable, Mapping
 from time import perf_counter_ns
 from typing import Any, NamedTuple
 
 from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.contract import refuse_unrun
 from vrut_lite.kernel.link import ModuleLink
 from vrut_lite.kernel.memory import Memory
 from vrut_lite.kernel.messages import JobResult, Message
@@ -133,7 +127,7 @@ class Dispatcher:
                         continue
                     try:
                         if (answer := call(message)) is not None:
-                            _refuse_answer(answer)
+                            refuse_unrun(answer)
                     except BaseException as error:
                         pass_interrupt(error, f"in {method} of the module {receiver}")
                         self.fail(link.seat, method, error)
@@ -155,7 +149,7 @@ class Dispatcher:
         try:
             answer = getattr(seat.module, method)(*arguments)
             if answer is not None:
-                _refuse_answer(answer)
+                refuse_unrun(answer)
             return answer
         except BaseException as error:
             pass_interrupt(error, f"in {method} of the module {seat.name}")
@@ -214,11 +208,3 @@ class Dispatcher:
             pass_interrupt(error)
             self.fail(seat, method, error)
             return None
-
-
-def _refuse_answer(answer: object) -> None:
-    """Raise if a handler's answer is work that nobody would do: an async function's, say."""
-    if isinstance(answer, Awaitable | Generator | AsyncGenerator):
-        if isinstance(answer, Coroutine):
-            answer.close()
-        raise TypeError("a handler was async or a generator, of which nothing was run")

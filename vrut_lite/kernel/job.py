@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.contract import refuse_unrun
 from vrut_lite.kernel.faults import described
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.trace import Trace
@@ -55,7 +56,9 @@ class Job:
         start_ns = time.perf_counter_ns()
         try:
             options = {"control": self.control} if _takes_control(self._work) else {}
-            outcome = {"value": self._work(*self._arguments, **options)}
+            value = self._work(*self._arguments, **options)
+            refuse_unrun(value)
+            outcome = {"value": value}
         except BaseException as error:
             pass_interrupt(error)
             outcome = described(error)

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 M = TypeVar("M", bound=Message)
 
 POSTS_PER_TRANSACTION = 10_000
-_STORM = f"posted over {POSTS_PER_TRANSACTION} messages after one input"
+# A job that starts the next when it is done would never let a command end.
+JOBS_IN_A_CHAIN = 10_000
 
 
 class ModuleLink:
@@ -23,6 +24,8 @@ class ModuleLink:
         self.alive = True
         self.name = seat.name
         self.posts = 0
+        self.jobs = 0
+        self._storm: RuntimeError | None = None
         self.seat = seat
         self._kernel = kernel
         self._put = kernel.dispatcher.put
@@ -60,19 +63,23 @@ class ModuleLink:
         if not self.posts:
             self._kernel.dispatcher.posters.append(self)
         elif self.posts >= POSTS_PER_TRANSACTION:
-            self.alive = False
-            # Of an instance that is still being made its seat asks `check_storm`.
-            if self.seat.link is self:
-                where = f"post {type(message).__name__}"
-                self._kernel.lifecycle.suspend(self.seat, where, RuntimeError(_STORM))
+            storm = f"posted over {POSTS_PER_TRANSACTION} messages after one input"
+            self._end(f"post {type(message).__name__}", storm)
             return False
         self.posts += 1
         return True
 
+    def _end(self, where: str, storm: str) -> None:
+        self.alive = False
+        self._storm = RuntimeError(storm)
+        # Of an instance that is still being made its seat asks `check_storm`.
+        if self.seat.link is self:
+            self._kernel.lifecycle.suspend(self.seat, where, self._storm)
+
     def check_storm(self) -> None:
-        """Raise RuntimeError if the instance was ended for all that it said in its constructor."""
-        if not self.alive:
-            raise RuntimeError(_STORM)
+        """Raise RuntimeError if the instance was ended for what it said in its constructor."""
+        if self._storm is not None:
+            raise self._storm
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
         """See `Link`."""
@@ -102,7 +109,15 @@ class ModuleLink:
         """See `Link`."""
         if not (isinstance(name, str) and callable(work)):
             raise TypeError("a job has a name, a text, and work that can be called")
-        if self.alive:
+        if not self.alive:
+            return
+        self.jobs += 1
+        if self.jobs == 1:
+            self._kernel.job_starters.append(self)
+        if self.jobs > JOBS_IN_A_CHAIN:
+            what = f"started over {JOBS_IN_A_CHAIN} jobs after one input"
+            self._end(f"start_job {name}", what)
+        else:
             self._kernel.jobs.start((self.name, name), work, arguments)
 
     def cancel_job(self, name: str) -> None:
