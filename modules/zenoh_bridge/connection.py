@@ -24,7 +24,7 @@ from zenoh_bridge.inputs import BridgeState, BridgeTrouble
 from zenoh_bridge.paced import Paced
 from zenoh_bridge.plan import Plan
 from zenoh_bridge.session import Session
-from zenoh_bridge.wants import RemoteWants, Wishes, token_key
+from zenoh_bridge.wants import LONGEST_PEER, RemoteWants, Wishes, token_key
 from zenoh_bridge.worker import Worker
 
 NAME = "zenoh_bridge"
@@ -194,7 +194,9 @@ class Connection:
 
     def _peer(self, key: str, alive: bool) -> None:
         peer = key.rpartition("/")[2]
-        if not self._is_own(peer) and (len(self._peers) < _MOST_PEERS or not alive):
+        if len(peer) > LONGEST_PEER or self._is_own(peer):
+            return
+        if len(self._peers) < _MOST_PEERS or not alive:
             (self._peers.add if alive else self._peers.discard)(peer)
             self._tell_state()
 

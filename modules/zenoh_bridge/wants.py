@@ -21,6 +21,8 @@ Wishes = Mapping[str, tuple[int, str]]
 _ANY = "any"
 # One process has a token for each type; a stranger could declare them without end.
 _MOST_TOKENS = 1024
+# In letters; Zenoh's own identities have 32.
+LONGEST_PEER = 64
 
 
 def token_key(prefix: str, peer: str, type_name: str, size: int, encoding: str) -> str:
@@ -39,6 +41,8 @@ def demand_of(key: str, max_array: int) -> Demand:
     encodings = {name or _ANY: name for name in get_args(Encoding)}
     if type_name not in BY_NAME or encoding not in encodings:
         raise UserError(f"a demand for {type_name[:40]!r} as {encoding[:40]!r} was refused")
+    if len(peer) > LONGEST_PEER:
+        raise UserError(f"a demand of {peer[:40]!r}... was refused: the name is too long")
     if not (size.isascii() and size.isdigit() and 0 < len(size) <= 9 and int(size)):
         raise UserError(f"a demand for {type_name} in size {size[:40]!r} was refused")
     demand = Demand(

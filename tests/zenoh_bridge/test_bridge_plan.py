@@ -135,6 +135,13 @@ def test_a_demand_for_more_than_can_cross_is_refused(size, encoding, edge):
     assert demand_of(token_key("p", "x", "AirChanged", size, encoding), most).size == size
 
 
+def test_a_consumer_afar_has_a_name_of_bounded_length():
+    """Names of all consumers are kept, and joined in what is merged."""
+    demand_of(token_key("p", "x" * 64, "SunMoved", 1, ""), max_array=2**26)
+    with pytest.raises(UserError, match="the name is too long"):
+        demand_of(token_key("p", "x" * 65, "SunMoved", 1, ""), max_array=2**26)
+
+
 def test_demands_of_many_merge_until_taken_back():
     """The largest and most exact counts; nothing is left of who has gone; no flood fits."""
     wants, keys = RemoteWants(max_array=2**26), []
