@@ -65,6 +65,8 @@ CLASSES = {
     "handlers raise": (
         "@classmethod\n    def handlers(cls): raise Panic()", "cannot be used: Panic",
     ),
+    "engine is a number": ("engine = 5", "engine must be the name of what it draws with"),
+    "engine is a list": ("engine = []", "engine must be the name of what it draws with"),
     "brings a text": ("brings = 'Tick'", "brings must be a tuple of types of inputs"),
     "brings a message": ("brings = (Manifest,)", "brings must be a tuple of types of inputs"),
 }  # fmt: skip

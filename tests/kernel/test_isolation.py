@@ -57,7 +57,7 @@ class Surrogate(str):
 
 class OddText(Exception):
     def __str__(self):
-        return Surrogate("lone \ud800 and \x00")
+        return Surrogate("lone \ud800 and \x00 and \x1b[2J")
 
 
 class OddName(type):
@@ -173,7 +173,9 @@ def test_whatever_a_module_raises_is_its_fault(where, kind):
     assert faults[0].where == ("job work" if where == "job" else where)
     assert len(faults[0].error) < 2500
     assert len(faults[0].trace) < 21_000
-    assert (faults[0].error + faults[0].trace).encode()
+    said = faults[0].error + faults[0].trace
+    assert said.encode()
+    assert said.replace("\n", "").replace("\t", "").isprintable(), "nothing steers a terminal"
     assert [message.value for message in heard] == [7]
     assert kernel.seats["bad"].running == (where != "start")
     kernel.close()

@@ -91,6 +91,8 @@ def _check_handlers(module_type: type[Module]) -> None:
                 f"{method} must be a method that does its work when it is called, neither async "
                 "nor a generator"
             )
+    if not _is_name(getattr(module_type, "engine", "none")):
+        raise UserError("engine must be the name of what it draws with")
     brings = module_type.brings
     kinds = isinstance(brings, tuple) and all(isinstance(kind, type) for kind in brings)
     if not (kinds and all(issubclass(kind, Input) for kind in brings)):
@@ -108,8 +110,8 @@ def _check_settings(module_type: type[Module]) -> None:
         setting_rules.check_spec(spec, module_type.manifest.name)
 
 
-def _is_name(slot: object) -> bool:
-    return isinstance(slot, str) and _NAME.fullmatch(slot) is not None
+def _is_name(text: object) -> bool:
+    return isinstance(text, str) and _NAME.fullmatch(text) is not None
 
 
 def _runs_later(function: Callable[..., Any]) -> bool:

@@ -38,12 +38,19 @@ def sentence_of(error: BaseException) -> str:
 def safe_text(make: Callable[[], str], otherwise: str) -> str:
     """A text of foreign making as a plain one, or another where it cannot be had."""
     try:
-        # A slice of a subclass is a plain text. What no file could hold is written in escapes.
-        plain = str.__getitem__(make(), slice(None))
-        return plain.encode(errors="backslashreplace").decode()
+        # A slice of a subclass is a plain text.
+        return _escaped(str.__getitem__(make(), slice(None)))
     except BaseException as error:
         pass_interrupt(error)
         return otherwise
+
+
+def _escaped(text: str) -> str:
+    """The text with what no file holds, or what steers a terminal, written in escapes."""
+    return "".join(
+        letter if letter.isprintable() or letter in "\n\t" else ascii(letter)[1:-1]
+        for letter in text
+    )
 
 
 def _shortened(text: str, most: int) -> str:
