@@ -284,6 +284,8 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
     [
         (SetPlace, {"latitude_deg": True}, "latitude_deg of a place must lie from -90 to 90, not"),
         (SetPlace, {"latitude_deg": "50"}, "from -90 to 90, not '50'"),
+        (SetClockRate, {"rate": np.float16("inf")}, "rate must be a finite number, not inf"),
+        (SunLightChanged, {"irradiance_rgb": (np.float16("inf"),) * 3}, "three finite numbers"),
         (SetPlace, {"altitude_m": 10**5000}, "not a int"),
         (MoveCamera, {"eye_m": (1.0, 2.0)}, "eye_m of a camera must be three finite numbers"),
         (MoveCamera, {"eye_m": np.zeros(3)}, "eye_m of a camera must be three finite numbers"),

@@ -50,7 +50,7 @@ def number(
     """Check that a field is a finite number from `low` to `high`."""
     value = getattr(message, name)
     # Written so that a NaN is refused too.
-    if not (_is_number(value) and low <= value <= high):
+    if not (_is_number(value) and low <= _wide(value) <= high):
         _refuse(message, name, of, _range(low, high), value)
 
 
@@ -73,7 +73,7 @@ def direction(message: object, name: str) -> None:
 def light(message: object, name: str, most: float) -> None:
     """Check that a field is a colour of light: a tuple of three numbers from 0 to `most`."""
     numbers(message, name, 3)
-    if not all(0.0 <= part <= most for part in getattr(message, name)):
+    if not all(0.0 <= _wide(part) <= most for part in getattr(message, name)):
         refuse(message, name, f"be three numbers from 0 to {most:g}")
 
 
@@ -84,7 +84,7 @@ def polynomials(message: object, name: str, count: int, terms: int) -> None:
     if not (
         fits
         and all(isinstance(one, tuple) and 0 < len(one) <= terms for one in value)
-        and all(is_finite(term) and abs(term) <= _MOST_TERM for one in value for term in one)
+        and all(is_finite(term) and abs(_wide(term)) <= _MOST_TERM for one in value for term in one)
     ):
         refuse(message, name, f"be {count} polynomials of 1 to {terms} terms")
 
@@ -196,7 +196,7 @@ def contents(message: object, name: str, low: float, high: float) -> None:
 
 def is_finite(value: Any) -> bool:
     """Whether a value is a number, and neither infinite nor a NaN."""
-    return _is_number(value) and -_MOST <= value <= _MOST
+    return _is_number(value) and -_MOST <= _wide(value) <= _MOST
 
 
 def is_whole(value: Any) -> bool:
@@ -243,6 +243,13 @@ def _is_buffer(value: object) -> bool:
     binding, data = value
     fits = is_whole(binding) and binding >= 0 and isinstance(data, Array)
     return fits and data.dtype == np.float32
+
+
+def _wide(value: Any) -> float | int:
+    """A number as Python's: numpy would round a bound to a narrow type, at worst to infinity."""
+    if isinstance(value, np.floating):
+        return float(value)
+    return int(value) if isinstance(value, np.integer) else value
 
 
 def _is_number(value: Any) -> bool:
