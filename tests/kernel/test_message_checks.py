@@ -314,6 +314,16 @@ def test_a_sentence_names_field_and_value(message, changes, says):
     assert says in str(told.value)
 
 
+def test_numbers_of_numpy_are_numbers():
+    """What passes the check the kernel's own clock can reckon with too."""
+    kernel = Kernel()
+    faults = faults_of(kernel)
+    act(kernel, SetClock(instant=NOON), SetClockRate(rate=np.float32(60.0)))
+    act(kernel, Tick(elapsed_s=np.float16(0.5)), Tick(elapsed_s=np.int8(2)), Tick(elapsed_s=1))
+    assert not faults
+    assert (kernel.last(ClockMoved).instant - NOON).total_seconds() == 60.0 * 3.5
+
+
 @pytest.mark.parametrize(
     ("slices", "fits"), [(2, True), (682, True), (683, False), (2000, False), (1, False)]
 )

@@ -31,13 +31,13 @@ class Clock:
 
     def set_rate(self, message: SetClockRate) -> None:
         """Play at a speed, backwards if negative."""
-        self._rate = Fraction(message.rate)
+        self._rate = Fraction(float(message.rate))
 
     def tick(self, message: Tick) -> ClockMoved | None:
         """Let time pass; None if the clock did not move."""
         if self._instant is None:
             return None
-        passed_us = self._rest_us + Fraction(message.elapsed_s) * self._rate * 1_000_000
+        passed_us = self._rest_us + Fraction(float(message.elapsed_s)) * self._rate * 1_000_000
         step_us = round(passed_us)
         before = self._instant
         room_us = (_FIRST - before) // _MICROSECOND, (_LAST - before) // _MICROSECOND
