@@ -31,7 +31,7 @@ def pytest_collection_modifyitems(config, items):
     if not config.getoption("--long"):
         skip = pytest.mark.skip(reason="takes long: `make test-long` runs it")
         for item in items:
-            if "long" in item.keywords:
+            if item.get_closest_marker("long"):
                 item.add_marker(skip)
     needing = [item for item in items if "gl" in item.keywords]
     if needing and not probe_gl()[0]:

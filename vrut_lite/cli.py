@@ -9,7 +9,12 @@ import click
 
 from vrut_lite import __version__
 from vrut_lite.errors import ModuleFailed, UserError
-from vrut_lite.interrupts import Terminated, interrupts_held, terminations_raised
+from vrut_lite.interrupts import (
+    Terminated,
+    interrupted_during,
+    interrupts_held,
+    terminations_raised,
+)
 
 GROUP = "vrut_lite.commands"
 
@@ -93,10 +98,10 @@ def main() -> None:
     except OSError as error:
         _drop_output()
         _end(f"{error.strerror or error}", 1)
-    except (click.Abort, KeyboardInterrupt):
-        _end("interrupted", 130)
-    except Terminated:
-        _end("terminated", 143)
+    except (click.Abort, KeyboardInterrupt) as error:
+        _end(f"interrupted {interrupted_during(error)}", 130)
+    except Terminated as error:
+        _end(f"terminated {interrupted_during(error)}", 143)
 
 
 def _drop_output() -> None:

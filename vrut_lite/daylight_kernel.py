@@ -9,6 +9,7 @@ from vrut_lite.kernel.messages import (
     ChooseSlot,
     Demand,
     Fault,
+    Input,
     Message,
     SunLightChanged,
 )
@@ -24,7 +25,10 @@ def daylight_kernel() -> tuple[Kernel, list[str]]:
     modules, failures = discover()
     for module in modules:
         services = {"inject": kernel.inject} if module.brings else {}
-        kernel.add_module(module, **services)
+        try:
+            kernel.add_module(module, **services)
+        except UserError as error:
+            failures.append(f"module {module.__name__} failed to load: {error}")
     for slot, holder in DEFAULT_HOLDERS.items():
         if holder in kernel.slots.providers(slot):
             kernel.inject(ChooseSlot(slot=slot, module=holder))
@@ -39,14 +43,23 @@ def demand_light(kernel: Kernel, consumer: str, cube_size: int) -> None:
 
 
 class FaultCollector:
-    """Remembers the faults of a kernel, for those who must answer for them."""
+    """Remembers the faults of a kernel, for those who must answer for them.
+
+    Nobody here answers for what a stranger said, or for what followed from it: that is told as
+    every Fault is, and not remembered.
+    """
 
     def __init__(self, kernel: Kernel):
         self.faults: list[Fault] = []
+        self._by_stranger = False
+        kernel.watch_admission(self._admitted)
         kernel.tap(self._note)
 
+    def _admitted(self, message: Input) -> None:
+        self._by_stranger = message.by_stranger
+
     def _note(self, message: Message, sender: str) -> None:
-        if isinstance(message, Fault):
+        if isinstance(message, Fault) and not self._by_stranger:
             self.faults.append(message)
 
     def raise_first(self) -> None:

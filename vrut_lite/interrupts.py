@@ -1,4 +1,4 @@
-"""Ctrl-C while libraries are being loaded, and requests to end."""
+"""Ctrl-C while libraries are being loaded, requests to end, and what is neither."""
 
 import signal
 import threading
@@ -51,3 +51,23 @@ def _raise_terminated(_number: int, _frame: object) -> None:
     # Once: a second request must not end the clearing away.
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise Terminated
+
+
+def pass_interrupt(error: BaseException, during: str = "") -> None:
+    """Raise an exception anew that asks the process to end; return for one of a module's own.
+
+    Python raises Ctrl-C and requests to end in the main thread alone: on any other thread such an
+    exception was raised by whoever wrote the code that ran. `during` names what was interrupted,
+    for `interrupted_during`.
+    """
+    asked = isinstance(error, KeyboardInterrupt | Terminated)
+    if asked and threading.current_thread() is threading.main_thread():
+        if during:
+            error.add_note(during)
+        raise error
+
+
+def interrupted_during(error: BaseException) -> str:
+    """What an exception that asks to end came in the midst of, or nothing."""
+    origin = error.__cause__ or error
+    return ", ".join(getattr(origin, "__notes__", ()))

@@ -14,7 +14,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import tzfpy
 
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.places import HIGHEST_M, LOWEST_M
+from vrut_lite.kernel.messages import HIGHEST_M, LOWEST_M
 
 # Civil dates before 1583 were Julian. At both ends the ephemeris of astronomy-engine and NREL's SPA
 # still agree to 0.004 degrees on where the sun stands; further out they part.

@@ -15,6 +15,7 @@ import msgspec
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import Demand, Derived, Input
 from vrut_lite.kernel.recording.codec import Handle, arrays_of
 from zenoh_bridge.array_store import ArrayStore, check_handle, unpacked
@@ -23,7 +24,7 @@ from zenoh_bridge.inputs import BridgeState, BridgeTrouble
 from zenoh_bridge.paced import Paced
 from zenoh_bridge.plan import Plan
 from zenoh_bridge.session import Session
-from zenoh_bridge.wants import RemoteWants, Wishes, token_key
+from zenoh_bridge.wants import LONGEST_PEER, RemoteWants, Wishes, token_key
 from zenoh_bridge.worker import Worker
 
 NAME = "zenoh_bridge"
@@ -47,7 +48,7 @@ class Connection:
         self._closed = False
         self._session: Session | None = None
         self._arrays = ArrayStore(_STORE_IN_LARGEST * plan.max_array)
-        self._wants = RemoteWants()
+        self._wants = RemoteWants(plan.max_array)
         self._last: dict[str, Derived] = {}
         self._tokens: dict[str, Any] = {}
         self._presence: Any = None  # A token lives as long as its object.
@@ -124,7 +125,7 @@ class Connection:
             session.watch(f"{prefix}/want/**", self._guarded(self._token))
             session.watch(f"{prefix}/peer/*", self._guarded(self._peer))
             self._presence = session.show(f"{prefix}/peer/{session.peer}")
-        except Exception as error:
+        except BaseException as error:
             self.states.put(BridgeState(sentence=_told(error), failed=True))
             return
         self._tell_state()
@@ -145,7 +146,7 @@ class Connection:
             else:
                 array = self._arrays.find(str(item.key_expr).rpartition("/")[2])
                 self._session.answer(item, None if array is None else array.values.tobytes())
-        except Exception as error:
+        except BaseException as error:
             self._trouble(error)
 
     def _send(self, session: Session, message: Derived) -> None:
@@ -193,7 +194,9 @@ class Connection:
 
     def _peer(self, key: str, alive: bool) -> None:
         peer = key.rpartition("/")[2]
-        if not self._is_own(peer) and (len(self._peers) < _MOST_PEERS or not alive):
+        if len(peer) > LONGEST_PEER or self._is_own(peer):
+            return
+        if len(self._peers) < _MOST_PEERS or not alive:
             (self._peers.add if alive else self._peers.discard)(peer)
             self._tell_state()
 
@@ -204,7 +207,7 @@ class Connection:
         def guarded(*arguments: Any) -> None:
             try:
                 note(*arguments)
-            except Exception as error:
+            except BaseException as error:
                 self._trouble(error)
 
         return guarded
@@ -214,7 +217,7 @@ class Connection:
     def _complete(self, name: str, frame: Frame) -> None:
         try:
             self._inject(remote_message(frame, self._fetch))
-        except Exception as error:
+        except BaseException as error:
             self._trouble(error)
 
     def _fetch(self, handle: Handle) -> Array:
@@ -253,11 +256,10 @@ class Connection:
         joined = "1 process has joined" if count == 1 else f"{count or 'no'} processes have joined"
         self.states.put(BridgeState(sentence=f"{self._plan.place}: {joined}", peers=count))
 
-    def _trouble(self, error: Exception) -> None:
+    def _trouble(self, error: BaseException) -> None:
         self.troubles.put(BridgeTrouble(sentence=_told(error)))
 
 
-def _told(error: Exception) -> str:
-    if isinstance(error, UserError):
-        return str(error)
-    return " ".join(f"{type(error).__name__}: {error}".split())
+def _told(error: BaseException) -> str:
+    """One line; a Rust library's panic is no `Exception`."""
+    return " ".join(sentence_of(error).split())

@@ -68,11 +68,11 @@ def remote_message(frame: Frame, fetch: FetchArray) -> RemoteMessage:
     """The input that a frame stands for, with its arrays.
 
     Raises:
-        UserError: an array cannot be had, or does not fit.
+        UserError: an array cannot be had, does not fit, or holds what nobody can draw with.
     """
     with _refusing(frame.type_name):
         fields = from_plain(frame.message, fetch)
-        revive(frame.type_name, fields)
+        revive(frame.type_name, fields).check_arrays()
     return RemoteMessage(type_name=frame.type_name, fields=fields)
 
 

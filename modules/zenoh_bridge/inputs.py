@@ -1,6 +1,6 @@
 """What the bridge brings from outside: all that it learns there enters its kernel as an input."""
 
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from vrut_lite.kernel.messages import Input
 
@@ -10,6 +10,8 @@ class RemoteMessage(Input, frozen=True, kw_only=True):
 
     `fields` are those of the message in plain form, with arrays in place of their handles.
     """
+
+    by_stranger: ClassVar[bool] = True
 
     type_name: str
     fields: dict[str, Any]
@@ -32,6 +34,8 @@ class BridgeState(Input, frozen=True, kw_only=True):
 
 class BridgeTrouble(Input, frozen=True, kw_only=True):
     """So many frames or arrays were refused or could not be had; why the last of them was."""
+
+    by_stranger: ClassVar[bool] = True
 
     sentence: str
     count: int = 1

@@ -12,8 +12,7 @@ import msgspec
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.demands import Demands
-from vrut_lite.kernel.messages import Demand, Encoding
-from vrut_lite.kernel.recording.limits import check_limits
+from vrut_lite.kernel.messages import BackgroundChanged, Demand, Encoding
 from zenoh_bridge.shareable import BY_NAME
 
 # How much is wanted: edge in texels and encoding, by type of message.
@@ -22,6 +21,8 @@ Wishes = Mapping[str, tuple[int, str]]
 _ANY = "any"
 # One process has a token for each type; a stranger could declare them without end.
 _MOST_TOKENS = 1024
+# In letters; Zenoh's own identities have 32.
+LONGEST_PEER = 64
 
 
 def token_key(prefix: str, peer: str, type_name: str, size: int, encoding: str) -> str:
@@ -29,16 +30,19 @@ def token_key(prefix: str, peer: str, type_name: str, size: int, encoding: str) 
     return f"{prefix}/want/{peer}/{type_name}/{size}/{encoding or _ANY}"
 
 
-def demand_of(key: str) -> Demand:
+def demand_of(key: str, max_array: int) -> Demand:
     """The demand that a token's key stands for; its consumer is unique to the token.
 
     Raises:
-        UserError: the key is no token's, or wants what there is not.
+        UserError: the key is no token's, or wants what there is not, or what cannot cross since
+            it takes more than `max_array` bytes.
     """
     peer, type_name, size, encoding = [*key.rsplit("/", 4), "", "", "", ""][1:5]
     encodings = {name or _ANY: name for name in get_args(Encoding)}
     if type_name not in BY_NAME or encoding not in encodings:
         raise UserError(f"a demand for {type_name[:40]!r} as {encoding[:40]!r} was refused")
+    if len(peer) > LONGEST_PEER:
+        raise UserError(f"a demand of {peer[:40]!r}... was refused: the name is too long")
     if not (size.isascii() and size.isdigit() and 0 < len(size) <= 9 and int(size)):
         raise UserError(f"a demand for {type_name} in size {size[:40]!r} was refused")
     demand = Demand(
@@ -47,14 +51,27 @@ def demand_of(key: str) -> Demand:
         size=int(size),
         encoding=encodings[encoding],
     )
-    check_limits(demand)
+    demand.check()
+    wanted = _cube_bytes(demand)
+    if type_name == BackgroundChanged.__name__ and wanted > max_array:
+        raise UserError(
+            f"a demand for {type_name} in size {size} was refused: it takes {wanted} bytes, "
+            "raise max_array_mib on both sides"
+        )
     return demand
+
+
+def _cube_bytes(demand: Demand) -> int:
+    """What a cube map takes, in the encoding that is wanted or the usual one."""
+    item = {"u8": 1, "float32": 4}.get(demand.encoding, 2)
+    return 6 * demand.size**2 * 3 * item
 
 
 class RemoteWants:
     """What all processes on the other side want, merged by type; from any thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, max_array: int) -> None:
+        self._max_array = max_array
         self._demands = Demands(lambda consumer: False)
         self._tokens: set[str] = set()
         self._lock = threading.Lock()
@@ -69,7 +86,7 @@ class RemoteWants:
         Raises:
             UserError: the token's key is not as it must be, or there are too many.
         """
-        demand = demand_of(key)
+        demand = demand_of(key, self._max_array)
         with self._lock:
             if (key in self._tokens) == alive:
                 return None

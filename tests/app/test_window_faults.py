@@ -25,6 +25,26 @@ class Failing(Module):
         raise ZeroDivisionError("on purpose")
 
 
+class Panic(BaseException):
+    """No Exception, and without words."""
+
+    def __str__(self):
+        raise self
+
+
+class Panicking(Module):
+    manifest = Manifest(name="panicking", title="Panicking", version="1")
+
+    @handles(ClockMoved)
+    def on_clock(self, message):
+        self.link.start_job("panic", panic)
+        panic()
+
+
+def panic():
+    raise Panic
+
+
 class Sleeping(Module):
     manifest = Manifest(name="sleeping", title="Sleeping", version="1")
 
@@ -45,6 +65,23 @@ def test_a_failing_module_is_told_and_the_window_lives_on(headless_window):
     assert driver.window.news.text() == driver.problems[-1]
     assert driver.session.last(ClockMoved).instant == NOON.replace(minute=3)
     assert driver.window.isVisible()
+
+
+def test_a_panicking_module_and_a_panicking_question_are_told_and_the_window_lives_on(
+    headless_window,
+):
+    """What is no Exception must not end the engine's thread, be it in a handler, job or answer."""
+    driver = headless_window
+    driver.asked(lambda stage: stage.kernel.add_module(Panicking))
+    driver.session.ask(lambda stage: panic())
+    for minute in range(2):
+        driver.session.send(SetClock(instant=NOON.replace(minute=minute)))
+        driver.settled()
+    driver.until(lambda: any("suspended" in line for line in driver.problems))
+    assert any(line.startswith("Panic") for line in driver.problems)
+    driver.session.send(SetClock(instant=NOON.replace(minute=5)))
+    driver.settled()
+    assert driver.session.last(ClockMoved).instant == NOON.replace(minute=5)
 
 
 def test_a_refused_value_is_told_and_the_control_shows_what_holds(headless_window):

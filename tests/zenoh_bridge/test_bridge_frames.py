@@ -84,7 +84,10 @@ def cube_handle(**changes):
         (frame_of(type_name="SetSetting"), "holds a 'SetSetting'"),
         (frame_of(code="import os"), "unknown field `code`"),
         (frame_of(message={"exec": "rm"}), "has no field 'exec'"),
-        (frame_of(message={"radiance_scale": {"$float": "nan"}}), "radiance_scale is not finite"),
+        (
+            frame_of(message={"radiance_scale": {"$float": "nan"}}),
+            "radiance_scale of BackgroundChanged",
+        ),
         (frame_of(message={"ground_radiance_rgb": [0, 1]}), "ground_radiance_rgb"),
         (frame_of(message={"cube": {"size": 8, "format": "rgba16f", "recipe": "00"}}), "no array"),
         (frame_of(message={"cube": [to_plain(CUBE)] * 99}), "more than 4 arrays"),
@@ -92,9 +95,18 @@ def cube_handle(**changes):
         (frame_of(**cube_handle(dtype="|O")), "not a plain number"),
         (frame_of(**cube_handle(dtype="|f1")), "which there is not"),
         (frame_of(**cube_handle(shape=[6, 2**62, 2**62, 3])), "raise max_array_mib"),
-        (frame_of(**cube_handle(shape=[6, 8, 4, 3])), "does not fit"),
-        (frame_of(**cube_handle(shape=[6, 0, 0, 3])), "does not fit"),
-        (frame_of(**cube_handle(dtype="<f8")), "does not fit"),
+        (
+            frame_of(**cube_handle(shape=[6, 8, 4, 3])),
+            "cube of BackgroundChanged must be an array (6, up to",
+        ),
+        (
+            frame_of(**cube_handle(shape=[6, 0, 0, 3])),
+            "cube of BackgroundChanged must be an array (6, up to",
+        ),
+        (
+            frame_of(**cube_handle(dtype="<f8")),
+            "cube of BackgroundChanged must be an array (6, up to",
+        ),
         (frame_of(message={"cube": {"$array": "../../etc", "dtype": "<f2"}}), "no digest"),
     ],
 )

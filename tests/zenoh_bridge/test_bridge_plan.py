@@ -103,7 +103,8 @@ def test_a_configuration_is_plain_json():
 @settings(deadline=None, max_examples=50)
 def test_a_demand_is_a_key_and_back(size, encoding):
     """The key of a token is all that crosses."""
-    demand = demand_of(token_key("a/b", "c0ffee", "BackgroundChanged", size, encoding))
+    key = token_key("a/b", "c0ffee", "BackgroundChanged", size, encoding)
+    demand = demand_of(key, max_array=2**31)
     assert (demand.message, demand.size, demand.encoding) == ("BackgroundChanged", size, encoding)
 
 
@@ -112,19 +113,38 @@ def test_a_demand_is_a_key_and_back(size, encoding):
 def test_a_mangled_demand_is_refused(text):
     """Nobody makes this process compute a sky that fits no memory, or fail over a key."""
     with pytest.raises(UserError):
-        demand_of(f"vrut_lite/want/c0ffee/{text}")
+        demand_of(f"vrut_lite/want/c0ffee/{text}", max_array=2**26)
 
 
 @pytest.mark.parametrize("size", ["0", "-1", "4097", "9" * 5000, "٣", "1e3", " 1"])
 def test_a_demand_in_an_impossible_size_is_refused(size):
     """The largest cube is the command line's."""
     with pytest.raises(UserError, match="size"):
-        demand_of(f"p/want/c0ffee/BackgroundChanged/{size}/any")
+        demand_of(f"p/want/c0ffee/BackgroundChanged/{size}/any", max_array=2**31)
+
+
+@pytest.mark.parametrize(
+    ("size", "encoding", "edge"), [(2048, "float32", 1024), (1365, "", 1024), (4096, "u8", 1024)]
+)
+def test_a_demand_for_more_than_can_cross_is_refused(size, encoding, edge):
+    """Nobody afar makes this process compute what it could never send."""
+    most = 6 * edge**2 * 3 * {"float32": 4, "": 2, "u8": 1}[encoding]
+    with pytest.raises(UserError, match="raise max_array_mib on both sides"):
+        demand_of(token_key("p", "x", "BackgroundChanged", size, encoding), most)
+    assert demand_of(token_key("p", "x", "BackgroundChanged", edge, encoding), most).size == edge
+    assert demand_of(token_key("p", "x", "AirChanged", size, encoding), most).size == size
+
+
+def test_a_consumer_afar_has_a_name_of_bounded_length():
+    """Names of all consumers are kept, and joined in what is merged."""
+    demand_of(token_key("p", "x" * 64, "SunMoved", 1, ""), max_array=2**26)
+    with pytest.raises(UserError, match="the name is too long"):
+        demand_of(token_key("p", "x" * 65, "SunMoved", 1, ""), max_array=2**26)
 
 
 def test_demands_of_many_merge_until_taken_back():
     """The largest and most exact counts; nothing is left of who has gone; no flood fits."""
-    wants, keys = RemoteWants(), []
+    wants, keys = RemoteWants(max_array=2**26), []
     for peer, size, encoding in (("a", 64, "float32"), ("b", 512, "")):
         keys.append(token_key("p", peer, "BackgroundChanged", size, encoding))
         assert wants.note(keys[-1], True) == "BackgroundChanged"

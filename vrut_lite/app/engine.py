@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.app.pacing import Pacing, scaled
 from vrut_lite.app.roster import roster_of
 from vrut_lite.app.stage import Stage
-from vrut_lite.errors import UserError
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.inbox import Inbox
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.render.patience import GivenUp
@@ -127,7 +127,7 @@ class Engine:
     def _opened(self) -> Stage | None:
         try:
             stage = self._open_stage()
-        except Exception as error:
+        except BaseException as error:
             self._trouble(error)
             return None
         stage.kernel.tap(self._hear)
@@ -161,7 +161,7 @@ class Engine:
             try:
                 stage.kernel.pump()
             # The host's own error: it costs the one message at which it was raised.
-            except Exception as error:
+            except BaseException as error:
                 self._trouble(error)
             else:
                 break
@@ -177,7 +177,7 @@ class Engine:
                 continue
             try:
                 answer.set_result(question(stage))
-            except Exception as error:
+            except BaseException as error:
                 answer.set_exception(error)
 
     def _draw(self, stage: Stage) -> None:
@@ -206,7 +206,7 @@ class Engine:
             # whatever comes: time that passes says so more often than pictures can be drawn.
             self._finish_at_s, self._in_vain = start_s, True
             return
-        except Exception as error:
+        except BaseException as error:
             self._trouble(error)
             return
         seconds = perf_counter() - start_s
@@ -219,6 +219,5 @@ class Engine:
             (HEARD, type(message), next(self._numbers) if key is None else key), (message, sender)
         )
 
-    def _trouble(self, error: Exception) -> None:
-        text = str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"
-        self._tell((PROBLEM, next(self._numbers)), text)
+    def _trouble(self, error: BaseException) -> None:
+        self._tell((PROBLEM, next(self._numbers)), sentence_of(error))

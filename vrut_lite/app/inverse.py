@@ -13,8 +13,7 @@ from vrut_lite.kernel.messages import (
     SetSetting,
     SetTolerance,
 )
-from vrut_lite.kernel.places import check_place
-from vrut_lite.kernel.tolerance import check_tolerance, tolerance_of
+from vrut_lite.kernel.tolerance import tolerance_of
 
 
 def inverse_of(message: Input, kernel: Kernel) -> Input | None:
@@ -24,6 +23,7 @@ def inverse_of(message: Input, kernel: Kernel) -> Input | None:
     back: views, scenes, and whatever is not the user's own.
     """
     try:
+        message.check()
         back = _inverse(message, kernel)
         return None if back is None or back == _as_kept(message, kernel) else back
     except UserError:
@@ -44,12 +44,10 @@ def _inverse(message: Input, kernel: Kernel) -> Input | None:
             running = kernel.check_module(message.module).running
             return EnableModule(module=message.module, enabled=running)
         case SetPlace():
-            check_place(message)
             return kernel.last(SetPlace)
         case SetExposure():
             return kernel.last(SetExposure) or SetExposure()
         case SetTolerance():
-            check_tolerance(message)
             return SetTolerance(tolerance=tolerance_of(kernel))
         case SetClock():
             clock = kernel.last(ClockMoved)

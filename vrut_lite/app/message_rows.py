@@ -8,8 +8,10 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.kernel.recording.entry import Entry as JournalEntry
 from vrut_lite.kernel.recording.journal_reader import Journal
@@ -77,9 +79,18 @@ class MessageWatch:
                 is_input=isinstance(message, Input),
                 receivers=(),
                 ms=0.0,
-                fields=tuple(_fields("", msgspec.structs.asdict(message))),
+                fields=_fields_of(message),
             )
         )
+
+
+def _fields_of(message: Message) -> Fields:
+    """What a message says, in words; a job's result may be anything, also what has no end."""
+    try:
+        return tuple(_fields("", msgspec.structs.asdict(message)))
+    except BaseException as error:
+        pass_interrupt(error)
+        return (("", f"cannot be shown: {sentence_of(error)}"),)
 
 
 def _delivered(row: MessageRow, entry: Entry) -> MessageRow:

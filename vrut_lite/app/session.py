@@ -22,6 +22,7 @@ from vrut_lite.app.history import History
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.stage import Stage
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.mailbox import Mailbox
 from vrut_lite.kernel.messages import Fault, Input, Message
 
@@ -224,11 +225,8 @@ class Session(QObject):
             result = answer.result()
         except CancelledError:
             return
-        except Exception as error:
-            told = (
-                str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"
-            )
-            (failed or self.problem.emit)(one_line(told))
+        except BaseException as error:
+            (failed or self.problem.emit)(one_line(sentence_of(error)))
             return
         if then is not None:
             then(result)

@@ -38,9 +38,12 @@ _PREFIX = "setting_"
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --sky, --tolerance, --set and an option per setting."""
-    for name, specs in reversed(_settings_by_name().items()):
-        command = _setting_option(name, specs)(command)
+    """Add --at, --place, --north-offset, --sky, --tolerance, --set and an option per setting.
+
+    Stands above the command's own options, which are listed first all the same. A setting whose
+    name is that of another option is reached by --set alone.
+    """
+    own = _taken_from(command)
     shared = [
         click.option("--at", metavar="TIME", help="ISO time; local at the place if it has no "
                      "offset, as 2026-06-21T18:30 or 2026-06-21T16:30Z."),
@@ -58,7 +61,22 @@ def daylight_options(command: Command) -> Command:
     ]  # fmt: skip
     for option in reversed(shared):
         command = option(command)
+    others = _taken_from(command)
+    taken = {flag for option in (*own, *others) for flag in (*option.opts, *option.secondary_opts)}
+    for name, specs in reversed(_settings_by_name().items()):
+        if _flag(name) not in (*taken, "--help"):
+            command = _setting_option(name, specs)(command)
+    settings = _taken_from(command)
+    # click lists the last first.
+    command.__click_params__ = [*settings, *others, *own]  # type: ignore[attr-defined]
     return command
+
+
+def _taken_from(command: Command) -> list[click.Parameter]:
+    """The options that click has noted on a function so far, which forgets them."""
+    noted: list[click.Parameter] = getattr(command, "__click_params__", [])
+    command.__click_params__ = []  # type: ignore[attr-defined]
+    return noted
 
 
 def with_options(project: Project, options: dict[str, Any]) -> Project:
@@ -136,6 +154,10 @@ def _settings_by_name() -> dict[str, dict[str, SettingSpec]]:
     return found
 
 
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")
+
+
 def _setting_option(name: str, specs: dict[str, SettingSpec]) -> Command:
     first = next(iter(specs.values()))
     each: dict[str, list[str]] = {}
@@ -147,7 +169,7 @@ def _setting_option(name: str, specs: dict[str, SettingSpec]) -> Command:
     said = "; ".join(f"{', '.join(modules)}: {text}" for text, modules in each.items())
     # A text, so that the refusal of a bad value reads the same here and in a project file.
     return click.option(
-        "--" + name.replace("_", "-"),
+        _flag(name),
         _PREFIX + name,
         metavar="|".join(first.choices) or "VALUE",
         help=f"{first.help.rstrip('.')} ({said}).",

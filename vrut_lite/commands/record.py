@@ -34,6 +34,7 @@ MOST_STEPS = 100_000
 
 
 @click.command(name="record")
+@daylight_options
 @click.argument("scene", required=False)
 @click.option("-o", "--output", required=True, metavar="JOURNAL", help="An MCAP file.")
 @click.option("--full", is_flag=True, help="Keep the content of arrays, not only their digests.")
@@ -56,7 +57,6 @@ MOST_STEPS = 100_000
     show_default=True,
     help="Edge of the sky's cube faces, in pixels.",
 )
-@daylight_options
 def record(
     scene: str | None,
     output: str,

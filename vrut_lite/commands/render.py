@@ -28,6 +28,7 @@ FORMATS = (".png", ".exr")
 
 
 @click.command(name="render")
+@daylight_options
 @click.argument("scene")
 @click.option(
     "-o",
@@ -63,7 +64,6 @@ FORMATS = (".png", ".exr")
 @bits_option
 @span_options
 @worker_options
-@daylight_options
 def render(
     scene: str,
     output: str,

@@ -22,13 +22,13 @@ _FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
 
 
 @click.command(name="run")
+@daylight_options
 @click.argument("scene", required=False)
 @click.option(
     "--safe-mode",
     is_flag=True,
     help="Only the host and the default sun and sky; the last session is left alone.",
 )
-@daylight_options
 def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
     """Open SCENE (glTF, GLB, OBJ, or a project file .toml) in a window.
 

@@ -15,6 +15,7 @@ from vrut_lite.render.image_files import check_writable, picture_format
 
 
 @click.command(name="sky")
+@daylight_options
 @click.option(
     "-o",
     "--output",
@@ -56,7 +57,6 @@ from vrut_lite.render.image_files import check_writable, picture_format
 @bits_option
 @span_options
 @worker_options
-@daylight_options
 def sky(
     output: str,
     projection: Projection,

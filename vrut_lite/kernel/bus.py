@@ -10,14 +10,16 @@ equal type, sender and key only the latest is delivered.
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-import msgspec
-
 from vrut_lite.errors import UserError
+from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import messages
 from vrut_lite.kernel import settings as setting_rules
 from vrut_lite.kernel.beginning import Beginning, Step
+from vrut_lite.kernel.checks import refusal_of
 from vrut_lite.kernel.clock import Clock
+from vrut_lite.kernel.contract import check_module_type
 from vrut_lite.kernel.dispatch import HOST, Act, Dispatcher, Tap
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.inbox import Inbox
 from vrut_lite.kernel.job_desk import JobDesk
 from vrut_lite.kernel.jobs import JobRunner, ThreadRunner
@@ -25,10 +27,8 @@ from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION, Lifecycle
 from vrut_lite.kernel.link import POSTS_PER_TRANSACTION, ModuleLink
 from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, Message
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.places import check_camera, check_place
 from vrut_lite.kernel.seat import Seat
 from vrut_lite.kernel.slots import Slots
-from vrut_lite.kernel.tolerance import check_tolerance
 from vrut_lite.kernel.trace import Trace
 
 __all__ = ["FAULTS_UNTIL_SUSPENSION", "HOST", "POSTS_PER_TRANSACTION", "Kernel", "Tap"]
@@ -53,10 +53,13 @@ class Kernel:
             self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(self, seat)
         )
         self.dispatcher.fail = self.lifecycle.failed
-        self.dispatcher.acts = self._acts()
+        self._own_acts = self._acts()
+        self.dispatcher.act_on = self._act_on
         self._watchers: list[Callable[[Input], None]] = []
         self._on_inject: Callable[[], None] | None = None
         self._pumping = False
+        # Who has started jobs since the last input that was no job's result.
+        self.job_starters: list[ModuleLink] = []
 
     # --- modules ---------------------------------------------------------------------
 
@@ -64,11 +67,20 @@ class Kernel:
         """Load a module; its settings start at their defaults, host modules get services.
 
         A module whose constructor raises is suspended with a Fault; the others go on.
+
+        Raises:
+            UserError: the class is not what `check_module_type` asks for, or its name is taken.
         """
+        check_module_type(module_type)
         name = module_type.manifest.name
         if name in self.seats:
             raise UserError(f"two modules are called '{name}': uninstall one of them")
-        self.seats[name] = Seat(module_type, services)
+        try:
+            self.seats[name] = Seat(module_type, services)
+        # What passed the check may still be another thing a moment later.
+        except BaseException as error:
+            pass_interrupt(error)
+            raise UserError(f"module {name} cannot be used: {sentence_of(error)}") from None
         self.beginning.note(Step(module=name))
         self.lifecycle.start(self.seats[name])
 
@@ -130,7 +142,7 @@ class Kernel:
                 self.dispatcher.settle()
             while (message := self._inbox.take()) is not None:
                 # A result that nobody waits for any more never happened.
-                if not isinstance(message, JobResult) or self.jobs.admit(message):
+                if not isinstance(message, JobResult) or self._is_awaited(message):
                     self._transact(message)
                     transactions += 1
         finally:
@@ -161,19 +173,33 @@ class Kernel:
         """A module's latest fault, also of one that is suspended, or None."""
         return self.seats[module].last_fault
 
+    def _is_awaited(self, result: JobResult) -> bool:
+        return refusal_of(result) is not None or self.jobs.admit(result)
+
     def _transact(self, message: Input) -> None:
         if not self.beginning.ended_by:
             self.beginning.note(Step(input=message))
         for watcher in self._watchers:
             watcher(message)
-        self.dispatcher.put(message, HOST)
+        if self.job_starters and not isinstance(message, JobResult):
+            for starter in self.job_starters:
+                starter.jobs = 0
+            self.job_starters.clear()
+        try:
+            self.dispatcher.put(message, HOST)
+        # A key that cannot be had, of a malformed input or of a module's own.
+        except BaseException as error:
+            pass_interrupt(error)
+            where = type(message).__name__
+            said = refusal_of(message) or f"{where} has no key: {sentence_of(error)}"
+            self.lifecycle.refuse(HOST, where, said)
         self.dispatcher.settle()
 
     # --- what the kernel itself does -------------------------------------------------
 
-    def _acts(self) -> dict[type[Message], Act]:
-        """The kernel's own part in a message, before the modules hear of it."""
-        acts: dict[type[Message], tuple[str, Act]] = {
+    def _acts(self) -> dict[type[Message], tuple[str, Act]]:
+        """The kernel's own part in messages, and what a Fault calls it."""
+        return {
             messages.SetSetting: ("settings", self._set),
             messages.EnableModule: ("enable", self._enable),
             messages.RestartModule: (
@@ -187,39 +213,53 @@ class Kernel:
             messages.ChooseSlot: ("slots", self._choose),
             Demand: ("demand", self.lifecycle.demands.note),
             JobResult: ("job", self._job_done),
-            messages.SetPlace: ("place", check_place),
-            messages.MoveCamera: ("camera", check_camera),
-            messages.SetTolerance: ("tolerance", check_tolerance),
+            messages.SetPlace: ("place", _do_nothing),
+            messages.MoveCamera: ("camera", _do_nothing),
+            messages.SetTolerance: ("tolerance", _do_nothing),
             messages.SetClock: ("clock", lambda m: self.lifecycle.say(self._clock.set(m))),
             messages.SetClockRate: ("clock", self._clock.set_rate),
             messages.Tick: ("clock", lambda m: self.lifecycle.say(self._clock.tick(m))),
         }
-        return {kind: self._guarded(where, act) for kind, (where, act) in acts.items()}
 
-    def _guarded(self, where: str, act: Act) -> Act:
-        """The act, with a refused input told as a Fault for the user."""
+    def _act_on(self, kind: type[Message]) -> Act | None:
+        """What is done with a type of message before the modules hear of it: inputs are checked.
+
+        A refused input is told as a Fault for the user.
+        """
+        where, act = self._own_acts.get(kind, (kind.__name__, _do_nothing))
+        if act is _do_nothing and (not issubclass(kind, Input) or kind.check is Message.check):
+            return None
 
         def guarded(message: Any) -> bool:
-            try:
-                act(message)
-            except UserError as error:
-                self.lifecycle.refuse(getattr(message, "module", HOST), where, str(error))
-                return True
-            return False
+            refusal = refusal_of(message)
+            if refusal is None:
+                try:
+                    act(message)
+                except UserError as error:
+                    refusal = str(error)
+            if refusal is None:
+                return False
+            module = getattr(message, "module", HOST)
+            module = module if isinstance(module, str) else HOST
+            self.lifecycle.refuse(module, where, refusal)
+            return True
 
         return guarded
 
     def _set(self, message: messages.SetSetting) -> None:
-        value = self.check_setting(message.module, message.name, message.value)
-        seat = self.seats[message.module]
-        if getattr(seat.settings, message.name) == value:
+        seat = self.check_module(message.module)
+        before = seat.settings
+        settings = setting_rules.change(before, message.module, message.name, message.value)
+        value = getattr(settings, message.name)
+        if getattr(before, message.name) == value:
             return
-        seat.settings = msgspec.structs.replace(seat.settings, **{message.name: value})
+        seat.settings = settings
         self.lifecycle.say(
             messages.SettingChanged(module=seat.name, name=message.name, value=value)
         )
         if seat.module is not None:
-            seat.module.settings = seat.settings
+            self.dispatcher.call(seat, "__setattr__", "settings", settings)
+        if seat.module is not None:
             self.dispatcher.call(seat, "settings_changed", message.name)
 
     def _enable(self, message: messages.EnableModule) -> None:
@@ -253,3 +293,7 @@ class Kernel:
                 for_user=result.for_user,
             )
             self.lifecycle.count(seat, fault)
+
+
+def _do_nothing(message: Any) -> None:
+    """The kernel's part in most messages."""

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from typing import get_args
 
-from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand, Encoding
 
 _PRECEDENCE = get_args(Encoding)
@@ -18,12 +17,7 @@ class Demands:
         self.merged: dict[str, Demand] = {}
 
     def note(self, demand: Demand) -> None:
-        """Take in a demand, or take it back at size 0; UserError for an unknown encoding."""
-        if demand.encoding not in _PRECEDENCE:
-            raise UserError(
-                f"{demand.consumer} wants {demand.message} as '{demand.encoding}': "
-                f"it can be {', '.join(filter(None, _PRECEDENCE))}"
-            )
+        """Take in a demand that is sound, or take it back at size 0."""
         consumers = self._of.setdefault(demand.message, {})
         before = consumers.pop(demand.consumer, None)
         if demand.size > 0:

@@ -11,11 +11,15 @@ from pathlib import Path
 from types import ModuleType
 
 from vrut_lite.errors import UserError
-from vrut_lite.interrupts import interrupts_held
+from vrut_lite.interrupts import interrupts_held, pass_interrupt
+from vrut_lite.kernel.contract import check_module_type
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.module import Module
 
 GROUP = "vrut_lite.modules"
 FOLDERS_VARIABLE = "VRUT_LITE_MODULES"
+# Who speaks under these is the host: itself, its scene manager, its queue of GPU jobs.
+_NAMES_OF_THE_HOST = ("host", "scene", "gl_jobs")
 Loader = Callable[[], object]
 
 
@@ -44,8 +48,9 @@ def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Mod
             if name in found:
                 raise UserError(f"another module is called '{name}' too: rename one")
             found[name] = module_type
-        except (Exception, SystemExit) as error:
-            failures.append(f"module {title} failed to load: {error}")
+        except BaseException as error:
+            pass_interrupt(error)
+            failures.append(f"module {title} failed to load: {sentence_of(error)}")
     return list(found.values()), failures
 
 
@@ -96,6 +101,9 @@ def class_in(python_module: ModuleType) -> object:
 
 
 def _checked(candidate: object) -> type[Module]:
-    if not (isinstance(candidate, type) and issubclass(candidate, Module)):
-        raise UserError(f"{candidate!r} is no subclass of vrut_lite.kernel.module.Module")
+    check_module_type(candidate)
+    assert isinstance(candidate, type)
+    assert issubclass(candidate, Module)
+    if candidate.manifest.name in _NAMES_OF_THE_HOST:
+        raise UserError(f"'{candidate.manifest.name}' is the host's own name: choose another")
     return candidate

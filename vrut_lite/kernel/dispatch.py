@@ -11,6 +11,8 @@ from collections.abc import Callable, Mapping
 from time import perf_counter_ns
 from typing import Any, NamedTuple
 
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.contract import refuse_unrun
 from vrut_lite.kernel.link import ModuleLink
 from vrut_lite.kernel.memory import Memory
 from vrut_lite.kernel.messages import JobResult, Message
@@ -25,8 +27,8 @@ Act = Callable[[Any], bool | None]
 Handler = Callable[[Any], None]
 
 
-# A bound handler, and the link and the name of the instance that it belongs to.
-Receiver = tuple[Handler, ModuleLink, str]
+# A bound handler, the link and the name of the instance that it belongs to, its own name.
+Receiver = tuple[Handler, ModuleLink, str, str]
 
 
 class Route(NamedTuple):
@@ -42,11 +44,11 @@ class Route(NamedTuple):
 class Dispatcher:
     """Delivers messages.
 
-    `acts` is what the kernel does before modules hear of a type; `fail` is told what a handler
-    raised. Both are set before the first message.
+    `act_on` says what the kernel does before modules hear of a type; `fail` is told what a
+    handler raised. Both are set before the first message.
     """
 
-    acts: Mapping[type[Message], Act]
+    act_on: Callable[[type[Message]], Act | None]
     fail: Callable[[Seat, str, BaseException], None]
 
     def __init__(self, seats: Mapping[str, Seat], slots: Slots, trace: Trace):
@@ -125,17 +127,19 @@ class Dispatcher:
                     receivers = prepared
                 if place is not None:
                     keep(place, sequence, message)
-                for call, link, receiver in receivers:
+                for call, link, receiver, method in receivers:
                     if not link.alive:
                         continue
                     try:
-                        call(message)
-                    except (Exception, SystemExit) as error:
-                        self.fail(link.seat, call.__name__, error)
+                        if (answer := call(message)) is not None:
+                            refuse_unrun(answer)
+                    except BaseException as error:
+                        pass_interrupt(error, f"in {method} of the module {receiver}")
+                        self.fail(link.seat, method, error)
                     end_ns = perf_counter_ns()
                     record((sequence, cause, sender, name, receiver, start_ns, end_ns))
                     if end_ns - start_ns > SLOW_NS:
-                        self._trace.slow(receiver, call.__name__, start_ns, end_ns)
+                        self._trace.slow(receiver, method, start_ns, end_ns)
                     start_ns = end_ns
         finally:
             self._sequence = sequence
@@ -148,8 +152,12 @@ class Dispatcher:
         """Call a module outside delivery, as isolated and watched as a handler."""
         start_ns = perf_counter_ns()
         try:
-            return getattr(seat.module, method)(*arguments)
-        except (Exception, SystemExit) as error:
+            answer = getattr(seat.module, method)(*arguments)
+            if answer is not None:
+                refuse_unrun(answer)
+            return answer
+        except BaseException as error:
+            pass_interrupt(error, f"in {method} of the module {seat.name}")
             self.fail(seat, method, error)
             return None
         finally:
@@ -185,13 +193,23 @@ class Dispatcher:
     def _route(self, kind: type[Message]) -> Route:
         """Where messages of a type go now, in load order, then in order of declaration."""
         receivers = [
-            (getattr(seat.module, method), seat.link, seat.name)
+            (handler, seat.link, seat.name, method)
             for seat in self._seats.values()
             if seat.link is not None
             for method in seat.methods.get(kind, ())
+            if (handler := self._handler(seat, method)) is not None
         ]
-        act = self.acts.get(kind)
+        act = self.act_on(kind)
         plain = act is None and kind is not JobResult and bool(receivers)
         route = Route(kind.__name__, getattr(kind, "slot", None), plain, act, receivers)
         self._routes[kind] = route
         return route
+
+    def _handler(self, seat: Seat, method: str) -> Handler | None:
+        """An instance's method; none, and a Fault, where it cannot be had."""
+        try:
+            return getattr(seat.module, method)
+        except BaseException as error:
+            pass_interrupt(error)
+            self.fail(seat, method, error)
+            return None

@@ -1,24 +1,59 @@
-"""What an exception says, in the fields that a `Fault` and a `JobResult` share."""
+"""What an exception says, in the fields that a `Fault` and a `JobResult` share.
+
+Whoever wrote the exception wrote its texts too: they may raise, be no texts, or fill the memory.
+"""
 
 import traceback
+from collections.abc import Callable
 from typing import Any
 
 from vrut_lite.errors import UserError
+from vrut_lite.interrupts import pass_interrupt
+
+# Of an error's text and of its trace, in letters; a trace's ends tell most.
+_LONGEST_ERROR, _LONGEST_TRACE = 2_000, 20_000
 
 
 def described(error: BaseException) -> dict[str, Any]:
     """The fields `error`, `trace` and `for_user`; a UserError speaks for itself."""
-    for_user = isinstance(error, UserError)
     return {
-        "error": _text(error) if for_user else f"{type(error).__name__}: {_text(error)}",
-        "trace": "".join(traceback.format_exception(error)),
-        "for_user": for_user,
+        "error": sentence_of(error),
+        "trace": _shortened(
+            safe_text(lambda: "".join(traceback.format_exception(error)), "no traceback"),
+            _LONGEST_TRACE,
+        ),
+        "for_user": isinstance(error, UserError),
     }
 
 
-def _text(error: BaseException) -> str:
-    """What it says, if it can say it."""
+def sentence_of(error: BaseException) -> str:
+    """What it says, after the name of its class unless that is UserError; bounded in length."""
+    text = safe_text(lambda: str(error), "(its text cannot be made)")
+    if not isinstance(error, UserError):
+        name = safe_text(lambda: type(error).__name__, "BaseException")
+        text = f"{name}: {text}"
+    return _shortened(text, _LONGEST_ERROR)
+
+
+def safe_text(make: Callable[[], str], otherwise: str) -> str:
+    """A text of foreign making as a plain one, or another where it cannot be had."""
     try:
-        return str(error)
-    except Exception:
-        return "(its text cannot be made)"
+        # A slice of a subclass is a plain text.
+        return _escaped(str.__getitem__(make(), slice(None)))
+    except BaseException as error:
+        pass_interrupt(error)
+        return otherwise
+
+
+def _escaped(text: str) -> str:
+    """The text with what no file holds, or what steers a terminal, written in escapes."""
+    return "".join(
+        letter if letter.isprintable() or letter in "\n\t" else ascii(letter)[1:-1]
+        for letter in text
+    )
+
+
+def _shortened(text: str, most: int) -> str:
+    if len(text) <= most:
+        return text
+    return f"{text[: most // 2]} [... {len(text) - most} letters ...] {text[-most // 2 :]}"

@@ -10,14 +10,17 @@ from typing import Any, Literal
 
 import msgspec
 
+from vrut_lite.kernel import checks
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import Derived
+from vrut_lite.kernel.messages import LARGEST_EDGE, Derived
 
 __all__ = ["GpuJob", "GpuTexture"]
 
 Number = float | int
 UniformValue = Number | tuple[Number, ...]
+# What every OpenGL 4.3 can start along one axis.
+_MOST_GROUPS = 65535
 
 
 class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
@@ -46,6 +49,18 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     def key(self) -> str:
         """One pending job per module and name."""
         return f"{self.module}.{self.job}"
+
+    def check(self) -> None:
+        """Work for a GPU: whether the shader compiles, OpenGL says."""
+        checks.text(self, "module", "job", "compute_shader")
+        checks.shader_inputs(self)
+        checks.choice(self, "output", ("cube", "2d", "3d"))
+        checks.choice(self, "format", ("rgba16f", "rgba32f"))
+        sizes = self.size if isinstance(self.size, tuple) else (self.size,) * 3
+        if len(sizes) != 3 or not all(checks.is_whole(n) and 0 < n <= LARGEST_EDGE for n in sizes):
+            checks.refuse(self, "size", f"be a whole number from 1 to {LARGEST_EDGE}, or three")
+        checks.wholes(self, "groups", 1, _MOST_GROUPS, most=3)
+        checks.flag(self, "read_back")
 
     @cached_property
     def recipe(self) -> str:

@@ -4,6 +4,7 @@ import threading
 from collections import OrderedDict
 from typing import Any
 
+from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import Input
 
 
@@ -23,7 +24,14 @@ class Inbox:
 
     def put(self, message: Input) -> None:
         """Append, in place of an input of equal type and key that still waits."""
-        key = message.key()
+        try:
+            message.check()
+            key = message.key()
+            hash(key)
+        # It will be refused: it must spoil nothing that waits.
+        except BaseException as error:
+            pass_interrupt(error)
+            key = None
         with self._lock:
             if key is None:
                 self._serial += 1

@@ -6,12 +6,16 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.contract import refuse_unrun
 from vrut_lite.kernel.faults import described
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.trace import Trace
 
 Key = tuple[str, str]
 Work = Callable[..., Any]
+# In letters: the trace keeps a thousand of them.
+_LONGEST_PROGRESS = 200
 
 
 class JobControl:
@@ -23,7 +27,7 @@ class JobControl:
 
     def progress(self, fraction: float, text: str = "") -> None:
         """Say how far the work is, from 0 to 1; shown in the trace, heard by no module."""
-        self._tell(f"{fraction:.0%} {text}".rstrip())
+        self._tell(f"{fraction:.0%} {text}"[:_LONGEST_PROGRESS].rstrip())
 
     def cancelled(self) -> bool:
         """Whether nobody waits for the result any more."""
@@ -46,13 +50,16 @@ class Job:
         self._trace = trace
 
     def run(self) -> JobResult:
-        """Do the work; what it raises is a result too."""
+        """Do the work; whatever it raises is a result too: nobody waits for it in vain."""
         module, name = self.key
         start_ns = time.perf_counter_ns()
-        options = {"control": self.control} if _takes_control(self._work) else {}
         try:
-            outcome = {"value": self._work(*self._arguments, **options)}
-        except (Exception, SystemExit) as error:
+            options = {"control": self.control} if _takes_control(self._work) else {}
+            value = self._work(*self._arguments, **options)
+            refuse_unrun(value)
+            outcome = {"value": value}
+        except BaseException as error:
+            pass_interrupt(error)
             outcome = described(error)
         self._trace.remark("job", module, name, start_ns)
         return JobResult(module=module, job=name, **outcome)

@@ -5,6 +5,7 @@ from typing import Any
 
 import msgspec
 
+from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import settings as setting_rules
 from vrut_lite.kernel.demands import Demands
 from vrut_lite.kernel.dispatch import HOST, Dispatcher
@@ -79,7 +80,8 @@ class Lifecycle:
         self._jobs.cancel_all(seat.name)
         try:
             seat.start(self._make_link(seat))
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
+            pass_interrupt(error, f"at the start of the module {seat.name}")
             self.suspend(seat, "start", error)
         else:
             self._welcome(seat)
@@ -131,10 +133,11 @@ class Lifecycle:
             self._jobs.cancel_all(seat.name)
             if seat.state != "disabled":
                 seat.start(self._make_link(seat))
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
             seat.take_type(old_type, old_settings)
             if undo is not None:
                 undo()
+            pass_interrupt(error)
             self._tell(seat, Fault(module=seat.name, where="reload", **described(error)))
             return
         for loss in losses:
@@ -153,6 +156,7 @@ class Lifecycle:
         state = self._dispatcher.call(seat, "snapshot")
         try:
             return msgspec.to_builtins(state)
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
+            pass_interrupt(error)
             self.failed(seat, "snapshot", error)
             return None

@@ -2,13 +2,19 @@
 
 An input comes from outside (a person, the clock, a file, a finished job) and opens a
 transaction. A derived message is a consequence, posted by a handler inside one.
+
+Each type says in `check` what those who hear it rely on: an input is checked when it is admitted,
+a derived message when it is posted.
 """
 
+import math
 from datetime import datetime
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import msgspec
 
+from vrut_lite.errors import UserError
+from vrut_lite.kernel import checks
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_texture import GpuTexture
 
@@ -18,6 +24,28 @@ Encoding = Literal["", "u8", "float16", "float32"]
 ToneMap = Literal["agx", "exponential", "none"]
 Number = float | int
 Matrix = tuple[tuple[float, float, float, float], ...]
+
+# No ground is lower; geostationary orbit is higher than any observer of an atmosphere needs.
+LOWEST_M, HIGHEST_M = -11_000.0, 36_000_000.0
+# The largest cube and the largest picture that the command line offers.
+LARGEST_DEMAND = 4096
+LARGEST_PICTURE_PX = 16384
+# What every OpenGL 4.3 can hold: the edge of a cube or of a map, and of a 3-D texture.
+LARGEST_EDGE, _LARGEST_VOLUME = 16384, 2048
+# W m^-2, also per steradian, whose sums and products stay finite in 32 bits; the sun's disc has
+# 2e7.
+_MOST_LIGHT = 1e10
+# A full turn, and straight up, with room for rounding.
+_TURN_RAD, _UP_RAD = 6.3, 1.58
+# As the frame's shader has them.
+_MOST_LIMB_TERMS = 6
+# Stops of exposure whose powers of two stay finite in 32 bits.
+_MOST_STOPS = 100.0
+# White that the eye takes for white.
+LOWEST_K, HIGHEST_K, MOST_DUV = 1700.0, 25_000.0, 0.05
+_LARGEST_M = 1e10
+_MOST_EXTINCTION_PER_M = 1e3
+_MOST_WAVELENGTHS = 4096
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):
@@ -30,12 +58,30 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
         """
         return ""
 
+    def check(self) -> None:
+        """Pass if every field is what those who hear the message rely on, whatever it holds.
+
+        Takes microseconds: what fills arrays is `check_arrays`' to see.
+
+        Raises:
+            UserError: a field is not; the sentence names it.
+        """
+
+    def check_arrays(self) -> None:
+        """Pass if the arrays of a message that passes `check` hold what one can draw with.
+
+        Raises:
+            UserError: one does not.
+        """
+
 
 class Input(Message, frozen=True, kw_only=True):
     """A fact from outside; each opens a transaction of its own."""
 
     # Inputs of one line merge only with the last of their line: their order matters.
     line: ClassVar[str | None] = None
+    # Whether a stranger said it: what it leads to is told, and no command fails for it.
+    by_stranger: ClassVar[bool] = False
 
     def merged(self, older: Self) -> Self:
         """What takes the place of this input and of an older one of its key that still waits."""
@@ -46,6 +92,13 @@ class Derived(Message, frozen=True, kw_only=True):
     """A consequence, posted by a handler; those of a slot only by the slot's holder."""
 
     slot: ClassVar[str | None] = None
+    # Whether there is anything to ask before it is posted.
+    guarded: ClassVar[bool] = False
+
+    def __init_subclass__(cls) -> None:
+        """Note it here, where it costs no post anything."""
+        super().__init_subclass__()
+        cls.guarded = cls.slot is not None or cls.check is not Message.check
 
 
 # --- the kernel's own -----------------------------------------------------------------
@@ -62,6 +115,14 @@ class SetSetting(Input, frozen=True, kw_only=True):
         """One pending value per setting."""
         return f"{self.module}.{self.name}"
 
+    def check(self) -> None:
+        """A plain value; the setting itself decides whether it takes it."""
+        checks.text(self, "module", "name")
+        if not isinstance(self.value, bool | int | float | str | None):
+            raise UserError(
+                "SetSetting: a setting's value is a number, a text, true, false or null"
+            )
+
 
 class EnableModule(Input, frozen=True, kw_only=True):
     """Switch a module on or off."""
@@ -73,6 +134,11 @@ class EnableModule(Input, frozen=True, kw_only=True):
         """One pending state per module."""
         return self.module
 
+    def check(self) -> None:
+        """A module by name, on or off."""
+        checks.text(self, "module")
+        checks.flag(self, "enabled")
+
 
 class RestartModule(Input, frozen=True, kw_only=True):
     """Start a module anew with its present settings, also after it was suspended."""
@@ -82,6 +148,10 @@ class RestartModule(Input, frozen=True, kw_only=True):
     def key(self) -> None:
         """Every restart counts."""
 
+    def check(self) -> None:
+        """A module by name."""
+        checks.text(self, "module")
+
 
 class ReloadModule(Input, frozen=True, kw_only=True):
     """Import a module's package afresh; settings and snapshot pass to the new version."""
@@ -90,6 +160,10 @@ class ReloadModule(Input, frozen=True, kw_only=True):
 
     def key(self) -> None:
         """Every reload counts."""
+
+    def check(self) -> None:
+        """A module by name."""
+        checks.text(self, "module")
 
 
 class ChooseSlot(Input, frozen=True, kw_only=True):
@@ -101,6 +175,10 @@ class ChooseSlot(Input, frozen=True, kw_only=True):
     def key(self) -> str:
         """One pending choice per slot."""
         return self.slot
+
+    def check(self) -> None:
+        """Slot and module by name."""
+        checks.text(self, "slot", "module")
 
 
 class Demand(Input, frozen=True, kw_only=True):
@@ -119,6 +197,16 @@ class Demand(Input, frozen=True, kw_only=True):
         """One demand per consumer and message."""
         return f"{self.consumer}.{self.message}"
 
+    def check(self) -> None:
+        """A size and an encoding that producers know."""
+        checks.text(self, "consumer", "message")
+        checks.whole(self, "size", 0, LARGEST_DEMAND)
+        if not (isinstance(self.encoding, str) and self.encoding in get_args(Encoding)):
+            raise UserError(
+                f"{self.consumer} wants {self.message} as {checks.shown(self.encoding)}: "
+                f"it can be {', '.join(filter(None, get_args(Encoding)))}"
+            )
+
 
 class JobResult(Input, frozen=True, kw_only=True):
     """A background or GPU job is done; `error` tells why not, if it is not.
@@ -136,6 +224,11 @@ class JobResult(Input, frozen=True, kw_only=True):
 
     def key(self) -> None:
         """Every result counts."""
+
+    def check(self) -> None:
+        """Whose it is, and texts; the value is what that module made it."""
+        checks.text(self, "module", "job", "error", "trace")
+        checks.flag(self, "for_user")
 
 
 class SlotChanged(Derived, frozen=True, kw_only=True):
@@ -174,11 +267,20 @@ class Fault(Derived, frozen=True, kw_only=True):
     def key(self) -> None:
         """Every fault is told."""
 
+    def check(self) -> None:
+        """Texts."""
+        checks.text(self, "module", "where", "error", "trace")
+        checks.flag(self, "suspended", "for_user")
+
 
 class ClockMoved(Derived, frozen=True, kw_only=True):
     """The host's clock stands at this instant, in UTC, whether it was set or it ticked."""
 
     instant: datetime
+
+    def check(self) -> None:
+        """A time with a time zone."""
+        checks.instant(self, "instant")
 
 
 # --- inputs of daylight ---------------------------------------------------------------
@@ -191,6 +293,10 @@ class SetClock(Input, frozen=True, kw_only=True):
 
     instant: datetime
 
+    def check(self) -> None:
+        """A time with a time zone that UTC can name."""
+        checks.instant(self, "instant")
+
 
 class SetClockRate(Input, frozen=True, kw_only=True):
     """Play: so many seconds of the host's clock pass in one of the tick's; 0 pauses."""
@@ -198,6 +304,13 @@ class SetClockRate(Input, frozen=True, kw_only=True):
     line: ClassVar[str | None] = "clock"
 
     rate: float
+
+    def check(self) -> None:
+        """A number."""
+        if not checks.is_finite(self.rate):
+            raise UserError(
+                f"the clock's rate must be a finite number, not {checks.shown(self.rate)}"
+            )
 
 
 class Tick(Input, frozen=True, kw_only=True):
@@ -211,6 +324,11 @@ class Tick(Input, frozen=True, kw_only=True):
         """Both went by: a slow kernel falls behind in frames, never in time."""
         return type(self)(elapsed_s=self.elapsed_s + older.elapsed_s)
 
+    def check(self) -> None:
+        """Time never goes back."""
+        if not (checks.is_finite(self.elapsed_s) and self.elapsed_s >= 0):
+            raise UserError(f"a tick must be of 0 s or more, not {checks.shown(self.elapsed_s)}")
+
 
 class SetPlace(Input, frozen=True, kw_only=True):
     """The observer's place; longitude is east-positive."""
@@ -220,11 +338,22 @@ class SetPlace(Input, frozen=True, kw_only=True):
     altitude_m: float = 0.0
     north_offset_rad: float = 0.0
 
+    def check(self) -> None:
+        """A place on or above the Earth."""
+        checks.number(self, "latitude_deg", -90.0, 90.0, of="a place")
+        checks.number(self, "longitude_deg", -180.0, 180.0, of="a place")
+        checks.number(self, "altitude_m", LOWEST_M, HIGHEST_M, of="a place")
+        checks.number(self, "north_offset_rad", -_TURN_RAD, _TURN_RAD, of="a place")
+
 
 class LoadScene(Input, frozen=True, kw_only=True):
     """Open this scene file."""
 
     path: str
+
+    def check(self) -> None:
+        """The file itself tells the rest."""
+        checks.text(self, "path")
 
 
 class MoveCamera(Input, frozen=True, kw_only=True):
@@ -234,12 +363,30 @@ class MoveCamera(Input, frozen=True, kw_only=True):
     target_m: Vector
     vertical_field_of_view_rad: float = 0.8
 
+    def check(self) -> None:
+        """From one point to another, at a possible angle."""
+        checks.numbers(self, "eye_m", 3, of="a camera")
+        checks.numbers(self, "target_m", 3, of="a camera")
+        if self.eye_m == self.target_m:
+            raise UserError("the camera's eye and target are one point: move one of them")
+        angle = self.vertical_field_of_view_rad
+        if not (checks.is_finite(angle) and 0.0 < angle < math.pi):
+            raise UserError(
+                "vertical_field_of_view_rad of a camera must lie between 0 and pi, not "
+                f"{checks.shown(angle)}"
+            )
+
 
 class Resize(Input, frozen=True, kw_only=True):
     """The picture's size in pixels."""
 
     width_px: int
     height_px: int
+
+    def check(self) -> None:
+        """A picture that can be drawn."""
+        checks.whole(self, "width_px", 1, LARGEST_PICTURE_PX)
+        checks.whole(self, "height_px", 1, LARGEST_PICTURE_PX)
 
 
 class SetExposure(Input, frozen=True, kw_only=True):
@@ -257,11 +404,24 @@ class SetExposure(Input, frozen=True, kw_only=True):
     white_temperature_k: float = 6504.0
     white_duv: float = 0.0
 
+    def check(self) -> None:
+        """Stops of which powers of two stay finite, and white that is near daylight."""
+        checks.choice(self, "mode", ("auto", "manual"))
+        checks.number(self, "ev100", -_MOST_STOPS, _MOST_STOPS)
+        checks.number(self, "compensation_ev", -_MOST_STOPS, _MOST_STOPS)
+        checks.choice(self, "tone_map", get_args(ToneMap))
+        checks.number(self, "white_temperature_k", LOWEST_K, HIGHEST_K)
+        checks.number(self, "white_duv", -MOST_DUV, MOST_DUV)
+
 
 class LookAlong(Input, frozen=True, kw_only=True):
     """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
 
     direction: Vector
+
+    def check(self) -> None:
+        """A unit vector."""
+        checks.direction(self, "direction")
 
 
 class SetTolerance(Input, frozen=True, kw_only=True):
@@ -274,6 +434,14 @@ class SetTolerance(Input, frozen=True, kw_only=True):
 
     tolerance: float
 
+    def check(self) -> None:
+        """A share above 0, and 1 at most."""
+        if not (checks.is_finite(self.tolerance) and 0.0 < self.tolerance <= 1.0):
+            raise UserError(
+                "the tolerance must be above 0 and 1 (100 %) at most, not "
+                f"{checks.shown(self.tolerance)}"
+            )
+
 
 # --- derived messages of daylight -----------------------------------------------------
 
@@ -285,6 +453,13 @@ class SceneLoaded(Derived, frozen=True, kw_only=True):
     lower_m: Vector
     upper_m: Vector
     triangles: int
+
+    def check(self) -> None:
+        """Bounds and a count."""
+        checks.text(self, "path")
+        checks.numbers(self, "lower_m", 3)
+        checks.numbers(self, "upper_m", 3)
+        checks.whole(self, "triangles", 0, 2**63)
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):
@@ -300,6 +475,13 @@ class SceneNeeds(Derived, frozen=True, kw_only=True):
     air_reach_m: float = 0.0
     eye_height_m: float = 0.0
 
+    def check(self) -> None:
+        """Faces of a cube, and lengths."""
+        checks.flag(self, "sky_in_view", "receives_light")
+        checks.wholes(self, "visible_faces", 0, 5, most=6)
+        checks.number(self, "air_reach_m", 0.0)
+        checks.number(self, "eye_height_m")
+
 
 class SunMoved(Derived, frozen=True, kw_only=True):
     """Where the sun stands; the direction is apparent, in world axes, pointing to the sun."""
@@ -311,6 +493,14 @@ class SunMoved(Derived, frozen=True, kw_only=True):
     elevation_rad: float
     apparent_elevation_rad: float
     visible_disc_fraction: float
+
+    def check(self) -> None:
+        """Angles, and a share of the disc."""
+        checks.direction(self, "direction")
+        checks.number(self, "azimuth_rad", -_TURN_RAD, _TURN_RAD)
+        checks.number(self, "elevation_rad", -_UP_RAD, _UP_RAD)
+        checks.number(self, "apparent_elevation_rad", -_UP_RAD, _UP_RAD)
+        checks.number(self, "visible_disc_fraction", 0.0, 1.0)
 
 
 class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -331,6 +521,11 @@ class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     source: str
     uniforms: dict[str, Number | tuple[Number, ...]]
     buffers: tuple[tuple[int, Array], ...] = ()
+
+    def check(self) -> None:
+        """A source, and what it reads; whether it compiles, OpenGL says."""
+        checks.text(self, "source")
+        checks.shader_inputs(self)
 
 
 class BackgroundChanged(Derived, frozen=True, kw_only=True):
@@ -358,6 +553,29 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
     color_space: Literal["linear-srgb"] = "linear-srgb"
     frame: Literal["world"] = "world"
 
+    def check(self) -> None:
+        """A cube that a GPU can hold, with light in it."""
+        if not isinstance(self.cube, GpuTexture):
+            edge = -LARGEST_EDGE
+            checks.array(self, "cube", (6, edge, edge, 3), ("|u1", "<f2", "<f4"))
+        _check_scale(self)
+        checks.light(self, "ground_radiance_rgb", _MOST_LIGHT)
+        checks.text(self, "source")
+        checks.flag(self, "ground_through_air")
+        if self.view is not None:
+            checks.instance(self, "view", ViewShader)
+            self.view.check()
+        if self.seen_sun_irradiance_rgb is not None:
+            checks.light(self, "seen_sun_irradiance_rgb", _MOST_LIGHT)
+        checks.choice(self, "color_space", ("linear-srgb",))
+        checks.choice(self, "frame", ("world",))
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        if isinstance(self.cube, Array):
+            most = _MOST_LIGHT / self.radiance_scale
+            checks.contents(self, "cube", -most, most)
+
 
 class SunLightChanged(Derived, frozen=True, kw_only=True):
     """The sun's light: irradiance (W m^-2, linear sRGB) on a plane that faces it.
@@ -374,6 +592,14 @@ class SunLightChanged(Derived, frozen=True, kw_only=True):
     limb_darkening_rgb: tuple[tuple[float, ...], ...]
     source: str
 
+    def check(self) -> None:
+        """A disc in the sky, and polynomials of as many terms as are drawn."""
+        checks.direction(self, "direction")
+        checks.light(self, "irradiance_rgb", _MOST_LIGHT)
+        checks.number(self, "angular_radius_rad", 1e-6, 0.5 * math.pi)
+        checks.polynomials(self, "limb_darkening_rgb", 3, _MOST_LIMB_TERMS)
+        checks.text(self, "source")
+
 
 class SpectrumSeen(Derived, frozen=True, kw_only=True):
     """The sky's spectral radiance (W m^-2 sr^-1 nm^-1) in a direction, without the sun's disc.
@@ -387,6 +613,14 @@ class SpectrumSeen(Derived, frozen=True, kw_only=True):
     wavelength_nm: tuple[float, ...]
     radiance: tuple[float, ...]
     source: str
+
+    def check(self) -> None:
+        """As many values as wavelengths."""
+        checks.direction(self, "direction")
+        checks.instance(self, "wavelength_nm", tuple)
+        checks.numbers(self, "wavelength_nm", min(len(self.wavelength_nm), _MOST_WAVELENGTHS))
+        checks.numbers(self, "radiance", len(self.wavelength_nm))
+        checks.text(self, "source")
 
 
 class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -423,6 +657,45 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     top_altitude_m: float
     sun_direction: Vector
 
+    def check(self) -> None:
+        """Tables that go with each other, and have something to blend between.
+
+        Raises:
+            UserError: they do not.
+        """
+        for name in ("rows_above", "rows_below", "columns"):
+            checks.whole(self, name, 2, _LARGEST_VOLUME // 2)
+        checks.instance(self, "extinction", Array)
+        rows = self.rows_above + self.rows_below
+        # The slices of the three kinds of light lie in one texture.
+        most = -(_LARGEST_VOLUME // 3)
+        checks.array(self, "extinction", (most, rows, 3), ("<f4",))
+        slices = self.extinction.shape[0]
+        if slices < 2:
+            checks.refuse(self, "extinction", "have two slices or more")
+        if not isinstance(self.light, GpuTexture):
+            checks.array(self, "light", (3, slices, rows, self.columns, 3), ("<f2",))
+        _check_scale(self)
+        checks.numbers(self, "aerosol_phase", 3)
+        if not abs(self.aerosol_phase[0]) < 1.0:
+            checks.refuse(self, "aerosol_phase", "begin with a g between -1 and 1")
+        checks.number(self, "reach_m", 1e-3, _LARGEST_M)
+        checks.number(self, "observer_altitude_m", 0.0, _LARGEST_M)
+        checks.number(self, "ground_radius_m", 1.0, _LARGEST_M)
+        checks.number(self, "top_altitude_m", 1.0, _LARGEST_M)
+        checks.direction(self, "sun_direction")
+
+    def check_arrays(self) -> None:
+        """Light that is finite, and air that takes light and gives none.
+
+        Raises:
+            UserError: there is none such.
+        """
+        if isinstance(self.light, Array):
+            most = _MOST_LIGHT / self.radiance_scale
+            checks.contents(self, "light", -most, most)
+        checks.contents(self, "extinction", 0.0, _MOST_EXTINCTION_PER_M)
+
 
 class AirChanged(Derived, frozen=True, kw_only=True):
     """The air in front of the scene; no volume where it would not be seen."""
@@ -431,6 +704,18 @@ class AirChanged(Derived, frozen=True, kw_only=True):
 
     volume: AirVolume | None
     source: str
+
+    def check(self) -> None:
+        """What the volume says of itself."""
+        checks.text(self, "source")
+        if self.volume is not None:
+            checks.instance(self, "volume", AirVolume)
+            self.volume.check()
+
+    def check_arrays(self) -> None:
+        """What the volume's tables hold."""
+        if self.volume is not None:
+            self.volume.check_arrays()
 
 
 class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
@@ -462,12 +747,38 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
     shape: Array
     detail: Array
 
+    def check(self) -> None:
+        """A layer with some thickness, and maps that a GPU can hold.
+
+        Raises:
+            UserError: it is none.
+        """
+        checks.number(self, "base_m", -_LARGEST_M, _LARGEST_M)
+        checks.number(self, "thickness_m", 1e-3, _LARGEST_M)
+        checks.number(self, "extinction_per_m", 0.0, _MOST_EXTINCTION_PER_M)
+        checks.number(self, "coverage", 0.0, 1.0)
+        checks.number(self, "threshold")
+        checks.number(self, "column_density", 0.0)
+        checks.numbers(self, "drift_m", 2)
+        checks.numbers(self, "phase", 3)
+        map_edge, volume_edge = -LARGEST_EDGE, -_LARGEST_VOLUME
+        checks.array(self, "weather", (map_edge,) * 2, ("<u2",))
+        checks.array(self, "shape", (volume_edge,) * 3, ("|u1",))
+        checks.array(self, "detail", (volume_edge,) * 3, ("|u1",))
+
 
 class CloudsChanged(Derived, frozen=True, kw_only=True):
     """The clouds; no layer where there are none."""
 
     layer: CloudLayer | None
     source: str
+
+    def check(self) -> None:
+        """What the layer says of itself."""
+        checks.text(self, "source")
+        if self.layer is not None:
+            checks.instance(self, "layer", CloudLayer)
+            self.layer.check()
 
 
 class AmbientChanged(Derived, frozen=True, kw_only=True):
@@ -477,3 +788,17 @@ class AmbientChanged(Derived, frozen=True, kw_only=True):
 
     irradiance_sh_rgb: Array
     source: str
+
+    def check(self) -> None:
+        """The harmonics of order 4 and below."""
+        checks.array(self, "irradiance_sh_rgb", (25, 3), ("<f4", "<f8"))
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Irradiance, which is finite."""
+        checks.contents(self, "irradiance_sh_rgb", -_MOST_LIGHT, _MOST_LIGHT)
+
+
+def _check_scale(message: BackgroundChanged | AirVolume) -> None:
+    # Below it values of 32 bits lose digits; the largest of 16 bits is 65504.
+    checks.number(message, "radiance_scale", 2.0**-126, _MOST_LIGHT)

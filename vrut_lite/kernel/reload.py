@@ -6,6 +6,7 @@ from collections.abc import Callable
 from types import ModuleType
 
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.contract import check_module_type
 from vrut_lite.kernel.module import Module
 
 _HOST_PACKAGE = "vrut_lite"
@@ -53,6 +54,7 @@ def _find_again(module_type: type[Module]) -> type[Module]:
     name = module_type.manifest.name
     if not (isinstance(found, type) and issubclass(found, Module)):
         raise UserError(f"{python_module.__name__} has no module class {module_type.__name__} now")
+    check_module_type(found)
     if found.manifest.name != name:
         raise UserError(f"module '{name}' calls itself '{found.manifest.name}' now: start again")
     return found

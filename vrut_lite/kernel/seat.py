@@ -20,6 +20,7 @@ class Seat:
     def __init__(self, module_type: type[Module], services: dict[str, Any]):
         self.module: Module | None = None
         self.link: ModuleLink | None = None
+        self._ledger = Ledger()
         self.state: State = "disabled"
         self.faults = 0
         self.last_fault: Fault | None = None
@@ -52,7 +53,7 @@ class Seat:
     @property
     def ledger(self) -> Ledger:
         """The instance's counts of work, or empty ones."""
-        return self.module.ledger if self.module is not None else Ledger()
+        return self._ledger
 
     def start(self, link: "ModuleLink") -> None:
         """Put a fresh instance with the present settings in place of any other.
@@ -61,11 +62,13 @@ class Seat:
         """
         try:
             module = self.module_type(link, self.settings, **self._services)
-        except (Exception, SystemExit):
+            ledger = _ledger_of(module)
+            link.check_storm()
+        except BaseException:
             link.alive = False
             raise
         self._cut()
-        self.module, self.link = module, link
+        self.module, self.link, self._ledger = module, link, ledger
         self.faults = 0
         self.state = "running"
 
@@ -73,8 +76,17 @@ class Seat:
         """Drop the instance; the settings stay."""
         self._cut()
         self.module = self.link = None
+        self._ledger = Ledger()
         self.state = state
 
     def _cut(self) -> None:
         if self.link is not None:
             self.link.alive = False
+
+
+def _ledger_of(module: Module) -> Ledger:
+    """An instance's counts; one that never called Module's constructor has none."""
+    ledger = getattr(module, "ledger", None)
+    if not isinstance(ledger, Ledger):
+        raise TypeError("its constructor must call super().__init__(link, settings)")
+    return ledger

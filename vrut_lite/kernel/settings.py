@@ -13,6 +13,12 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import msgspec
 
 from vrut_lite.errors import UserError
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.checks import shown
+from vrut_lite.kernel.faults import sentence_of
+
+# Of a text that is refused.
+_LONGEST_TOLD = 200
 
 
 class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
@@ -90,6 +96,26 @@ def _without_meta(hint: Any) -> tuple[Any, msgspec.Meta | None]:
     return hint.__origin__, meta
 
 
+def check_spec(spec: SettingSpec, module: str) -> None:
+    """Pass if a setting can be told, set and shown, and its default is one of its own values.
+
+    Raises:
+        UserError: it cannot, or the default is none.
+    """
+    if spec.type not in (bool, int, float, str):
+        raise UserError(
+            f"its setting {spec.name} must be of bool, int, float, str or a Literal of texts"
+        )
+    texts = (spec.help, spec.unit, spec.source, *spec.choices)
+    if not all(isinstance(text, str) for text in texts):
+        raise UserError(f"its setting {spec.name} has a unit, source or choice that is no text")
+    kept = parse(spec, module, spec.default)
+    if type(kept) is not type(spec.default) or kept != spec.default:
+        raise UserError(
+            f"its setting {spec.name} must be {spec.range_text()}, not its default {spec.default!r}"
+        )
+
+
 def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgspec.Struct:
     """The settings with one value changed.
 
@@ -101,7 +127,13 @@ def change(settings: msgspec.Struct, module: str, name: str, value: Any) -> msgs
         raise UserError(
             f"module {module} has no setting '{name}': it has {', '.join(specs) or 'none'}"
         )
-    return msgspec.structs.replace(settings, **{name: parse(specs[name], module, value)})
+    parsed = parse(specs[name], module, value)
+    try:
+        return msgspec.structs.replace(settings, **{name: parsed})
+    # A module's own settings may have a rule for several of them.
+    except BaseException as error:
+        pass_interrupt(error)
+        raise UserError(f"{name} of {module} cannot be {parsed}: {sentence_of(error)}") from None
 
 
 def carry_over(
@@ -119,11 +151,11 @@ def carry_over(
 
 def parse(spec: SettingSpec, module: str, value: Any) -> Any:
     """A value of the setting's type from a value or its text form; see `change` for errors."""
-    if spec.may_be_none and value in (None, "none"):
+    if spec.may_be_none and (value is None or (isinstance(value, str) and value == "none")):
         return None
     try:
         parsed: Any = msgspec.convert(value, spec.type, strict=False)
-    except msgspec.ValidationError:
+    except (msgspec.ValidationError, OverflowError):
         raise _refusal(spec, module, value) from None
     # A NaN passes every comparison that asks "is it too large".
     inside = not isinstance(parsed, float) or math.isfinite(parsed)
@@ -137,4 +169,8 @@ def parse(spec: SettingSpec, module: str, value: Any) -> Any:
 
 
 def _refusal(spec: SettingSpec, module: str, value: Any) -> UserError:
-    return UserError(f"{spec.name} of {module} must be {spec.range_text()}, not {value}")
+    return UserError(f"{spec.name} of {module} must be {spec.range_text()}, not {_told(value)}")
+
+
+def _told(value: Any) -> str:
+    return value[:_LONGEST_TOLD] if isinstance(value, str) else shown(value)

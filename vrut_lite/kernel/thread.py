@@ -13,7 +13,7 @@ class KernelThread:
     `on_error`, on this thread, and the pumping goes on.
     """
 
-    def __init__(self, kernel: Kernel, on_error: Callable[[Exception], None]):
+    def __init__(self, kernel: Kernel, on_error: Callable[[BaseException], None]):
         self._kernel = kernel
         self._on_error = on_error
         self._awake = threading.Event()
@@ -51,7 +51,7 @@ class KernelThread:
         while True:
             try:
                 self._kernel.pump()
-            except Exception as error:
+            except BaseException as error:
                 self._on_error(error)
             else:
                 return

@@ -9,7 +9,6 @@ from typing import Generic, Protocol, TypeVar
 
 import msgspec
 
-from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Message, SetTolerance
 
 # Where nobody says another.
@@ -76,15 +75,6 @@ def budget(tolerance: float, usual: float, share: float) -> float:
     if tolerance >= DEFAULT_TOLERANCE:
         return usual * (tolerance / DEFAULT_TOLERANCE)
     return min(usual, share * tolerance)
-
-
-def check_tolerance(message: SetTolerance) -> None:
-    """Raise UserError unless the tolerance is a number above 0, and 1 at most."""
-    # Written so that a NaN is refused too.
-    if not 0.0 < message.tolerance <= 1.0:
-        raise UserError(
-            f"the tolerance must be above 0 and 1 (100 %) at most, not {message.tolerance}"
-        )
 
 
 def tolerance_of(kernel: Remembers) -> float:

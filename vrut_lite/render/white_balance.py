@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, colour_table
+from vrut_lite.kernel.messages import HIGHEST_K, LOWEST_K
 
 # The white of sRGB itself: no balance.
 DAYLIGHT_K = 6504.0
-LOWEST_K, HIGHEST_K = 1700.0, 25000.0
 _LOCUS_START_K = 4000.0
 _SECOND_RADIATION_CONSTANT_M_K = 1.438776877e-2
 # Bradford (Lam 1985), as CIECAM97s and ICC profiles use it: XYZ to sharpened cones.

@@ -66,7 +66,7 @@ class Parrot(Module):
 
     @handles(SlotChanged)
     def on_slot(self, message):
-        self.link.post(sun_at(self.settings.volume))
+        self.link.post(sun_at(0.1 * self.settings.volume))
 
 
 class OtherSun(Parrot):
@@ -85,7 +85,7 @@ class NumberedEcho(Module):
     @handles(Echo)
     def on_echo(self, message):
         self.heard += 1
-        self.link.post(sun_at(float(self.heard)))
+        self.link.post(sun_at(1e-3 * self.heard))
 
 
 TOYS = (Parrot, NumberedEcho, OtherSun)

@@ -15,6 +15,7 @@ from vrut_lite.kernel.messages import (
     EnableModule,
     Input,
     JobResult,
+    Resize,
     SetClockRate,
     SetPlace,
     SetSetting,
@@ -178,14 +179,32 @@ def test_recording_begins_on_a_fresh_kernel():
 
 
 def test_what_cannot_be_recorded_ends_the_recording_and_not_the_session():
-    """A demand beyond all limits is told when the journal is closed; the kernel goes on."""
+    """A number that no journal holds is told when it is closed; the kernel goes on."""
     kernel = toy_kernel()
     recorder = Recorder(kernel, io.BytesIO())
-    kernel.inject(Demand(consumer="c", message="Echo", size=10**7))
+    kernel.inject(Demand(consumer="c", message="Echo", size=10**30))
     kernel.inject(Poke(value=0.5))
     assert kernel.pump() == 2
-    with pytest.raises(UserError, match="could not be recorded at a Demand: Demand: size 10000000"):
+    with pytest.raises(UserError, match="recorded at a Demand: Demand: a whole number has more"):
         recorder.close()
+
+
+def test_what_the_kernel_refuses_is_recorded_as_refused(tmp_path):
+    """A slip of the user is no end of a recording: the replay refuses it with the same words."""
+    slips = [
+        SetPlace(latitude_deg=91.0, longitude_deg=0.0),
+        Resize(width_px=0, height_px=10),
+        Demand(consumer="c", message="Echo", size=10**9),
+        SetSetting(module="parrot", name="volume", value=[1]),
+        Tick(elapsed_s=float("nan")),
+    ]
+    path = saved(tmp_path, record_inputs([*slips, Poke(value=0.5)]))
+    assert replayed(path)[1].difference is None
+    said = [e.message["error"] for e in Journal(path).entries() if e.type_name == "Fault"]
+    assert [text[:24] for text in said[:5]] == [
+        "latitude_deg of a place ", "width_px of Resize must ", "size of Demand must be a",
+        "SetSetting: a setting's ", "a tick must be of 0 s or",
+    ]  # fmt: skip
 
 
 def test_a_full_disk_ends_the_recording_and_not_the_session():

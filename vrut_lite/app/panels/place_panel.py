@@ -21,8 +21,7 @@ from vrut_lite.app.panels.world_map import WorldMap
 from vrut_lite.app.session import Session
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.frames import enu_from_world
-from vrut_lite.kernel.messages import SetPlace, SunMoved
-from vrut_lite.kernel.places import HIGHEST_M, LOWEST_M
+from vrut_lite.kernel.messages import HIGHEST_M, LOWEST_M, SetPlace, SunMoved
 from vrut_lite.place_time import parse_place, time_zone_at
 
 # Nearer than this a place is named after a city.

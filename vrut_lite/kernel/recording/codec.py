@@ -19,8 +19,7 @@ import numpy as np
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import Message, SetSetting
-from vrut_lite.kernel.recording.limits import check_limits
+from vrut_lite.kernel.messages import Message
 from vrut_lite.kernel.recording.wire import convert
 
 SAMPLES = 32
@@ -84,7 +83,7 @@ def no_arrays(handle: Handle) -> Array:
 
 
 def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
-    """A message of this type from its plain form.
+    """A message of this type from its plain form, of the right types; see `Message.check`.
 
     Raises:
         UserError: a field is missing, unknown, of another type or out of bounds, named.
@@ -94,17 +93,11 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
             if name not in kind.__struct_fields__:
                 raise UserError(f"{kind.__name__} has no field {name!r}")
     try:
-        message = convert(from_plain(plain, find_array), kind)
+        return convert(from_plain(plain, find_array), kind)
     except UserError as error:
         raise UserError(f"{kind.__name__}: {error}") from None
     except (msgspec.ValidationError, OverflowError) as error:
         raise UserError(f"{kind.__name__}: {error}") from None
-    if isinstance(message, SetSetting) and not isinstance(
-        message.value, bool | int | float | str | None
-    ):
-        raise UserError("SetSetting: a setting's value is a number, a text, true, false or null")
-    check_limits(message)
-    return message
 
 
 def digest_of(type_name: str, plain: Any) -> str:

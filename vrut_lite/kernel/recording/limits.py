@@ -1,31 +1,6 @@
 """How large things in a journal may be: a stranger's file must not fill the memory."""
 
-from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Demand, Message, Resize
-
 FILE_BYTES = 2**30
 CHUNK_BYTES = 2**23
 MESSAGE_BYTES = 2**20
 ARRAY_BYTES = 2**28
-
-# The largest cube and the largest picture that the command line offers.
-LARGEST_DEMAND = 4096
-LARGEST_PICTURE_PX = 16384
-
-
-def check_limits(message: Message) -> None:
-    """Refuse an input whose consequences would not fit.
-
-    Raises:
-        UserError: the size it asks for is beyond what the command line offers.
-    """
-    match message:
-        case Demand(size=size) if not 0 <= size <= LARGEST_DEMAND:
-            raise UserError(f"Demand: size {size} lies outside 0 to {LARGEST_DEMAND}")
-        case Resize(width_px=width, height_px=height) if not (
-            0 < width <= LARGEST_PICTURE_PX and 0 < height <= LARGEST_PICTURE_PX
-        ):
-            raise UserError(
-                f"Resize: {width}x{height} lies outside 1x1 to "
-                f"{LARGEST_PICTURE_PX}x{LARGEST_PICTURE_PX} pixels"
-            )
