@@ -20,7 +20,7 @@ import numpy as np
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.messages import Message, SetSetting
-from vrut_lite.kernel.recording.limits import check_limits
+from vrut_lite.kernel.recording.limits import NESTING, check_limits
 from vrut_lite.kernel.recording.wire import convert
 
 SAMPLES = 32
@@ -89,6 +89,7 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
     Raises:
         UserError: a field is missing, unknown, of another type or out of bounds, named.
     """
+    check_nesting(plain)
     if isinstance(plain, dict):
         for name in plain:
             if name not in kind.__struct_fields__:
@@ -107,8 +108,23 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
     return message
 
 
+def check_nesting(plain: Any, levels: int = NESTING) -> None:
+    """Raise UserError if a plain value has lists or objects within each other for more levels."""
+    if levels < 0:
+        raise UserError(f"it nests more than {NESTING} levels deep")
+    parts = plain.values() if isinstance(plain, dict) else plain
+    for part in parts if isinstance(plain, dict | list) else ():
+        if isinstance(part, dict | list):
+            check_nesting(part, levels - 1)
+
+
 def digest_of(type_name: str, plain: Any) -> str:
-    """Hexadecimal BLAKE2b-128 of a plain message; its arrays count by their own digests."""
+    """Hexadecimal BLAKE2b-128 of a plain message; its arrays count by their own digests.
+
+    Raises:
+        UserError: it nests too deep for a journal.
+    """
+    check_nesting(plain)
     body = msgspec.json.encode(_without_samples(plain), order="sorted")
     return hashlib.blake2b(type_name.encode() + b"\0" + body, digest_size=16).hexdigest()
 

@@ -1,10 +1,12 @@
 """What a journal is made of."""
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 
 Kind = Literal["input", "derived"]
+# A restored kernel is asked each of them; no session has more than some dozens.
+_MOST = msgspec.Meta(max_length=1024)
 
 
 class Entry(msgspec.Struct, frozen=True, kw_only=True):
@@ -35,6 +37,6 @@ class Setup(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     The modules in load order, who held which slot, and who wanted what (plain `Demand`s).
     """
 
-    modules: list[ModuleSetup]
-    slots: dict[str, str]
-    demands: list[dict[str, Any]] = []
+    modules: Annotated[list[ModuleSetup], _MOST]
+    slots: Annotated[dict[str, str], _MOST]
+    demands: Annotated[list[dict[str, Any]], _MOST] = []

@@ -6,7 +6,15 @@ from vrut_lite.kernel.messages import Demand, Message, Resize
 FILE_BYTES = 2**30
 CHUNK_BYTES = 2**23
 MESSAGE_BYTES = 2**20
+METADATA_BYTES = 2**20
 ARRAY_BYTES = 2**28
+
+# Records in a file, and types of messages: each costs time and some memory, however short.
+RECORDS = 2**17
+# Lists in lists: whoever walks through a message calls itself for each level.
+NESTING = 64
+# What a byte of JSON may become as Python's objects: '{"":0},' becomes some 200 bytes.
+DECODED_PER_BYTE = 32
 
 # The largest cube and the largest picture that the command line offers.
 LARGEST_DEMAND = 4096

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.dispatch import HOST
 from vrut_lite.kernel.messages import Input, Message
@@ -33,8 +34,11 @@ class Observer:
 
 
 def entry_of(kind: Kind, message: Message, sender: str) -> Entry:
-    """The entry of a message."""
-    name, plain = type(message).__name__, to_plain(message)
-    return Entry(
-        kind=kind, type_name=name, sender=sender, digest=digest_of(name, plain), message=plain
-    )
+    """The entry of a message; UserError if it has no plain form."""
+    name = type(message).__name__
+    try:
+        plain = to_plain(message)
+        digest = digest_of(name, plain)
+    except (UserError, RecursionError, ValueError) as error:
+        raise UserError(f"a {name} of {sender} cannot be written down: {error}") from None
+    return Entry(kind=kind, type_name=name, sender=sender, digest=digest, message=plain)

@@ -1,19 +1,19 @@
 """Replays a journal: the same inputs by the same way, and every answer compared."""
 
 from collections.abc import Iterable, Iterator
-from itertools import zip_longest
+from itertools import chain, groupby, zip_longest
 from typing import BinaryIO
 
 import msgspec
 
-from vrut_lite.errors import UserError
+from vrut_lite.errors import UserError, one_line
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.recording.codec import decode
-from vrut_lite.kernel.recording.comparison import entry_difference
+from vrut_lite.kernel.recording.comparison import Difference, entry_difference
 from vrut_lite.kernel.recording.entry import Entry
 from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.observer import Observer, entry_of
@@ -22,7 +22,9 @@ from vrut_lite.kernel.recording.registry import Registry
 from vrut_lite.kernel.recording.setup import Services, restore_setup
 from vrut_lite.kernel.recording.signature import differences, signature_of
 
-Transaction = list[Entry]
+_LONGEST_PHRASE = 800
+# An input and what came of it: read one by one, for a journal's may be of any length.
+Transaction = Iterator[Entry]
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,28 +71,29 @@ class Replay:
         Raises:
             UserError: the journal holds an input that this version does not know or refuses.
         """
-        heard: Transaction = []
+        heard: list[Entry] = []
         observer = Observer(self.kernel, lambda *seen: heard.append(entry_of(*seen)))
         try:
             return self._run(heard, to_the_end)
         finally:
             observer.close()
 
-    def _run(self, heard: Transaction, to_the_end: bool) -> Outcome:
+    def _run(self, heard: list[Entry], to_the_end: bool) -> Outcome:
         unequal = self._signature_differences()
         inputs = messages = 0
         difference: str | None = None
         for there in transactions(self._journal.entries()):
-            self._feed(there[0], inputs + messages)
-            found = self._first_difference(there, heard, bool(unequal))
+            first = next(there)
+            self._feed(first, inputs + messages)
+            count, found = self._compare(chain([first], there), heard, bool(unequal))
             if difference is None and found is not None:
                 offset, phrase = found
                 difference = (
                     f"message {inputs + messages + offset}, after input {inputs} "
-                    f"({there[0].type_name}), {phrase}"
+                    f"({first.type_name}), {one_line(phrase, _LONGEST_PHRASE)}"
                 )
             inputs += 1
-            messages += len(there) - 1
+            messages += count - 1
             heard.clear()
             if difference is not None and not to_the_end:
                 break
@@ -101,24 +104,32 @@ class Replay:
             difference=difference,
         )
 
-    def _first_difference(
-        self, there: Transaction, here: Transaction, by_value: bool
-    ) -> tuple[int, str] | None:
-        """Where two transactions part, counted from their input, and how."""
+    def _compare(
+        self, there: Transaction, here: list[Entry], by_value: bool
+    ) -> tuple[int, tuple[int, str] | None]:
+        """The length of a transaction there; where the two part, from their input, and how."""
+        count, found = 0, None
         for offset, (expected, actual) in enumerate(zip_longest(there, here)):
-            if actual is None:
-                return offset, f"{_title(expected)}, is in the journal and not here"
-            if expected is None:
-                return offset, f"{_title(actual)}, is here and not in the journal"
-            phrase = entry_difference(expected, actual, by_value, self._exact_digits(expected))
-            if phrase is not None:
-                return offset, f"{_title(expected)}: {phrase}"
-        return None
+            count += expected is not None
+            if found is None and (phrase := self._difference(expected, actual, by_value)):
+                found = offset, phrase
+        return count, found
+
+    def _difference(
+        self, expected: Entry | None, actual: Entry | None, by_value: bool
+    ) -> Difference:
+        if expected is not None and actual is not None:
+            exact = self._exact_digits(expected)
+            phrase = entry_difference(expected, actual, by_value, exact)
+            return phrase and f"{_title(expected)}: {phrase}"
+        if expected is not None:
+            return f"{_title(expected)}, is in the journal and not here"
+        return None if actual is None else f"{_title(actual)}, is here and not in the journal"
 
     def _exact_digits(self, entry: Entry) -> bool:
         """Whether who said it, or whose job it was, gives the same digits in every run."""
         of_job = entry.type_name == JobResult.__name__
-        seat = self.kernel.seats.get(str(entry.message["module"]) if of_job else entry.sender)
+        seat = self.kernel.seats.get(str(entry.message.get("module")) if of_job else entry.sender)
         return seat is None or seat.manifest.exact_digits
 
     def _signature_differences(self) -> list[str]:
@@ -166,21 +177,21 @@ def rerecord(
 
 
 def transactions(entries: Iterable[Entry]) -> Iterator[Transaction]:
-    """Entries in groups that each begin with an input.
+    """Entries in groups that each begin with an input; the next ends the one before.
 
     Raises:
         UserError: the first entry is no input.
     """
-    group: Transaction = []
-    for entry in entries:
-        if entry.kind == "input" and group:
-            yield group
-            group = []
-        if not group and entry.kind != "input":
+    inputs = 0
+
+    def number(entry: Entry) -> int:
+        nonlocal inputs
+        inputs += entry.kind == "input"
+        if inputs == 0:
             raise UserError(f"the journal begins with a {entry.type_name}, which is no input")
-        group.append(entry)
-    if group:
-        yield group
+        return inputs
+
+    return (group for _, group in groupby(entries, number))
 
 
 def _title(entry: Entry) -> str:
