@@ -166,6 +166,8 @@ def _change_somewhere(place, dice):
 
 
 def _change_facts(parts, dice):
+    if not parts.facts:
+        return
     name = dice.choice(list(parts.facts))
     content = {name: msgspec.json.decode(parts.facts[name])}
     _change_somewhere(content, dice)
@@ -174,7 +176,9 @@ def _change_facts(parts, dice):
 
 
 def _change_demands(parts, dice):
-    setup = msgspec.json.decode(parts.facts["setup"])
+    setup = msgspec.json.decode(parts.facts.get("setup", "{}"))
+    if not isinstance(setup, dict):
+        return
     wish = {"consumer": "c", "message": "SunMoved", "size": 1, "encoding": ""}
     wishes = [wish | {"consumer": f"c{i}"} for i in range(dice.choice([1, 100, 5000]))]
     _change_somewhere(wishes, dice)
@@ -217,7 +221,7 @@ def _change_arrays(parts, dice):
 
 def _invent_message(parts, dice):
     """A message of some type that is known; most of its fields fit, and say what nobody would."""
-    kind = dice.choice(list(REGISTRY.inputs()) + [Fault, JobResult, Echo])
+    kind = dice.choice([*REGISTRY.inputs(), Fault, JobResult, Echo])
     hints = get_type_hints(kind)
     fields = {
         name: dice.choice(LIKELY_VALUES.get(hints[name], ABSURD_VALUES))

@@ -7,7 +7,7 @@ import zstandard
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.recording.journal_writer import METADATA as JOURNAL
-from vrut_lite.kernel.recording.limits import CHUNK_BYTES, METADATA_BYTES, RECORDS
+from vrut_lite.kernel.recording.limits import ARRAY_BYTES, CHUNK_BYTES, METADATA_BYTES, RECORDS
 from vrut_lite.kernel.recording.mcap_records import (
     ATTACHMENT,
     CHUNK,
@@ -43,6 +43,11 @@ class Contents(NamedTuple):
     def message_bytes(self) -> int:
         """What all messages unpack to."""
         return sum(chunk.size for chunk in self.chunks)
+
+    @property
+    def array_bytes(self) -> int:
+        """What all arrays unpack to, each once."""
+        return sum(array.size for array in self.arrays.values())
 
 
 def read_contents(section: memoryview) -> Contents:
@@ -90,7 +95,10 @@ def _note_array(arrays: dict[str, Packed], fields: Fields) -> None:
     data = fields.part(fields.number(8))
     if digest in arrays:
         raise UserError(f"the array {digest} is there twice")
-    arrays[digest] = Packed(data, zstandard.frame_content_size(data))
+    size = zstandard.frame_content_size(data)
+    if not 0 <= size <= ARRAY_BYTES:
+        raise UserError(f"the array {digest} is larger than {ARRAY_BYTES} bytes")
+    arrays[digest] = Packed(data, size)
 
 
 def _note_facts(facts: dict[str, str], fields: Fields) -> None:

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 Kind = Literal["input", "derived"]
+_Name = Annotated[str, msgspec.Meta(max_length=200)]
 # A restored kernel is asked each of them; no session has more than some dozens.
 _MOST = msgspec.Meta(max_length=1024)
 
@@ -25,9 +26,9 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
 class ModuleSetup(msgspec.Struct, frozen=True, kw_only=True):
     """A module as it was when the recording began."""
 
-    name: str
-    version: str
-    state: str
+    name: _Name
+    version: _Name
+    state: _Name
     settings: dict[str, Any]
 
 

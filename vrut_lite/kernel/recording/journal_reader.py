@@ -17,7 +17,13 @@ from vrut_lite.kernel.recording.contents import Contents, read_contents
 from vrut_lite.kernel.recording.entry import Entry, Kind, Setup
 from vrut_lite.kernel.recording.integrity import checked_section
 from vrut_lite.kernel.recording.journal_writer import FORMAT
-from vrut_lite.kernel.recording.limits import FILE_BYTES, MESSAGE_BYTES, RECORDS
+from vrut_lite.kernel.recording.limits import (
+    FILE_BYTES,
+    MESSAGE_BYTES,
+    MOST_PACKED_RATIO,
+    MOST_UNPACKED_BYTES,
+    RECORDS,
+)
 from vrut_lite.kernel.recording.mcap_records import CHANNEL, MESSAGE, SCHEMA, Fields, records
 from vrut_lite.kernel.recording.signature import Signature
 from vrut_lite.kernel.recording.stored_arrays import StoredArrays
@@ -63,15 +69,14 @@ class Journal:
             facts = contents.facts
             if facts.get("format") != FORMAT:
                 raise UserError(f"its format is not {FORMAT}, the one that this version reads")
-            most_bytes = memory_limit_bytes() - len(data)
-            _check_sizes(contents, most_bytes)
+            _check_sizes(len(data), contents)
             self.full = _from_json(facts.get("full", ""), bool)
             self.signature = _from_json(facts.get("signature", ""), Signature)
             self.setup = _from_json(facts.get("setup", ""), Setup)
             check_nesting(msgspec.to_builtins(self.setup))
         self.message_bytes = contents.message_bytes
         self._chunks = contents.chunks
-        self._arrays = StoredArrays(contents.arrays, most_bytes)
+        self._arrays = StoredArrays(contents.arrays)
 
     def entries(self) -> Iterator[Entry]:
         """The entries, in the order they were written; timestamps play no part."""
@@ -94,7 +99,7 @@ class Journal:
         """The array of a handle, its content compared with its digest.
 
         Raises:
-            UserError: the journal does not hold it, holds another, or it takes too much memory.
+            UserError: the journal does not hold it, or holds another.
         """
         with self._reading():
             return self._arrays.find(handle)
@@ -123,11 +128,18 @@ class Journal:
             raise UserError(f"cannot read the journal {self.path}: {reason}") from None
 
 
-def _check_sizes(contents: Contents, most_bytes: int) -> None:
-    if contents.message_bytes > most_bytes:
+def _check_sizes(file_bytes: int, contents: Contents) -> None:
+    if contents.message_bytes > MOST_UNPACKED_BYTES + MOST_PACKED_RATIO * file_bytes:
         raise UserError(
-            f"its messages unpack to {contents.message_bytes >> 20} MiB, more than {VARIABLE} "
-            f"leaves for them ({max(most_bytes, 0) >> 20} MiB): set it higher if you trust the file"
+            f"its messages unpack to {contents.message_bytes >> 20} MiB, more than "
+            f"{MOST_PACKED_RATIO} times what it takes: no session does"
+        )
+    size_bytes = file_bytes + contents.message_bytes + contents.array_bytes
+    most_bytes = memory_limit_bytes()
+    if size_bytes > most_bytes:
+        raise UserError(
+            f"the file, its messages and its arrays unpacked are {size_bytes >> 20} MiB, and "
+            f"{most_bytes >> 20} MiB is the limit: set {VARIABLE} higher if you trust it"
         )
 
 

@@ -7,6 +7,10 @@ FILE_BYTES = 2**30
 CHUNK_BYTES = 2**23
 MESSAGE_BYTES = 2**20
 METADATA_BYTES = 2**20
+# Messages of sessions unpack to some 10 to 50 times what they take; they are read one by one, so
+# that this bounds the time that a small file can cost.
+MOST_PACKED_RATIO = 200
+MOST_UNPACKED_BYTES = 2**24
 ARRAY_BYTES = 2**28
 
 # Records in a file, and types of messages: each costs time and some memory, however short.

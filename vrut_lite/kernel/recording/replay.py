@@ -62,7 +62,10 @@ class Replay:
         self._journal = journal
         self._runner = HeldRunner()
         self.kernel = Kernel(runner=self._runner)
-        restore_setup(self.kernel, journal.setup, known, services or {})
+        try:
+            restore_setup(self.kernel, journal.setup, known, services or {})
+        except UserError as error:
+            raise UserError(f"cannot replay the journal {journal.path}: {error}") from None
         self._registry = Registry(seat.module_type for seat in self.kernel.seats.values())
 
     def run(self, to_the_end: bool = False) -> Outcome:

@@ -2,8 +2,6 @@
 
 import math
 import re
-import weakref
-from collections import deque
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,63 +10,41 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.recording.codec import Handle, no_arrays
 from vrut_lite.kernel.recording.contents import Packed
-from vrut_lite.kernel.recording.limits import ARRAY_BYTES
 
 _DTYPE = re.compile(r"[<>|][biuf][0-9]{1,2}")
 _MOST_DIMENSIONS = 32
 
 
 class StoredArrays:
-    """Finds arrays by their handles; those in use at a time take so many bytes at most."""
+    """Finds arrays by their handles."""
 
-    def __init__(self, packed: Mapping[str, Packed], most_bytes: int):
+    def __init__(self, packed: Mapping[str, Packed]):
         self._packed = packed
-        self._most_bytes = most_bytes
-        self._in_use: weakref.WeakValueDictionary[str, Array] = weakref.WeakValueDictionary()
-        self._taken_bytes = 0
-        # Appended to by finalizers, on any thread and at any moment.
-        self._freed_bytes: deque[int] = deque()
+        self._unpacked: dict[str, Array] = {}
 
     def find(self, handle: Handle) -> Array:
         """The array of a handle, its content compared with its digest.
 
         Raises:
-            UserError: it is not stored, is another than the handle says, or takes too much.
+            UserError: it is not stored, or is another than the handle says.
             ValueError, TypeError, zstandard.ZstdError: it is damaged.
         """
         digest = str(handle["$array"])
         if digest not in self._packed:
             return no_arrays(handle)
         dtype, shape = _layout(handle)
-        array = self._in_use.get(digest)
-        if array is None:
-            array = self._unpack(digest, dtype, shape)
-            self._in_use[digest] = array
+        if digest not in self._unpacked:
+            self._unpacked[digest] = self._unpack(digest, dtype, shape)
+        array = self._unpacked[digest]
         if (array.digest, array.dtype, array.shape) != (digest, dtype, shape):
             raise UserError(f"the array {digest} has another content than its name says")
         return array
 
     def _unpack(self, digest: str, dtype: np.dtype, shape: tuple[int, ...]) -> Array:
         packed = self._packed[digest]
-        if not 0 <= packed.size <= ARRAY_BYTES:
-            raise UserError(f"an array is larger than {ARRAY_BYTES} bytes")
         if packed.size != dtype.itemsize * math.prod(shape):
             raise UserError(f"the array {digest} does not fill its shape")
-        self._take(packed.size)
-        values = np.frombuffer(packed.unpack(), dtype)
-        # A module may keep the numbers and not the `Array`; views keep these alive.
-        weakref.finalize(values, self._freed_bytes.append, packed.size).atexit = False
-        return Array(values.reshape(shape))
-
-    def _take(self, size_bytes: int) -> None:
-        while self._freed_bytes:
-            self._taken_bytes -= self._freed_bytes.popleft()
-        if self._taken_bytes + size_bytes > self._most_bytes:
-            raise UserError(
-                f"its arrays take more than the {self._most_bytes >> 20} MiB that are left for "
-                "them: set VRUT_LITE_MEMORY_GIB higher if you trust it"
-            )
-        self._taken_bytes += size_bytes
+        return Array(np.frombuffer(packed.unpack(), dtype).reshape(shape))
 
 
 def _layout(handle: Handle) -> tuple[np.dtype, tuple[int, ...]]:
