@@ -95,7 +95,10 @@ def _note_array(arrays: dict[str, Packed], fields: Fields) -> None:
     data = fields.part(fields.number(8))
     if digest in arrays:
         raise UserError(f"the array {digest} is there twice")
-    size = zstandard.frame_content_size(data)
+    try:
+        size = zstandard.frame_content_size(data)
+    except zstandard.ZstdError:
+        raise UserError(f"the array {digest} is damaged") from None
     if not 0 <= size <= ARRAY_BYTES:
         raise UserError(f"the array {digest} is larger than {ARRAY_BYTES} bytes")
     arrays[digest] = Packed(data, size)

@@ -34,7 +34,8 @@ T = TypeVar("T")
 Topic = tuple[Kind, str]
 
 _TOPIC = re.compile(r"/(input|derived)/(\w{1,100})")
-_MESSAGE_HEAD = struct.Struct("<HIQQ")
+# Channel, number, and two times.
+_MESSAGE_HEAD_BYTES = 2 + 4 + 8 + 8
 _READING_ERRORS = (
     ValueError,
     TypeError,
@@ -156,11 +157,11 @@ def _note_channel(topics: dict[int, Topic | None], fields: Fields) -> None:
 
 
 def _entry(topics: dict[int, Topic | None], content: memoryview, number: int) -> Entry:
-    topic = topics.get(_MESSAGE_HEAD.unpack_from(content)[0])
+    topic = topics.get(Fields(content).number(2))
     if topic is None:
         raise UserError(f"message {number} is on no known channel")
     kind, type_name = topic
-    data = content[_MESSAGE_HEAD.size :]
+    data = content[_MESSAGE_HEAD_BYTES:]
     if len(data) > MESSAGE_BYTES:
         raise UserError(f"message {number} is larger than {MESSAGE_BYTES} bytes")
     try:
