@@ -1,6 +1,7 @@
 """What a stranger's journal may cost: sizes are counted first, and each thing is read once."""
 
 import gc
+import io
 import random
 import tracemalloc
 
@@ -10,15 +11,19 @@ import pytest
 import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from journal_toys import TOYS, Poke, record_inputs
+from journal_toys import TOYS, Poke, record_inputs, toy_kernel
 from mangling import Parts, forged, nested, opened, sealed
 
 from vrut_lite.app.message_rows import open_journal
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
+from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.recording import limits
+from vrut_lite.kernel.recording.entry import Setup
 from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.recording.journal_writer import JournalWriter
 from vrut_lite.kernel.recording.lines import dump_lines, read_inputs
+from vrut_lite.kernel.recording.recorder import Recorder
 from vrut_lite.kernel.recording.registry import Registry
 from vrut_lite.kernel.recording.replay import Replay, transactions
 
@@ -205,7 +210,7 @@ WISH = {"consumer": "c", "message": "Echo", "size": 1, "encoding": ""}
         (changed_setup(demands=[WISH | {"consumer": nested(1, 300)}]), "nests more than 64"),
         (changed_setup(demands=[{"size": 1}]), "cannot replay the journal .*: Demand: "),
         (changed_setup(modules=[]), "cannot replay the journal|no module"),
-        (FACTS | {"more": "x" * MIB}, "its facts take more than"),
+        (FACTS | {"more": "x" * limits.METADATA_BYTES}, "its facts take more than"),
         (FACTS | {"setup": "[" * 50_000}, "cannot read the journal"),
         ({}, "its format is not 1"),
     ],
@@ -287,3 +292,23 @@ def test_inputs_of_a_file_are_bounded_together(tmp_path, monkeypatch):
     monkeypatch.setenv("VRUT_LITE_MEMORY_GIB", "0.001")
     with pytest.raises(UserError, match=r"line 7.*: these inputs take more memory than they may"):
         read_inputs(script, Registry(TOYS))
+
+
+def test_a_recording_that_could_not_be_read_is_refused_at_its_beginning():
+    """Who asks for more than a setup may hold is told before the session, not after it."""
+    setup = msgspec.json.decode(FACTS["setup"], type=Setup)
+    crowded = msgspec.structs.replace(setup, demands=[WISH] * 1025)
+    with pytest.raises(UserError, match="cannot be recorded as it began"):
+        JournalWriter(io.BytesIO(), {}, crowded)
+    with pytest.raises(UserError, match="too many for a journal"):
+        JournalWriter(io.BytesIO(), {"machine": "x" * limits.METADATA_BYTES}, setup)
+
+
+def test_a_message_too_deep_for_a_reader_ends_the_recording():
+    """The session goes on; what a journal could not give back is told when it is closed."""
+    kernel = toy_kernel()
+    recorder = Recorder(kernel, io.BytesIO())
+    kernel.inject(JobResult(module="parrot", job="other", value=nested(1, 90)))
+    kernel.pump()
+    with pytest.raises(UserError, match=r"could not be recorded at a JobResult: .*nests more than"):
+        recorder.close()

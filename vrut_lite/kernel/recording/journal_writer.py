@@ -23,6 +23,8 @@ PROFILE = "vrut_lite"
 METADATA = "journal"
 
 _TEXT = {"type": "string"}
+# Names and lengths beside the facts themselves, and some more.
+_METADATA_HEAD_BYTES = 1024
 
 
 class JournalWriter:
@@ -98,7 +100,7 @@ class JournalWriter:
 
 
 def _check_facts(facts: dict[str, str]) -> None:
-    if len("".join(facts.values()).encode()) > METADATA_BYTES // 2:
+    if len("".join(facts.values()).encode()) + _METADATA_HEAD_BYTES > METADATA_BYTES:
         raise UserError("the session's modules, settings and demands are too many for a journal")
     try:
         msgspec.json.decode(facts["setup"], type=Setup)

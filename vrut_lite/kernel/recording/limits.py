@@ -6,7 +6,7 @@ from vrut_lite.kernel.messages import Demand, Message, Resize
 FILE_BYTES = 2**30
 CHUNK_BYTES = 2**23
 MESSAGE_BYTES = 2**20
-METADATA_BYTES = 2**20
+METADATA_BYTES = 2**23
 # Messages of sessions unpack to some 10 to 50 times what they take; they are read one by one, so
 # that this bounds the time that a small file can cost.
 MOST_PACKED_RATIO = 200
