@@ -3,11 +3,13 @@
 from collections import deque
 from collections.abc import Iterator
 from datetime import datetime
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
 
+from vrut_lite.errors import UserError
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
@@ -15,10 +17,14 @@ from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.kernel.recording.entry import Entry as JournalEntry
 from vrut_lite.kernel.recording.journal_reader import Journal
+from vrut_lite.kernel.recording.limits import DECODED_PER_BYTE
 from vrut_lite.kernel.trace import Entry
+from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
 
 _MOST_WAITING = 4096
 _LONGEST_TEXT = 160
+_MOST_FIELDS = 64
+_AND_MORE = "\N{HORIZONTAL ELLIPSIS}"
 Fields = tuple[tuple[str, str], ...]
 
 
@@ -87,7 +93,7 @@ class MessageWatch:
 def _fields_of(message: Message) -> Fields:
     """What a message says, in words; a job's result may be anything, also what has no end."""
     try:
-        return tuple(_fields("", msgspec.structs.asdict(message)))
+        return _first_fields(message)
     except BaseException as error:
         pass_interrupt(error)
         return (("", f"cannot be shown: {sentence_of(error)}"),)
@@ -113,9 +119,15 @@ def open_journal(path: str | Path) -> OpenJournal:
     """The messages of a journal, numbered from 1; what led to each is its transaction's input.
 
     Raises:
-        UserError: the file cannot be read.
+        UserError: the file cannot be read, or a list of its messages would take too much memory.
     """
     opened = OpenJournal(Journal(path), [], {})
+    if opened.journal.message_bytes > memory_limit_bytes() // DECODED_PER_BYTE:
+        raise UserError(
+            f"the messages of {path} are too many for a list "
+            f"({opened.journal.message_bytes >> 20} MiB): look at them with `vrut-lite dump`, or "
+            f"set {VARIABLE} higher"
+        )
     rows = opened.rows
     cause = 0
     for number, entry in enumerate(opened.journal.entries(), 1):
@@ -131,11 +143,17 @@ def open_journal(path: str | Path) -> OpenJournal:
                 is_input=is_input,
                 receivers=(),
                 ms=None,
-                fields=tuple(_fields("", entry.message)),
+                fields=_first_fields(entry.message),
             )
         )
         cause = number if is_input else cause
     return opened
+
+
+def _first_fields(value: Any) -> Fields:
+    """The fields of a message; of very many the first ones, and that there are more."""
+    fields = tuple(islice(_fields("", value), _MOST_FIELDS + 1))
+    return fields if len(fields) <= _MOST_FIELDS else (*fields[:-1], (_AND_MORE, _AND_MORE))
 
 
 def _fields(path: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -146,7 +164,7 @@ def _fields(path: str, value: Any) -> Iterator[tuple[str, str]]:
         for name, part in value.items():
             yield from _fields(f"{path}.{name}" if path else str(name), part)
     else:
-        yield path, value_text(value)
+        yield path[-_LONGEST_TEXT:], value_text(value)
 
 
 def value_text(value: Any) -> str:
@@ -154,7 +172,7 @@ def value_text(value: Any) -> str:
     match value:
         case Array():
             text = f"{value.dtype} {value.shape}"
-        case {"$array": _, "dtype": dtype, "shape": shape}:
+        case {"$array": _, "dtype": str(dtype), "shape": list(shape)}:
             text = f"{dtype} {tuple(shape)}"
         case float():
             text = f"{value:.6g}"
@@ -164,4 +182,4 @@ def value_text(value: Any) -> str:
             text = ", ".join(value_text(part) for part in value)
         case _:
             text = " ".join(str(value).split())
-    return text if len(text) <= _LONGEST_TEXT else text[:_LONGEST_TEXT] + "\N{HORIZONTAL ELLIPSIS}"
+    return text if len(text) <= _LONGEST_TEXT else text[:_LONGEST_TEXT] + _AND_MORE

@@ -5,7 +5,7 @@ import json
 import click
 
 from vrut_lite.commands.headless_scene import modules_for
-from vrut_lite.errors import ModuleFailed
+from vrut_lite.errors import ModuleFailed, one_line
 from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.replay import Outcome, Replay
 from vrut_lite.kernel.trace import export_chrome
@@ -36,12 +36,17 @@ def replay(journal: str, check: bool, trace: str | None) -> None:
     if trace is not None:
         _write_trace(rerun, trace)
     if outcome.difference is None:
-        click.echo(f"{journal}: {_counts(outcome)} are equal, {_comparison(outcome)}")
+        _say(f"{journal}: {_counts(outcome)} are equal, {_comparison(outcome)}")
     elif check:
         raise ModuleFailed(f"{journal}: {outcome.difference} ({_comparison(outcome)})")
     else:
-        click.echo(f"{journal}: {_counts(outcome)} replayed; the first that differs: "
-                   f"{outcome.difference} ({_comparison(outcome)})")  # fmt: skip
+        _say(f"{journal}: {_counts(outcome)} replayed; the first that differs: "
+             f"{outcome.difference} ({_comparison(outcome)})")  # fmt: skip
+
+
+def _say(sentence: str) -> None:
+    """Print what may quote a stranger's journal."""
+    click.echo(one_line(sentence, 2000))
 
 
 def _write_trace(rerun: Replay, path: str) -> None:

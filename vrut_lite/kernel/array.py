@@ -41,10 +41,10 @@ class Array:
     @cached_property
     def digest(self) -> str:
         """Hexadecimal BLAKE2b-128 of element type, shape and bytes; computed when first asked."""
-        header = f"{self.dtype.str}{self.shape}".encode()
-        return hashlib.blake2b(
-            header + np.ascontiguousarray(self.values).tobytes(), digest_size=16
-        ).hexdigest()
+        digest = hashlib.blake2b(f"{self.dtype.str}{self.shape}".encode(), digest_size=16)
+        # As bytes and not copied: arrays may be large.
+        digest.update(np.ascontiguousarray(self.values).reshape(-1).view(np.uint8).data)
+        return digest.hexdigest()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Array) and self.digest == other.digest

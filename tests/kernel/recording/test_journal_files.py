@@ -10,16 +10,27 @@ import numpy as np
 import pytest
 import zstandard
 from journal_toys import TOYS, Poke, record_inputs
-from mangling import flip, forge_bytes, forge_content, truncate
+from mangling import (
+    flip,
+    forge_bytes,
+    forge_content,
+    forge_records,
+    forged,
+    opened,
+    truncate,
+)
 from mcap.writer import CompressionType, Writer
 
+from vrut_lite.app.message_rows import open_journal
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.kernel.recording import limits
 from vrut_lite.kernel.recording.entry import Setup
 from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.journal_writer import FORMAT, METADATA
-from vrut_lite.kernel.recording.replay import Replay
+from vrut_lite.kernel.recording.lines import dump_lines, read_inputs
+from vrut_lite.kernel.recording.registry import Registry
+from vrut_lite.kernel.recording.replay import Replay, rerecord
 
 SCRIPT = [
     Poke(value=0.3),
@@ -95,7 +106,10 @@ def test_an_array_that_was_exchanged_is_refused(saved, full):
     journal.array(handles[0])
     first = handles[0]["$array"]
     other = next(h["$array"] for h in handles if h["shape"] == [100] and h["$array"] != first)
-    journal._arrays[first] = journal._arrays[other]
+    parts = opened(full)
+    contents = dict(parts.arrays)
+    parts.arrays = list((contents | {first: contents[other]}).items())
+    journal = Journal(saved(forged(parts)))
     with pytest.raises(UserError, match="another content than its name says"):
         journal.array(handles[0])
 
@@ -167,13 +181,13 @@ def test_a_message_that_is_none(saved, data, says):
 
 
 def test_a_chunk_that_unpacks_to_gigabytes(saved, monkeypatch):
-    """zstandard allocates what a frame claims: the claim is read first."""
+    """zstandard allocates what a frame claims: the claim is compared with what is said of it."""
     bomb = zstandard.compress(bytes(limits.CHUNK_BYTES + 1))
     assert len(bomb) < 2_000
     monkeypatch.setattr("mcap.writer.zstandard.compress", lambda data: bomb)
     journal = Journal(saved(written()))
     monkeypatch.undo()
-    with pytest.raises(UserError, match="a chunk is larger"):
+    with pytest.raises(UserError, match="another size than is said of it"):
         list(journal.entries())
 
 
@@ -186,6 +200,30 @@ def attempt(path):
     return "equal" if outcome.difference is None else "differs"
 
 
+def attempt_all(path):
+    """What else reads journals: each reads it, or refuses it in a sentence that can be shown."""
+    for read in (
+        lambda: Replay(Journal(path), TOYS).run(to_the_end=True).difference or "",
+        lambda: rerecord(Journal(path), io.BytesIO(), TOYS).difference or "",
+        lambda: "".join(str(len(row.fields)) for row in open_journal(path).rows),
+        lambda: dump_and_read(path),
+    ):
+        try:
+            said = read()
+        except UserError as error:
+            said = str(error)
+        assert said.isprintable()
+        assert len(said) < 3000
+
+
+def dump_and_read(path):
+    """A journal's lines as a script of inputs."""
+    script = path.with_suffix(".jsonl")
+    script.write_text("\n".join(dump_lines(Journal(path))), encoding="utf-8")
+    read_inputs(script, Registry(TOYS))
+    return ""
+
+
 @pytest.mark.parametrize("spoil", [flip, truncate])
 def test_a_spoilt_journal_is_refused_in_one_sentence(saved, spoil, light):
     """100 each, seeded: every one is told by a checksum, before anything is decoded."""
@@ -195,7 +233,9 @@ def test_a_spoilt_journal_is_refused_in_one_sentence(saved, spoil, light):
         assert "\n" not in said
 
 
-@pytest.mark.parametrize(("forgery", "count"), [(forge_bytes, 100), (forge_content, 200)])
+@pytest.mark.parametrize(
+    ("forgery", "count"), [(forge_bytes, 100), (forge_content, 200), (forge_records, 100)]
+)
 def test_a_forged_journal_is_refused_or_replayed(saved, full, forgery, count):
     """With checksums and digests mended: a sentence or a comparison, and no great memory."""
     before_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -204,3 +244,9 @@ def test_a_forged_journal_is_refused_or_replayed(saved, full, forgery, count):
     assert len(set(said)) > 5
     grown_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kb
     assert grown_kb < 200_000
+
+
+def test_whoever_reads_a_forged_journal_says_one_line(saved, full):
+    """Replays to the end, new recordings, the window's list, and dumps that are played again."""
+    for seed in range(1000, 1050):
+        attempt_all(saved(forge_records(full, random.Random(seed))))

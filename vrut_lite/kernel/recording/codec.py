@@ -20,6 +20,7 @@ import numpy as np
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.messages import Message
+from vrut_lite.kernel.recording.limits import NESTING
 from vrut_lite.kernel.recording.wire import convert
 
 SAMPLES = 32
@@ -88,6 +89,7 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
     Raises:
         UserError: a field is missing, unknown, of another type or out of bounds, named.
     """
+    check_nesting(plain)
     if isinstance(plain, dict):
         for name in plain:
             if name not in kind.__struct_fields__:
@@ -100,9 +102,32 @@ def decode(kind: type[M], plain: Any, find_array: FindArray = no_arrays) -> M:
         raise UserError(f"{kind.__name__}: {error}") from None
 
 
+def check_nesting(plain: Any) -> None:
+    """Raise UserError if a plain value has lists or objects within each other for too long."""
+    containers = [plain] if isinstance(plain, dict | list) else []
+    for _ in range(NESTING):
+        containers = [
+            part
+            for container in containers
+            for part in (container.values() if type(container) is dict else container)
+            if type(part) is list or type(part) is dict
+        ]
+    if containers:
+        raise UserError(f"it nests more than {NESTING} levels deep")
+
+
 def digest_of(type_name: str, plain: Any) -> str:
-    """Hexadecimal BLAKE2b-128 of a plain message; its arrays count by their own digests."""
-    body = msgspec.json.encode(_without_samples(plain), order="sorted")
+    """Hexadecimal BLAKE2b-128 of a plain message; its arrays count by their own digests.
+
+    Raises:
+        UserError: it nests too deep for a journal.
+    """
+    body = msgspec.json.encode(plain, order="sorted")
+    # Most messages are small and without arrays; to walk through them takes ten times as long.
+    if body.count(b"[") + body.count(b"{") > NESTING:
+        check_nesting(plain)
+    if b'"$array"' in body:
+        body = msgspec.json.encode(_without_samples(plain), order="sorted")
     return hashlib.blake2b(type_name.encode() + b"\0" + body, digest_size=16).hexdigest()
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from vrut_lite.errors import one_line
 from vrut_lite.kernel.recording.entry import Entry
 
 # Eleven times what was measured between processors (docs/journals.md): a number that went
@@ -76,9 +77,9 @@ def _compare_objects(
     there: dict[str, Any], here: dict[str, Any], path: str, same: ScalarRule, arrays: ArrayRule
 ) -> Difference:
     for name in sorted(here.keys() - there.keys()):
-        return f"the journal knows no field {_join(path, name)!r}"
+        return f"the journal knows no field {_short(_join(path, name))}"
     for name in sorted(there.keys() - here.keys()):
-        return f"the journal's field {_join(path, name)!r} is unknown here"
+        return f"the journal's field {_short(_join(path, name))} is unknown here"
     found = (_compare(there[n], here[n], _join(path, n), same, arrays) for n in here)
     return next((difference for difference in found if difference), None)
 
@@ -90,7 +91,8 @@ def _compare_arrays(
         return None
     for fact in ("dtype", "shape"):
         if there.get(fact) != here.get(fact):
-            return f"{path} has {fact} {here.get(fact)} here and {there.get(fact)} in the journal"
+            said = f"{here.get(fact)} here and {there.get(fact)} in the journal"
+            return f"{path} has {fact} {one_line(said, 2 * _LONGEST_TEXT)}"
     difference = rule(_numbers(there), _numbers(here))
     return f"{path}: {difference}" if difference else None
 
@@ -163,5 +165,4 @@ def _join(path: str, name: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= _LONGEST_TEXT else text[: _LONGEST_TEXT - 3] + "..."
+    return one_line(repr(value), _LONGEST_TEXT)

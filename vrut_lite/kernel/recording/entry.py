@@ -1,10 +1,15 @@
 """What a journal is made of."""
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 
+from vrut_lite.kernel.beginning import MOST_STEPS
+
 Kind = Literal["input", "derived"]
+_Name = Annotated[str, msgspec.Meta(max_length=200)]
+# A restored kernel is asked each of them; no session has more than some dozens.
+_MOST = msgspec.Meta(max_length=1024)
 
 
 class Entry(msgspec.Struct, frozen=True, kw_only=True):
@@ -36,9 +41,9 @@ class SetupStep(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 class ModuleSetup(msgspec.Struct, frozen=True, kw_only=True):
     """A module as it was when the recording began."""
 
-    name: str
-    version: str
-    state: str
+    name: _Name
+    version: _Name
+    state: _Name
     settings: dict[str, Any]
 
 
@@ -49,7 +54,7 @@ class Setup(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     the steps that made it so. Journals of earlier versions have no steps.
     """
 
-    modules: list[ModuleSetup]
-    slots: dict[str, str]
-    demands: list[dict[str, Any]] = []
-    steps: list[SetupStep] = []
+    modules: Annotated[list[ModuleSetup], _MOST]
+    slots: Annotated[dict[str, str], _MOST]
+    demands: Annotated[list[dict[str, Any]], _MOST] = []
+    steps: Annotated[list[SetupStep], msgspec.Meta(max_length=MOST_STEPS)] = []

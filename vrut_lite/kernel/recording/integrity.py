@@ -11,8 +11,8 @@ _FOOTER = struct.Struct("<BQQQI")
 _DATA_END_OPCODE, _FOOTER_OPCODE = 0x0F, 0x02
 
 
-def check_integrity(data: bytes) -> None:
-    """Compare the checksums of the data section and of the summary (MCAP specification).
+def checked_section(data: bytes) -> memoryview:
+    """The records of the data section, after its checksum and the summary's were compared.
 
     Raises:
         UserError: the bytes are no MCAP file, cut short, or changed after writing.
@@ -33,3 +33,4 @@ def check_integrity(data: bytes) -> None:
         raise UserError("it is damaged: the checksum of its messages does not fit")
     if summary_crc != zlib.crc32(summary):
         raise UserError("it is damaged: the checksum of its summary does not fit")
+    return view[len(_MAGIC) : data_end]

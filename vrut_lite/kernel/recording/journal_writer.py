@@ -15,7 +15,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.messages import Message
 from vrut_lite.kernel.recording.entry import Entry, Kind, Setup
-from vrut_lite.kernel.recording.limits import ARRAY_BYTES, MESSAGE_BYTES
+from vrut_lite.kernel.recording.limits import ARRAY_BYTES, MESSAGE_BYTES, METADATA_BYTES
 from vrut_lite.kernel.recording.signature import Signature
 
 FORMAT = "1"
@@ -23,23 +23,28 @@ PROFILE = "vrut_lite"
 METADATA = "journal"
 
 _TEXT = {"type": "string"}
+# Names and lengths beside the facts themselves, and some more.
+_METADATA_HEAD_BYTES = 1024
 
 
 class JournalWriter:
-    """Appends entries to a binary stream; `finish` completes the file."""
+    """Appends entries to a binary stream; `finish` completes the file.
+
+    Raises:
+        UserError: what a reader would refuse is to be written.
+    """
 
     def __init__(self, stream: IO[bytes], signature: Signature, setup: Setup, full: bool = False):
         self._writer = Writer(stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
         self._writer.start(profile=PROFILE, library=f"vrut_lite journal {FORMAT}")
-        self._writer.add_metadata(
-            METADATA,
-            {
-                "format": FORMAT,
-                "full": _json_text(full),
-                "signature": _json_text(signature),
-                "setup": _json_text(setup),
-            },
-        )
+        facts = {
+            "format": FORMAT,
+            "full": _json_text(full),
+            "signature": _json_text(signature),
+            "setup": _json_text(setup),
+        }
+        _check_facts(facts)
+        self._writer.add_metadata(METADATA, facts)
         self._channels: dict[tuple[Kind, str], int] = {}
         self._arrays: set[str] = set()
         self._entries = 0
@@ -92,6 +97,15 @@ class JournalWriter:
                 f"/{entry.kind}/{entry.type_name}", "json", schema
             )
         return self._channels[place]
+
+
+def _check_facts(facts: dict[str, str]) -> None:
+    if len("".join(facts.values()).encode()) + _METADATA_HEAD_BYTES > METADATA_BYTES:
+        raise UserError("the session's modules, settings and demands are too many for a journal")
+    try:
+        msgspec.json.decode(facts["setup"], type=Setup)
+    except msgspec.ValidationError as error:
+        raise UserError(f"the session cannot be recorded as it began: {error}") from None
 
 
 def _json_text(value: Any) -> str:

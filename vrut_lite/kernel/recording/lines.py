@@ -1,8 +1,9 @@
 """Inputs and journals as JSON lines, for people and for programs that read no MCAP."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import msgspec
 
@@ -11,8 +12,13 @@ from vrut_lite.kernel.job_desk import JOBS
 from vrut_lite.kernel.messages import Input
 from vrut_lite.kernel.recording.codec import decode
 from vrut_lite.kernel.recording.journal_reader import Journal
-from vrut_lite.kernel.recording.limits import FILE_BYTES
+from vrut_lite.kernel.recording.limits import DECODED_PER_BYTE, MESSAGE_BYTES
 from vrut_lite.kernel.recording.registry import Registry
+from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
+
+# A line of a dump has some more beside its message.
+_LINE_BYTES = 2 * MESSAGE_BYTES
+_NOT_SHOWN = re.compile(r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2066-\u2069]")
 
 
 def dump_lines(journal: Journal) -> Iterator[str]:
@@ -43,24 +49,40 @@ def read_inputs(path: str | Path, registry: Registry) -> list[Input]:
         UserError: the file cannot be read, or a line holds no known input; the line is named.
     """
     file = Path(path)
+    room_bytes = memory_limit_bytes() // DECODED_PER_BYTE
+    inputs: list[Input] = []
     try:
-        if file.stat().st_size > FILE_BYTES:
-            raise UserError(f"the inputs {file} are larger than {FILE_BYTES} bytes")
-        lines = file.read_bytes().splitlines()
+        with file.open("rb") as stream:
+            for number, line in enumerate(_lines(stream), 1):
+                try:
+                    found = _input_of(line, registry)
+                    if found is not None:
+                        inputs.append(found)
+                        room_bytes -= len(line)
+                    _check_room(room_bytes)
+                except (UserError, ValueError, RecursionError) as error:
+                    raise UserError(f"{file}, line {number}: {error}") from None
     except OSError as error:
         raise UserError(f"cannot open the inputs {file}: {error.strerror or error}") from None
-    inputs = []
-    for number, line in enumerate(lines, 1):
-        try:
-            found = _input_of(line, registry)
-        except (UserError, msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-            raise UserError(f"{file}, line {number}: {error}") from None
-        if found is not None:
-            inputs.append(found)
     return inputs
 
 
+def _lines(stream: BinaryIO) -> Iterator[bytes]:
+    """The lines, none longer than one byte over the limit."""
+    return iter(lambda: stream.readline(_LINE_BYTES + 1), b"")
+
+
+def _check_room(room_bytes: int) -> None:
+    if room_bytes < 0:
+        raise UserError(
+            f"these inputs take more memory than they may: play them in parts, or set {VARIABLE} "
+            "higher"
+        )
+
+
 def _input_of(line: bytes, registry: Registry) -> Input | None:
+    if len(line) > _LINE_BYTES:
+        raise UserError(f"a line is longer than {_LINE_BYTES} bytes")
     if not line.strip():
         return None
     content = msgspec.json.decode(line)
@@ -73,4 +95,6 @@ def _input_of(line: bytes, registry: Registry) -> Input | None:
 
 
 def _line(content: dict[str, Any]) -> str:
-    return msgspec.json.encode(content).decode()
+    """The JSON, with escapes for what would steer a terminal."""
+    text = msgspec.json.encode(content).decode()
+    return _NOT_SHOWN.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)

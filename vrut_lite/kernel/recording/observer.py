@@ -46,13 +46,16 @@ class Observer:
 
 
 def entry_of(kind: Kind, message: Message, sender: str) -> Entry:
-    """The entry of a message.
+    """The entry of a message; UserError if it has no plain form.
 
     The trace of work that ran elsewhere is part of it: whether there is one makes a Fault or none.
     """
-    name, plain = type(message).__name__, to_plain(message)
-    if isinstance(message, JobResult) and sender == HOST and message.trace:
-        plain["trace"] = message.trace
-    return Entry(
-        kind=kind, type_name=name, sender=sender, digest=digest_of(name, plain), message=plain
-    )
+    name = type(message).__name__
+    try:
+        plain = to_plain(message)
+        if isinstance(message, JobResult) and sender == HOST and message.trace:
+            plain["trace"] = message.trace
+        digest = digest_of(name, plain)
+    except (UserError, RecursionError, ValueError) as error:
+        raise UserError(f"a {name} of {sender} cannot be written down: {error}") from None
+    return Entry(kind=kind, type_name=name, sender=sender, digest=digest, message=plain)

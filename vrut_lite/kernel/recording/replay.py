@@ -1,12 +1,12 @@
 """Replays a journal: the same inputs by the same way, and every answer compared."""
 
 from collections.abc import Iterable, Iterator
-from itertools import zip_longest
+from itertools import chain, groupby, zip_longest
 from typing import BinaryIO
 
 import msgspec
 
-from vrut_lite.errors import UserError
+from vrut_lite.errors import UserError, one_line
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.job_desk import JOBS
@@ -14,7 +14,7 @@ from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.recording.codec import decode
-from vrut_lite.kernel.recording.comparison import entry_difference
+from vrut_lite.kernel.recording.comparison import Difference, entry_difference
 from vrut_lite.kernel.recording.entry import Entry
 from vrut_lite.kernel.recording.journal_reader import Journal
 from vrut_lite.kernel.recording.observer import Observer, entry_of
@@ -24,7 +24,9 @@ from vrut_lite.kernel.recording.registry import Registry
 from vrut_lite.kernel.recording.setup import Services, restore_setup
 from vrut_lite.kernel.recording.signature import differences, signature_of
 
-Transaction = list[Entry]
+_LONGEST_PHRASE = 800
+# An input and what came of it: read one by one, for a journal's may be of any length.
+Transaction = Iterator[Entry]
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
@@ -63,7 +65,12 @@ class Replay:
         self._runner = HeldRunner()
         self._recipes = Recipes()
         self.kernel = Kernel(runner=self._runner)
-        restore_setup(self.kernel, journal.setup, known, services or {}, self._runner.release)
+        try:
+            restore_setup(
+                self.kernel, journal.setup, known, services or {}, self._runner.release
+            )
+        except UserError as error:
+            raise UserError(f"cannot replay the journal {journal.path}: {error}") from None
         self._registry = Registry(seat.module_type for seat in self.kernel.seats.values())
 
     def run(self, to_the_end: bool = False) -> Outcome:
@@ -72,29 +79,29 @@ class Replay:
         Raises:
             UserError: the journal holds an input that this version does not know or refuses.
         """
-        heard: Transaction = []
+        heard: list[Entry] = []
         observer = Observer(self.kernel, lambda *seen: heard.append(entry_of(*seen)))
         try:
             return self._run(heard, to_the_end)
         finally:
             observer.close()
 
-    def _run(self, heard: Transaction, to_the_end: bool) -> Outcome:
+    def _run(self, heard: list[Entry], to_the_end: bool) -> Outcome:
         unequal = self._signature_differences()
         inputs = messages = 0
         difference: str | None = None
         for there in transactions(self._journal.entries()):
-            there[0] = self._recipes.translated(self._with_sender(there[0]))
-            self._feed(there[0], inputs + messages)
-            found = self._first_difference(there, heard, bool(unequal))
+            first = self._recipes.translated(self._with_sender(next(there)))
+            self._feed(first, inputs + messages)
+            count, found = self._compare(chain([first], there), heard, bool(unequal))
             if difference is None and found is not None:
                 offset, phrase = found
                 difference = (
                     f"message {inputs + messages + offset}, after input {inputs} "
-                    f"({there[0].type_name}), {phrase}"
+                    f"({first.type_name}), {one_line(phrase, _LONGEST_PHRASE)}"
                 )
             inputs += 1
-            messages += len(there) - 1
+            messages += count - 1
             heard.clear()
             if difference is not None and not to_the_end:
                 break
@@ -105,21 +112,30 @@ class Replay:
             difference=difference,
         )
 
-    def _first_difference(
-        self, there: Transaction, here: Transaction, by_value: bool
-    ) -> tuple[int, str] | None:
-        """Where two transactions part, counted from their input, and how."""
+    def _compare(
+        self, there: Transaction, here: list[Entry], by_value: bool
+    ) -> tuple[int, tuple[int, str] | None]:
+        """The length of a transaction there; where the two part, from their input, and how."""
+        count, found = 0, None
         for offset, (expected, actual) in enumerate(zip_longest(there, here)):
-            if actual is None:
-                return offset, f"{_title(expected)}, is in the journal and not here"
-            if expected is None:
-                return offset, f"{_title(actual)}, is here and not in the journal"
+            count += expected is not None
+            if found is None and (phrase := self._difference(expected, actual, by_value)):
+                found = offset, phrase
+        return count, found
+
+    def _difference(
+        self, expected: Entry | None, actual: Entry | None, by_value: bool
+    ) -> Difference:
+        if expected is not None and actual is not None:
+            exact = self._exact_digits(expected)
             translated = self._recipes.translated(expected)
-            phrase = entry_difference(translated, actual, by_value, self._exact_digits(expected))
-            if phrase is not None:
-                return offset, f"{_title(expected)}: {phrase}"
-            self._recipes.note(expected, actual)
-        return None
+            phrase = entry_difference(translated, actual, by_value, exact)
+            if phrase is None:
+                self._recipes.note(expected, actual)
+            return phrase and f"{_title(expected)}: {phrase}"
+        if expected is not None:
+            return f"{_title(expected)}, is in the journal and not here"
+        return None if actual is None else f"{_title(actual)}, is here and not in the journal"
 
     def _exact_digits(self, entry: Entry) -> bool:
         """Whether who said it, or whose job it was, gives the same digits in every run."""
@@ -178,21 +194,21 @@ def rerecord(
 
 
 def transactions(entries: Iterable[Entry]) -> Iterator[Transaction]:
-    """Entries in groups that each begin with an input.
+    """Entries in groups that each begin with an input; the next ends the one before.
 
     Raises:
         UserError: the first entry is no input.
     """
-    group: Transaction = []
-    for entry in entries:
-        if entry.kind == "input" and group:
-            yield group
-            group = []
-        if not group and entry.kind != "input":
+    inputs = 0
+
+    def number(entry: Entry) -> int:
+        nonlocal inputs
+        inputs += entry.kind == "input"
+        if inputs == 0:
             raise UserError(f"the journal begins with a {entry.type_name}, which is no input")
-        group.append(entry)
-    if group:
-        yield group
+        return inputs
+
+    return (group for _, group in groupby(entries, number))
 
 
 def _is_own(entry: Entry) -> bool:
