@@ -33,6 +33,9 @@ def as_number(
     Raises:
         ValueError: it is none.
     """
+    # What is given most often needs no array, which would take microseconds.
+    if type(value) is float and low <= value <= high and math.isfinite(value):
+        return value
     array = _real(name, value, f"a number, {_range_text(low, high, unit)}")
     if array.ndim:
         raise ValueError(f"{name} must be a single number, not an array of shape {array.shape}")
@@ -77,6 +80,8 @@ def as_count(name: str, value: object, low: int, high: int) -> int:
     Raises:
         ValueError: it is none.
     """
+    if type(value) is int and low <= value <= high:
+        return value
     if not isinstance(value, int | np.integer) or isinstance(value, bool):
         raise ValueError(f"{name} must be a whole number from {low} to {high}, not {shown(value)}")
     if not low <= int(value) <= high:

@@ -30,6 +30,7 @@ SIDES = (0, 1, 4, 5)
 TOP, BOTTOM = 2, 3
 # Six faces of so many texels, in single precision, are 4.8 GB.
 LARGEST_SIZE = 8192
+_NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
 # No reassociation: the result must not depend on the width of the vectors.
 COMPILE: dict[str, Any] = {
     "cache": True,
@@ -248,7 +249,7 @@ def checked_cube(
     """`out` if it is fit to be written, or a new map of zeros; ValueError if it is not."""
     check_type("faces", faces, tuple, list)
     for face in faces:
-        as_count(f"faces, numbered in the order {', '.join(FACES)},", face, 0, len(FACES) - 1)
+        as_count(_NAME_OF_FACES, face, 0, len(FACES) - 1)
     shape = (6, size, size, 3)
     if out is None:
         return np.zeros(shape, dtype)
