@@ -19,12 +19,25 @@ from vrut_lite.arguments import as_count, as_number, as_numbers, broadcast
 EARTH, SKY = Atmosphere.earth(), HosekWilkieSky(3.0, 0.1, 0.8)
 NOON, DAY = datetime(2026, 6, 21, 12, tzinfo=UTC), date(2026, 6, 21)
 FIELD = {"camera_m": (0.0, 0.0, 6_360_010.0), "view": (0.0, 0.6, 0.8), "sun": (0.0, 0.0, 1.0)}
+
+
+class Hostile:
+    """Of a class whose conversion and text fail."""
+
+    def __array__(self, *arguments, **named):
+        raise RuntimeError
+
+    def __repr__(self):
+        raise RuntimeError
+
+
 # What numpy or Python would have made numbers of, and what they choke on.
 NO_NUMBERS = [
     None, True, np.True_, "3", b"3", "1_0", "３", 0.1j, object(), {}, {0.1}, Decimal("0.5"),
     np.array([0.1, None]), np.array(["0.1"]), np.array([True]), [0.1, True], [[0.1], [0.1, 0.2]],
     np.datetime64("2026-06-21"), 10**400, 10**5000, float("nan"), float("inf"), -np.inf,
     np.float32("nan"), [0.1, float("nan")], np.longdouble("1e4000"), NOON, lambda: 0.1,
+    Hostile(), np.ma.masked_array([0.1], [True]),
 ]  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """Arguments of public functions: a refusal names the parameter, what was given and what may be.
 
 Numbers are integers and floats of Python or numpy, finite, in arrays of any shape. Booleans, texts,
-complex numbers and objects are none, though numpy would make numbers of some of them.
+complex numbers, masked arrays and objects are none, though numpy would make numbers of some.
 """
 
 import math
@@ -173,9 +173,10 @@ def shown(value: object) -> str:
 def _real(name: str, value: object, wanted: str) -> NDArray[Any]:
     try:
         array = np.asarray(value)
-    except (TypeError, ValueError, OverflowError):
+    except Exception:  # Whatever the conversion of somebody's class may raise.
         raise ValueError(f"{name} must be {wanted}, not {shown(value)}") from None
-    if array.dtype.kind not in _REAL_KINDS or _holds_booleans(value):
+    masked = isinstance(value, np.ma.MaskedArray)
+    if array.dtype.kind not in _REAL_KINDS or masked or _holds_booleans(value):
         raise ValueError(f"{name} must be {wanted}, not {shown(value)}")
     return array
 

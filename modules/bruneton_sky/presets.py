@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.rayleigh import rayleigh_scattering
-from vrut_lite.arguments import as_flag, as_numbers
+from vrut_lite.arguments import as_flag, as_numbers, shown
 from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.colour import solar_irradiance
 
@@ -165,5 +165,5 @@ def preset(name: str, wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
             outside 360 to 830 nm.
     """
     if not isinstance(name, str) or name not in PRESETS:
-        raise ValueError(f"no atmosphere {name!r}; there are {', '.join(PRESETS)}")
+        raise ValueError(f"no atmosphere {shown(name)}; there are {', '.join(PRESETS)}")
     return PRESETS[name](wavelength_nm)

@@ -7,7 +7,7 @@ where the extinction of molecules, aerosol and absorber together makes tau (Nish
 third substance, which has the aerosol's phase function and is counted with it.
 """
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ from bruneton_sky.optical_path import exponential_path, layered_path
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.rules_classical import classical_integrals
-from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_type
+from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 
 FloatArray = NDArray[np.float64]
 # Its nodes are the eigenvalues of a matrix of so many rows.
@@ -75,6 +75,7 @@ def scattered_without_phase(
     Fog is in the Mie part.
     """
     check_type("atmosphere", atmosphere, Atmosphere)
+    check_choice("rule", rule, get_args(Rule))
     top_m = atmosphere.top_altitude_m
     altitude = as_numbers("altitude_m", altitude_m, 0.0, top_m, "m", slack=ROUNDING)
     cosines = {"mu": mu, "mu_s": mu_s, "nu": nu}
