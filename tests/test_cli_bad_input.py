@@ -1,6 +1,7 @@
 """Bad input gets one clear sentence and exit code 2, and leaves no half-written file."""
 
 import json
+import os
 import struct
 import sys
 import zlib
@@ -10,6 +11,8 @@ import pytest
 import trimesh
 
 from vrut_lite import cli
+from vrut_lite.errors import UserError
+from vrut_lite.render.image_files import check_writable
 
 CAMERA_AT = 'scene = "good.glb"\n[camera]\n'
 GOOD_TIME = ["--at", "2026-06-21T12:00Z"]
@@ -313,3 +316,124 @@ def test_what_a_project_says_wrong_is_named_by_its_place(refused, good_scene, tm
 def test_a_number_that_is_none(refused, option, number):
     """A NaN lies outside no bound, and kernels that index with it would leave their arrays."""
     refused("sky", *GOOD_TIME, "--place", "50,14", option, number, says=number)
+
+
+SPAN = [*GOOD_TIME, "--place", "50,14", "--from", "12:00", "--to", "12:20"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "%999999999d.png", "%100d.png", "%0999999999999999999999d.png", "%" + "9" * 5000 + "d.png",
+        "a%5000d.png", "%d%d.png", "%%d.png", "%s.png", "%n.png", "%-4d.png", "%.999999999d.png",
+        "%*d.png", "%٣d.png", "%", "day.png",
+    ],
+)  # fmt: skip
+def test_a_name_for_many_pictures_that_is_none(monkeypatch, capsys, tmp_path, name):
+    """Refused before a name of a gigabyte is made, or the first picture."""
+    monkeypatch.chdir(tmp_path)
+    suffix = "" if name.endswith(".png") else ".png"
+    code, said = run(monkeypatch, capsys, "sky", *SPAN, "-o", name + suffix)
+    assert (code, said.count("\n")) == (2, 1)
+    assert "%04d" in said
+    assert len(said) < 300
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["x" * 252 + ".exr", "x" * 9000 + ".exr", "x" * 250 + "%d.exr"])
+@pytest.mark.parametrize("more", [[], ["--sidecar"]])
+def test_a_name_that_is_too_long_is_told_before_the_work(monkeypatch, capsys, tmp_path, name, more):
+    """Of the last picture of many as of the first, and of what is written beside them."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("vrut_lite.commands.sky.make_pictures", None)
+    times = [*SPAN, "--step", "1m"] if "%" in name else GOOD_TIME
+    code, said = run(monkeypatch, capsys, "sky", *times, "-o", name, *more)
+    assert (code, said.count("\n")) == (2, 1)
+    assert "too long" in said
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_of_many_that_is_a_folder_is_told_before_the_work(monkeypatch, capsys, tmp_path):
+    """The third of three cannot be written: the first two are not made in vain."""
+    monkeypatch.setattr("vrut_lite.commands.sky.make_pictures", None)
+    (tmp_path / "sky_3.exr").mkdir()
+    code, said = run(monkeypatch, capsys, "sky", *SPAN, "-o", tmp_path / "sky_%d.exr")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "sky_3.exr: it is a folder" in said
+
+
+@pytest.mark.parametrize("command", [["sky", "-o"], ["replay"], ["render"], ["demo", "--out"]])
+def test_a_null_character_among_the_arguments(monkeypatch, capsys, command):
+    """No shell passes one on; a script that calls the command line may."""
+    code, said = run(monkeypatch, capsys, *command, "a\0.exr")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "null character" in said
+
+
+@pytest.mark.parametrize("name", ["a\0.png", "\ud800.png"])
+def test_a_name_that_no_system_takes(name, tmp_path):
+    """A shell cannot pass such a name on, a script can."""
+    with pytest.raises(UserError, match="no name of a file"):
+        check_writable(tmp_path / name)
+
+
+@pytest.mark.parametrize("number", ["1_0", "１０", "٣٠", "−5", "5°"])
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("sky", "--size"), ("sky", "--height"), ("sky", "--rotate"), ("sky", "--jobs"),
+        ("sky", "--north-offset"), ("sky", "--turbidity"), ("sky", "--tolerance"),
+        ("sky", "--place"), ("record", "--size"), ("record", "--step"), ("render", "--fov"),
+        ("render", "--compensation"), ("render", "--exposure"), ("render", "--size"),
+        ("render", "--eye"), ("render", "--white"),
+    ],
+)  # fmt: skip
+def test_digits_that_only_python_takes_for_a_number(
+    monkeypatch, capsys, good_scene, tmp_path, command, option, number
+):
+    """`1_0`, other scripts' digits, signs and units: told by the option that has it."""
+    shapes = {
+        "--place": f"{number},14,1", "--size": f"{number}x32" if command == "render" else number,
+        "--eye": f"{number},0,0", "--white": f"{number},0",
+    }  # fmt: skip
+    scene = [good_scene] if command == "render" else []
+    output = tmp_path / ("a.mcap" if command == "record" else "a.exr")
+    arguments = [
+        command,
+        *scene,
+        *GOOD_TIME,
+        "-o",
+        output,
+        f"{option}={shapes.get(option, number)}",
+    ]
+    code, said = run(monkeypatch, capsys, *arguments)
+    assert (code, said.count("\n")) == (2, 1), said
+    assert option.strip("-").split("-")[0] in said
+    assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "tolerance = true", "tolerance = nan", "north_offset_deg = inf", 'size = ["64", "64"]',
+        "size = [true, true]", "at = 12", "place = [50, 14]", "place = '1_0,14'", "air = 1",
+        "settings = 3", "[settings.dynamic_skylight]\nturbidity = true",
+        "[settings.dynamic_skylight]\nturbidity = [3]", "[settings.clouds.coverage]\nvalue = 1",
+        "[settings.dynamic_skylight]\nturbidity = nan", "north_offset_deg = " + "9" * 5000,
+        "slots = []", "[exposure]\nev100 = '3'", "at = 12:00:00", "at = 2026-06-21",
+        "scene_ = " + "{a=" * 3000,
+    ],
+)  # fmt: skip
+def test_values_of_another_type_in_a_project(refused, good_scene, tmp_path, text):
+    """Booleans and texts are no numbers, in whichever table they stand."""
+    project = tmp_path / "project.toml"
+    project.write_text(f'scene = "good.glb"\n{text}\n')
+    refused("render", project, says="")
+
+
+def test_a_project_of_gigabytes_is_not_read(refused, tmp_path):
+    """Its size is looked at first."""
+    project = tmp_path / "project.toml"
+    project.touch()
+    os.truncate(project, 1 << 34)
+    refused("render", project, says="is too large")

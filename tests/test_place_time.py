@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from vrut_lite import place_time
 from vrut_lite.errors import UserError
 from vrut_lite.place_time import Place, local_text, parse_instant, parse_place, time_zone_at
+from vrut_lite.plain_numbers import plain_float, plain_int
 
 PRAGUE = Place(50.0755, 14.4378)
 LORD_HOWE = Place(-31.55, 159.08)
@@ -48,6 +49,14 @@ def test_a_place_is_two_or_three_numbers():
         ("50.0755", "is no place"),
         ("1,2,3,4", "is no place"),
         ("", "is no place"),
+        ("1_0,14", "is no place"),
+        ("５０,14", "is no place"),
+        ("٥٠,١٤", "is no place"),
+        ("−50,14", "is no place"),
+        ("50°,14°", "is no place"),
+        ("0x32,14", "is no place"),
+        ("1e400,0", "latitude inf"),
+        ("0,0," + "9" * 5000, "altitude inf"),
     ],
 )
 def test_a_wrong_place_is_refused_by_name(text, named):
@@ -162,6 +171,8 @@ def test_the_last_and_first_times_around_a_change_are_accepted(text, place):
         "2026-02-20T24:00",
         "2026-02-20T10:60",
         "2026-02-20T10:00+25:00",
+        "2026-02-20T10:00+01:60",
+        "2026-02-20T10:00-00:00:60",
         "tomorrow",
         "2026-06-21",
         "18:30",
@@ -237,3 +248,26 @@ def test_captions_refuse_a_naive_time():
     """A naive time would silently be read in the zone of the machine."""
     with pytest.raises(ValueError, match="needs a time zone"):
         local_text(datetime(2026, 6, 21, 16, 30), PRAGUE)
+
+
+@given(
+    st.text(
+        st.characters(categories=["Nd", "Pc", "Pd", "Zs"], include_characters="+-.eE_"), max_size=8
+    )
+)
+@example("1_0")
+@example("３")
+@example(" +1.5e1 ")
+def test_a_number_is_what_everybody_takes_for_one(text):
+    """Python's numbers in ASCII without underscores, and nothing else, in floats and in wholes."""
+    plain = text.strip().isascii() and "_" not in text
+    for ours, pythons in ((plain_float, float), (plain_int, int)):
+        try:
+            expected = pythons(text)
+        except ValueError:
+            expected = None
+        if expected is None or not plain:
+            with pytest.raises(ValueError, match="number"):
+                ours(text)
+        else:
+            assert ours(text) == expected

@@ -1,5 +1,7 @@
 """Photographs made of a model's sky give back what they were made with."""
 
+import struct
+
 import numpy as np
 import pytest
 from vrut_lite_bench.photograph_fit import (
@@ -20,10 +22,12 @@ from vrut_lite_bench.photograph_mask import (
     find_disc,
     masks_of,
 )
-from vrut_lite_bench.sky_photographs import compare, table_rows
+from vrut_lite_bench.sky_photographs import compare, read_photograph, table_rows
 
+from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, luminance
 from vrut_lite.geometry.panorama import lat_long_directions
+from vrut_lite.render.write_exr import write_exr
 
 HEIGHT = 128
 PIXEL_DEG = 180.0 / HEIGHT
@@ -169,3 +173,43 @@ def _high_sky():
     usable[CLOUD] = False
     angle = np.degrees(np.arccos(lat_long_directions(HEIGHT) @ HIGH_SUN.direction()))
     return usable & (angle > 5.0)
+
+
+def exr_bytes(folder, radiance):
+    write_exr(folder / "whole.exr", np.asarray(radiance, np.float32), {})
+    return (folder / "whole.exr").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("damage", "says"),
+    [
+        ("missing", "no such file"),
+        ("folder", "no such file"),
+        ("empty", "no whole picture"),
+        ("cut", "no whole picture"),
+        ("noise", "no whole picture"),
+        ("square", "no lat-long picture"),
+        ("huge", "2000000 x 1000000 pixels"),
+        ("not finite", "not finite"),
+    ],
+)
+def test_a_photograph_that_is_none_is_refused_in_a_sentence(tmp_path, damage, says):
+    """What its header promises is looked at before memory is taken for it."""
+    whole = exr_bytes(tmp_path, np.ones((4, 8, 3)))
+    corners = whole.index(b"dataWindow\0box2i\0") + 21
+    huge = struct.pack("<4i", 0, 0, 1_999_999, 999_999)
+    broken = np.ones((4, 8, 3))
+    broken[1, 2] = np.nan
+    contents = {
+        "empty": b"", "cut": whole[: len(whole) // 2], "noise": bytes(range(256)),
+        "square": exr_bytes(tmp_path, np.ones((4, 4, 3))),
+        "huge": whole[:corners] + huge + whole[corners + 16 :],
+        "not finite": exr_bytes(tmp_path, broken),
+    }  # fmt: skip
+    path = tmp_path / "photograph.exr"
+    if damage == "folder":
+        path.mkdir()
+    elif damage != "missing":
+        path.write_bytes(contents[damage])
+    with pytest.raises(UserError, match=says):
+        read_photograph(path)

@@ -3,7 +3,9 @@
 from pathlib import Path
 
 from vrut_lite.compiled_code import find_room
+from vrut_lite.sound_environment import leave_out_nonsense
 
 __version__ = "0.1.0"
 
+leave_out_nonsense()
 find_room(Path(__file__).parent)

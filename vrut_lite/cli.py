@@ -37,8 +37,10 @@ class EntryPointGroup(click.Group):
         try:
             with interrupts_held():
                 return _with_help(point.load())
+        except UserError as error:
+            return _broken(name, error)
         except Exception as error:
-            return _broken(name, f"the command {name} failed to load: {error}")
+            return _broken(name, ModuleFailed(f"the command {name} failed to load: {error}"))
 
 
 def _with_help(command: click.Command) -> click.Command:
@@ -48,16 +50,16 @@ def _with_help(command: click.Command) -> click.Command:
     return command
 
 
-def _broken(name: str, reason: str) -> click.Command:
+def _broken(name: str, reason: UserError | ModuleFailed) -> click.Command:
     """Stands in for a command that cannot be imported, so that the others still work."""
 
     def tell(arguments: tuple[str, ...]) -> None:
-        raise ModuleFailed(reason)
+        raise reason
 
     anything = click.Argument(["arguments"], nargs=-1, type=click.UNPROCESSED)
     settings = {"ignore_unknown_options": True}
     return click.Command(
-        name, callback=tell, params=[anything], help=reason, context_settings=settings
+        name, callback=tell, params=[anything], help=str(reason), context_settings=settings
     )
 
 
@@ -76,6 +78,8 @@ def main() -> None:
     # Matrices are small here: several threads of numpy's BLAS would only wait for each other, for
     # seconds on a busy machine. It reads this when it is imported, which is later.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if any("\0" in argument for argument in sys.argv):
+        _end("an argument holds a null character, which no text or name can: leave it out", 2)
     try:
         with terminations_raised():
             _with_help(root)(standalone_mode=False)

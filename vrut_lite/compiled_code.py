@@ -36,5 +36,8 @@ def find_room(package: Path) -> None:
 
 def _is_open(folder: Path) -> bool:
     """Whether files can be made there, the folder itself too if it is missing."""
-    there = next((place for place in (folder, *folder.parents) if place.exists()), folder)
-    return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    try:
+        there = next((place for place in (folder, *folder.parents) if place.exists()), folder)
+        return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    except OSError:  # A name that is too long, a loop of links.
+        return False

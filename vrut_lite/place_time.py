@@ -13,18 +13,16 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import tzfpy
 
+from vrut_lite.arguments import FIRST_YEAR, LAST_YEAR
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import HIGHEST_M, LOWEST_M
-
-# Civil dates before 1583 were Julian. At both ends the ephemeris of astronomy-engine and NREL's SPA
-# still agree to 0.004 degrees on where the sun stands; further out they part.
-FIRST_YEAR, LAST_YEAR = 1600, 2600
+from vrut_lite.plain_numbers import plain_float
 
 _PLACE_EXAMPLE = "write latitude,longitude in degrees, north and east positive, as 50.0755,14.4378"
 _TIME_EXAMPLE = "write 2026-06-21T18:30 for local time, or 2026-06-21T18:30+02:00"
 _TIME = re.compile(
     r"(?P<date>\d{4}-\d\d-\d\d)[T ](?P<clock>\d\d:\d\d(:\d\d(\.\d{1,6})?)?)"
-    r" ?(?P<offset>Z|[+-]\d\d(:?\d\d(:\d\d)?)?)?",
+    r" ?(?P<offset>Z|[+-]\d\d(:?[0-5]\d(:[0-5]\d)?)?)?",
     re.ASCII | re.IGNORECASE,
 )
 
@@ -44,7 +42,7 @@ def parse_place(text: str) -> Place:
         UserError: the text has another form, or a number lies outside its range.
     """
     try:
-        numbers = [float(part) for part in text.split(",")]
+        numbers = [plain_float(part) for part in text.split(",")]
     except ValueError:
         numbers = []
     if len(numbers) not in (2, 3):

@@ -1,6 +1,7 @@
 """A project: a scene, a place, a time and how to look at it; also as a TOML file."""
 
 import math
+import stat
 import tomllib
 from datetime import datetime
 from pathlib import Path
@@ -32,6 +33,7 @@ Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 _NEAREST_TARGET_M = 1e-6
+_MOST_BYTES = 1 << 20
 
 
 class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -89,9 +91,15 @@ def load_project(path: str | Path) -> Project:
     """
     file = Path(path)
     try:
-        if file.exists() and not file.is_file():
+        state = file.stat()
+        if not stat.S_ISREG(state.st_mode):
             raise UserError(f"cannot open the project {file}: it is not a regular file")
-        values = tomllib.loads(file.read_text())
+        if state.st_size > _MOST_BYTES:
+            raise UserError(
+                f"the project {file} is too large, {state.st_size:,} bytes: none has more than "
+                f"{_MOST_BYTES:,}"
+            )
+        values = tomllib.loads(file.read_text(encoding="utf-8"))
         if isinstance(values.get("at"), datetime):
             # A bare TOML date is the natural way to write one.
             values["at"] = values["at"].isoformat()
@@ -100,7 +108,7 @@ def load_project(path: str | Path) -> Project:
         raise UserError(f"cannot open the project {file}: {error.strerror or error}") from None
     except msgspec.ValidationError as error:
         raise UserError(f"cannot read the project {file}: {in_words(error)}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise UserError(f"the project {file} is no TOML: {error}") from None
     except RecursionError:
         raise UserError(f"the project {file} is nested too deeply: write it anew") from None

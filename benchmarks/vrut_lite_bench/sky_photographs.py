@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import OpenEXR
 
+from vrut_lite.errors import UserError
 from vrut_lite_bench.photograph_fit import (
     MODELS,
     Fit,
@@ -37,6 +38,7 @@ TURBIDITIES = tuple(float(t) for t in np.arange(1.0, 10.01, 0.5))
 HIDDEN_SUN_DEG = tuple(float(e) for e in np.arange(-9.0, 1.01, 0.5))
 # The search looks at every third row and column, the result at all.
 _SEARCH_STEP = 3
+_MOST_PIXELS = 64_000_000
 _HEADER = (
     "| photograph | sun elevation, azimuth | model | turbidity (as good) | exposure "
     "| gains R, G, B | rms log10 luminance | rms u'v' |\n|---|---|---|---:|---:|---|---:|---:|"
@@ -76,9 +78,27 @@ class Comparison(NamedTuple):
 
 
 def read_photograph(path: Path) -> FloatArray:
-    """Linear RGB (h, 2 h, 3), the zenith on the top row."""
-    with OpenEXR.File(str(path)) as file:
-        return np.asarray(file.channels()["RGB"].pixels, dtype=float)
+    """Linear RGB (h, 2 h, 3), the zenith on the top row.
+
+    Raises:
+        UserError: it is no whole lat-long picture of three channels and 64 megapixels at most.
+    """
+    if not path.is_file():
+        raise UserError(f"{path}: there is no such file")
+    try:
+        # The header tells what memory the pixels will take; the library would take it at once.
+        with OpenEXR.File(str(path), header_only=True) as head:
+            low, high = head.header()["dataWindow"]
+        width, height = (int(side) for side in np.subtract(high, low, dtype=np.int64) + 1)
+        if width != 2 * height or not 0 < width * height <= _MOST_PIXELS:
+            raise UserError(f"{path}: {width} x {height} pixels are no lat-long picture of ours")
+        with OpenEXR.File(str(path)) as file:
+            picture = np.asarray(file.channels()["RGB"].pixels, dtype=float)
+    except (RuntimeError, OSError, KeyError, ValueError) as error:
+        raise UserError(f"{path}: is no whole picture of the channels R, G and B") from error
+    if not np.isfinite(picture).all():
+        raise UserError(f"{path}: holds values that are not finite")
+    return picture
 
 
 def compare(photo: FloatArray, turbidities: tuple[float, ...] = TURBIDITIES) -> Comparison:
@@ -158,4 +178,7 @@ def main(photo_folder: Path, out_folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    try:
+        main(Path(sys.argv[1]), Path(sys.argv[2]))
+    except UserError as error:
+        sys.exit(str(error))

@@ -7,6 +7,8 @@ from typing import Literal, NamedTuple, Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.arguments import as_flag, as_number, as_numbers, check_choice
+
 _FOG = ("fog_scattering", "fog_extinction")
 _SPECTRAL = (
     "solar_irradiance",
@@ -27,7 +29,7 @@ _POSITIVE = (
     "sun_angular_radius_rad",
 )
 # From a bead's to far more than a star's: beyond, squares of lengths leave the range of numbers.
-_LENGTHS, _SHORTEST_M, _LONGEST_M = _POSITIVE[:5], 1e-3, 1e12
+_LENGTHS, _LENGTHS_M = _POSITIVE[:5], (1e-3, 1e12)
 _SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth that leaves the 2 % of contrast which visibility is defined by: -log(0.02).
@@ -106,6 +108,7 @@ class Atmosphere:
 
         Its aerosol is thin: optical depth 0.0053 at every wavelength.
         """
+        ozone = as_flag("ozone", ozone)
         return cls(
             wavelength_nm=(680.0, 550.0, 440.0),
             solar_irradiance=(1.474, 1.8504, 1.91198),
@@ -133,7 +136,12 @@ class Atmosphere:
         The vertical optical depth falls as wavelength^-`angstrom_exponent` (Angstrom's law;
         1.3 is his mean); the ratio of scattering to extinction stays, 0.9 where there was no
         aerosol.
+
+        Raises:
+            ValueError: the optical depth is not from 0 to 1000, or the exponent not from -10 to 10.
         """
+        optical_depth_550 = as_number("optical_depth_550", optical_depth_550, 0.0, 1000.0)
+        angstrom_exponent = as_number("angstrom_exponent", angstrom_exponent, -10.0, 10.0)
         ratio = np.asarray(self.wavelength_nm) / _ANGSTROM_WAVELENGTH_NM
         old = np.asarray(self.mie_extinction)
         albedo = np.divide(self.mie_scattering, old, out=np.full_like(old, 0.9), where=old > 0)
@@ -155,9 +163,10 @@ class Atmosphere:
         their extinction is grey, and they absorb nothing that is visible.
 
         Raises:
-            ValueError: a length is not positive.
+            ValueError: a length is not from 1e-3 to 1e12 m.
         """
-        _require(visibility_m > 0, "visibility_m", "must be positive")
+        visibility_m = as_number("visibility_m", visibility_m, *_LENGTHS_M, "m")
+        scale_height_m = as_number("scale_height_m", scale_height_m, *_LENGTHS_M, "m")
         order = np.argsort(self.wavelength_nm)
         clear = np.add(self.rayleigh_scattering, self.mie_extinction)
         at_550 = np.interp(
@@ -186,7 +195,7 @@ class Atmosphere:
 
     def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the absorber at altitudes (...,)."""
-        height = np.asarray(altitude_m, dtype=float)
+        height = as_numbers("altitude_m", altitude_m)
         return np.interp(
             height, self.absorber_altitude_m, self.absorber_density, left=0.0, right=0.0
         )
@@ -196,26 +205,25 @@ class Atmosphere:
         return [field.name for field in fields(cls) if field.name != "mie_phase"]
 
     def _check(self) -> None:
-        forms = get_args(MiePhaseForm)
-        _require(self.mie_phase in forms, "mie_phase", f"must be one of {', '.join(forms)}")
-        for name in self._numeric():
-            _require(bool(np.all(np.isfinite(getattr(self, name)))), name, "must be finite")
+        check_choice("mie_phase of the atmosphere", self.mie_phase, get_args(MiePhaseForm))
         for name in _SCALAR:
             _require(isinstance(getattr(self, name), float), name, "must be a single number")
         for name in _POSITIVE:
-            _require(getattr(self, name) > 0, name, "must be positive")
+            _require(getattr(self, name) > 0, name, f"must be positive, not {getattr(self, name)}")
         for name in _LENGTHS:
-            sane = _SHORTEST_M <= getattr(self, name) <= _LONGEST_M
-            _require(sane, name, f"must lie between {_SHORTEST_M:g} and {_LONGEST_M:g} m")
+            as_number(f"{name} of the atmosphere", getattr(self, name), *_LENGTHS_M, "m")
         for name in ("wavelength_nm", *_SPECTRAL, "absorber_density"):
-            _require(min(getattr(self, name)) >= 0, name, "must not be negative")
+            least = min(getattr(self, name))
+            _require(least >= 0, name, f"must not be negative, but holds {least}")
         steps = np.diff(self.wavelength_nm)
         ordered = bool(np.all(steps > 0) or np.all(steps < 0))
         _require(ordered, "wavelength_nm", "must increase or decrease throughout")
         _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
-        _require(max(self.ground_albedo) <= 1, "ground_albedo", "must not exceed 1")
-        _require(-1 < self.mie_g < 1, "mie_g", "must lie between -1 and 1")
-        _require(-1 <= self.mu_s_min < 1, "mu_s_min", "must be a cosine below 1")
+        most = max(self.ground_albedo)
+        _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
+        _require(-1 < self.mie_g < 1, "mie_g", f"must lie between -1 and 1, not {self.mie_g}")
+        within = -1 <= self.mu_s_min < 1
+        _require(within, "mu_s_min", f"must be a cosine below 1, not {self.mu_s_min}")
         for name in ("mie", "fog"):
             scattering = getattr(self, f"{name}_scattering")
             pairs = zip(scattering, getattr(self, f"{name}_extinction"), strict=True)
@@ -235,10 +243,7 @@ def _as_tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:
 
 def _as_numbers(name: str, value: ArrayLike) -> float | tuple[float, ...]:
     """A float, or a tuple of floats: hashable, so that an atmosphere can key a cache."""
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} of the atmosphere must be a number or numbers") from None
+    array = as_numbers(f"{name} of the atmosphere", value)
     _require(array.size > 0, name, "must not be empty")
     return float(array) if array.ndim == 0 else tuple(float(v) for v in array.ravel())
 

@@ -10,7 +10,7 @@ Importing this module imports numba.
 
 import math
 
-from numba import njit
+from vrut_lite.njit import njit
 
 # erfcx(x) = P(t) / (1 + 2 x) with t = (x - 4) / (x + 4), for x >= 0; constant first.
 ERFCX = (

@@ -1,7 +1,8 @@
 """Tables of an atmosphere's light, by whichever way is at hand, or from the disk."""
 
+import math
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,12 @@ from bruneton_sky.tables.coordinates import node_coordinates
 from bruneton_sky.tables.parametrisation_flat import transmittance_state
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables, table_shapes
+from vrut_lite.arguments import as_count, check_choice, check_type, shown
 
 Backend = Literal["cpu", "gpu"]
+_MOST_ORDERS = 1000
+# Of one table: a gigabyte in single precision, 80 times the published one of three wavelengths.
+_MOST_VALUES = 1 << 28
 Progress = Callable[[float], None]
 # Of the CPU's time, by the end of solving and of the irradiance; marching has the rest.
 _SOLVED, _IRRADIANCE = 0.2, 0.25
@@ -32,7 +37,7 @@ def precompute(
     """The tables of an atmosphere, in the parametrisation of 2017.
 
     Args:
-        orders: how often light is scattered or reflected at most, 1 or more. The irradiance of
+        orders: how often light is scattered or reflected at most, 1 to 1000. The irradiance of
             the GPU's tables is, as published, of one order less, that of the CPU's is not.
         backend: "cpu" is the fast solver (`bruneton_sky.solver`); "gpu" the thesis's pipeline
             (`bruneton_sky.gpu_pipeline`) in an OpenGL context of its own, which becomes the
@@ -42,15 +47,22 @@ def precompute(
         cache: where the tables are looked for first, and kept.
 
     Raises:
-        ValueError: for no order at all, another backend, fog, or tables too large for a GPU.
+        ValueError: for no order at all, another backend, fog, a table of more than 2^28 values, or
+            tables too large for a GPU.
         UserError: there is no OpenGL for the GPU.
     """
-    if not isinstance(orders, int) or orders < 1:
-        raise ValueError(f"orders must be a whole number, 1 or more, not {orders!r}")
-    if backend not in ("cpu", "gpu"):
-        raise ValueError(f'backend must be "cpu" or "gpu", not {backend!r}')
+    check_type("atmosphere", atmosphere, Atmosphere)
+    orders = as_count("orders", orders, 1, _MOST_ORDERS)
+    check_choice("backend", backend, get_args(Backend))
     refuse_fog(atmosphere)
-    size = sizes or TableSizes()
+    size = TableSizes() if sizes is None else sizes
+    check_type("sizes", size, TableSizes)
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress must be a function of the share done, not {shown(progress)}")
+    if cache is not None:
+        check_type("cache", cache, TableCache)
+    for name, shape in table_shapes(atmosphere, size).items():
+        as_count(f"the number of values of the table {name}", math.prod(shape), 1, _MOST_VALUES)
     recipe = (backend, atmosphere, orders, size)
     # Some arrays are of single precision: what was made with it needs no more room.
     arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.rayleigh import rayleigh_scattering
+from vrut_lite.arguments import as_flag, as_numbers, shown
 from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.colour import solar_irradiance
 
@@ -23,6 +24,8 @@ RGB_NM = (680.0, 550.0, 440.0)
 # 680 nm knows nothing: there a low sun's sky gets far too red. Four wavelengths do much
 # better: `vrut_lite.geometry.colour.SKYLIGHT_NM`.
 COLOUR_NM = (630.0, 540.0, 450.0)
+# The solar spectrum's ends, and the ozone's.
+_KNOWN_NM = (360.0, 830.0)
 HAZY_TURBIDITY = 6.0
 TWILIGHT_TOP_M = 120_000.0
 # Bruneton's 2017 demonstration: Rayleigh at 1 micrometre in 1/m, 300 Dobson units in a tent
@@ -36,8 +39,13 @@ def earth_spectral(wavelength_nm: ArrayLike = RGB_NM, ozone: bool = True) -> Atm
 
     Rayleigh scattering as wavelength^-4, grey aerosol, measured ozone cross sections, grey
     ground; at 680, 550 and 440 nm it is `Atmosphere.earth` but for the solar spectrum.
+
+    Raises:
+        ValueError: wavelengths are outside 360 to 830 nm, where sun and ozone are known, or do not
+            rise or fall throughout.
     """
-    wavelength = np.atleast_1d(np.asarray(wavelength_nm, dtype=float))
+    ozone = as_flag("ozone", ozone)
+    wavelength = _wavelengths(wavelength_nm)
     absorption = ozone_absorption(wavelength, _OZONE_DU if ozone else 0.0, _TENT_M)
     earth, count = Atmosphere.earth(ozone=ozone), wavelength.size
     return replace(
@@ -70,7 +78,7 @@ def earth_2008(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     Mie scattering 4 per 1000 km of albedo 0.9 with scale height 1.2 km and g = 0.8, sun down
     to mu_s = -0.2.
     """
-    wavelength = np.atleast_1d(np.asarray(wavelength_nm, dtype=float))
+    wavelength = _wavelengths(wavelength_nm)
     printed = np.array([5.8e-6, 1.35e-5, 3.31e-5])
     rayleigh = wavelength**-4.0 * _between_rgb(wavelength, printed / np.power(RGB_NM, -4.0))
     return replace(
@@ -100,7 +108,7 @@ def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     the blue glow around a low sun is missing. The ground's rust is of our choosing. Dust and
     ground are known at 680, 550 and 440 nm: between, albedo is linear, beyond it is constant.
     """
-    wavelength = np.atleast_1d(np.asarray(wavelength_nm, dtype=float))
+    wavelength = _wavelengths(wavelength_nm)
     albedo = _between_rgb(wavelength, np.array([0.97, 0.83, 0.69]))
     scale_height_m, dust_optical_depth = 11_100.0, 0.5
     extinction = dust_optical_depth / scale_height_m
@@ -126,6 +134,11 @@ def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     )
 
 
+def _wavelengths(wavelength_nm: ArrayLike) -> NDArray[np.float64]:
+    """Wavelengths (C,) that the spectra of sun and ozone reach."""
+    return np.atleast_1d(as_numbers("wavelength_nm", wavelength_nm, *_KNOWN_NM, "nm"))
+
+
 def _between_rgb(
     wavelength_nm: NDArray[np.float64], at_rgb: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -148,8 +161,9 @@ def preset(name: str, wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     """The atmosphere of that name, at wavelengths in nm.
 
     Raises:
-        ValueError: there is none; the sentence lists those there are.
+        ValueError: there is none, and the sentence lists those there are; or wavelengths are
+            outside 360 to 830 nm.
     """
-    if name not in PRESETS:
-        raise ValueError(f"no atmosphere {name!r}; there are {', '.join(PRESETS)}")
+    if not isinstance(name, str) or name not in PRESETS:
+        raise ValueError(f"no atmosphere {shown(name)}; there are {', '.join(PRESETS)}")
     return PRESETS[name](wavelength_nm)

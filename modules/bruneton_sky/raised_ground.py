@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
+from vrut_lite.arguments import as_number
 
 
 def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
@@ -16,6 +17,7 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
     Raises:
         ValueError: the ground would lie above the air, or below the planet's centre.
     """
+    altitude_m = as_number("altitude_m of the ground", altitude_m)
     if not -atmosphere.ground_radius_m < altitude_m < atmosphere.top_altitude_m:
         raise ValueError(
             f"a ground at {altitude_m:g} m lies outside the planet's air, "

@@ -16,9 +16,11 @@ from bruneton_sky.geometry import (
     in_earth_shadow,
     make_ray,
 )
+from vrut_lite.arguments import as_count, check_choice, shown
 
 FloatArray = NDArray[np.float64]
 RULES = ("midpoint", "trapezoid", "simpson")
+_MOST_INTERVALS = 16_384
 
 
 def classical_integrals(
@@ -101,13 +103,13 @@ def checked_intervals(rule: str, samples: int | tuple[int, int]) -> tuple[int, i
     Raises:
         ValueError: they do not, or there is no such rule.
     """
-    if rule not in RULES:
-        raise ValueError(f"rule must be gauss-legendre or one of {', '.join(RULES)}, not {rule!r}")
-    if not isinstance(samples, tuple) or len(samples) != 2 or min(samples) < 1:
-        raise ValueError(f"samples of {rule} must be intervals (view, light), not {samples!r}")
-    if rule == "simpson" and (samples[0] % 2 or samples[1] % 2):
+    check_choice("rule", rule, ("gauss-legendre", *RULES))
+    if not isinstance(samples, tuple) or len(samples) != 2:
+        raise ValueError(f"samples of {rule} must be intervals (view, light), not {shown(samples)}")
+    view, light = (as_count(f"samples of {rule}", count, 1, _MOST_INTERVALS) for count in samples)
+    if rule == "simpson" and (view % 2 or light % 2):
         raise ValueError(f"samples of simpson must be even, not {samples!r}")
-    return samples
+    return view, light
 
 
 def _length(atmosphere: Atmosphere, altitude_m: FloatArray, mu: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ where the extinction of molecules, aerosol and absorber together makes tau (Nish
 third substance, which has the aerosol's phase function and is counted with it.
 """
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,8 +18,11 @@ from bruneton_sky.optical_path import exponential_path, layered_path
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.rules_classical import classical_integrals
+from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 
 FloatArray = NDArray[np.float64]
+# Its nodes are the eigenvalues of a matrix of so many rows.
+_MOST_SAMPLES = 1024
 Rule = Literal["gauss-legendre", "midpoint", "trapezoid", "simpson"]
 
 
@@ -45,8 +48,8 @@ def single_scattering(
         nu: cosine of the angle between view direction and sun.
         rule: `gauss-legendre`, or one of the classical rules `midpoint`, `trapezoid`,
             `simpson`, with even intervals along both rays.
-        samples: nodes on each segment of the view ray; for a classical rule the intervals
-            (view, light), even ones for `simpson`.
+        samples: nodes on each segment of the view ray, 1 to 1024; for a classical rule the
+            intervals (view, light), 1 to 16,384, even ones for `simpson`.
 
     Raises:
         ValueError: an argument is outside its range, not a number, or the rule is unknown.
@@ -71,12 +74,17 @@ def scattered_without_phase(
 
     Fog is in the Mie part.
     """
-    altitude = _within("altitude_m", altitude_m, 0.0, atmosphere.top_altitude_m)
-    cosines = [_within(n, v, -1.0, 1.0) for n, v in (("mu", mu), ("mu_s", mu_s), ("nu", nu))]
-    h, view, sun_s, cosine = np.broadcast_arrays(altitude, *cosines)
+    check_type("atmosphere", atmosphere, Atmosphere)
+    check_choice("rule", rule, get_args(Rule))
+    top_m = atmosphere.top_altitude_m
+    altitude = as_numbers("altitude_m", altitude_m, 0.0, top_m, "m", slack=ROUNDING)
+    cosines = {"mu": mu, "mu_s": mu_s, "nu": nu}
+    h, view, sun_s, cosine = broadcast(
+        altitude_m=altitude,
+        **{name: as_numbers(name, v, -1.0, 1.0, slack=ROUNDING) for name, v in cosines.items()},
+    )
     if rule == "gauss-legendre":
-        if not isinstance(samples, int) or samples < 1:
-            raise ValueError(f"samples of gauss-legendre must be a positive count, not {samples!r}")
+        samples = as_count("samples of gauss-legendre", samples, 1, _MOST_SAMPLES)
         integrals = _gauss_legendre_integrals(atmosphere, h, view, sun_s, cosine, samples)
     else:
         integrals = classical_integrals(atmosphere, h, view, sun_s, cosine, rule, samples)
@@ -133,12 +141,3 @@ def _gauss_legendre_integrals(
     light = np.exp(-depth) * metres[..., None]
     densities = (np.exp(-node_altitude / kind.scale_height_m) for kind in atmosphere.scatterers())
     return [(light * density[..., None]).sum(axis=-2) for density in densities]
-
-
-def _within(name: str, value: ArrayLike, low: float, high: float) -> FloatArray:
-    """The value, clipped by no more than rounding (1e-9 of the range)."""
-    array = np.asarray(value, dtype=float)
-    slack = 1e-9 * (high - low)
-    if not np.all((array >= low - slack) & (array <= high + slack)):
-        raise ValueError(f"{name} must lie between {low:g} and {high:g} everywhere")
-    return np.clip(array, low, high)

@@ -9,10 +9,10 @@ samples is taken. Importing this module imports numba: do it only where the firs
 import math
 
 import numpy as np
-from numba import njit
 
 from bruneton_sky.sky_view_lanes import shade_texel
 from bruneton_sky.sky_view_rows import TURN_INSIDE, TURN_OUTSIDE
+from vrut_lite.njit import njit
 
 # Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
 NODE = 8

@@ -7,8 +7,9 @@ run: a layer takes a second, in which a window is not to stand still.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from vrut_lite.njit import njit
 
 FloatArray = NDArray[np.float64]
 

@@ -1,10 +1,13 @@
 """The tables that the package carries."""
 
-import zipfile
 from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
+
+from vrut_lite.npz_arrays import read_npz
+
+_MOST_BYTES = 1 << 28
 
 
 def packaged_arrays(name: str) -> dict[str, NDArray[np.float64]]:
@@ -15,9 +18,9 @@ def packaged_arrays(name: str) -> dict[str, NDArray[np.float64]]:
     """
     source = files("dynamic_skylight") / "data" / name
     try:
-        with source.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            return {key: np.asarray(archive[key]) for key in archive.files}
-    except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        with source.open("rb") as stream:
+            return read_npz(stream, _MOST_BYTES)
+    except (OSError, ValueError) as error:
         raise RuntimeError(
             f"the package's data file {name} is missing or damaged: install vrut_lite anew"
         ) from error

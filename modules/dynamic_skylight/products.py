@@ -8,7 +8,7 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
-from dynamic_skylight.sun.position import Method, sun_position
+from dynamic_skylight.sun.position import Method, position_at
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
@@ -30,12 +30,9 @@ CUBE_JOB = "cube"
 
 def sun_moved(clock: ClockMoved, place: SetPlace, method: Method) -> SunMoved:
     """Where the sun stands, in world axes."""
-    sun = sun_position(
-        clock.instant,
-        place.latitude_deg,
-        place.longitude_deg,
-        method,
-        altitude_m=place.altitude_m,
+    # The kernel has checked the place, and knows more years than the ephemeris is good for.
+    sun = position_at(
+        clock.instant, place.latitude_deg, place.longitude_deg, method, place.altitude_m
     )
     return SunMoved(
         direction=_vector(world_from_enu(sun.direction, place.north_offset_rad)),

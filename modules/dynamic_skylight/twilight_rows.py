@@ -8,10 +8,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
+from vrut_lite.njit import njit
 
 FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]

@@ -220,7 +220,7 @@ def test_arguments_broadcast() -> None:
     ("camera", "view", "sun", "sentence"),
     [
         (standing(-100.0), UP, SUN, "camera_m must not lie below the ground"),
-        (standing(np.nan), UP, SUN, "camera_m must be finite numbers of shape"),
+        (standing(np.nan), UP, SUN, "camera_m must lie between .* not nan"),
         (standing(0.0), 2.0 * UP, SUN, "view must be unit vectors"),
         (standing(0.0), UP, SUN[:2], "sun must be finite numbers of shape"),
         (5.0, UP, SUN, "camera_m must be finite numbers of shape"),
@@ -234,9 +234,9 @@ def test_bad_values_are_refused(camera, view, sun, sentence: str) -> None:  # ty
 
 def test_bad_numbers_are_refused() -> None:
     """Lengths and shares have their range too."""
-    with pytest.raises(ValueError, match="shadow_length_m must be finite and not be negative"):
+    with pytest.raises(ValueError, match=r"shadow_length_m must lie between 0 and .* not -1"):
         TABLES.sky_radiance(standing(0.0), UP, SUN, -1.0)
-    with pytest.raises(ValueError, match="albedo must be finite and lie between 0 and 1"):
+    with pytest.raises(ValueError, match=r"albedo must lie between 0 and 1, not 1\.1"):
         TABLES.surface_radiance(standing(0.0), UP, SUN, 1.1)
 
 

@@ -50,10 +50,13 @@ def test_wavelengths_between_and_beyond_the_bands_follow_the_authors_code():
         assert_equal_to_reference(values, expected)
 
 
-def test_no_sky_light_outside_the_modelled_spectrum():
-    """At 280 and 760 nm and beyond the C reference returns 0."""
+def test_no_sky_light_at_the_ends_of_the_modelled_spectrum():
+    """At 280 and 760 nm the C reference returns 0; beyond, where it knows nothing, we refuse."""
     sky = HosekWilkieSky(3.0, 0.1, 0.8)
-    assert not sky.spectral_radiance(0.5, 0.4, [200.0, 280.0, 760.0, 830.0]).any()
+    assert not sky.spectral_radiance(0.5, 0.4, [280.0, 760.0]).any()
+    for outside_nm in (200.0, 279.9, 760.1, 830.0):
+        with pytest.raises(ValueError, match=f"between 280 and 760 nm, not {outside_nm}"):
+            sky.spectral_radiance(0.5, 0.4, [500.0, outside_nm])
 
 
 def test_solar_disc_is_the_authors_total_less_their_sky():

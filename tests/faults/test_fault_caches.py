@@ -1,5 +1,6 @@
 """Caches: killed in the midst of a write, starved, shared, misdated. Nothing corrupt is loaded."""
 
+import io
 import logging
 import os
 import resource
@@ -7,15 +8,19 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, TableSizes, precompute
+from bruneton_sky.tables import cache as table_cache
 from bruneton_sky.tables.cache import TableCache
 from fault_stage import ROOT, SMALL_SKY, outcome, start
 
 from vrut_lite import compiled_code
+from vrut_lite.njit import CheckedCacheFile
 
 RECIPE = ("anything", 1)
 SIZES = TableSizes(
@@ -187,3 +192,94 @@ def test_a_folder_that_takes_files_is_left_to_numba(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new" / "folder"))
     compiled_code.find_room(Path("/proc/none"))
     assert os.environ["NUMBA_CACHE_DIR"] == str(tmp_path / "new" / "folder")
+
+
+NPY = b"\x93NUMPY\x01\x00"
+
+
+def npz_of(header, content=b"", packed=zipfile.ZIP_STORED):
+    """An archive of one array with this header."""
+    body = (header + "\n").encode()
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", packed) as file:
+        file.writestr("scattering.npy", NPY + len(body).to_bytes(2, "little") + body + content)
+    return archive.getvalue()
+
+
+HEADER = "{{'descr': '{}', 'fortran_order': False, 'shape': {}}}"
+FORGED = {
+    "a terabyte": npz_of(HEADER.format("<f8", "(1000000000000,)"), bytes(8)),
+    "less than nothing": npz_of(HEADER.format("<f8", "(-1,)"), bytes(8)),
+    "a bomb": npz_of(HEADER.format("<f8", "(4000000,)"), bytes(32_000_000), zipfile.ZIP_DEFLATED),
+    "objects": npz_of(HEADER.format("|O", "(1,)"), bytes(8)),
+    "texts": npz_of(HEADER.format("<U2", "(1,)"), bytes(8)),
+    "no number": npz_of(HEADER.format("<f8", "(1,)"), np.array([np.nan]).tobytes()),
+    "nested": npz_of("(" * 9000),
+    "nothing": b"",
+    "no archive": b"PK\x05\x06" + bytes(18),
+    "noise": bytes(range(256)) * 8,
+}
+
+
+@pytest.mark.parametrize("forged", FORGED)
+def test_an_entry_that_was_made_to_harm_is_no_entry(tmp_path, caplog, forged):
+    """With a digest that is right: what its headers promise is not even asked memory for."""
+    cache = TableCache(tmp_path)
+    cache.put(RECIPE, {"a": np.zeros(3)})
+    (path,) = tmp_path.iterdir()
+    content = FORGED[forged]
+    path.write_bytes(table_cache._MAGIC + table_cache._digest(content) + content)
+    tracemalloc.start()
+    with caplog.at_level(logging.WARNING):
+        found = cache.get(RECIPE)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found is None if forged != "no archive" else not found
+    assert peak < 10_000_000
+    cache.put(RECIPE, {"a": np.zeros(3)})
+    assert cache.get(RECIPE) is not None
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "endless", "loop", "large"])
+def test_an_entry_that_is_no_file_of_ours_is_no_entry(tmp_path, kind):
+    """A pipe would be waited for, a device read without end, a terabyte of nothing into memory."""
+    cache = TableCache(tmp_path)
+    cache.put(RECIPE, {"a": np.zeros(3)})
+    (path,) = tmp_path.iterdir()
+    path.unlink()
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "large":
+        path.touch()
+        os.truncate(path, 1 << 40)
+    else:
+        path.symlink_to({"endless": "/dev/zero", "loop": path}[kind])
+    assert cache.get(RECIPE) is None
+
+
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", ["empty", "cut", "noise", "flipped", "a folder", "unpickled"])
+def test_damaged_machine_code_is_no_machine_code(tmp_path, suffix, damage):
+    """numba alone would end each sky in a traceback, or run what a flipped bit has made of it."""
+    kernels = CheckedCacheFile(str(tmp_path), "kernels", (1.0, 10))
+    kernels.save("float64", ("name", b"machine code" * 100))
+    assert kernels.load("float64") == ("name", b"machine code" * 100)
+    (path,) = tmp_path.glob(f"*.{suffix}")
+    whole = path.read_bytes()
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 4
+    contents = {
+        "empty": b"", "cut": whole[: len(whole) // 2], "noise": bytes(range(256)),
+        "flipped": bytes(flipped), "unpickled": whole[:-32],
+    }  # fmt: skip
+    if damage == "a folder":
+        path.unlink()
+        path.mkdir()
+    else:
+        path.write_bytes(contents[damage])
+    assert kernels.load("float64") is None
+    if damage != "a folder":
+        kernels.save("float64", "compiled anew")
+        assert kernels.load("float64") == "compiled anew"

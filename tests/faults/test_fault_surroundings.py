@@ -18,6 +18,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, terminations_raised
 from vrut_lite.render import frame, gl_owner
 from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.sound_environment import leave_out_nonsense
 
 SCENE = ROOT / "scenes" / "sundial.glb"
 RENDER = ["render", SCENE, *NOON, "--size", "32x32"]
@@ -129,6 +130,9 @@ ODD = {
     "PYTHONIOENCODING": "ascii",
     "OMP_NUM_THREADS": "many",
     "OPENBLAS_NUM_THREADS": "-3",
+    "NUMBA_NUM_THREADS": "0",
+    "NUMBA_CPU_FEATURES": "fast",
+    "SOURCE_DATE_EPOCH": "today",
     "COLUMNS": "0",
     "TZ": "Nowhere/Nothing",
     "DISPLAY": ":99",
@@ -143,6 +147,42 @@ def test_odd_variables(tmp_path):
     assert "Traceback" not in complaints
     assert "sun 61" in said
     assert np.load(path)[np.load(path).files[0]].size > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "nonsense", "sound"),
+    [
+        ("NUMBA_NUM_THREADS", ["0", "-1", "abc", "1e3", "1.5", "", "10" * 9, "٣", "1_0"], "3"),
+        ("NUMBA_CPU_FEATURES", ["fast", "avx2", "+avx2,", ",", "+", "\n"], "+avx2,-fma"),
+        ("NUMBA_COLOR_SCHEME", ["pink", "0"], "no_color"),
+        ("SOURCE_DATE_EPOCH", ["today", "", "-", "1e9", "9" * 5000], "1700000000"),
+    ],
+)
+def test_what_libraries_choke_on_is_left_out(monkeypatch, name, nonsense, sound):
+    """They end in tracebacks, and LLVM in an abort; what they can use is left to them."""
+    for value in nonsense:
+        monkeypatch.setenv(name, value)
+        leave_out_nonsense()
+        assert name not in os.environ, value
+    monkeypatch.setenv(name, sound)
+    leave_out_nonsense()
+    assert os.environ[name] == sound
+    monkeypatch.delenv(name)
+    leave_out_nonsense()
+    assert name not in os.environ
+
+
+@pytest.mark.parametrize("kind", ["missing", "file", "long", "loop"])
+@pytest.mark.parametrize("command", ["sky", "modules"])
+def test_mistyped_folders_of_modules(refused, monkeypatch, tmp_path, kind, command):
+    """One sentence that names the folder and the variable, whichever command it ends."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    folder = tmp_path / ("x" * 300 if kind == "long" else kind)
+    monkeypatch.setenv("VRUT_LITE_MODULES", str(folder))
+    line = refused(command, *(["-o", tmp_path / "a.exr"] if command == "sky" else []))
+    assert f"no folder of modules {folder}" in line
+    assert "VRUT_LITE_MODULES" in line
 
 
 # Of pictures alone: numba, compiling for the first time, renames files too.

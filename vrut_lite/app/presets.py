@@ -1,13 +1,11 @@
-"""Settings of a module kept by name, one JSON file a module."""
+"""Settings of a module kept by name, one JSON file a module; a damaged one holds none."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 from platformdirs import user_config_path
 
-from vrut_lite.errors import UserError
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.app.small_json import read_object, write_object
 
 Values = dict[str, Any]
 
@@ -32,29 +30,17 @@ class PresetStore:
         Raises:
             UserError: the folder cannot be written to.
         """
-        self._write(module, {**self._read(module), name: values})
+        file = self._file(module)
+        write_object(file, {**read_object(file), name: values})
 
     def forget(self, module: str, name: str) -> None:
         """Drop a preset."""
-        self._write(module, {k: v for k, v in self._read(module).items() if k != name})
+        file = self._file(module)
+        write_object(file, {k: v for k, v in read_object(file).items() if k != name})
 
     def _file(self, module: str) -> Path:
         return self._folder / f"{module}.json"
 
     def _read(self, module: str) -> dict[str, Values]:
-        try:
-            presets = json.loads(self._file(module).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            # What is not there or is no JSON holds no presets.
-            return {}
-        if not isinstance(presets, dict):
-            return {}
+        presets = read_object(self._file(module))
         return {name: kept for name, kept in presets.items() if isinstance(kept, dict)}
-
-    def _write(self, module: str, presets: dict[str, Values]) -> None:
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            with atomic_output(self._file(module)) as beside:
-                beside.write_text(json.dumps(presets, indent=1), encoding="utf-8")
-        except OSError as error:
-            raise UserError(f"cannot keep a preset in {self._folder}: {error}") from None

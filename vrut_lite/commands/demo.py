@@ -1,5 +1,6 @@
 """`vrut-lite demo`: every bundled scene at four hours of a day, and a contact sheet of them."""
 
+import os
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -71,7 +72,7 @@ def scene_projects(folder: Path) -> dict[str, Project]:
     Raises:
         UserError: there is neither, or a project file cannot be read.
     """
-    files = sorted(folder.glob("*"))
+    files = sorted(folder.glob("*")) if os.path.isdir(folder) else []
     projects = {f.stem: load_project(f) for f in files if f.suffix.lower() == PROJECT_SUFFIX}
     scenes = [f for f in files if f.suffix.lower() in SCENE_SUFFIXES and f.stem not in projects]
     stems = [scene.stem for scene in scenes]

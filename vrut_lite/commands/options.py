@@ -7,31 +7,15 @@ from typing import Any
 import click
 import msgspec
 
+from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.settings import SettingSpec, describe
 from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Project, in_words
 
 Command = Callable[..., Any]
-
-
-class FiniteRange(click.FloatRange):
-    """A number within bounds: click's own range lets a NaN through, for it is outside of none."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The number.
-
-        Raises:
-            click.BadParameter: it is no number, or outside the bounds.
-        """
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
-        if math.isnan(number):
-            self.fail(f"{value} is not a number from {self.min:g} to {self.max:g}", param, ctx)
-        return super().convert(number, param, ctx)
 
 
 _PREFIX = "setting_"
@@ -49,8 +33,9 @@ def daylight_options(command: Command) -> Command:
                      "offset, as 2026-06-21T18:30 or 2026-06-21T16:30Z."),
         click.option("--place", metavar="LAT,LON[,ALT]",
                      help="Degrees, north and east positive; altitude in metres."),
-        click.option("--north-offset", "north_offset_deg", type=float, metavar="DEG",
-                     help="How far the scene's -Z axis points clockwise of true north."),
+        click.option("--north-offset", "north_offset_deg", type=FiniteRange(-360.0, 360.0),
+                     metavar="DEG", help="How far the scene's -Z axis points clockwise of "
+                     "true north."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", metavar="SHARE",
@@ -86,8 +71,6 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
         for key in ("at", "place", "north_offset_deg")
         if (value := options.pop(key)) is not None
     }
-    if not math.isfinite(changes.get("north_offset_deg", 0.0)):
-        raise UserError("--north-offset must be a number of degrees from -360 to 360")
     tolerance = options.pop("tolerance")
     if tolerance is not None:
         changes["tolerance"] = _tolerance(tolerance)
@@ -102,7 +85,7 @@ def _tolerance(text: str) -> float:
     """The share that --tolerance names, in percent or as a number."""
     number, percent, rest = text.strip().partition("%")
     try:
-        share = float(number) / 100.0 if percent else float(number)
+        share = plain_float(number) / (100.0 if percent else 1.0)
     except ValueError:
         share = math.nan
     if rest or not 0.0 < share <= 1.0:

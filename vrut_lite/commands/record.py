@@ -11,8 +11,9 @@ from rich.console import Console
 from rich.progress import track
 
 from vrut_lite.commands.headless_scene import add_headless_scene
+from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.open_kernel import open_kernel
-from vrut_lite.commands.options import FiniteRange, daylight_options, with_options
+from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
@@ -52,7 +53,7 @@ MOST_STEPS = 100_000
 )
 @click.option(
     "--size",
-    type=click.IntRange(1, 4096),
+    type=WholeRange(1, 4096),
     default=64,
     show_default=True,
     help="Edge of the sky's cube faces, in pixels.",

@@ -7,6 +7,7 @@ import click
 import msgspec
 
 from vrut_lite.commands.engines import engine_options, with_engine
+from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.picture_options import bits_option, picture_bits
 from vrut_lite.commands.pictures import make_pictures, said_of
@@ -14,6 +15,7 @@ from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
+from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     CameraView,
@@ -22,7 +24,7 @@ from vrut_lite.project import (
     in_words,
     load_project,
 )
-from vrut_lite.render.image_files import check_writable, picture_format
+from vrut_lite.render.image_files import check_all_writable, picture_format
 
 FORMATS = (".png", ".exr")
 
@@ -40,9 +42,20 @@ FORMATS = (".png", ".exr")
 @click.option("--size", metavar="WxH", help="Picture size in pixels, as 960x540.")
 @click.option("--eye", metavar="X,Y,Z", help="Camera position in metres, world axes.")
 @click.option("--target", metavar="X,Y,Z", help="Where the camera looks, with --eye.")
-@click.option("--fov", "field_of_view_deg", type=float, metavar="DEG", help="Vertical view angle.")
+@click.option(
+    "--fov",
+    "field_of_view_deg",
+    type=FiniteRange(1.0, 150.0),
+    metavar="DEG",
+    help="Vertical view angle.",
+)
 @click.option("--exposure", metavar="EV100", help="'auto' (default) or a fixed EV100.")
-@click.option("--compensation", type=float, metavar="EV", help="Brighter by so many stops.")
+@click.option(
+    "--compensation",
+    type=FiniteRange(-20.0, 20.0),
+    metavar="EV",
+    help="Brighter by so many stops.",
+)
 @click.option(
     "--tone-map",
     metavar="agx|exponential|none",
@@ -91,7 +104,7 @@ def render(
     project = _with_view(with_options(project, options), options)
     project, engine = with_engine(project, options)
     wanted = wanted_pictures(output, project, options)
-    check_writable(wanted[0].path)
+    check_all_writable([path for _, path in wanted])
     plan = ScenePlan(project, picture_bits(bits, suffix), engine)
     with workers_of(jobs, dask, len(wanted)) as workers:
         captions = make_pictures(plan, wanted, workers)
@@ -118,12 +131,13 @@ def _with_view(project: Project, options: dict[str, Any]) -> Project:
 
 
 def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    if not (width.isdecimal() and height.isdecimal()):
-        raise UserError(f"--size {text} is not of the form WIDTHxHEIGHT, as 960x540")
-    if not all(16 <= int(side) <= 16384 for side in (width, height)):
+    try:
+        width, height = map(plain_int, text.lower().split("x"))
+    except ValueError:
+        raise UserError(f"--size {text} is not of the form WIDTHxHEIGHT, as 960x540") from None
+    if not all(16 <= side <= 16384 for side in (width, height)):
         raise UserError(f"--size {text} must lie between 16x16 and 16384x16384 pixels")
-    return int(width), int(height)
+    return width, height
 
 
 def _camera(camera: CameraView | None, options: dict[str, Any]) -> CameraView | None:
@@ -141,7 +155,7 @@ def _camera(camera: CameraView | None, options: dict[str, Any]) -> CameraView | 
 
 def _point(text: str | None) -> tuple[float, ...]:
     try:
-        return tuple(float(part) for part in (text or "").split(","))
+        return tuple(plain_float(part) for part in (text or "").split(","))
     except ValueError:
         raise UserError(
             "--eye and --target go together, each X,Y,Z in metres: --eye 5,2,8 --target 0,1,0"
@@ -152,7 +166,7 @@ def _exposure(text: str) -> dict[str, Any]:
     if text == "auto":
         return {"mode": "auto"}
     try:
-        return {"mode": "manual", "ev100": float(text)}
+        return {"mode": "manual", "ev100": plain_float(text)}
     except ValueError:
         raise UserError(f"--exposure {text} is neither 'auto' nor a number") from None
 
@@ -160,8 +174,8 @@ def _exposure(text: str) -> dict[str, Any]:
 def _white(text: str) -> dict[str, float]:
     kelvin, comma, duv = text.partition(",")
     try:
-        white = {"white_temperature_k": float(kelvin)}
-        return {**white, "white_duv": float(duv)} if comma else white
+        white = {"white_temperature_k": plain_float(kelvin)}
+        return {**white, "white_duv": plain_float(duv)} if comma else white
     except ValueError:
         raise UserError(f"--white {text} is not of the form KELVIN or KELVIN,DUV") from None
 

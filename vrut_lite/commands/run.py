@@ -1,5 +1,6 @@
 """`vrut-lite run`: the desktop application."""
 
+import os
 import sys
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
@@ -40,7 +41,7 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 
     kept = Kept(None) if safe_mode else Kept.of_user()
     project = with_options(_project(scene, kept), options)
-    if project.scene and not Path(project.scene).is_file():
+    if project.scene and not os.path.isfile(project.scene):
         raise UserError(f"cannot open {project.scene}: there is no such file")
     from vrut_lite.app.desktop import require_desktop
 

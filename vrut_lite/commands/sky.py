@@ -4,14 +4,15 @@ from typing import Any
 
 import click
 
-from vrut_lite.commands.options import FiniteRange, daylight_options, with_options
+from vrut_lite.commands.number_types import FiniteRange, WholeRange
+from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.picture_options import bits_option, picture_bits
 from vrut_lite.commands.pictures import make_pictures, said_of
-from vrut_lite.commands.sky_pictures import PROJECTIONS, Projection, SkyPlan
+from vrut_lite.commands.sky_pictures import PROJECTIONS, Projection, SkyPlan, sidecar_of
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.project import Project
-from vrut_lite.render.image_files import check_writable, picture_format
+from vrut_lite.render.image_files import check_all_writable, picture_format
 
 
 @click.command(name="sky")
@@ -26,7 +27,7 @@ from vrut_lite.render.image_files import check_writable, picture_format
 @click.option("--projection", type=click.Choice(PROJECTIONS), default="lat-long", show_default=True)
 @click.option(
     "--size",
-    type=click.IntRange(16, 4096),
+    type=WholeRange(16, 4096),
     default=512,
     show_default=True,
     help="Edge of a cube face, or height of the other pictures, in pixels.",
@@ -88,7 +89,8 @@ def sky(
     suffix = picture_format(output)
     project = with_options(Project(), options)
     wanted = wanted_pictures(output, project, options)
-    check_writable(wanted[0].path)
+    paths = [path for _, path in wanted]
+    check_all_writable([*paths, *(map(sidecar_of, paths) if sidecar else ())])
     plan = SkyPlan(
         project=project,
         projection=projection,

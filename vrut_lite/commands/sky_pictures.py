@@ -195,7 +195,7 @@ class SkyShot:
                 display = display_picture(flat, bits=self.plan.bits, inside=self._inside())
                 write_png(path, display, self.metadata)
         if self.plan.sidecar:
-            write_json(path.with_name(path.name + ".json"), json_values(self.metadata))
+            write_json(sidecar_of(path), json_values(self.metadata))
 
     def _inside(self) -> NDArray[np.bool_]:
         """Which pixels (h, w) of the flat picture show a direction: space is black too."""
@@ -204,6 +204,11 @@ class SkyShot:
         if angles.ndim == 3:
             flat = unfold_cube(angles[..., None])[..., 0]
         return flat > 0.0
+
+
+def sidecar_of(picture: Path) -> Path:
+    """The JSON file that tells beside a picture what its header says."""
+    return picture.with_name(picture.name + ".json")
 
 
 def _sampled(

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import click
 import msgspec
 
+from vrut_lite.arguments import shown
 from vrut_lite.errors import UserError
 from vrut_lite.place_time import FIRST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.project import Project
@@ -18,7 +19,9 @@ SHORTEST_STEP_S = 1.0
 _CLOCK = re.compile(r"\d\d:\d\d(:\d\d)?", re.ASCII)
 _STEP = re.compile(r"(\d+(?:\.\d+)?) ?(s|m|min|h)?", re.ASCII)
 _SECONDS = {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, None: 60.0}
-_NUMBER = re.compile(r"%0?\d*d", re.ASCII)
+_NUMBER = re.compile(r"%(\d*)d", re.ASCII)
+# More digits than any picture's number has; names of files end at 255 bytes.
+_MOST_DIGITS = 99
 
 
 class Wanted(NamedTuple):
@@ -55,6 +58,7 @@ def wanted_pictures(output: str, project: Project, options: dict[str, Any]) -> l
     if start is None or end is None:
         raise UserError("--from and --to go together: a span of time from one to the other")
     instants = _instants(project, start, end, _step(step or "10m"))
+    _check_pattern(output)
     paths = [_numbered(output, number + 1) for number in range(len(instants))]
     return [Wanted(*pair) for pair in zip(instants, paths, strict=True)]
 
@@ -95,15 +99,26 @@ def _step(text: str) -> timedelta:
     return timedelta(seconds=seconds)
 
 
-def _numbered(output: str, number: int) -> Path:
-    """The name with its one %d, %4d or %04d replaced."""
+def _check_pattern(output: str) -> None:
+    """Raise UserError unless the name has one %d, %4d or %04d, of a width that names can have."""
     found = _NUMBER.findall(output)
     if len(found) != 1 or output.count("%") != 1:
         raise UserError(
             f"{output} is one file, and a span of time makes many: put one %04d in its name, "
             "as day_%04d.png"
         )
-    return Path(output.replace(found[0], found[0] % number))
+    # A width of many digits is not even made a number of.
+    width = found[0].lstrip("0")
+    if len(width) > 2 or int(width or 0) > _MOST_DIGITS:
+        raise UserError(
+            f"{shown('%' + found[0] + 'd')} asks for a number of too many digits: write %04d, or "
+            f"{_MOST_DIGITS} digits at most"
+        )
+
+
+def _numbered(output: str, number: int) -> Path:
+    """The name with its one %d, %4d or %04d replaced."""
+    return Path(_NUMBER.sub(lambda pattern: pattern[0] % number, output))
 
 
 def at_instant(project: Project, instant: datetime) -> Project:

@@ -14,6 +14,7 @@ from typing import Any
 
 import click
 
+from vrut_lite.commands.number_types import WholeRange
 from vrut_lite.errors import ModuleFailed, UserError
 
 LOCAL = "local"
@@ -26,7 +27,7 @@ def worker_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--dask", metavar=f"ADDRESS|{LOCAL}", help="Many pictures on a Dask cluster, "
                      "whose workers have vrut_lite and see the same files, or on one of this "
                      "machine."),
-        click.option("--jobs", type=click.IntRange(1, 256), default=1, show_default=True,
+        click.option("--jobs", type=WholeRange(1, 256), default=1, show_default=True,
                      help="Many pictures in so many processes, each with its own GL."),
     ):  # fmt: skip
         command = option(command)

@@ -61,11 +61,19 @@ def _by_entry_point() -> Iterator[tuple[str, Loader]]:
 
 def _by_folders(folders: Iterable[str | Path]) -> Iterator[tuple[str, Loader]]:
     for folder in map(Path, folders):
-        if not folder.is_dir():
-            raise UserError(f"there is no folder of modules {folder}")
-        for path in sorted(folder.iterdir(), key=lambda path: path.stem):
+        for path in _files_of(folder):
             if path.suffix == ".py" or (path / "__init__.py").is_file():
                 yield str(path), partial(_load_file, path.resolve())
+
+
+def _files_of(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder.iterdir(), key=lambda path: path.stem)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UserError(
+            f"there is no folder of modules {folder} ({reason}): mend {FOLDERS_VARIABLE}"
+        ) from None
 
 
 def _load_file(path: Path) -> object:

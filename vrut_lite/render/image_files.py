@@ -8,7 +8,7 @@ from pathlib import Path
 
 from vrut_lite.errors import UserError
 from vrut_lite.render.picture_array import Metadata
-from vrut_lite.render.write_atomic import atomic_output, check_writable
+from vrut_lite.render.write_atomic import atomic_output, check_all_writable, check_writable
 from vrut_lite.render.write_exr import write_exr
 from vrut_lite.render.write_hdr import write_hdr
 from vrut_lite.render.write_json import write_json
@@ -19,6 +19,7 @@ __all__ = [
     "PICTURE_FORMATS",
     "Metadata",
     "atomic_output",
+    "check_all_writable",
     "check_writable",
     "picture_format",
     "write_exr",

@@ -3,11 +3,14 @@
 import os
 import stat
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from vrut_lite.errors import UserError
+
+# No system takes longer ones.
+_LONG_NAME = 4096
 
 
 @contextmanager
@@ -51,8 +54,34 @@ def check_writable(path: str | os.PathLike[str]) -> None:
             _try_a_file(_beside(target))
     except OSError as error:
         objection = f"{_reason(error)} in {folder}"
+    except ValueError:
+        objection = "its name holds what no name of a file can"
     if objection:
-        raise UserError(f"cannot write {path}: {objection}")
+        raise UserError(f"cannot write {_shown(path)}: {objection}")
+
+
+def check_all_writable(paths: Sequence[str | os.PathLike[str]]) -> None:
+    """`check_writable` for files of one folder: the first in full, the others by their names.
+
+    Raises:
+        UserError: one of them cannot be written.
+    """
+    check_writable(paths[0])
+    for path in paths[1:]:
+        try:
+            objection = _objection(Path(path))
+        except OSError as error:
+            objection = _reason(error)
+        if objection:
+            raise UserError(f"cannot write {_shown(path)}: {objection}")
+
+
+def _shown(path: str | os.PathLike[str]) -> str:
+    """A path for a sentence; of one that no system takes, the end."""
+    text = os.fspath(path)
+    if len(text) > _LONG_NAME:
+        return f"{text[: _LONG_NAME // 2]}...{text[-_LONG_NAME // 2 :]}"
+    return repr(text) if "\0" in text else text
 
 
 def _objection(target: Path) -> str:

@@ -22,12 +22,15 @@ from bruneton_sky.geometry import make_ray
 from bruneton_sky.monte_carlo.medium import medium_of
 from bruneton_sky.monte_carlo.paths import trace
 from bruneton_sky.single_scattering import optical_depth
+from vrut_lite.arguments import ROUNDING, as_count, as_number, as_numbers, broadcast
 
 FloatArray = NDArray[np.float64]
 Start = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 BATCHES = 16
 # So many events of each path take their three numbers from a Sobol sequence.
 SOBOL_EVENTS = 4
+# What Sobol's sequence has points for.
+_MOST_PATHS = 1 << 30
 
 
 @dataclass(frozen=True)
@@ -95,11 +98,12 @@ def monte_carlo_radiance(
     Raises:
         ValueError: an argument is outside its range or not a number.
     """
-    rays = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (altitude_m, mu, mu_s, nu)))
+    cosines = {"mu": mu, "mu_s": mu_s, "nu": nu}
+    rays = broadcast(
+        altitude_m=as_numbers("altitude_m", altitude_m, 0.0),
+        **{name: as_numbers(name, v, -1.0, 1.0, slack=ROUNDING) for name, v in cosines.items()},
+    )
     altitude, view, sun_s, cosine = (np.atleast_1d(v).ravel() for v in rays)
-    for name, value in (("mu", view), ("mu_s", sun_s), ("nu", cosine)):
-        _require(bool((np.abs(value) <= 1.0 + 1e-9).all()), f"{name} must lie between -1 and 1")
-    _require(bool((altitude >= 0.0).all()), "altitude_m must not be negative")
     heights, view, sun_s = enter_atmosphere(atmosphere, altitude, view, sun_s, cosine)
     tracer = _Tracer(atmosphere, paths, seed, max_order)
     batches = tracer.zeros(altitude.size)
@@ -124,13 +128,11 @@ def monte_carlo_irradiance(
     Order k is light that was scattered k times before. The other arguments are those of
     `monte_carlo_radiance`; the altitude lies inside the atmosphere.
     """
-    suns = np.atleast_1d(np.asarray(mu_s, dtype=float))
-    _require(bool((np.abs(suns) <= 1.0).all()), "mu_s must lie between -1 and 1")
-    inside = 0.0 <= altitude_m <= atmosphere.top_altitude_m
-    _require(inside, "altitude_m must lie inside the atmosphere")
+    suns = np.atleast_1d(as_numbers("mu_s", mu_s, -1.0, 1.0))
+    altitude_m = as_number("altitude_m", altitude_m, 0.0, atmosphere.top_altitude_m, "m")
     tracer = _Tracer(atmosphere, paths, seed, max_order)
     batches = tracer.zeros(suns.size)
-    start = partial(_from_surface, float(altitude_m))
+    start = partial(_from_surface, altitude_m)
     for i, cosine in enumerate(suns):
         sun = np.array([np.sqrt((1.0 - cosine) * (1.0 + cosine)), 0.0, cosine])
         batches[:, i] = tracer.run(i, 2, start, sun, False)
@@ -202,8 +204,8 @@ class _Tracer:
     """What the estimates of one atmosphere share: its numbers, the batches, the seeds."""
 
     def __init__(self, atmosphere: Atmosphere, paths: int, seed: int, max_order: int) -> None:
-        _require(paths >= 1, "paths must be positive")
-        _require(max_order >= 1, "max_order must be positive")
+        as_count("paths", paths, 1, _MOST_PATHS)
+        as_count("max_order", max_order, 1, 1000)
         self._medium = medium_of(atmosphere)
         self._log2_paths = max(int(np.ceil(np.log2(paths / BATCHES))), 0)
         self._seed = seed
@@ -291,8 +293,3 @@ def _view_and_sun(mu: float, mu_s: float, nu: float) -> tuple[FloatArray, FloatA
 
 def _standard_error(batches: FloatArray) -> FloatArray:
     return np.asarray(batches.std(axis=0, ddof=1) / np.sqrt(len(batches)))
-
-
-def _require(holds: bool, demand: str) -> None:
-    if not holds:
-        raise ValueError(demand)

@@ -12,8 +12,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from vrut_lite.njit import njit
 
 _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": True}
 # For kernels that only kernels call: without the wrappers for Python they compile faster.

@@ -18,6 +18,7 @@ from bruneton_sky.solver.air import (
 from bruneton_sky.solver.nodes import Nodes, make_nodes, make_transmittance, phase_table
 from bruneton_sky.solver.sizes import SolverSizes
 from bruneton_sky.solver.source_field import SourceField
+from vrut_lite.arguments import as_count, as_number, check_type
 
 Lanes = NDArray[np.float32]
 Progress = Callable[[float], None]
@@ -68,16 +69,15 @@ def solve(
         progress: is told the share done, from 0 to 1.
 
     Raises:
-        ValueError: orders is below 1, or the tolerance is negative.
+        ValueError: orders are not from 1 to 1000, or the tolerance not from 0 to 1.
     """
+    check_type("atmosphere", atmosphere, Atmosphere)
     if orders is None and all_orders and tolerance is None:
         tolerance = order_tolerance(atmosphere)
-    tolerance = tolerance or 0.0
+    tolerance = 0.0 if tolerance is None else tolerance
     orders = (MOST_ORDERS if all_orders else _FEW_ORDERS) if orders is None else orders
-    if orders < 1:
-        raise ValueError(f"orders of scattering must be at least 1, not {orders}")
-    if not tolerance >= 0.0:
-        raise ValueError(f"tolerance of the orders must not be negative, not {tolerance}")
+    orders = as_count("orders of scattering", orders, 1, 1000)
+    tolerance = as_number("tolerance of the orders", tolerance, 0.0, 1.0)
     size = sizes or real_time_sizes(atmosphere)
     phase, groups = phase_table(atmosphere), groups_of_air(atmosphere)
     transmittance = [make_transmittance(air) for air in groups]

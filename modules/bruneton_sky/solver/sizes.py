@@ -3,8 +3,11 @@
 from dataclasses import dataclass, fields
 from typing import Self
 
+from vrut_lite.arguments import as_count
+
 # From this order on light varies less, and is less.
 HIGHER = 4
+_MOST = 4096
 _AZIMUTHS = ("direction_azimuth", "later_azimuth", "higher_azimuth")
 
 
@@ -29,7 +32,7 @@ class SolverSizes:
         irradiance_mu, irradiance_azimuth: directions over which irradiance is summed.
 
     Raises:
-        ValueError: a size is too small to interpolate in, or bins outnumber steps.
+        ValueError: a size is too small to interpolate in or above 4096, or bins outnumber steps.
     """
 
     altitude: int = 24
@@ -54,8 +57,8 @@ class SolverSizes:
             size = getattr(self, field.name)
             # Molecules scatter by cos(2 phi), which fewer than three azimuths would mistake.
             least = 3 if field.name in _AZIMUTHS else 2
-            if size is not None and size < least:
-                raise ValueError(f"{field.name} of the solver must be at least {least}")
+            if size is not None or field.default is not None:
+                as_count(f"{field.name} of the solver", size, least, _MOST)
         if self.direction_mu % 2:
             raise ValueError("direction_mu of the solver must be even: half looks down")
         bins = self.node_bins, self.higher_bins or 0, self.single_bins, self.multiple_bins

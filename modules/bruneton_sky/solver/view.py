@@ -10,12 +10,15 @@ from bruneton_sky.solver.coordinates import SunGrid
 from bruneton_sky.solver.directions import azimuths, clustered_nodes
 from bruneton_sky.solver.nodes import make_source, phase_table
 from bruneton_sky.solver.source_field import SourceField
+from vrut_lite.arguments import ROUNDING, as_numbers
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.source_kernels import Source
 
 FloatArray = NDArray[np.float64]
 _LOW_SUN = 0.15
+# Cosines may come from single precision: beside 1 they err by so much of their range.
+_SINGLE_ROUNDING = 1e-6
 
 
 def multiple_scattering(
@@ -82,8 +85,9 @@ def _checked_rays(
 ) -> tuple[float, FloatArray, np.float32, NDArray[np.float32]]:
     """Altitude, mu, mu_s, nu as kernels take them."""
     altitude = _altitude_inside(altitude_m, field.atmosphere.top_altitude_m)
-    view = np.clip(np.ascontiguousarray(mu, dtype=float), -1.0, 1.0)
-    scattering = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0).astype(np.float32)
+    view = np.ascontiguousarray(as_numbers("mu", mu, -1.0, 1.0, slack=_SINGLE_ROUNDING))
+    scattering = as_numbers("nu", nu, -1.0, 1.0, slack=_SINGLE_ROUNDING).astype(np.float32)
+    mu_s = float(as_numbers("mu_s", mu_s, -1.0, 1.0, slack=_SINGLE_ROUNDING))
     if view.shape != scattering.shape or view.ndim != 1:
         raise ValueError(f"mu {view.shape} and nu {scattering.shape} must be two lists of one size")
     return altitude, view, np.float32(mu_s), scattering
@@ -91,10 +95,7 @@ def _checked_rays(
 
 def _altitude_inside(altitude_m: float, top_altitude_m: float) -> float:
     """The altitude, clipped by no more than rounding."""
-    slack = 1e-9 * top_altitude_m
-    if not -slack <= altitude_m <= top_altitude_m + slack:
-        raise ValueError(f"altitude_m must lie between 0 and {top_altitude_m:g}, not {altitude_m}")
-    return min(max(float(altitude_m), 0.0), top_altitude_m)
+    return float(as_numbers("altitude_m", altitude_m, 0.0, top_altitude_m, "m", slack=ROUNDING))
 
 
 def ground_irradiance(field: SourceField, mu_s: ArrayLike) -> FloatArray:
@@ -102,7 +103,7 @@ def ground_irradiance(field: SourceField, mu_s: ArrayLike) -> FloatArray:
 
     Without the direct sun. `mu_s` (n,): cosines of the sun's zenith angle.
     """
-    suns = np.atleast_1d(np.asarray(mu_s, dtype=float))
+    suns = np.atleast_1d(as_numbers("mu_s", mu_s, -1.0, 1.0, slack=_SINGLE_ROUNDING))
     return sky_irradiance(field, np.zeros(1), suns, field.sizes.single_bins)[0]
 
 

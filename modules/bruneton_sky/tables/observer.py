@@ -8,8 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray
 from bruneton_sky.tables.coordinates import FloatArray, State
+from vrut_lite.arguments import as_vectors
 
 _UNIT_SLACK = 1e-5
+# Components beyond these have squares that are no numbers.
+_LONGEST = 1e100
+# Of points: beyond any planet's neighbourhood.
+FARTHEST_M = 1e15
 
 
 class View(NamedTuple):
@@ -56,37 +61,24 @@ def level(air: Atmosphere, point: FloatArray, sun: FloatArray) -> tuple[FloatArr
 
 def checked_point(name: str, value: ArrayLike, lowest_radius_m: float) -> FloatArray:
     """Points (..., 3) in m; refused where not finite or deeper than a millionth of the radius."""
-    point = _vectors(name, value)
-    if np.any(np.linalg.norm(point, axis=-1) < lowest_radius_m * (1.0 - 1e-6)):
+    point = as_vectors(name, value, FARTHEST_M)
+    radius_m = np.linalg.norm(point, axis=-1)
+    if np.any(radius_m < lowest_radius_m * (1.0 - 1e-6)):
         raise ValueError(
-            f"{name} must not lie below the ground, {lowest_radius_m:g} m from the centre"
+            f"{name} must not lie below the ground, {lowest_radius_m:g} m from the centre: "
+            f"not {float(np.min(radius_m)):g} m from there"
         )
     return point
 
 
 def checked_direction(name: str, value: ArrayLike) -> FloatArray:
     """Unit vectors (..., 3), exact ones made of those that are nearly so."""
-    direction = _vectors(name, value)
+    direction = as_vectors(name, value, _LONGEST)
     length = np.linalg.norm(direction, axis=-1, keepdims=True)
-    if np.any(np.abs(length - 1.0) > _UNIT_SLACK):
-        raise ValueError(f"{name} must be unit vectors")
+    wrong = np.abs(length - 1.0) > _UNIT_SLACK
+    if np.any(wrong):
+        raise ValueError(f"{name} must be unit vectors, not {float(length[wrong][0]):g} long")
     return direction / length
-
-
-def checked_number(name: str, value: ArrayLike, most: float = np.inf) -> FloatArray:
-    """Numbers (...,) from 0 to `most`."""
-    number = np.asarray(value, dtype=float)
-    if not np.all(np.isfinite(number) & (number >= 0) & (number <= most)):
-        limit = "not be negative" if most == np.inf else f"lie between 0 and {most:g}"
-        raise ValueError(f"{name} must be finite and {limit}")
-    return number
-
-
-def _vectors(name: str, value: ArrayLike) -> FloatArray:
-    vectors = np.asarray(value, dtype=float)
-    if vectors.ndim == 0 or vectors.shape[-1] != 3 or not np.all(np.isfinite(vectors)):
-        raise ValueError(f"{name} must be finite numbers of shape (..., 3)")
-    return vectors
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from bruneton_sky.atmosphere import Atmosphere
+from vrut_lite.arguments import as_count
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,8 +30,7 @@ class TableSizes:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            if getattr(self, field.name) < 2:
-                raise ValueError(f"{field.name} of the tables must be at least 2")
+            as_count(f"{field.name} of the tables", getattr(self, field.name), 2, 2**31)
         if self.mu % 2 or self.mu < 4:
             raise ValueError("mu of the tables must be even and at least 4: half sees the ground")
 

@@ -9,13 +9,14 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.tables import look_up_ground, look_up_point, look_up_sky
 from bruneton_sky.tables.coordinates import FloatArray, Year, parametrisation_of
 from bruneton_sky.tables.observer import (
+    FARTHEST_M,
     View,
     checked_direction,
-    checked_number,
     checked_point,
     view_from,
 )
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
+from vrut_lite.arguments import as_numbers, check_shapes, check_type
 from vrut_lite.geometry.colour import rgb_from_spectrum
 
 # Of shorter ways the squares lose digits, and with them the direction its length.
@@ -59,6 +60,7 @@ class Tables:
         parametrisation_of(self.parametrisation)
         refuse_fog(self.atmosphere)
         for name, shape in table_shapes(self.atmosphere, self.sizes).items():
+            check_type(f"{name} of the tables", getattr(self, name), np.ndarray)
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} of the tables must have the shape {shape}")
 
@@ -71,7 +73,7 @@ class Tables:
         is in the way. With a shadow length, the first so many metres of the ray give no light.
         """
         seen = self._view(camera_m, view, sun)
-        shadow_m = checked_number("shadow_length_m", shadow_length_m)
+        shadow_m = _shadow(shadow_length_m, seen)
         return look_up_sky.sky_radiance(self, seen, shadow_m)
 
     def radiance_rgb(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
@@ -92,13 +94,14 @@ class Tables:
         that the ground hides counts as the ground in front of it.
         """
         camera, point = self._point("camera_m", camera_m), checked_point("point_m", point_m, 0.0)
+        check_shapes(camera_m=camera, point_m=point)
         way = point - camera
         distance = np.linalg.norm(way, axis=-1)
         there = distance[..., None] > _IN_THE_EYE_M
         # A point in the observer's eye has no direction: any serves.
         direction = np.divide(way, distance[..., None], out=_upward(way), where=there)
         seen = self._view(camera, direction, sun)
-        shadow_m = checked_number("shadow_length_m", shadow_length_m)
+        shadow_m = _shadow(shadow_length_m, seen)
         return look_up_point.radiance_to_point(self, seen, distance, shadow_m)
 
     def ground_radiance(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
@@ -117,12 +120,10 @@ class Tables:
         The sun's is without shadows of things. The sky's is that on a level surface times the
         share (1 + n . up) / 2 of the sky that a tilted one sees.
         """
-        return look_up_ground.sun_and_sky_irradiance(
-            self,
-            self._point("point_m", point_m),
-            checked_direction("normal", normal),
-            checked_direction("sun", sun),
-        )
+        point = self._point("point_m", point_m)
+        facing, to_sun = checked_direction("normal", normal), checked_direction("sun", sun)
+        check_shapes(point_m=point, normal=facing, sun=to_sun)
+        return look_up_ground.sun_and_sky_irradiance(self, point, facing, to_sun)
 
     def surface_radiance(
         self,
@@ -139,16 +140,16 @@ class Tables:
             sun_visibility: (...,) from 0, in the shadow of something, to 1.
         """
         sunlight, skylight = self.sun_and_sky_irradiance(point_m, normal, sun)
-        visible = checked_number("sun_visibility", sun_visibility, 1.0)[..., None]
-        return checked_number("albedo", albedo, 1.0) / np.pi * (visible * sunlight + skylight)
+        visible = as_numbers("sun_visibility", sun_visibility, 0.0, 1.0)[..., None]
+        share = as_numbers("albedo", albedo, 0.0, 1.0)
+        check_shapes(irradiance=sunlight, albedo=share, sun_visibility=visible)
+        return share / np.pi * (visible * sunlight + skylight)
 
     def _view(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> View:
-        return view_from(
-            self.atmosphere,
-            self._point("camera_m", camera_m),
-            checked_direction("view", view),
-            checked_direction("sun", sun),
-        )
+        camera = self._point("camera_m", camera_m)
+        along, to_sun = checked_direction("view", view), checked_direction("sun", sun)
+        check_shapes(camera_m=camera, view=along, sun=to_sun)
+        return view_from(self.atmosphere, camera, along, to_sun)
 
     def _point(self, name: str, value: ArrayLike) -> FloatArray:
         return checked_point(name, value, self.atmosphere.ground_radius_m)
@@ -164,6 +165,13 @@ def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[i
         "scattering": scattering,
         "single_mie": scattering,
     }
+
+
+def _shadow(shadow_length_m: ArrayLike, seen: View) -> FloatArray:
+    """Lengths (...,) in m that broadcast against what is seen."""
+    shadow_m = as_numbers("shadow_length_m", shadow_length_m, 0.0, FARTHEST_M, "m")
+    check_shapes(shadow_length_m=shadow_m, rays=seen.state.mu_s)
+    return shadow_m
 
 
 def _upward(like: FloatArray) -> FloatArray:

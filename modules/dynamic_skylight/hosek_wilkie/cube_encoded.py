@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from dynamic_skylight.hosek_wilkie.cube_rows import (
@@ -21,6 +20,7 @@ from dynamic_skylight.hosek_wilkie.cube_rows import (
     exp2m1,
     side_faces,
 )
+from vrut_lite.njit import njit
 
 Float32Array = NDArray[np.float32]
 Convert = Callable[[Float32Array, NDArray[Any]], None]

@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from dynamic_skylight.hosek_wilkie.fast_formula import (
@@ -19,15 +18,19 @@ from dynamic_skylight.hosek_wilkie.fast_formula import (
     fold,
 )
 from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
+from vrut_lite.arguments import as_count, check_output, check_type, shown
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACES, texel_centres
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.njit import njit
 
 FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
 
 SIDES = (0, 1, 4, 5)
 TOP, BOTTOM = 2, 3
-ALL_FACES = tuple(range(len(FACES)))
+# Six faces of so many texels, in single precision, are 4.8 GB.
+LARGEST_SIZE = 8192
+_NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
 # No reassociation: the result must not depend on the width of the vectors.
 COMPILE: dict[str, Any] = {
     "cache": True,
@@ -172,7 +175,7 @@ class SkyRows:
         sun_elevation_rad: float,
         size: int,
     ):
-        self.size = size
+        self.size = checked_size(size)
         self._sun = world_from_enu(direction_from_angles(sun_azimuth_rad, sun_elevation_rad))
         self._a = texel_centres(size).astype(np.float32)
         self._numbers = fold(distribution, mean_radiance)
@@ -215,7 +218,7 @@ def fill_cube(
         ValueError: for an `out` of another shape, type or layout, a face not in 0 to 5, or
             rows that the faces do not have.
     """
-    cube = checked_cube(size, np.float32, out, faces)
+    cube = checked_cube(checked_size(size), np.float32, out, faces)
     first, last = _checked_rows(size, rows)
     sky = SkyRows(distribution, mean_radiance, sun_azimuth_rad, sun_elevation_rad, size)
     view = cube.reshape(6, size, 3 * size)
@@ -235,26 +238,32 @@ def side_faces(faces: tuple[int, ...]) -> NDArray[np.intp]:
     return np.array([face for face in SIDES if face in faces], dtype=np.intp)
 
 
+def checked_size(size: int) -> int:
+    """The edge of a cube map's faces in texels."""
+    return as_count("size", size, 1, LARGEST_SIZE)
+
+
 def checked_cube(
     size: int, dtype: type[np.generic], out: NDArray[Any] | None, faces: tuple[int, ...]
 ) -> NDArray[Any]:
     """`out` if it is fit to be written, or a new map of zeros; ValueError if it is not."""
-    if any(face not in ALL_FACES for face in faces):
-        raise ValueError(f"faces are numbered 0 to 5 in the order {FACES}, not {faces}")
+    check_type("faces", faces, tuple, list)
+    for face in faces:
+        as_count(_NAME_OF_FACES, face, 0, len(FACES) - 1)
     shape = (6, size, size, 3)
     if out is None:
         return np.zeros(shape, dtype)
-    if out.shape != shape or out.dtype != dtype or not out.flags.c_contiguous:
-        raise ValueError(
-            f"out must be a C-contiguous {np.dtype(dtype)} array of shape {shape}, "
-            f"not {out.dtype} of shape {out.shape}"
-        )
+    check_output(out, shape, dtype)
     return out
 
 
 def _checked_rows(size: int, rows: tuple[int, int] | None) -> tuple[int, int]:
-    first, last = (0, size) if rows is None else rows
-    if not 0 <= first <= last <= size:
+    if rows is None:
+        return 0, size
+    if not isinstance(rows, tuple) or len(rows) != 2:
+        raise ValueError(f"rows must be two whole numbers from 0 to {size}, not {shown(rows)}")
+    first, last = (as_count("rows", row, 0, size) for row in rows)
+    if first > last:
         raise ValueError(f"rows must run upwards within 0 to {size}, not from {first} to {last}")
     return first, last
 

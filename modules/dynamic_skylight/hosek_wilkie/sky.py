@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
+from vrut_lite.arguments import ROUNDING, as_number, as_numbers, broadcast
 
 if TYPE_CHECKING:
     from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
@@ -18,13 +19,18 @@ FloatArray = NDArray[np.float64]
 # The disc that the solar function was fitted with; the real one is 0.2666 deg on average.
 SOLAR_DISC_RADIUS_RAD = np.deg2rad(0.51 / 2)
 ALL_FACES = tuple(range(6))
+# Where the authors' functions begin and end.
+_SKY_NM, _SUN_NM = (280.0, 760.0), (320.0, 720.0)
+# Of larger angles rounding leaves no direction that one would notice.
+_MOST_TURNED_RAD = 1e6
+_MOST_EXPOSURE = 1e6
 
 
 class HosekWilkieSky:
     """The model of Hosek and Wilkie (2012, 2013) for one hour.
 
-    Angles: theta from the zenith, gamma from the sun, both in radians and of any shapes that
-    broadcast. Below the horizon (theta > 90 deg) there is no sky: radiance 0.
+    Angles: theta from the zenith, gamma from the sun, both from 0 to pi rad and of any shapes
+    that broadcast. Below the horizon (theta > 90 deg) there is no sky: radiance 0.
 
     Args:
         turbidity: 1 to 10.
@@ -33,30 +39,23 @@ class HosekWilkieSky:
         sun_elevation_rad: apparent solar elevation, 0 to pi/2.
 
     Raises:
-        ValueError: for a value outside these ranges, told in one sentence.
+        ValueError: for a value outside these ranges, here and in every method, or one that is no
+            number; in one sentence.
     """
 
     def __init__(self, turbidity: float, albedo: ArrayLike, sun_elevation_rad: float):
-        self.turbidity = float(turbidity)
-        self.albedo = np.array(albedo, dtype=float)
-        self.sun_elevation_rad = float(sun_elevation_rad)
-        self._check()
-
-    def _check(self) -> None:
-        if not 1.0 <= self.turbidity <= 10.0:
-            raise ValueError(f"turbidity must lie between 1 and 10, not {self.turbidity}")
+        self.turbidity = as_number("turbidity", turbidity, 1.0, 10.0)
+        # A copy: what it came from may change.
+        self.albedo = as_numbers("albedo", albedo, 0.0, 1.0).copy()
         if self.albedo.shape not in ((), (3,), (WAVELENGTHS_NM.size,)):
             raise ValueError(
                 "albedo must be a number, or one per colour (3,), or one per wavelength "
                 f"({WAVELENGTHS_NM.size},), not of shape {self.albedo.shape}"
             )
-        if not np.all((self.albedo >= 0.0) & (self.albedo <= 1.0)):
-            raise ValueError(f"albedo must lie between 0 and 1, not {self.albedo}")
-        if not 0.0 <= self.sun_elevation_rad <= np.pi / 2:
-            raise ValueError(
-                "the sun's elevation must lie between 0 and pi/2 rad, "
-                f"not {self.sun_elevation_rad}: the model has no sky for a sun below the horizon"
-            )
+        # The model has no sky for a sun below the horizon.
+        self.sun_elevation_rad = as_number(
+            "sun_elevation_rad", sun_elevation_rad, 0.0, np.pi / 2, "rad"
+        )
 
     @cached_property
     def rgb_distribution(self) -> FloatArray:
@@ -96,10 +95,14 @@ class HosekWilkieSky:
 
         `wavelength_nm` may be a number: the result is then (...,). Linear between the eleven
         bands; the ends are the authors': the 320 nm band holds down to 280 nm and the 720 nm
-        band fades out at 760 nm; beyond them the radiance is 0.
+        band fades out at 760 nm.
+
+        Raises:
+            ValueError: for wavelengths outside 280 to 760 nm, of which the model knows nothing.
         """
+        wavelength = as_numbers("wavelength_nm", wavelength_nm, *_SKY_NM, "nm")
         bands = _sky(theta_rad, gamma_rad, self.spectral_distribution, self.spectral_mean_radiance)
-        return np.maximum(_weigh(bands, _sky_band_weights(wavelength_nm)), 0.0)
+        return np.maximum(_weigh(bands, _sky_band_weights(wavelength)), 0.0)
 
     def solar_radiance(
         self, theta_rad: ArrayLike, gamma_rad: ArrayLike, wavelength_nm: ArrayLike
@@ -112,10 +115,9 @@ class HosekWilkieSky:
         Raises:
             ValueError: for wavelengths outside 320 to 720 nm, where the model has no sun.
         """
-        theta, gamma = np.broadcast_arrays(
-            np.asarray(theta_rad, dtype=float), np.asarray(gamma_rad, dtype=float)
-        )
-        weights = _sun_band_weights(wavelength_nm)
+        wavelength = as_numbers("wavelength_nm", wavelength_nm, *_SUN_NM, "nm")
+        theta, gamma = _angles(theta_rad, gamma_rad)
+        weights = _sky_band_weights(wavelength)
         elevation = np.clip(np.pi / 2 - theta, 0.0, np.pi / 2)
         centre = _weigh(coefficients.sun_radiance(self.turbidity, elevation), weights)
         # Radiance and darkening are interpolated each by itself, as the authors do.
@@ -140,12 +142,17 @@ class HosekWilkieSky:
         the larger of value and 1 % of the map's maximum. `out` (C-contiguous) is written and
         returned when given; what is not asked for by `faces` and `rows` (the first, and the
         one after the last, of each face) is left alone in it and 0 in a new map.
+
+        Raises:
+            ValueError: a size outside 1 to 8192, an unfit `out`, a face or a row that there is
+                not; likewise for the other cube maps.
         """
         # Imported when first used: the compiler costs a moment that the exact model need not.
         from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
 
+        azimuth = _azimuth(sun_azimuth_rad)
         numbers = self.rgb_distribution, self.rgb_mean_radiance
-        return fill_cube(*numbers, sun_azimuth_rad, self.sun_elevation_rad, size, out, faces, rows)
+        return fill_cube(*numbers, azimuth, self.sun_elevation_rad, size, out, faces, rows)
 
     def cube_map_float16(
         self,
@@ -161,7 +168,8 @@ class HosekWilkieSky:
         """
         from dynamic_skylight.hosek_wilkie.cube_encoded import fill_half
 
-        return fill_half(self._rows(size, sun_azimuth_rad, 1.0 / scale), faces, out)
+        factor = as_number("scale", scale, 2.0**-40, 2.0**40)
+        return fill_half(self._rows(size, sun_azimuth_rad, 1.0 / factor), faces, out)
 
     def cube_map_u8(
         self,
@@ -178,7 +186,8 @@ class HosekWilkieSky:
         """
         from dynamic_skylight.hosek_wilkie.cube_encoded import fill_bytes
 
-        return fill_bytes(self._rows(size, sun_azimuth_rad, exposure / np.log(2.0)), faces, out)
+        factor = as_number("exposure", exposure, 0.0, _MOST_EXPOSURE) / np.log(2.0)
+        return fill_bytes(self._rows(size, sun_azimuth_rad, factor), faces, out)
 
     @cached_property
     def brightest(self) -> float:
@@ -196,7 +205,8 @@ class HosekWilkieSky:
         from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
 
         mean = self.rgb_mean_radiance * factor
-        return SkyRows(self.rgb_distribution, mean, sun_azimuth_rad, self.sun_elevation_rad, size)
+        azimuth = _azimuth(sun_azimuth_rad)
+        return SkyRows(self.rgb_distribution, mean, azimuth, self.sun_elevation_rad, size)
 
     def _distribution(self, quantity: Quantity) -> FloatArray:
         albedo = self._albedo_for(quantity)
@@ -220,6 +230,10 @@ class HosekWilkieSky:
         return np.broadcast_to(self.albedo, (count,))
 
 
+def _azimuth(sun_azimuth_rad: float) -> float:
+    return as_number("sun_azimuth_rad", sun_azimuth_rad, -_MOST_TURNED_RAD, _MOST_TURNED_RAD, "rad")
+
+
 def half_scale(brightest: float) -> float:
     """The power of two to divide by, so that this value lies in [2^13, 2^14) as a half.
 
@@ -232,12 +246,18 @@ def _sky(
     theta_rad: ArrayLike, gamma_rad: ArrayLike, distribution: FloatArray, mean: FloatArray
 ) -> FloatArray:
     """Unclamped radiance (..., C), 0 below the horizon."""
-    theta, gamma = np.broadcast_arrays(
-        np.asarray(theta_rad, dtype=float), np.asarray(gamma_rad, dtype=float)
-    )
+    theta, gamma = _angles(theta_rad, gamma_rad)
     cos_theta = np.maximum(np.cos(theta), 0.0)
     values = extended_perez(cos_theta, gamma, distribution) * mean
     return np.where(_above_horizon(theta)[..., None], values, 0.0)
+
+
+def _angles(theta_rad: ArrayLike, gamma_rad: ArrayLike) -> tuple[FloatArray, ...]:
+    """Both, of one shape (...,)."""
+    return broadcast(
+        theta_rad=as_numbers("theta_rad", theta_rad, 0.0, np.pi, "rad", slack=ROUNDING),
+        gamma_rad=as_numbers("gamma_rad", gamma_rad, 0.0, np.pi, "rad", slack=ROUNDING),
+    )
 
 
 def _above_horizon(theta: FloatArray) -> NDArray[np.bool_]:
@@ -254,19 +274,9 @@ def _weigh(bands: FloatArray, weights: FloatArray) -> FloatArray:
     return np.tensordot(bands, weights, axes=(-1, -1))
 
 
-def _sky_band_weights(wavelength_nm: ArrayLike) -> FloatArray:
-    """Weights (*W, 11) of the sky's bands at wavelengths (*W)."""
-    w = np.asarray(wavelength_nm, dtype=float)[..., None]
+def _sky_band_weights(wavelength_nm: FloatArray) -> FloatArray:
+    """Weights (*W, 11) of the bands at wavelengths (*W)."""
+    w = wavelength_nm[..., None]
     held = np.maximum(w, WAVELENGTHS_NM[0])
     hats = np.maximum(1.0 - np.abs(held - WAVELENGTHS_NM) / 40.0, 0.0)
-    return np.where(w > 280.0, hats, 0.0)
-
-
-def _sun_band_weights(wavelength_nm: ArrayLike) -> FloatArray:
-    """Weights (*W, 11) of the sun's bands, which end at 320 and 720 nm."""
-    w = np.asarray(wavelength_nm, dtype=float)
-    inside = (w >= WAVELENGTHS_NM[0]) & (w <= WAVELENGTHS_NM[-1])
-    if not np.all(inside):
-        outside = w[~inside].flat[0]
-        raise ValueError(f"the solar function spans 320 to 720 nm, not {outside:g} nm")
-    return _sky_band_weights(w)
+    return np.where(w > _SKY_NM[0], hats, 0.0)

@@ -17,12 +17,14 @@ from dataclasses import dataclass
 from datetime import UTC, date, datetime, time, timedelta, tzinfo
 from functools import cache
 from itertools import pairwise
+from typing import get_args
 
 import numpy as np
 
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
-from dynamic_skylight.sun.position import Method, SunPosition, sun_position
+from dynamic_skylight.sun.position import Method, SunPosition, checked_place, position_at
 from dynamic_skylight.sun.refraction import pressure_at_altitude_pa, refraction_rad
+from vrut_lite.arguments import FIRST_YEAR, LAST_YEAR, check_choice, check_type, shown
 
 # Between two looks the sun turns 7.5 deg; extremes in between are searched for.
 _LOOK = timedelta(minutes=30)
@@ -65,13 +67,22 @@ def sun_events(
     Times are good to 0.01 s of this sun's own motion; refraction makes real sunrises differ by
     a minute and more.
 
+    Args:
+        day: of the years 1600 to 2600.
+        latitude_deg, longitude_deg, altitude_m, method: see `sun_position`.
+        time_zone: whose midnights begin and end the day.
+
     Raises:
-        ValueError: for a place out of range, in one sentence (see `sun_position`).
+        ValueError: for a day or a place out of range, in one sentence.
     """
+    _check_day(day)
+    check_type("time_zone", time_zone, tzinfo)
+    check_choice("method", method, get_args(Method))
+    latitude_deg, longitude_deg, altitude_m = checked_place(latitude_deg, longitude_deg, altitude_m)
 
     @cache
     def look(when: datetime) -> SunPosition:
-        return sun_position(when, latitude_deg, longitude_deg, method, altitude_m=altitude_m)
+        return position_at(when, latitude_deg, longitude_deg, method, altitude_m)
 
     start, end = _midnight(day, time_zone), _midnight(day + timedelta(days=1), time_zone)
     # An extreme in the day's first or last minutes shows only to who looks beyond its ends.
@@ -99,6 +110,14 @@ def sun_events(
         found[f"{name}_dawn"] = _first(crossings(height, rising=True))
         found[f"{name}_dusk"] = _last(crossings(height, rising=False))
     return SunEvents(**found)
+
+
+def _check_day(day: date) -> None:
+    # A datetime is a date, too, but of no day: it may be another one in the time zone.
+    if isinstance(day, datetime) or not isinstance(day, date):
+        raise ValueError(f"day must be a date, as date(2026, 6, 21), not {shown(day)}")
+    if not FIRST_YEAR <= day.year <= LAST_YEAR:
+        raise ValueError(f"day must be of the years {FIRST_YEAR} to {LAST_YEAR}, not {day}")
 
 
 def _above(look: Callable[[datetime], SunPosition], elevation_rad: float) -> Height:

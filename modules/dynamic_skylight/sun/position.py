@@ -1,9 +1,8 @@
 """sun_position: from an instant and a place to where the sun stands in the sky."""
 
-import math
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal
+from typing import Literal, get_args
 
 from dynamic_skylight.sun import ephemeris, preetham
 from dynamic_skylight.sun.disc import visible_fraction
@@ -12,9 +11,14 @@ from dynamic_skylight.sun.refraction import (
     pressure_at_altitude_pa,
     refraction_rad,
 )
+from vrut_lite.arguments import as_number, check_choice, check_instant
 from vrut_lite.geometry.frames import direction_from_angles
+from vrut_lite.kernel.messages import HIGHEST_M, LOWEST_M
 
 Method = Literal["ephemeris", "preetham"]
+# The standard atmosphere has 325,000 Pa at the lowest altitude.
+_HIGHEST_PA = 400_000.0
+_TEMPERATURES_C = (-150.0, 100.0)
 
 
 @dataclass(frozen=True)
@@ -49,23 +53,51 @@ def sun_position(
     """The sun at an instant, seen from a place.
 
     Args:
-        when: an aware datetime, in any time zone.
+        when: an aware datetime, in any time zone, of the years 1600 to 2600.
         latitude_deg: north-positive, -90 to 90, the poles included.
         longitude_deg: east-positive, -180 to 180.
         method: "ephemeris" (within 0.001 deg), or "preetham" (the short series of the
             daylight thesis, corrected; within 1.2 deg).
-        altitude_m: above sea level.
-        pressure_pa: for refraction; None takes the standard atmosphere's at the altitude.
-        temperature_c: for refraction.
+        altitude_m: above sea level, -11,000 to 36,000,000.
+        pressure_pa: for refraction, 0 to 400,000; None takes the standard atmosphere's at the
+            altitude.
+        temperature_c: for refraction, -150 to 100.
 
     Raises:
         ValueError: for a naive datetime, or a value out of its range, in one sentence.
     """
-    _check_instant(when)
-    _check_range("latitude", latitude_deg, 90.0)
-    _check_range("longitude", longitude_deg, 180.0)
+    check_instant("when", when)
+    latitude_deg, longitude_deg, altitude_m = checked_place(latitude_deg, longitude_deg, altitude_m)
+    check_choice("method", method, get_args(Method))
+    pressure = None
+    if pressure_pa is not None:
+        pressure = as_number("pressure_pa", pressure_pa, 0.0, _HIGHEST_PA, "Pa")
+    celsius = as_number("temperature_c", temperature_c, *_TEMPERATURES_C, "deg C")
+    return position_at(when, latitude_deg, longitude_deg, method, altitude_m, pressure, celsius)
+
+
+def checked_place(
+    latitude_deg: float, longitude_deg: float, altitude_m: float
+) -> tuple[float, float, float]:
+    """The place; ValueError if one of its numbers is out of its range."""
+    return (
+        as_number("latitude_deg", latitude_deg, -90.0, 90.0, "deg"),
+        as_number("longitude_deg", longitude_deg, -180.0, 180.0, "deg"),
+        as_number("altitude_m", altitude_m, LOWEST_M, HIGHEST_M, "m"),
+    )
+
+
+def position_at(
+    when: datetime,
+    latitude_deg: float,
+    longitude_deg: float,
+    method: Method,
+    altitude_m: float,
+    pressure_pa: float | None = None,
+    temperature_c: float = STANDARD_TEMPERATURE_C,
+) -> SunPosition:
+    """`sun_position` of arguments that are known to be good."""
     pressure = pressure_at_altitude_pa(altitude_m) if pressure_pa is None else pressure_pa
-    _check_air(altitude_m, pressure, temperature_c)
     azimuth, elevation = _geometric_angles(when, latitude_deg, longitude_deg, altitude_m, method)
     apparent = elevation + float(refraction_rad(elevation, pressure, temperature_c))
     east, north, up = (float(v) for v in direction_from_angles(azimuth, apparent))
@@ -83,30 +115,4 @@ def _geometric_angles(
 ) -> tuple[float, float]:
     if method == "ephemeris":
         return ephemeris.geometric_angles(when, latitude_deg, longitude_deg, altitude_m)
-    if method == "preetham":
-        return preetham.geometric_angles(when, latitude_deg, longitude_deg)
-    raise ValueError(f"the method must be 'ephemeris' or 'preetham', not {method!r}")
-
-
-def _check_instant(when: datetime) -> None:
-    if when.utcoffset() is None:
-        raise ValueError(
-            f"the instant {when} has no time zone: give an aware datetime, such as one in UTC"
-        )
-
-
-def _check_range(name: str, value_deg: float, limit_deg: float) -> None:
-    # Written so that a NaN is refused too.
-    if not -limit_deg <= value_deg <= limit_deg:
-        raise ValueError(
-            f"the {name} must lie between -{limit_deg:g} and {limit_deg:g} deg, not {value_deg}"
-        )
-
-
-def _check_air(altitude_m: float, pressure_pa: float, temperature_c: float) -> None:
-    if not math.isfinite(altitude_m):
-        raise ValueError(f"the altitude must be a finite number of metres, not {altitude_m}")
-    if not 0.0 <= pressure_pa < math.inf:
-        raise ValueError(f"the pressure must be 0 Pa or more, not {pressure_pa}")
-    if not -273.0 < temperature_c < math.inf:
-        raise ValueError(f"the temperature must lie above -273 deg C, not {temperature_c}")
+    return preetham.geometric_angles(when, latitude_deg, longitude_deg)

@@ -4,7 +4,6 @@ Its arrays: `time` (n,) as 11:45:00, `file_azimuth_deg` and `elevation_deg` (81,
 `wavelength_nm` (w,) and `radiance` (n, 81, w) in W m^-2 sr^-1 nm^-1.
 """
 
-import zipfile
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -13,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
+from vrut_lite.npz_arrays import read_npz as read_arrays
 from vrut_lite_studies.framework.directions import COUNT
 from vrut_lite_studies.framework.scan_files import RawScan
 from vrut_lite_studies.framework.scan_order import scan_directions
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 
 _NUMBERS = ("file_azimuth_deg", "elevation_deg", "wavelength_nm", "radiance")
+# Hundreds of a day's scans at every nanometre.
+_MOST_BYTES = 1 << 30
 _DAY = datetime(2013, 5, 27)
 
 
@@ -39,12 +41,13 @@ def read_npz(path: Path) -> list[RawScan]:
 
 def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     try:
-        with np.load(path) as npz:
-            arrays = {name: npz[name] for name in ("time", *_NUMBERS)}
-    except KeyError as error:
-        raise UserError(f"{path}: holds no array {error.args[0].split()[0]}") from None
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        with path.open("rb") as stream:
+            arrays = read_arrays(stream, _MOST_BYTES)
+    except (OSError, ValueError) as error:
         raise UserError(f"{path}: is no whole npz of measurements ({error})") from None
+    for name in ("time", *_NUMBERS):
+        if name not in arrays:
+            raise UserError(f"{path}: holds no array {name}")
     for name in _NUMBERS:
         if arrays[name].dtype.kind not in "iuf":
             raise UserError(f"{path}: {name} must hold numbers")

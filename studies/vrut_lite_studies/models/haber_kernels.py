@@ -9,7 +9,8 @@ Importing this module imports numba.
 import math
 
 import numpy as np
-from numba import njit
+
+from vrut_lite.njit import njit
 
 compiled = njit(cache=True, error_model="numpy")
 

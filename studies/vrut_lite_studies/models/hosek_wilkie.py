@@ -36,6 +36,8 @@ _AUTHORS_SUN = np.array(
     ]
 )
 _SUN_SR = 6.87e-5
+# Where the model's sky ends.
+_LAST_NM = 760.0
 _HAS_SUN = np.less_equal(WAVELENGTHS_NM, _BANDS_NM[-1])
 
 
@@ -57,11 +59,10 @@ class HosekWilkie:
         """Radiance (n, 40), 0 above 760 nm."""
         gamma = np.arccos(cosines(sun_zenith_rad, view_zenith_rad, relative_azimuth_rad).nu)
         skies = self._skies(sun_zenith_rad)
-        bands = [
-            sky.spectral_radiance(view_zenith_rad, gamma, wavelength)
-            for sky, wavelength in zip(skies, WAVELENGTHS_NM, strict=True)
-        ]
-        return np.stack(bands, axis=-1) * self._exchange_of_suns()
+        radiance = np.zeros((*gamma.shape, WAVELENGTHS_NM.size))
+        for i in np.flatnonzero(WAVELENGTHS_NM <= _LAST_NM):
+            radiance[..., i] = skies[i].spectral_radiance(view_zenith_rad, gamma, WAVELENGTHS_NM[i])
+        return radiance * self._exchange_of_suns()
 
     def sun_irradiance(self, sun_zenith_rad: float) -> FloatArray:
         """Irradiance (40,), 0 above 720 nm: radiance of the disc's centre times its solid angle.

@@ -66,9 +66,7 @@ class Replay:
         self._recipes = Recipes()
         self.kernel = Kernel(runner=self._runner)
         try:
-            restore_setup(
-                self.kernel, journal.setup, known, services or {}, self._runner.release
-            )
+            restore_setup(self.kernel, journal.setup, known, services or {}, self._runner.release)
         except UserError as error:
             raise UserError(f"cannot replay the journal {journal.path}: {error}") from None
         self._registry = Registry(seat.module_type for seat in self.kernel.seats.values())

@@ -1,0 +1,51 @@
+"""numba's `njit`, whose files on disk are held to a digest: a damaged one is compiled anew.
+
+numba unpickles what it finds, machine code too: a file that was cut short would end every sky in a
+traceback until somebody removes it, and one with a flipped bit in a crash.
+"""
+
+import hashlib
+import pickle
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+from numba.core import caching
+
+__all__ = ["njit"]
+_DIGEST_BYTES = 32
+
+
+class CheckedCacheFile(caching.IndexDataCacheFile):
+    """Index and data with a digest behind them, which numba's own reading passes over."""
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            with open(self._index_path, "rb") as stream:
+                pickle.load(stream)
+                sound = _is_whole(stream.read())
+            return super()._load_index() if sound else {}
+        except Exception:  # An unpickled piece of noise may raise anything.
+            return {}
+
+    def _load_data(self, name: str) -> Any:
+        if not _is_whole(Path(self._data_path(name)).read_bytes()):
+            # What numba takes for a file that has been removed.
+            raise FileNotFoundError(name)
+        return super()._load_data(name)
+
+    def _dump(self, obj: Any) -> bytes:
+        data: bytes = super()._dump(obj)
+        return data + _digest(data)
+
+
+def _is_whole(content: bytes) -> bool:
+    return content[-_DIGEST_BYTES:] == _digest(content[:-_DIGEST_BYTES])
+
+
+def _digest(data: bytes) -> bytes:
+    return hashlib.blake2b(data, digest_size=_DIGEST_BYTES).digest()
+
+
+# Functions that keep what is compiled of them take whichever class stands there.
+setattr(caching, "IndexDataCacheFile", CheckedCacheFile)  # noqa: B010
