@@ -31,6 +31,7 @@ def test_a_help_without_its_text_says_why(command):
     assert SAID_INSTEAD not in CliRunner().invoke(root, [*command, "--help"]).output
 
 
+@pytest.mark.long
 def test_a_session_replays_with_and_without_asserts(tmp_path):
     """To the bit: what an assert or a docstring took part in would differ."""
     path = str(tmp_path / "session.mcap")

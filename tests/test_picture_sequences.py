@@ -163,6 +163,7 @@ def test_processes_make_the_same_files(run, tmp_path):
     assert made[1] == made[2]
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_dask_makes_the_same_files(run, scene, tmp_path):
     """Two frames by a cluster of two workers of this machine, and here: equal to the byte."""

@@ -91,6 +91,7 @@ def resident_bytes():
     return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE_BYTES
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_scenes_come_and_go_in_one_host(request):
     """Every scene there is, one after another: no GL object more, no scene, memory within 40 MB.

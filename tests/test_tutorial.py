@@ -73,6 +73,7 @@ def test_links_lead_somewhere(name: str) -> None:
         assert (ROOT / "docs" / link).stat().st_size < 200_000, link
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_pictures(desk) -> None:
     """A picture at dusk, and one for each step of a day."""
@@ -82,6 +83,7 @@ def test_pictures(desk) -> None:
     assert names == {"dusk.png", "day_0001.png", "day_0002.png", "day_0003.png"}
 
 
+@pytest.mark.long
 def test_skies_of_other_atmospheres(desk) -> None:
     """The environment map, the hazy evening and the red planet are written."""
     run(block_with("noon.exr"))
@@ -108,6 +110,7 @@ def test_comparison(desk, capsys) -> None:
     assert 0.67 < float(ratio) < 1.5
 
 
+@pytest.mark.long
 def test_benchmark(desk) -> None:
     """The page is where the text says."""
     pytest.importorskip("pvlib", reason="the extra `bench` is not installed")

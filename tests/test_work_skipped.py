@@ -5,6 +5,7 @@ from datetime import timedelta
 
 import msgspec
 import pytest
+from long_parameters import mostly_long
 from vrut_lite_bench.work_of_a_day import DAY_SCENES
 from vrut_lite_bench.work_skipped import NOTHING, PLAYED, difference, play, play_frames, rows
 
@@ -36,7 +37,7 @@ def plays():
     return get
 
 
-@pytest.mark.parametrize("name", PLAYED)
+@pytest.mark.parametrize("name", mostly_long(PLAYED, {"street", "small indoor scene"}.__contains__))
 def test_pictures_stay_while_work_goes(plays, name):
     """All four frames within one step of 8 bits of those where all was done, and less work.
 
@@ -69,6 +70,7 @@ def test_a_skip_that_is_switched_off_shows_in_the_ledger(plays, skip, name, work
     assert difference(without, one) <= 1
 
 
+@pytest.mark.long
 def test_a_day_of_a_street_is_the_same_with_less_work():
     """Noon, noon again, night and night again: pictures equal, no shadow map without a sun.
 

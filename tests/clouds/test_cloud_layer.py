@@ -5,6 +5,7 @@ import pytest
 from cloud_stage import slab
 from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings
+from long_parameters import mostly_long
 
 from vrut_lite.geometry.clouds import (
     PLANET_RADIUS_M,
@@ -21,7 +22,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("coverage", [0.25, 0.5, 0.75])
-@pytest.mark.parametrize("seed", [1, 6])
+@pytest.mark.parametrize("seed", mostly_long([1, 6], (1).__eq__))
 def test_the_zenith_is_covered_as_asked(coverage, seed):
     """Of columns thrown at random over a million square kilometres: within 3 % of the sky.
 

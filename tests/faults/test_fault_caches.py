@@ -18,6 +18,7 @@ from bruneton_sky import Atmosphere, TableSizes, precompute
 from bruneton_sky.tables import cache as table_cache
 from bruneton_sky.tables.cache import TableCache
 from fault_stage import ROOT, SMALL_SKY, outcome, start
+from long_parameters import mostly_long
 
 from vrut_lite import compiled_code
 from vrut_lite.njit import CheckedCacheFile
@@ -151,7 +152,7 @@ def test_a_file_that_another_process_takes_away_is_no_fault(tmp_path, monkeypatc
     assert cache.get(RECIPE) is not None
 
 
-@pytest.mark.parametrize("blocked", ["a file", "no folder"])
+@pytest.mark.parametrize("blocked", mostly_long(["a file", "no folder"], "a file".__eq__))
 def test_a_home_that_cannot_be_used_costs_no_sky(tmp_path, blocked):
     """HOME is a file, or not there: the sky is made, without a word."""
     home = tmp_path / "home"

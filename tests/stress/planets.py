@@ -54,3 +54,5 @@ PLANETS = {
     "fog": EARTH.with_fog(200.0, 50.0),
     "dense fog": EARTH.with_fog(5.0, 3.0),
 }
+# The ends of the ends: what `make test` tries.
+SHORT = ("earth", "film", "thick", "airless", "dense fog")

@@ -9,7 +9,8 @@ from bruneton_sky import geometry
 from bruneton_sky.air_exact import depth_along
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.sun_light import disc_light, seen_irradiance_rgb, sun_irradiance
-from planets import CLEAR, EARTH, PLANETS
+from long_parameters import mostly_long
+from planets import CLEAR, EARTH, PLANETS, SHORT
 from stress_cases import (
     assert_continuous,
     assert_finite,
@@ -18,7 +19,7 @@ from stress_cases import (
     assert_same_on_threads,
 )
 
-planets = pytest.mark.parametrize("name", PLANETS)
+planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 
 
 def altitudes(stress, count, air, special=()):

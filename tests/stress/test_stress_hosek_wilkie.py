@@ -52,7 +52,8 @@ def test_radiance_is_light(stress):
         assert not light[theta > RIGHT].any()
         above = np.minimum(theta, RIGHT - 2e-6)
         assert_continuous(sky.radiance, above, gamma)
-        assert_continuous(lambda at, t, s=sky: s.radiance(t, at), gamma, above)
+        before = np.minimum(gamma, np.pi - 2e-6)
+        assert_continuous(lambda at, t, s=sky: s.radiance(t, at), before, above)
 
 
 def test_spectral_radiance_is_light(stress):
@@ -184,7 +185,8 @@ def test_the_sky_of_any_hour_is_light(stress):
             assert_light(light, str(made))
             assert_light(sky.cube_map(8), str(made))
             above = np.minimum(theta, RIGHT)
-            assert_continuous(lambda at, t, s=sky: s.radiance(t, at), gamma, above)
+            before = np.minimum(gamma, np.pi - 2e-6)
+        assert_continuous(lambda at, t, s=sky: s.radiance(t, at), before, above)
 
 
 def test_the_hour_has_no_jump(stress):

@@ -8,7 +8,8 @@ from bruneton_sky import phase, single_scattering
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.single_scattering import optical_depth_to_top, scattered_without_phase
-from planets import EARTH, PLANETS
+from long_parameters import mostly_long
+from planets import EARTH, PLANETS, SHORT
 from stress_cases import (
     assert_continuous,
     assert_light,
@@ -16,7 +17,7 @@ from stress_cases import (
     assert_same_on_threads,
 )
 
-planets = pytest.mark.parametrize("name", PLANETS)
+planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 CLASSICAL = ["midpoint", "trapezoid", "simpson"]
 
 

@@ -56,7 +56,7 @@ def test_sun_position_is_one_direction(stress, method):
         for when, (latitude, longitude) in zip(
             instants(stress, count), places(stress, count), strict=True
         ):
-            altitude = float(stress.random.choice([0.0, 1e-6, 8848.0, 400_000.0, 4e8, -430.0]))
+            altitude = float(stress.random.choice([0.0, 1e-6, 8848.0, 400_000.0, 3.6e7, -430.0]))
             sun = sun_position(when, latitude, longitude, method, altitude_m=altitude)
             angles = (sun.elevation_rad, sun.apparent_elevation_rad, sun.azimuth_rad)
             assert_finite(np.array([*angles, *sun.direction]), f"{when} {latitude} {longitude}")

@@ -50,6 +50,7 @@ def test_the_ground_stands_in_the_way():
     assert np.isinf(paths([-side[0], 0.0, side[1]], [side[0], 0.0, side[1]])[0])
 
 
+@pytest.mark.long
 def test_light_between_rings_by_harmonics_is_the_sum_over_cells():
     """Of sources even in azimuth about the sun, against cell by cell; float32."""
     transfer = transfer_through(STUDY)
@@ -110,6 +111,7 @@ def test_sky_is_near_that_of_all_light():
     assert np.sqrt(np.mean(relative_error(cells, truth) ** 2)) < 0.15
 
 
+@pytest.mark.long
 def test_two_faults_of_the_published_program_almost_cancel():
     """Fifty over 4 pi in the place of four: the light between cells by a tenth, the sky less."""
     zenith, azimuth = directions()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from long_parameters import mostly_long
 from vrut_lite_studies.framework.directions import directions
 from vrut_lite_studies.framework.errors import rmse, total_rmse
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
@@ -18,6 +19,7 @@ PUBLISHED = {
     "nishita93": "nishita93",
 }
 # mW m^-2 sr^-1 nm^-1 over the 15 times that are here; the published ones are over 17.
+SLOW = ("converged", "haber", "haber-published", "nishita96")
 MEASURED_RMSE = {
     "preetham": 88.7,
     "oneil": 49.8,
@@ -78,7 +80,7 @@ def test_error_against_the_measured_sky(measured_skies, name):
     assert abs(error_mw(MODELS[name](), measured_skies) - MEASURED_RMSE[name]) < 0.5
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", mostly_long(MODELS, lambda name: name not in SLOW))
 def test_models_answer_everywhere(name):
     """Finite from the zenith to the horizon, sun high and low, and even in the azimuth."""
     model = MODELS[name]()

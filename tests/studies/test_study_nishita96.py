@@ -65,6 +65,7 @@ def test_grids_are_even_about_the_suns_plane():
     assert np.all(left > 0.0)
 
 
+@pytest.mark.long
 def test_second_scattering_is_too_strong():
     """1.5 times that of the solver at a high sun, 3.2 times at 75 degrees: so the model errs as
     little as Bruneton's, with half of his orders."""
@@ -93,6 +94,7 @@ def test_error_against_the_measured_sky(measured_skies):
     assert error_mw(Nishita96(quirks=True), measured_skies) == pytest.approx(18.2, abs=0.5)
 
 
+@pytest.mark.long
 def test_error_had_the_search_worked(measured_skies):
     """At 09:30, 11:00 and 12:30: 12.5, 12.4 and 8.0, where Bruneton's has 11.7, 12.7 and 9.0."""
     some = [measured_skies[k] for k in (0, 6, 10)]

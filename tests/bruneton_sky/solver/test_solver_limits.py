@@ -75,7 +75,10 @@ def test_furnace(order: int) -> None:
     assert light[:, ~down][..., lit, :] == pytest.approx(expected[..., lit, :], abs=2e-4)
 
 
-@pytest.mark.parametrize(("visibility_m", "orders", "error"), [(None, 6, 5e-3), (200.0, 20, 0.01)])
+@pytest.mark.parametrize(
+    ("visibility_m", "orders", "error"),
+    [(None, 6, 5e-3), pytest.param(200.0, 20, 0.01, marks=pytest.mark.long)],
+)
 def test_what_enters_leaves(visibility_m: float | None, orders: int, error: float) -> None:
     """Without absorption over white ground all sunlight returns: within 0.5 % of solar
     irradiance times the disc's area, all orders, ground and air together (issue: 0.5 %); with

@@ -1,0 +1,11 @@
+"""Parameters of a test of which `make test` tries some, and `make test-long` all."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pytest
+
+
+def mostly_long(values: Iterable[Any], is_short: Callable[[Any], bool]) -> list[Any]:
+    """The values, marked long but for those that are short."""
+    return [v if is_short(v) else pytest.param(v, marks=pytest.mark.long) for v in values]
