@@ -6,6 +6,7 @@ import sys
 
 import pytest
 from click.testing import CliRunner
+from long_parameters import mostly_long
 
 from vrut_lite.cli import root
 
@@ -24,7 +25,7 @@ def optimized(*arguments):
     )
 
 
-@pytest.mark.parametrize("command", [[], ["replay"]])
+@pytest.mark.parametrize("command", mostly_long([[], ["replay"]], bool))
 def test_a_help_without_its_text_says_why(command):
     """An empty help would be taken for all there is to say."""
     assert SAID_INSTEAD in optimized(*command, "--help").stdout

@@ -102,6 +102,7 @@ def test_python_s_atmosphere() -> None:
     assert 0.0 < names["red"] < names["blue"]
 
 
+@pytest.mark.long
 def test_comparison(desk, capsys) -> None:
     """The two skies of one hour agree within a factor of 1.5, in the median direction."""
     run(block_with("model.npz"))

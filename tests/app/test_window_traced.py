@@ -27,6 +27,7 @@ def coarse(pixels):
     return blocks.reshape(rows, 16, columns, 16, 3).mean(axis=(1, 3)).ravel()
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_the_path_traced_picture_grows_while_it_is_seen(driver):
     """By its key it is shown beside the frame, with the samples that it has; a moved camera and

@@ -108,6 +108,7 @@ def test_sky_at_the_ground(flat, ordinates):
     agree(*traced(flat, 0.0, mu, 4096, False), sky)
 
 
+@pytest.mark.long
 def test_planet_from_outside(flat, ordinates):
     """Looking down from above the air, the ground seen too."""
     mu, _, planet, _ = ordinates

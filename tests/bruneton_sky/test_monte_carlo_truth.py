@@ -28,6 +28,7 @@ def air(factor):
     )
 
 
+@pytest.mark.long
 def test_higher_orders_are_traced_again(truth):
     """Every 17th ray with other random numbers: the deviations are those of chance.
 

@@ -12,7 +12,7 @@ from pvlib.solarposition import spa_python
 
 from vrut_lite.geometry.frames import direction_from_angles
 
-COUNT = 500
+COUNT = 250
 
 
 @pytest.fixture(scope="module")

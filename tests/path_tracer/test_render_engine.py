@@ -47,6 +47,7 @@ def test_a_picture_names_its_engine_and_its_samples(tmp_path):
     assert 1.0 < np.median(pixels) < 100.0
 
 
+@pytest.mark.long
 def test_a_project_says_how_to_trace_and_the_option_wins(tmp_path):
     """Settings of the module `path_tracer`, as for any module; --spp is its shorthand."""
     project = tmp_path / "spheres.toml"
@@ -117,6 +118,7 @@ def test_neither_opengl_nor_mitsuba_is_loaded_without_need(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 def test_ctrl_c_ends_a_long_render(tmp_path):
     """Interrupted amid its samples, the command ends soon and leaves no picture."""
     command = [sys.executable, "-c", "from vrut_lite.cli import main; main()", "render", SPHERES]

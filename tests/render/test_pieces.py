@@ -37,7 +37,7 @@ def backend(gl_owner, tmp_path):
     path = tmp_path / "spheres.glb"
     scene.export(path)
     backend = PyrenderBackend(gl_owner)
-    backend.set_size(200, 200)
+    backend.set_size(140, 140)
     backend.show_scene(load_scene(path), GroundDisc((0, 0), 0, 600))
     light(backend, SKY, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     backend.set_clouds(clouds_of(rough_layer()))

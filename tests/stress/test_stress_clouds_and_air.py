@@ -1,5 +1,7 @@
 """Clouds, the day sky's simple air, and every setting that a person may choose."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from bruneton_sky import single_scattering
@@ -17,16 +19,21 @@ from vrut_lite.geometry import clouds
 from vrut_lite.geometry.air_volume import look_up_air
 from vrut_lite.kernel.settings import describe
 
-LAYER = cloud_layer(CloudSettings(coverage=0.5))
 EYE = np.array([0.0, 2.0, 0.0])
+
+
+@cache
+def layer():
+    """Half of the sky covered; its noise takes seconds to make, once a process."""
+    return cloud_layer(CloudSettings(coverage=0.5))
 
 
 def places(stress, count):
     """Points (count, 3): in the layer, at its faces, under and over it, far off and in space."""
-    top = LAYER.base_m + LAYER.thickness_m
+    top = layer().base_m + layer().thickness_m
     level = stress.within(2 * count, -2e5, 2e5, [0.0, clouds.SHAPE_PERIOD_M]).reshape(count, 2)
     level = np.where(stress.random.random((count, 1)) < 0.05, level * 1e3, level)
-    height = stress.within(count, 0.0, 2.0 * top, [LAYER.base_m, top, 1e-6])
+    height = stress.within(count, 0.0, 2.0 * top, [layer().base_m, top, 1e-6])
     height = np.where(stress.random.random(count) < 0.05, 4e8, height)
     return np.stack([level[:, 0], height, level[:, 1]], axis=-1)
 
@@ -38,18 +45,18 @@ def test_cloud_density_is_a_share(stress):
     """
     for count in stress.batches("clouds.density", 20_000, most=8192):
         points = places(stress, count)
-        density = clouds.density(LAYER, points, EYE)
+        density = clouds.density(layer(), points, EYE)
         assert_light(density)
         assert density.max() <= 1.0
         assert_finite(clouds.altitude_m(points, EYE))
-        weather = clouds.weather_at(LAYER, points[:, [0, 2]])
+        weather = clouds.weather_at(layer(), points[:, [0, 2]])
         assert_light(weather)
         assert weather.max() <= 1.0 + 1e-12
         near = points[np.abs(points[:, [0, 2]]).max(axis=1) < 2e5]
         near = near[near[:, 1] < 1e5]
 
         def look(at, x, z):
-            return clouds.density(LAYER, np.stack([x, at, z], axis=-1), EYE)
+            return clouds.density(layer(), np.stack([x, at, z], axis=-1), EYE)
 
         # A top's envelope is a square root: what is left of a micrometre's step is its slope.
         assert_continuous(look, near[:, 1], near[:, 0], near[:, 2], most=1e-5)
@@ -73,16 +80,16 @@ def test_the_sun_through_clouds(stress):
     """From 0 to 1 for any point and any sun, level ones and the moon's distance too."""
     for count in stress.batches("clouds.sun_transmittance, distance_up_m", 60):
         for point, sun in zip(places(stress, count), stress.directions(count), strict=True):
-            share = clouds.sun_transmittance(LAYER, point, sun)
+            share = clouds.sun_transmittance(layer(), point, sun)
             assert 0.0 <= share <= 1.0, f"{point} {sun}"
-            distance = clouds.distance_up_m(float(point[1]), LAYER.base_m, float(sun[1]))
+            distance = clouds.distance_up_m(float(point[1]), layer().base_m, float(sun[1]))
             assert np.isfinite(distance)
 
 
 def test_coverage_only_adds_cloud(stress):
     """A larger share of covered sky has a lower threshold, 0 has no cloud and 1 no gap."""
     coverage = [0.0, 1e-6, 0.4, 0.999, 1.0]
-    layers = [with_coverage(LAYER, share) for share in coverage]
+    layers = [with_coverage(layer(), share) for share in coverage]
     assert_rising(-np.array([layer.threshold for layer in layers]))
     for layer in layers:
         assert 0.0 <= layer.column_density <= 1.0

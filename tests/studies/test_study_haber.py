@@ -104,6 +104,7 @@ def test_light_of_aerosol_follows_its_phase_function():
     np.testing.assert_allclose(found[2, 0, 11], arriving.sum(), rtol=1e-5)
 
 
+@pytest.mark.long
 def test_sky_is_near_that_of_all_light():
     """Even scattering by molecules, cells, no ground: 15 % rms of 360 to 720 nm, sun at 40 deg."""
     zenith, azimuth = directions()
