@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vrut_lite.errors import UserError
-from vrut_lite.scene.budget import DEFAULT_LIMIT_GIB, SceneBudget
+from vrut_lite.scene.budget import budget_of_environment
 from vrut_lite.scene.loading import load_scene
 from vrut_lite_bench.mangled_scenes import Files, broken
 from vrut_lite_bench.scene_bombs import BOMBS, bomb
@@ -50,7 +50,7 @@ Open = Callable[[Path], Opened]
 
 def open_scene(path: Path) -> Opened:
     """Open a scene under the default limit."""
-    budget = SceneBudget(DEFAULT_LIMIT_GIB * 2**30)
+    budget = budget_of_environment()
     try:
         end = f"{load_scene(path, budget).triangles:,} triangles"
     except UserError as refused:

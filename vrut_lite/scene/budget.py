@@ -8,22 +8,15 @@ A small file may not ask for much work either: arrays that overlap, or that no b
 behind, are counted against the bytes that the scene brings.
 """
 
-import os
-import re
-
-from vrut_lite.errors import UserError
+from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
 from vrut_lite.scene.file_checks import SceneFileError
 
-LIMIT_VARIABLE = "VRUT_LITE_SCENE_GIB"
-DEFAULT_LIMIT_GIB = 4.0
 PEAK_PER_BYTE = 2.5
 BASE_BYTES = 512 * 2**20
 # Of each byte in its files a scene may ask for so many, beside what any scene may ask for.
 _ASKED_PER_BYTE = 8
 _ASKED_BASE_BYTES = 4 * 2**20
-_LEAST_GIB, _MOST_GIB = 1.0, 1024.0
 _MIB, _GIB = 2.0**20, 2.0**30
-_NUMBER = re.compile(r"\d{1,9}(\.\d{0,9})?", re.ASCII)
 
 
 class SceneBudget:
@@ -51,7 +44,7 @@ class SceneBudget:
             raise SceneFileError(
                 f"{what} would hold {size_bytes / _MIB:,.0f} MiB in memory, so that loading takes "
                 f"up to {peak_bytes / _GIB:,.1f} GiB, above the limit of "
-                f"{self._limit_bytes / _GIB:g} GiB; simplify it, or raise {LIMIT_VARIABLE}"
+                f"{self._limit_bytes / _GIB:g} GiB; simplify it, or raise {VARIABLE}"
             )
 
     def take(self, size_bytes: int, what: str) -> None:
@@ -83,16 +76,9 @@ class SceneBudget:
 
 
 def budget_of_environment() -> SceneBudget:
-    """The budget that `VRUT_LITE_SCENE_GIB` sets, or the default one.
+    """The budget that the memory limit of the environment leaves.
 
     Raises:
-        UserError: if the variable is no number from 1 to 1024.
+        UserError: the variable holds no number.
     """
-    word = os.environ.get(LIMIT_VARIABLE, "").strip() or f"{DEFAULT_LIMIT_GIB:g}"
-    limit_gib = float(word) if _NUMBER.fullmatch(word) else 0.0
-    if not _LEAST_GIB <= limit_gib <= _MOST_GIB:
-        raise UserError(
-            f"{LIMIT_VARIABLE} is {ascii(word)[:40]}; give the GiB of memory that loading a scene "
-            f"may take, from {_LEAST_GIB:g} to {_MOST_GIB:g}"
-        )
-    return SceneBudget(limit_gib * _GIB)
+    return SceneBudget(memory_limit_bytes())
