@@ -23,6 +23,7 @@ run:
 
 test:
 	@sh tools/bootstrap.sh test
+	@$(ONE_CORE) $(BIN)/python tests/compile_first.py
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist worksteal \
 		--durations=10 --durations-min=1
 

@@ -90,9 +90,9 @@ def test_coverage_only_adds_cloud(stress):
     """A larger share of covered sky has a lower threshold, 0 has no cloud and 1 no gap."""
     coverage = [0.0, 1e-6, 0.4, 0.999, 1.0]
     layers = [with_coverage(layer(), share) for share in coverage]
-    assert_rising(-np.array([layer.threshold for layer in layers]))
-    for layer in layers:
-        assert 0.0 <= layer.column_density <= 1.0
+    assert_rising(-np.array([covered.threshold for covered in layers]))
+    for covered in layers:
+        assert 0.0 <= covered.column_density <= 1.0
 
 
 def test_the_day_skys_air_is_light(stress):

@@ -1,0 +1,38 @@
+"""Compiles the slowest kernels before the tests begin, side by side: `python tests/compile_first.py`.
+
+Workers that meet a kernel at the same time would each compile it, and the first test to need one
+would take half a minute. A second run finds them on disk.
+"""
+
+import subprocess
+import sys
+
+SOLVER = """
+from vrut_lite.cli import main
+import sys, tempfile
+with tempfile.TemporaryDirectory() as folder:
+    sys.argv = ["vrut-lite", "sky", "--sky", "bruneton_sky", "--size", "16", "-o",
+                folder + "/sky.npz", "--at", "2026-06-21T12:00", "--place", "50,14"]
+    main()
+"""
+OTHERS = """
+import numpy as np
+from bruneton_sky import Atmosphere
+from bruneton_sky.monte_carlo import monte_carlo_radiance
+from clouds.layer import cloud_layer
+from clouds.settings import CloudSettings
+from dynamic_skylight import HosekWilkieSky
+half = np.array([0.5])
+monte_carlo_radiance(Atmosphere.earth(), 0.0, half, half, half, paths=2, max_order=2)
+cloud_layer(CloudSettings(coverage=0.5))
+HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.8).cube_map(size=16)
+"""
+
+if __name__ == "__main__":
+    running = [
+        subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL)
+        for code in (SOLVER, OTHERS)
+    ]
+    # What fails here fails in a test too, where it is told.
+    for process in running:
+        process.wait()
