@@ -1,4 +1,4 @@
-"""Compiles the slowest kernels before the tests begin, side by side."""
+"""Compiles the slowest kernels before the tests begin, side by side.
 
 Workers that meet a kernel at the same time would each compile it, and the first test to need one
 would take half a minute. A second run finds them on disk.
