@@ -33,17 +33,17 @@ class ThreadRunner:
 
     def __init__(self) -> None:
         self._executor = ThreadPoolExecutor(_WORKERS, "vrut-lite job")
-        self._running: dict[Key, Job] = {}
+        self._busy: dict[Key, Job] = {}
         self._waiting: dict[Key, tuple[Job, Finish]] = {}
         self._changed = threading.Condition()
 
     def start(self, job: Job, finish: Finish) -> None:
         """Hand the job to a thread, or let it wait for a cancelled one of its key."""
         with self._changed:
-            if job.key in self._running:
+            if job.key in self._busy:
                 self._waiting[job.key] = (job, finish)
                 return
-            self._running[job.key] = job
+            self._busy[job.key] = job
         self._executor.submit(self._run, job, finish)
 
     def wait(self) -> None:
@@ -56,16 +56,16 @@ class ThreadRunner:
         self._executor.shutdown(wait=False, cancel_futures=True)
 
     def _is_idle(self) -> bool:
-        jobs = [*self._running.values(), *(job for job, _ in self._waiting.values())]
+        jobs = [*self._busy.values(), *(job for job, _ in self._waiting.values())]
         return all(job.control.cancelled() for job in jobs)
 
     def _run(self, job: Job, finish: Finish) -> None:
         result = None if job.control.cancelled() else job.run()
         with self._changed:
-            del self._running[job.key]
+            del self._busy[job.key]
             successor = self._waiting.pop(job.key, None)
             if successor is not None:
-                self._running[job.key] = successor[0]
+                self._busy[job.key] = successor[0]
             # Before anyone who waits may go on, and before the result lets a successor start.
             if result is not None:
                 finish(job, result)
