@@ -14,16 +14,24 @@ with tempfile.TemporaryDirectory() as folder:
     sys.argv = ["vrut-lite", "sky", "--sky", "bruneton_sky", "--size", "16", "-o",
                 folder + "/sky.npz", "--at", "2026-06-21T12:00", "--place", "50,14"]
     main()
+import numpy as np
+from bruneton_sky.air_volume import air_volume
+from bruneton_sky.presets import earth_spectral
+from bruneton_sky.solver import solve
+from vrut_lite.geometry.colour import SKYLIGHT_NM
+air_volume(solve(earth_spectral(SKYLIGHT_NM), orders=3), 2.0, np.array([0.6, 0.8, 0.0]), 1e4)
 """
 OTHERS = """
 import numpy as np
 from bruneton_sky import Atmosphere
+from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.monte_carlo import monte_carlo_radiance
 from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings
 from dynamic_skylight import HosekWilkieSky
 half = np.array([0.5])
 monte_carlo_radiance(Atmosphere.earth(), 0.0, half, half, half, paths=2, max_order=2)
+fast_scattered_without_phase(Atmosphere.earth(), 0.0, half, 0.5, half, 4)
 cloud_layer(CloudSettings(coverage=0.5))
 HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.8).cube_map(size=16)
 """

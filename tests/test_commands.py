@@ -149,6 +149,7 @@ def test_a_project_file_renders_like_its_options(vrut_lite, tmp_path):
     assert header["latitudeDeg"][0] == 50.0755
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_the_demo_renders_every_scene_at_four_hours(vrut_lite, tmp_path):
     """Four pictures for each bundled scene, and one sheet of all; noon is brighter than dusk."""

@@ -89,6 +89,7 @@ def test_the_curve_is_the_sky_along_the_suns_meridian(driver):
         assert brightest_deg == pytest.approx(sun_deg, abs=2.0)
 
 
+@pytest.mark.long
 def test_a_click_into_the_sky_asks_for_its_spectra(driver, qtbot):
     """Both modules tell the spectrum of what was clicked; of what is pointed at in the picture."""
     disc = driver.compare.discs[0]

@@ -79,6 +79,7 @@ def test_every_control_of_a_panel_has_an_effect(driver, walk, name):
     assert count > 1
 
 
+@pytest.mark.long
 def test_every_control_of_the_skies_has_an_effect(driver, walk):
     """Of each model's own panel, whoever holds the slot."""
     sky = shown(driver, "sky")

@@ -99,6 +99,7 @@ def test_a_session_by_hand_is_replayed_headless_digest_by_digest(
     } <= told  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_a_drawn_session_is_replayed_without_a_gpu(drawn_window, monkeypatch, tmp_path):
     """The sky's cube is made by the GPU: the journal holds its recipe, which is the same."""

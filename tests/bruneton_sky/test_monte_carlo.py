@@ -50,6 +50,7 @@ def ground_truth():
     return light, {name: data[name][some] for name in ("order1", "ms", "ms_err", "orders")}
 
 
+@pytest.mark.long
 def test_higher_orders_are_another_program_s(ground_truth):
     """Orders 2 and up at the ground, sun at 0, 60, 87 deg: chi square of the joint errors.
 

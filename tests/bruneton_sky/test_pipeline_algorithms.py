@@ -174,6 +174,7 @@ def test_one_order_is_single_scattering(other_planet: Atmosphere) -> None:
         run_pipeline(other_planet, SIZES, 0)
 
 
+@pytest.mark.long
 def test_both_parametrisations_are_the_same_physics() -> None:
     """The axes of 2008 and 2017 place nodes otherwise; between them both interpolate.
 

@@ -138,6 +138,7 @@ def test_back_on_the_cpu_a_late_result_is_nothing(module, link):
     assert len(link.posted) == count
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_a_frame_is_the_same_from_both_devices():
     """The picture must not tell where its sky was made: 2e-3 of radiance (two float16 steps)."""

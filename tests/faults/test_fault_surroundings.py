@@ -196,7 +196,10 @@ os.replace = slow
 """
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [(signal.SIGTERM, 143), pytest.param(signal.SIGINT, 130, marks=pytest.mark.long)],
+)
 def test_ended_in_the_midst_of_a_write(tmp_path, number, code):
     """Asked to end while a picture is written: the older one stays, and nothing lies beside it."""
     path = tmp_path / "sky.npz"

@@ -101,6 +101,7 @@ def test_its_settings_are_no_options_of_other_commands():
     assert "--spp" not in {name for option in sky.params for name in option.opts}
 
 
+@pytest.mark.long
 def test_neither_opengl_nor_mitsuba_is_loaded_without_need(tmp_path):
     """The engine needs no GL, and whoever does not trace waits for no mitsuba."""
     program = (

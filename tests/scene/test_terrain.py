@@ -197,6 +197,7 @@ def test_triangles_are_small_only_where_asked_and_meet_edge_to_edge():
     assert np.abs(area).max() > 100
 
 
+@pytest.mark.long
 def test_water_runs_down_and_none_is_lost():
     """Each cell drains lower once hollows are filled; the border receives all cells there are."""
     x, z = np.meshgrid(np.arange(24) / 5.0, np.arange(24) / 5.0)
@@ -208,6 +209,7 @@ def test_water_runs_down_and_none_is_lost():
     assert drained_cells(order, below)[~inner].sum() == land.size
 
 
+@pytest.mark.long
 def test_eroded_land_reaches_the_slope_of_its_rivers():
     """In a steady state slope = uplift / (strength sqrt(area)) (Braun and Willett 2013, eq. 1)."""
     size, spacing_m, rise_m, strength = 24, 100.0, 2.0, 0.5

@@ -152,6 +152,7 @@ def _mie_forward(g: float) -> float:
     return 3 / (4 * np.pi) * (1 - g * g) / ((2 + g * g) * (1 - g) ** 3)
 
 
+@pytest.mark.long
 def test_few_nodes_reach_simpsons_finest() -> None:
     """Ten Gauss-Legendre nodes err less than 512 x 256 Simpson, by day in either atmosphere."""
     for name, air in spectral_airs().items():

@@ -103,6 +103,7 @@ def test_black_wall_at_the_visibility(visibility_m: float) -> None:
     assert (here - wall) / here == pytest.approx(0.02, rel=0.02)
 
 
+@pytest.mark.long
 def test_fog_fades_to_none() -> None:
     """As fog thins, or shrinks to nothing, the sky becomes that without fog: 1 % in the mean, 3 %
     at most, which is what fewer bins and nodes make of the same air without fog."""
