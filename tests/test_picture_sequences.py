@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 import trimesh
+from processes_here import processes_or_skip
 
 from vrut_lite import cli
 from vrut_lite.commands.pictures import make_pictures
@@ -151,6 +152,7 @@ SKY = ["--from", "05:00", "--to", "06:00", "--step", "30m", "--size", 32, "--sid
 
 def test_processes_make_the_same_files(run, tmp_path):
     """Three skies and their sidecars, by one process and by two: equal to the byte."""
+    processes_or_skip()
     made = {}
     for jobs in (1, 2):
         folder = tmp_path / str(jobs)
@@ -161,6 +163,20 @@ def test_processes_make_the_same_files(run, tmp_path):
     assert list(made[1])[:2] == ["sky_01.exr", "sky_01.exr.json"]
     assert len(made[1]) == 6
     assert made[1] == made[2]
+
+
+def test_without_shared_memory_processes_are_refused(run, tmp_path, monkeypatch, capsys):
+    """Some containers have no /dev/shm that a user may write to: the way out is named."""
+
+    def refused(*_arguments, **_named):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("multiprocessing.synchronize._multiprocessing.SemLock", refused)
+    with pytest.raises(SystemExit) as end:
+        run("sky", "-o", tmp_path / "a_%d.exr", *SKY, "--jobs", 2)
+    assert end.value.code == 2
+    assert "/dev/shm" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.long

@@ -4,6 +4,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from datetime import timedelta
 
 import pytest
+from processes_here import processes_or_skip
 
 from vrut_lite.app.day_sequence import instants_of
 from vrut_lite.commands.pictures import Made
@@ -91,6 +92,7 @@ def test_the_day_goes_from_first_to_last_light(headless_window):
 @pytest.mark.gl
 def test_a_real_process_makes_real_pictures(headless_window, tmp_path):
     """One picture by a process of its own, of the window's size."""
+    processes_or_skip()
     from PIL import Image
 
     view, keeper = headless_window.window.desk.viewport, headless_window.window.desk.keeper

@@ -9,6 +9,7 @@ from vrut_lite.kernel.messages import (
     ChooseSlot,
     LoadScene,
     MoveCamera,
+    Resize,
     SceneLoaded,
     SceneNeeds,
     SetClock,
@@ -101,7 +102,7 @@ def test_a_broken_project_is_told_in_one_line(driver, tmp_path, text):
     assert "broken.toml" in driver.window.news.text()
     driver.settled()
     # Docks that come late may change the picture's size, and with it what the scene needs.
-    assert {type(message) for message in driver.heard} <= {SceneNeeds}
+    assert {type(message) for message in driver.heard} <= {Resize, SceneNeeds}
 
 
 def test_a_project_with_a_module_that_is_not_there_is_refused_whole(driver, tmp_path):

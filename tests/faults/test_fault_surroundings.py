@@ -12,6 +12,7 @@ import moderngl
 import numpy as np
 import pytest
 from fault_stage import NOON, ROOT, SMALL_SKY, is_one_line, outcome, start, wait_for
+from processes_here import processes_or_skip
 
 from vrut_lite import cli
 from vrut_lite.errors import UserError
@@ -244,6 +245,7 @@ if __name__ == "__main__":
 
 def test_workers_end_with_the_one_who_started_them(tmp_path):
     """Kill -9 lets nobody say goodbye: the processes that make pictures notice, and end too."""
+    processes_or_skip()
     script, folder = tmp_path / "script.py", tmp_path / "pids"
     script.write_text(WORKERS)
     folder.mkdir()

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from datetime import datetime, timedelta
-from multiprocessing import get_context
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Qt, Signal
@@ -11,13 +10,14 @@ from PySide6.QtCore import QObject, Qt, Signal
 from vrut_lite.app.day import Day
 from vrut_lite.commands.pictures import Made, Plan, make_one
 from vrut_lite.commands.scene_pictures import ScenePlan
+from vrut_lite.commands.workers import spawn_context
 from vrut_lite.project import Project
 from vrut_lite.render.write_atomic import atomic_output, check_writable
 
 
 def one_process() -> Executor:
-    """A process that is started afresh: a copy of one with windows and threads is not sound."""
-    return ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+    """A process beside the window's; UserError where none can be started."""
+    return ProcessPoolExecutor(1, mp_context=spawn_context())
 
 
 class DaySequence(QObject):
@@ -61,7 +61,7 @@ class DaySequence(QObject):
         """Begin.
 
         Raises:
-            UserError: the files cannot be written there.
+            UserError: the files cannot be written there, or no process can be started.
         """
         check_writable(self.path(1))
         self._workers = self._open_workers()

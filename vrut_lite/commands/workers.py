@@ -9,6 +9,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.context import SpawnContext
 from threading import Thread
 from typing import Any
 
@@ -51,11 +52,27 @@ def workers_of(jobs: int, dask: str | None, pictures: int) -> Iterator[Executor 
         yield None
 
 
+def spawn_context() -> SpawnContext:
+    """How processes are started beside this one: a copy of one with OpenGL or threads is not sound.
+
+    Raises:
+        UserError: they cannot share memory with it.
+    """
+    context = get_context("spawn")
+    try:
+        context.Lock()
+    except OSError as error:
+        raise UserError(
+            "pictures cannot be made by other processes: they share memory in /dev/shm, which "
+            f"cannot be written ({error.strerror}); make it writable, or leave --jobs at 1"
+        ) from None
+    return context
+
+
 @contextmanager
 def _processes(count: int) -> Iterator[Executor]:
-    # Not forked: a copy of a process that has OpenGL or threads is not sound.
     executor = _Unfazed(
-        count, mp_context=get_context("spawn"), initializer=_end_with_the_one_who_started
+        count, mp_context=spawn_context(), initializer=_end_with_the_one_who_started
     )
     others = set(active_children())
     try:
