@@ -1,11 +1,17 @@
 """numba's `njit`, whose files on disk are held to a digest: a damaged one is compiled anew.
 
 numba unpickles what it finds, machine code too: a file that was cut short would end every sky in a
-traceback until somebody removes it, and one with a flipped bit in a crash.
+traceback until somebody removes it, and one with a flipped bit in a crash. And processes that save
+at once lose what the other has added to the index, which is read, changed and written: here one
+waits for the other.
 """
 
+import fcntl
 import hashlib
+import os
 import pickle
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +24,11 @@ _DIGEST_BYTES = 32
 
 class CheckedCacheFile(caching.IndexDataCacheFile):
     """Index and data with a digest behind them, which numba's own reading passes over."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Add what was compiled, while no other process does."""
+        with _alone_in(Path(self._index_path).parent):
+            super().save(key, data)
 
     def _load_index(self) -> dict[Any, str]:
         try:
@@ -37,6 +48,18 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
     def _dump(self, obj: Any) -> bytes:
         data: bytes = super()._dump(obj)
         return data + _digest(data)
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        # Where a file system knows no locks, numba's own way must do.
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _is_whole(content: bytes) -> bool:

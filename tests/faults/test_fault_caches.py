@@ -10,6 +10,7 @@ import sys
 import time
 import tracemalloc
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -284,3 +285,17 @@ def test_damaged_machine_code_is_no_machine_code(tmp_path, suffix, damage):
     if damage != "a folder":
         kernels.save("float64", "compiled anew")
         assert kernels.load("float64") == "compiled anew"
+
+
+def test_machine_code_that_is_saved_at_once_is_all_there(tmp_path):
+    """Each process adds to the index that the others write: none may lose what another added."""
+    names = [f"float{number}" for number in range(96)]
+
+    def save(part):
+        for name in part:
+            CheckedCacheFile(str(tmp_path), "kernels", (1.0, 10)).save(name, f"code of {name}")
+
+    with ThreadPoolExecutor(8) as threads:
+        list(threads.map(save, [names[i::8] for i in range(8)]))
+    kernels = CheckedCacheFile(str(tmp_path), "kernels", (1.0, 10))
+    assert [kernels.load(name) for name in names] == [f"code of {name}" for name in names]
