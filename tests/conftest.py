@@ -21,7 +21,7 @@ def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
     parser.addoption("--live-runs", type=int, default=40, help="random sessions to replay")
-    parser.addoption("--scene-cycles", type=int, default=36, help="scenes to load and unload")
+    parser.addoption("--scene-cycles", type=int, default=24, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.1, help="minutes of play at 60 Hz")
     parser.addoption("--stress-scale", type=float, default=0.3, help="times more inputs")
 

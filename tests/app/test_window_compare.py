@@ -59,6 +59,7 @@ def test_two_models_are_shown_at_equal_haze(driver):
     assert np.array_equal(*same.discs)
 
 
+@pytest.mark.long
 def test_haze_of_both_is_slid_and_follows_the_window(driver):
     """More haze in both: the zenith near a high sun brightens; the window's own sky stays."""
     driver.compare.fields["turbidity"].spin.setValue(6.0)

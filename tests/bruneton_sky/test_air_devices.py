@@ -57,7 +57,7 @@ def host(walls):
         yield host
 
 
-@pytest.mark.parametrize("shafts", [False, True])
+@pytest.mark.parametrize("shafts", mostly_long([False, True], bool))
 @pytest.mark.parametrize("instant", mostly_long([NOON, EVENING], EVENING.__eq__))
 @pytest.mark.parametrize("height_m", mostly_long([1.7, 900.0, 2e5], (1.7).__eq__))
 def test_the_picture_does_not_tell_who_filled_the_air(host, height_m, instant, shafts):

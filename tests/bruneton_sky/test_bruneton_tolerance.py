@@ -97,6 +97,7 @@ def test_random_pictures_stay_within(held: tuple[Air, list[np.ndarray]], toleran
         assert error(shown(field, air, view, quality), sky) <= tolerance + 0.01, view
 
 
+@pytest.mark.long
 def test_a_draft_would_not_do(held: tuple[Air, list[np.ndarray]]) -> None:
     """The promise is not kept by just any rung: what serves 100 % is beyond 2 %."""
     air, truth = held

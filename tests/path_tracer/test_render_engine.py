@@ -27,6 +27,7 @@ def run(*arguments):
     return CliRunner().invoke(render, [SPHERES, *arguments], standalone_mode=False)
 
 
+@pytest.mark.long
 def test_a_picture_names_its_engine_and_its_samples(tmp_path):
     """PNG text and EXR header say what drew; the EXR is radiance, the PNG a picture of it."""
     import OpenEXR
