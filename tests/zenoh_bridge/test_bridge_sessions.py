@@ -221,7 +221,8 @@ def test_arrays_that_cannot_be_had_are_told(ends, stranger, served, says):
         rude.serve("vrut_lite/array/*", lambda query: rude.answer(query, answers["now"]))
     frame = encode_frame(BACKGROUND, 2**16)
     rude.put("vrut_lite/say/BackgroundChanged", frame)
-    until(lambda: refused(here) == 1, "the trouble")
+    # It is counted before it is told.
+    until(lambda: refused(here) == 1 and here.faults, "the trouble")
     assert says in here.faults[0].error
     assert here.kernel.last(BackgroundChanged) is None
     if served is not None:
