@@ -38,7 +38,7 @@ test-long:
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto -m long --long
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --long tests/stress --stress-scale 20
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest \
-		tests/kernel/recording/test_random_sessions.py --live-runs 1000
+		tests/recording/test_random_sessions.py --live-runs 1000
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest tests/test_soak.py --soak-minutes 60
 
 clean:

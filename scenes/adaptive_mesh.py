@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-IntArray = NDArray[np.int64]
+from vrut_lite.numeric_types import IntArray
+
 # Corners (n, 3, 2) of triangles in lattice units: both ends of the longest side, the right angle.
 WantsSplit = Callable[[IntArray], NDArray[np.bool_]]
 

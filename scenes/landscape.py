@@ -8,12 +8,12 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from scenes.erosion import drainage, drained_cells, erode, river_levels
 from scenes.noise import fractal_noise, gradient_noise, ridged_noise
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # The view is from the origin to the west: most of the land lies there.
 WIDTH_M = 40960.0
 WEST_M, NORTH_M = -34560.0, -20480.0

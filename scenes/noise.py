@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
+
 # Eight gradients of equal length; sines and cosines differ in their last bit between machines.
 _DIAGONAL = np.sqrt(0.5)
 _GRADIENTS = np.array(

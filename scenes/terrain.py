@@ -24,9 +24,8 @@ from scenes.shapes import Shape, disc, joined
 from scenes.terrain_objects import place_reference_objects
 from scenes.terrain_surface import albedo, curvature_m, height_m, slope
 from scenes.textures import ground_bumps, ground_grain
+from vrut_lite.numeric_types import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 _LATTICE = 32768
 _STEP_M = WIDTH_M / _LATTICE
 _STATION_M = 3.0

@@ -7,8 +7,8 @@ from scenes.gltf_writer import GltfWriter
 from scenes.noise import uniform_hash
 from scenes.shapes import Shape, box, joined, polygon
 from scenes.terrain_surface import FOREST, forest_share, height_m, slope
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 HUT_X_M, HUT_Z_M = -172.0, 30.0
 _REACH_M, _SPACING_M = 960.0, 17.0
 _MOST = 1300

@@ -1,12 +1,12 @@
 """What the terrain is at any place: its height in detail, and the albedo of what grows there."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from scenes.landscape import landscape, rim_share, sample, smooth_step
 from scenes.noise import fractal_noise, gradient_noise, ridged_noise
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 PLANET_M = 6.36e6
 # Linear sRGB albedo. The bare ground is the sky's own, so that the rim meets it unseen.
 BARE = (0.1, 0.1, 0.1)

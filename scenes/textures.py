@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes.noise import gradient_pull
 from vrut_lite.geometry.colour import srgb_encode
+from vrut_lite.numeric_types import FloatArray
 
 SIZE_PX = 256
 _LEVELS = 64
-FloatArray = NDArray[np.float64]
 
 
 def brick() -> bytes:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import CloudLayer, CloudsChanged
+from vrut_lite.array import Array
+from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 
 
 def slab(**changes):

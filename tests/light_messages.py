@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry import spherical_harmonics
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import AmbientChanged, BackgroundChanged, SunLightChanged
 
 
 def light_messages(cube, sun_direction=(0.0, 1.0, 0.0), sun_irradiance=(0.0, 0.0, 0.0)):
@@ -19,7 +20,7 @@ def light_messages(cube, sun_direction=(0.0, 1.0, 0.0), sun_irradiance=(0.0, 0.0
             ground_radiance_rgb=tuple(map(float, ground)),
             source="test",
         ),
-        SunLightChanged(
+        KeyLightChanged(
             direction=tuple(map(float, direction)),
             irradiance_rgb=tuple(map(float, sun_irradiance)),
             angular_radius_rad=0.00465,

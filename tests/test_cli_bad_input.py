@@ -269,7 +269,7 @@ def test_a_black_ground_does_not_blow_out_what_is_lit(monkeypatch, capsys, good_
 @pytest.mark.gl
 def test_without_a_sun_the_reason_is_told(monkeypatch, capsys, good_scene, tmp_path, command):
     """A module that failed to load is named, and what is missing for it; no traceback."""
-    from vrut_lite.kernel import discovery
+    from vrut_lite import discovery
 
     def broken():
         yield "'dynamic_skylight' (broken)", lambda: 1 / 0

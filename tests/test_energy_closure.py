@@ -9,20 +9,15 @@ import trimesh
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky
 from long_parameters import mostly_long
 
-from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions, texel_solid_angles
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    ChooseSlot,
-    MoveCamera,
-    SetSetting,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
 PLACE = "50.0755,14.4378"
@@ -47,7 +42,7 @@ def publish():
             kernel.inject(message)
         demand_light(kernel, "test", 128)
         kernel.pump_until_idle()
-        return {kind: kernel.last(kind) for kind in (BackgroundChanged, SunLightChanged,
+        return {kind: kernel.last(kind) for kind in (BackgroundChanged, KeyLightChanged,
                 AmbientChanged, SunMoved)}  # fmt: skip
 
     yield say
@@ -72,7 +67,7 @@ def irradiance(cube, normals):
 def from_sky_and_sun(said):
     """Irradiance (3,) of level ground: upper half of the cube, and the sun."""
     cube = cube_of(said) * (texel_directions(128)[..., 1:2] > 0.0)
-    sun = said[SunLightChanged]
+    sun = said[KeyLightChanged]
     return irradiance(cube, UP), np.array(sun.irradiance_rgb) * max(sun.direction[1], 0.0)
 
 

@@ -6,21 +6,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, horizontal_irradiance
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    ChooseSlot,
-    EnableModule,
-    LoadScene,
-    Resize,
-    SetSetting,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, SetSetting
 from vrut_lite.project import Project, daylight_inputs, view_inputs
 
 SCENES = Path(__file__).parents[1] / "scenes"
@@ -71,7 +65,7 @@ def test_switching_the_sky_changes_background_light_and_ambient_together(kernel)
     at_noon(kernel)
     for holder in ("bruneton_sky", "dynamic_skylight", "bruneton_sky"):
         play(kernel, ChooseSlot(slot="sky", module=holder))
-        for kind in (BackgroundChanged, SunLightChanged, AmbientChanged):
+        for kind in (BackgroundChanged, KeyLightChanged, AmbientChanged):
             assert kernel.last(kind).source == holder
 
 
@@ -92,7 +86,7 @@ def test_cube_ambient_and_ground_agree(kernel, holder):
     play(kernel, ChooseSlot(slot="sky", module=holder))
     play(kernel, SetSetting(module=holder, name="albedo", value=0.3))
     at_noon(kernel, size=128)
-    cube, sun = cube_of(kernel), kernel.last(SunLightChanged)
+    cube, sun = cube_of(kernel), kernel.last(KeyLightChanged)
     sky = horizontal_irradiance(cube)
     harmonics = kernel.last(AmbientChanged).irradiance_sh_rgb.values
     np.testing.assert_allclose(evaluate_irradiance(harmonics, [0.0, 1.0, 0.0]), sky, rtol=0.03)
@@ -110,7 +104,7 @@ def test_every_hour_has_a_finite_sky(kernel, holder, at):
     cube = cube_of(kernel)
     assert np.isfinite(cube).all()
     assert (cube >= 0).all()
-    assert np.isfinite(kernel.last(SunLightChanged).irradiance_rgb).all()
+    assert np.isfinite(kernel.last(KeyLightChanged).irradiance_rgb).all()
 
 
 def test_a_demand_of_another_size_gets_it(kernel):

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from vrut_lite import cli
-from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
-from vrut_lite.kernel.messages import BackgroundChanged, ChooseSlot, SetSetting, SunLightChanged
+from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.project import Project, daylight_inputs
 
 PAGE = Path(__file__).parents[1] / "docs" / "write_a_module.md"
@@ -77,7 +79,7 @@ def test_the_third_sky_holds_the_slot(kernel):
     play(kernel, ChooseSlot(slot="sky", module="overcast_sky"), *daylight_inputs(project))
     background = kernel.last(BackgroundChanged)
     assert background.source == "overcast_sky"
-    assert kernel.last(SunLightChanged).irradiance_rgb == (0.0, 0.0, 0.0)
+    assert kernel.last(KeyLightChanged).irradiance_rgb == (0.0, 0.0, 0.0)
     cube = decode_float16(background.cube.values, background.radiance_scale)
     expected_lux = 300.0 + 21_000.0 * np.sin(np.radians(63.2))
     np.testing.assert_allclose(horizontal_irradiance(cube) * 683.0, expected_lux, rtol=0.01)

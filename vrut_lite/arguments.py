@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 # Civil dates before 1583 were Julian. At both ends the ephemeris of astronomy-engine and NREL's SPA
 # still agree to 0.004 degrees on where the sun stands; further out they part.

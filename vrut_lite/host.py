@@ -5,10 +5,11 @@ from concurrent.futures import Future, wait
 
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.tolerance import tolerance_of
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import Input, LoadScene
-from vrut_lite.kernel.tolerance import tolerance_of
+from vrut_lite.kernel.messages import Input
 from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner

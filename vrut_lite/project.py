@@ -10,22 +10,15 @@ from typing import Annotated, Any, Literal
 import msgspec
 import numpy as np
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    ChooseSlot,
-    Input,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SetClock,
-    SetExposure,
-    SetPlace,
-    SetSetting,
-    SetTolerance,
-    ToneMap,
-)
-from vrut_lite.place_time import Place, parse_instant, parse_place
+from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
 
 PROJECT_SUFFIX = ".toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]

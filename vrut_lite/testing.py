@@ -11,8 +11,8 @@ import pytest
 # pytest loads this file in every project of the environment: what is heavy waits for its use.
 if TYPE_CHECKING:
     from vrut_lite.kernel.module import Module
-    from vrut_lite.kernel.recording.replay import Outcome
-    from vrut_lite.kernel.recording.setup import Services
+    from vrut_lite.recording.replay import Outcome
+    from vrut_lite.recording.setup import Services
 
 _OPTION = "--update-journals"
 
@@ -34,8 +34,8 @@ def replay_journal(request: pytest.FixtureRequest) -> Callable[..., Outcome]:
     the classes that the journal may name (default: all that are installed), `services` the
     further arguments of those that take some, by module name.
     """
-    from vrut_lite.kernel.recording.journal_reader import Journal
-    from vrut_lite.kernel.recording.replay import Replay
+    from vrut_lite.recording.journal_reader import Journal
+    from vrut_lite.recording.replay import Replay
 
     updating = request.config.getoption(_OPTION)
 
@@ -61,8 +61,8 @@ def update_journal(
     services: Services | None = None,
 ) -> None:
     """Write a journal anew, its inputs as they were; the old file stays if that fails."""
-    from vrut_lite.kernel.recording.journal_reader import Journal
-    from vrut_lite.kernel.recording.replay import rerecord
+    from vrut_lite.recording.journal_reader import Journal
+    from vrut_lite.recording.replay import rerecord
     from vrut_lite.render.write_atomic import atomic_output
 
     journal = Journal(path)

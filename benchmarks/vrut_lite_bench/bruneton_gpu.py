@@ -27,7 +27,7 @@ from bruneton_sky.solver import solve
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.sizes import TableSizes
 
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.gpu_job import GpuJob
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.texture_pool import TexturePool
 from vrut_lite_bench.gpu_clock import clock_name, has_timer, least_s

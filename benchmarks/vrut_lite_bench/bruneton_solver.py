@@ -30,9 +30,9 @@ from bruneton_sky.solver import (
 )
 from bruneton_sky.tables.coordinates import State, node_states
 from bruneton_sky.tables.sizes import TableSizes
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
+
 SKY_VIEW = (128, 32)
 # The daylight thesis (Hvezda 2020), table 5.2: precomputation on a GTX 1060.
 THESIS_MS = 1138.0

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, median_filter
 
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.host import Host
-from vrut_lite.kernel.messages import MoveCamera
 from vrut_lite.project import daylight_inputs, load_project, setting_inputs, view_inputs
 from vrut_lite.scene.loading import load_scene
 from vrut_lite_bench.bruneton_pictures import sheet

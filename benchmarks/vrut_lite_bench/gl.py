@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.gpu_job import GpuJob
 from vrut_lite.render.gl_environment import probe_gl
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_bench.gpu_clock import clock_name, has_timer

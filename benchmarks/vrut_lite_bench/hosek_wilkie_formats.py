@@ -18,8 +18,8 @@ from vrut_lite.geometry.cube_map import (
     texel_directions,
 )
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 Run = Callable[[], Any]
 # The hour whose cube maps are timed.
 SKY = HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=np.radians(45.0))

@@ -11,7 +11,7 @@ import numpy as np
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.hosek_wilkie.sky import half_scale
 
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.gpu_job import GpuJob
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_bench.errors import relative_errors
 from vrut_lite_bench.gpu_clock import Bandwidth, bandwidth, clock_name, least_s

@@ -25,11 +25,11 @@ from path_tracer.tracer import Tracer
 from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import minimum_filter
 
+from vrut_lite.array import Array
 from vrut_lite.commands.engines import EngineHost
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import AmbientChanged, BackgroundChanged
 from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
 from vrut_lite.render import mesh_renderer
 from vrut_lite.render.display import display_picture

@@ -7,15 +7,12 @@ middle column; where north was nobody knows.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.geometry.panorama import lat_long_directions
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from vrut_lite.numeric_types import BoolArray, FloatArray
 
 # The level horizon is seldom the camera's own: so much above it is left out in any case.
 HORIZON_MARGIN_DEG = 2.0

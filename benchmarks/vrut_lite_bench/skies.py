@@ -10,8 +10,8 @@ from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 SETTINGS = {
     "clear air": BrunetonSkySettings(preset="earth-clear"),
     "turbidity 3": BrunetonSkySettings(),

@@ -8,12 +8,11 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
-from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_bench.skies import Condition, air, conditions, sky_directions
 
-FloatArray = NDArray[np.float64]
 # Of the truth: orders at most, and the change of all light at which they end.
 _TRUE_ORDERS, _TRUE_TOLERANCE = 40, 2e-3
 _NODES = 48

@@ -16,9 +16,10 @@ from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes
 from bruneton_sky.tolerance import TABLES, Quality
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.tolerance import Point
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.panorama import sample_sky
-from vrut_lite.kernel.tolerance import Point
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_bench.tolerance_bruneton_truth import (
     EDGE,
     Air,
@@ -28,7 +29,6 @@ from vrut_lite_bench.tolerance_bruneton_truth import (
     true_skies,
 )
 
-FloatArray = NDArray[np.float64]
 CUBE_SIZES = (64, 96, 128, 192, 256, 384, 512)
 # Of the cube map that others are held against; so many of its texels are looked up.
 _TRUE_SIZE, _LOOK_UPS = 1024, 4096

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Directions are the texels of so small a cube that lie above the horizon.
 EDGE = 20
 VIEWS = 15

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from vrut_lite.kernel.tolerance import Measured, Point, read_fronts
+from vrut_lite.daylight.tolerance import Measured, Point, read_fronts
 
 TOLERANCES = (0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 # A solution to 1 % takes seconds, and twenty of them a while.

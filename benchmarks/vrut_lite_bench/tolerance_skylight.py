@@ -13,14 +13,13 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import Quality
 from dynamic_skylight.twilight import sky_of_hour
-from numpy.typing import NDArray
 
+from vrut_lite.daylight.tolerance import Point
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.kernel.tolerance import Point
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 CUBE_SIZES = (32, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 LIGHT_SIZES = (8, 16, 24, 32, 48, 64, 96, 128, 256)
 _TRUE_LIGHT_SIZE = 512

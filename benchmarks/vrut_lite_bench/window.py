@@ -26,15 +26,10 @@ from vrut_lite.app.main_window import MainWindow
 from vrut_lite.app.session import Session
 from vrut_lite.app.stage import Stage
 from vrut_lite.app.theme import apply_theme
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    ChooseSlot,
-    ClockMoved,
-    CloudsChanged,
-    LoadScene,
-    SceneLoaded,
-    SetSetting,
-)
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.project import load_project
 

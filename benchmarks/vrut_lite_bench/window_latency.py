@@ -15,7 +15,8 @@ from vrut_lite.app.cpu_sky import CpuSkyStage
 from vrut_lite.app.engine import Shown
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.stage import GlStage
-from vrut_lite.kernel.messages import BackgroundChanged, ChooseSlot
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.kernel.messages import ChooseSlot
 from vrut_lite.kernel.trace import Entry
 from vrut_lite_bench.window import Bench
 

@@ -32,7 +32,8 @@ from vrut_lite.app.presets import PresetStore
 from vrut_lite.app.session import Session
 from vrut_lite.app.shortcut_list import ShortcutList
 from vrut_lite.app.theme import apply_theme
-from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, CloudsChanged, SetClock
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock
 from vrut_lite.project import CameraView, Project, load_project
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"

@@ -37,7 +37,7 @@ PLAYED = {
 }
 NOTHING = FrameSkips(**{field.name: False for field in fields(FrameSkips)})
 _LATER = (timedelta(0), timedelta(0), timedelta(seconds=1), timedelta(minutes=20))
-_LIGHT = ("BackgroundChanged", "SunLightChanged", "AmbientChanged")
+_LIGHT = ("BackgroundChanged", "KeyLightChanged", "AmbientChanged")
 
 
 class Play(NamedTuple):

@@ -27,8 +27,8 @@ from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.air import dense_layer, wavelengths_of_groups
 from bruneton_sky.solver.coordinates import SunGrid
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 _NODES = 6
 
 

@@ -1,6 +1,6 @@
 """The air between one observer and whatever stands around: from a solved field to an `AirVolume`.
 
-Where the nodes lie is said in `vrut_lite.geometry.air_volume`. The light up to a node is divided
+Where the nodes lie is said in `vrut_lite.daylight.air_volume`. The light up to a node is divided
 by 1 - T: a mean along the ray, which has a limit in the observer's eye and changes slowly, so
 that few nodes do.
 """
@@ -17,17 +17,16 @@ from bruneton_sky.phase import mie_phase, mie_phase_parameters, rayleigh_phase
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.air import LANES, groups_of_air, wavelengths_of_groups
 from bruneton_sky.solver.view import source_of_group
-from vrut_lite.geometry.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.geometry.air_reach import UNSEEN_SHARE
-from vrut_lite.geometry.air_rows import Grid
-from vrut_lite.geometry.air_volume import NodeRays, node_rays, slice_shares
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.daylight.air_reach import UNSEEN_SHARE
+from vrut_lite.daylight.air_rows import Grid
+from vrut_lite.daylight.air_volume import NodeRays, node_rays, slice_shares
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import AirVolume
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.numeric_types import FloatArray
 
 
 class AirSizes(NamedTuple):

@@ -2,8 +2,10 @@
 
 import msgspec
 
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import AirChanged, BackgroundChanged, Derived
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import Derived
 
 Message = BackgroundChanged | AirChanged
 

@@ -16,9 +16,9 @@ from bruneton_sky.sky_view_shader import floats
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.air import LANES, groups_of_air
 from bruneton_sky.solver.view import source_of_group
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture, Number
-from vrut_lite.kernel.messages import AirVolume
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.gpu_job import GpuJob, GpuTexture, Number
 
 _GROUP = 8
 

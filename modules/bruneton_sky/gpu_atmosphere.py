@@ -2,7 +2,7 @@
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import mie_phase_parameters
-from vrut_lite.kernel.gpu_job import UniformValue
+from vrut_lite.gpu_job import UniformValue
 
 WAVELENGTHS = 3
 MOST_ABSORBER_NODES = 8

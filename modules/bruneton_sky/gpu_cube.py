@@ -8,7 +8,7 @@ from bruneton_sky.shader_source import shader_source
 from bruneton_sky.sky_view import SkyView
 from bruneton_sky.sky_view_shader import floats, look_up_uniforms, nodes_buffer
 from vrut_lite.geometry.encoding import float16_scale
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.gpu_job import GpuJob
 
 _GROUP = 8
 _ALL_FACES = (0, 1, 2, 3, 4, 5)

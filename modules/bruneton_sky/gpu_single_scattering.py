@@ -12,7 +12,7 @@ from bruneton_sky.rules_classical import checked_intervals
 from bruneton_sky.shader_source import shader_source
 from bruneton_sky.single_scattering import Rule
 from vrut_lite.geometry.colour import three_sample_scale
-from vrut_lite.kernel.gpu_job import GpuJob, UniformValue
+from vrut_lite.gpu_job import GpuJob, UniformValue
 
 MOST_GAUSS_NODES = 32
 _RULE_NUMBERS: dict[str, int] = {"gauss-legendre": 0, "midpoint": 1, "trapezoid": 2, "simpson": 3}

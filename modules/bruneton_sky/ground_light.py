@@ -4,15 +4,15 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.solver import SourceField, ground_irradiance
 from bruneton_sky.solver.coordinates import SunGrid
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT = 3.0, 0.0
 # Suns between which the ground's light is interpolated, placed as the solver places its own.
 _SUNS = 192

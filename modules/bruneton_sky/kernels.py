@@ -8,7 +8,6 @@ Importing this module imports numba: do it only where the first ray is traced.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import (
@@ -19,8 +18,7 @@ from bruneton_sky.path_kernels import (
     make_ray,
 )
 from bruneton_sky.quadrature import CLUSTERING, FOG_TOP, HAZE_DEPTH, unit_nodes
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 def fast_scattered_without_phase(

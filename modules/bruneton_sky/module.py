@@ -26,33 +26,24 @@ from bruneton_sky.settings import (
 from bruneton_sky.solving import SOLVE, Solving
 from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
 from bruneton_sky.tolerance import TABLES, Quality, quality_for
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.air_reach import rung_m
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.observer import eye_height_m
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
-from vrut_lite.geometry.air_reach import rung_m
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    Demand,
-    Derived,
-    JobResult,
-    LookAlong,
-    MoveCamera,
-    SceneNeeds,
-    SetPlace,
-    SetTolerance,
-    SlotChanged,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.kernel.observer import eye_height_m
-from vrut_lite.kernel.tolerance import tolerance_of
 
 SPECTRUM = "spectrum"
 PRODUCTS: tuple[type[Derived], ...] = (
     BackgroundChanged,
-    SunLightChanged,
+    KeyLightChanged,
     AmbientChanged,
     AirChanged,
 )
@@ -258,7 +249,7 @@ class BrunetonSky(Module):
         around = self._surroundings(recipe)
         if product is AmbientChanged:
             return products.ambient(around)
-        if product is SunLightChanged:
+        if product is KeyLightChanged:
             radius_rad = atmosphere_of(recipe.air.settings).sun_angular_radius_rad
             return products.sun_light(around, recipe.sun_direction, radius_rad)
         if on_gpu:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
-from vrut_lite.kernel.messages import Vector
+from vrut_lite.numeric_types import Vector
 
 # What a texel may change unseen where nobody says otherwise, relative to the larger of its value
 # and 1 % of the map's maximum.

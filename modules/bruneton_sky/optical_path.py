@@ -5,11 +5,11 @@ where a path is still exact. Optical depth is a coefficient times a path.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bruneton_sky.geometry import Ray
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(3)
 
 

@@ -15,7 +15,7 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.rayleigh import rayleigh_scattering
 from vrut_lite.arguments import as_flag, as_numbers, shown
-from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 from vrut_lite.geometry.colour import solar_irradiance
 
 RGB_NM = (680.0, 550.0, 440.0)

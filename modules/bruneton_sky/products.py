@@ -8,17 +8,13 @@ from bruneton_sky.sky_view_shader import view_shader
 from bruneton_sky.solver import SourceField
 from bruneton_sky.spectrum import SPECTRUM_NM, SkySpectrum
 from bruneton_sky.sun_light import limb_darkening_rgb
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SpectrumSeen
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    SpectrumSeen,
-    SunLightChanged,
-    Vector,
-)
+from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.numeric_types import Vector
 
 NAME = "bruneton_sky"
 CUBE_JOB, AIR_JOB = "cube", "air"
@@ -39,10 +35,10 @@ def gpu_background(around: Surroundings, size: int) -> tuple[GpuJob, BackgroundC
 
 def sun_light(
     around: Surroundings, direction: Vector, angular_radius_rad: float
-) -> SunLightChanged:
+) -> KeyLightChanged:
     """The sun as the scene's light."""
     red, green, blue = around.sun_irradiance_rgb.tolist()
-    return SunLightChanged(
+    return KeyLightChanged(
         direction=direction,
         irradiance_rgb=(red, green, blue),
         angular_radius_rad=angular_radius_rad,

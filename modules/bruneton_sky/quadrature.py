@@ -28,8 +28,8 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, end_of_ray, in_earth_shadow, shadow_boundary
 from bruneton_sky.optical_path import jacobian
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 CLUSTERING = 2.25
 HAZE_DEPTH = 60.0
 FOG_TOP = 8.0

@@ -6,7 +6,10 @@ from bruneton_sky.observer import altitude_step_m, same_to_the_eye
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.tolerance import Quality
-from vrut_lite.kernel.messages import AmbientChanged, Derived, SunLightChanged, Vector
+from vrut_lite.daylight.sky import AmbientChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.numeric_types import Vector
 
 
 class AirKey(msgspec.Struct, frozen=True):
@@ -29,7 +32,7 @@ class Recipe(msgspec.Struct, frozen=True):
 
 def recipe_of(product: type[Derived], recipe: Recipe) -> Recipe:
     """What a product depends on: the scene's light does not depend on who looks."""
-    on_scene = product in (SunLightChanged, AmbientChanged)
+    on_scene = product in (KeyLightChanged, AmbientChanged)
     return light_recipe(recipe) if on_scene else recipe
 
 

@@ -6,7 +6,6 @@ takes half of its own cell, and Simpson's odd nodes the parabola through their n
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import (
@@ -17,8 +16,8 @@ from bruneton_sky.geometry import (
     make_ray,
 )
 from vrut_lite.arguments import as_count, check_choice, shown
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 RULES = ("midpoint", "trapezoid", "simpson")
 _MOST_INTERVALS = 16_384
 

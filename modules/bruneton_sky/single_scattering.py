@@ -10,7 +10,7 @@ third substance, which has the aerosol's phase function and is counted with it.
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
@@ -19,8 +19,8 @@ from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.rules_classical import classical_integrals
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Its nodes are the eigenvalues of a matrix of so many rows.
 _MOST_SAMPLES = 1024
 Rule = Literal["gauss-legendre", "midpoint", "trapezoid", "simpson"]

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Where rows begin to be dense toward mu_top: b above; the shader has them too (sky_view.glsl).
 TURN_INSIDE, TURN_OUTSIDE = 0.85, 0.5
 

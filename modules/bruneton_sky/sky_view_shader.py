@@ -6,8 +6,9 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.shader_source import shader_source
 from bruneton_sky.sky_view import SkyView, level_direction
 from bruneton_sky.sun_light import DiscLight
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import Number, ViewShader
+from vrut_lite.array import Array
+from vrut_lite.daylight.sky import ViewShader
+from vrut_lite.numeric_types import Number
 
 _NODES_BINDING, _SUNLIGHT_BINDING = 1, 2
 

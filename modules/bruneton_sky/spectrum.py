@@ -15,7 +15,7 @@ from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.solver import SourceField, multiple_scattering, single_scattering_fast
 from bruneton_sky.solver_job import solve_air
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.kernel.messages import Vector
+from vrut_lite.numeric_types import Vector
 
 # From violet to red; three groups of four, as the solver takes them.
 SPECTRUM_NM = tuple(np.linspace(390.0, 720.0, 12).tolist())

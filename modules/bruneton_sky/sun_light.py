@@ -9,13 +9,12 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.single_scattering import optical_depth_to_top
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.numeric_types import FloatArray
 
 RGB_WAVELENGTH_NM = (680.0, 550.0, 440.0)
 _SUNLIGHT_EXPONENT = 0.0
 # Nodes over the disc, from low orbit two kilometres of air apart, and over how many of its radii.
 _DISC_NODES, _DISC_MARGIN, _DISC_STRIPS = 12, 1.2, 64
-
-FloatArray = NDArray[np.float64]
 
 
 class DiscLight(NamedTuple):
@@ -124,5 +123,5 @@ def limb_darkening(wavelength_nm: float) -> NDArray[np.float64]:
 
 
 def limb_darkening_rgb() -> tuple[tuple[float, ...], ...]:
-    """One polynomial per channel, in the form that SunLightChanged carries."""
+    """One polynomial per channel, in the form that KeyLightChanged carries."""
     return tuple(tuple(map(float, limb_darkening(nm))) for nm in RGB_WAVELENGTH_NM)

@@ -20,7 +20,7 @@ from typing import NamedTuple, cast
 
 from bruneton_sky.observer import RADIANCE_TOLERANCE
 from bruneton_sky.solver_rungs import SolverRung
-from vrut_lite.kernel.tolerance import budget, cheapest, read_fronts
+from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 # How many times as fine as usual a sky-view table is.

@@ -2,11 +2,11 @@
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from clouds.noise import noises
 from clouds.settings import CloudSettings
-from vrut_lite.geometry.clouds import (
+from vrut_lite.array import Array
+from vrut_lite.daylight.cloud_density import (
     DETAIL_PERIOD_M,
     SHAPE_PERIOD_M,
     WEATHER_PERIODS_M,
@@ -16,10 +16,8 @@ from vrut_lite.geometry.clouds import (
     noise_at,
     weather_at,
 )
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import CloudLayer
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.numeric_types import FloatArray
 
 # Two lobes that stand for a droplet's: Henyey and Greenstein's, of mean cosine 0.74.
 PHASE = (0.85, -0.3, 0.9)

@@ -9,15 +9,10 @@ import msgspec
 import numpy as np
 
 from clouds.settings import CloudSettings
+from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.kernel.messages import (
-    ClockMoved,
-    CloudLayer,
-    CloudsChanged,
-    Demand,
-    JobResult,
-    SetPlace,
-)
+from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
 NAME = "clouds"

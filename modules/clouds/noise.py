@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 WEATHER_SIZE, SHAPE_SIZE, DETAIL_SIZE = 512, 128, 64
 # Cells of the coarsest octave in a period.

@@ -7,11 +7,9 @@ run: a layer takes a second, in which a window is not to stand still.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vrut_lite.njit import njit
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 @njit(cache=True, nogil=True)

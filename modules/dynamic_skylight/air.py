@@ -9,20 +9,21 @@ shares of molecules and aerosol at the eye, but nine tenths of it at most: the s
 softer than the phase function's. All of it counts as the molecules'. The rest is light scattered
 again; with the sun below the horizon all is of that kind, though high up the sun may still shine.
 
-Turbidity is turned into aerosol by `vrut_lite.geometry.aerosol`; molecules scatter as in
+Turbidity is turned into aerosol by `vrut_lite.daylight.aerosol`; molecules scatter as in
 Bruneton's 2017 demonstration, 1.24062e-6 per m at 1 micrometre. The aerosol's albedo is 0.9, its
 phase function Cornette and Shanks' with g = 0.8.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dynamic_skylight.daylight import Daylight
-from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
-from vrut_lite.geometry.air_colour import lost_and_depth, shares_of_white
-from vrut_lite.geometry.air_reach import UNSEEN_SHARE
-from vrut_lite.geometry.air_rows import Grid
-from vrut_lite.geometry.air_volume import (
+from vrut_lite.array import Array
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
+from vrut_lite.daylight.air_reach import UNSEEN_SHARE
+from vrut_lite.daylight.air_rows import Grid
+from vrut_lite.daylight.air_volume import (
     NodeRays,
     column_cosines,
     molecules_phase,
@@ -31,10 +32,8 @@ from vrut_lite.geometry.air_volume import (
 )
 from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
 from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import AirVolume, Vector
+from vrut_lite.numeric_types import FloatArray, Vector
 
-FloatArray = NDArray[np.float64]
 GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
 SCALE_HEIGHTS_M = np.array([8000.0, 1200.0])
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 40, 24, 32

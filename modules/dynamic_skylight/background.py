@@ -5,9 +5,7 @@ from numpy.typing import NDArray
 
 from dynamic_skylight.twilight import HourSky
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SIDE_FACES = (0, 1, 4, 5)
 BOTTOM_FACE = 3

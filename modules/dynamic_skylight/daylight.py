@@ -12,8 +12,7 @@ from dynamic_skylight.sun_light import SunColour, SunLight, sun_light
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, HourSky, sky_of_hour
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 # Light from the sky asks for a small sphere of its own, whatever size the picture wants.
 LIGHT_SIZE = 64

@@ -24,31 +24,21 @@ from dynamic_skylight.products import NAME
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import Quality, quality_for
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.air_reach import rung_m
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.observer import eye_height_m
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
-from vrut_lite.geometry.air_reach import rung_m
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    ClockMoved,
-    Demand,
-    Derived,
-    JobResult,
-    LookAlong,
-    MoveCamera,
-    SceneNeeds,
-    SetPlace,
-    SetTolerance,
-    SlotChanged,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.kernel.observer import eye_height_m
-from vrut_lite.kernel.tolerance import tolerance_of
 
-SKY = (BackgroundChanged, SunLightChanged, AmbientChanged, AirChanged)
+SKY = (BackgroundChanged, KeyLightChanged, AmbientChanged, AirChanged)
 Recipe = tuple[object, ...]
 # By how much an observer may rise or sink unseen, per share by which air may thin: haze thins by
 # 1 % over 12 m.
@@ -166,9 +156,9 @@ class DynamicSkyLight(Module):
         if demand is not None:
             # A demand of 1 is the default of a consumer that leaves the size to the sky.
             self._paint(daylight, demand.size if demand.size > 1 else self._quality.cube_size)
-        if self._demand(SunLightChanged) is not None:
+        if self._demand(KeyLightChanged) is not None:
             self._post_if_new(
-                SunLightChanged,
+                KeyLightChanged,
                 (daylight, sun.direction),
                 lambda: products.sun_light(daylight, sun.direction),
             )

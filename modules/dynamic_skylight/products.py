@@ -9,20 +9,15 @@ from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun.position import Method, position_at
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SpectrumSeen
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    ClockMoved,
-    SetPlace,
-    SpectrumSeen,
-    SunLightChanged,
-    SunMoved,
-    Vector,
-)
+from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.numeric_types import Vector
 
 NAME = "dynamic_skylight"
 CUBE_JOB = "cube"
@@ -78,9 +73,9 @@ def gpu_background(daylight: Daylight, size: int) -> tuple[GpuJob, BackgroundCha
     return job, awaited
 
 
-def sun_light(daylight: Daylight, direction: Vector) -> SunLightChanged:
+def sun_light(daylight: Daylight, direction: Vector) -> KeyLightChanged:
     """The sun's direct light."""
-    return SunLightChanged(
+    return KeyLightChanged(
         direction=direction,
         irradiance_rgb=_vector(daylight.sun.irradiance_rgb),
         angular_radius_rad=MEAN_ANGULAR_RADIUS_RAD,

@@ -16,7 +16,6 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
@@ -29,8 +28,8 @@ from vrut_lite.geometry.colour import (
     rgb_from_spectrum,
     solar_irradiance,
 )
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 SunColour = Literal["disc", "sky_formula", "white"]
 Polynomial = tuple[float, ...]
 

@@ -29,8 +29,7 @@ from dynamic_skylight.twilight_table import (
     twilight_table,
 )
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 # Geometric elevation where the illuminance has come down to the published curve.
 ON_CURVE_DEG = -7.0

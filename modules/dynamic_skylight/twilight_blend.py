@@ -7,13 +7,11 @@ evenly in the sun's elevation, and colour in a shorter while, linearly.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from dynamic_skylight.twilight_table import MAP_SHAPE, luminous_irradiance, sin_elevation_of
 from vrut_lite.geometry.colour import luminance
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 # Geometric elevations: where Hosek's own sky begins to hand over, where nothing of its luminance
 # is left, and where nothing of its colour.

@@ -3,9 +3,9 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 # Seidelmann (ed.), Explanatory Supplement to the Astronomical Almanac (1992), p. 491: upper
 # end of each piece in degrees, then l0..l3 of log10 E[lux] = l0 + l1 x + l2 x^2 + l3 x^3,

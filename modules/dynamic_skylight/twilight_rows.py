@@ -8,13 +8,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 from vrut_lite.njit import njit
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 _TOP, _BOTTOM = 2, 3
 _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)

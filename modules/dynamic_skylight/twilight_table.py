@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from dynamic_skylight.data_files import packaged_arrays
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 MAP_SHAPE = (64, 32)
 _QUADRATURE = 512
 

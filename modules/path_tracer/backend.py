@@ -9,15 +9,12 @@ from numpy.typing import NDArray
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    CloudsChanged,
-    MoveCamera,
-    SetExposure,
-    SunLightChanged,
-)
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
 from vrut_lite.render.white_balance import white_balance_matrix
@@ -34,7 +31,7 @@ class _Told:
 
     scene: LoadedScene | None = None
     background: BackgroundChanged | None = None
-    sun: SunLightChanged | None = None
+    sun: KeyLightChanged | None = None
     camera: MoveCamera | None = None
     ground: GroundDisc | None = None
     ground_albedo: NDArray[np.float64] = field(default_factory=lambda: np.full(3, _UNPAINTED))
@@ -64,7 +61,7 @@ class PathTracedBackend:
         """Show this sky."""
         self._told.background = background
 
-    def set_sun_light(self, light: SunLightChanged) -> None:
+    def set_sun_light(self, light: KeyLightChanged) -> None:
         """Light with this sun."""
         self._told.sun = light
 

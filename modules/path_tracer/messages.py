@@ -1,6 +1,6 @@
 """What the path tracer says."""
 
-from vrut_lite.kernel.array import Array
+from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Derived
 
 

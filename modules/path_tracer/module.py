@@ -16,23 +16,16 @@ from path_tracer.library import load_mitsuba
 from path_tracer.messages import PathTracedPicture, PictureOutdated
 from path_tracer.settings import PathTracerSettings
 from path_tracer.tracer import Tracer
+from vrut_lite.array import Array
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_texture import GpuTexture
+from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    Demand,
-    Derived,
-    JobResult,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SceneLoaded,
-    SetExposure,
-    SunLightChanged,
-)
+from vrut_lite.kernel.messages import Demand, Derived, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.scene.manager import LIGHT, SceneManager, SceneSettings
 
@@ -51,6 +44,7 @@ class PathTracer(Module):
     """
 
     manifest = Manifest(name=NAME, title="Path tracer (mitsuba)", version="0.1.0")
+    speaks = (PathTracedPicture, PictureOutdated)
     settings_type = PathTracerSettings
     settings: PathTracerSettings
     # What `vrut-lite render --engine` calls it, and how it is made there.
@@ -143,8 +137,8 @@ class PathTracer(Module):
                 f"{message.source} to cpu"
             )
 
-    @handles(SunLightChanged)
-    def on_sun_light(self, message: SunLightChanged) -> None:
+    @handles(KeyLightChanged)
+    def on_sun_light(self, message: KeyLightChanged) -> None:
         """Another sun."""
         self._stage.on_sun_light(message)
         self._outdated()

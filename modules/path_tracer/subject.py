@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.messages import BackgroundChanged, MoveCamera, SunLightChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import LoadedScene
 
@@ -26,7 +28,7 @@ class Subject:
     ground: GroundDisc | None
     ground_albedo: NDArray[np.float64]
     background: BackgroundChanged
-    sun: SunLightChanged
+    sun: KeyLightChanged
     camera: MoveCamera
     sheltered: bool
     size: tuple[int, int]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.messages import SunLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 
 _TEXELS = 128
 # The disc and a margin of two texels around it, so that its edge is not cut.
@@ -19,11 +19,11 @@ _DISTANCES = 1000.0
 _STEPS = 4
 
 
-def disc_picture(sun: SunLightChanged) -> NDArray[np.float64] | None:
+def disc_picture(sun: KeyLightChanged) -> NDArray[np.float64] | None:
     """Radiance (n, n, 3) of the square around the disc, row 0 the lowest, W m^-2 sr^-1.
 
     What of the disc is below the horizon is dark, and the rest has all of the irradiance, as
-    `SunLightChanged` means it. None if nothing of it is above.
+    `KeyLightChanged` means it. None if nothing of it is above.
     """
     fine = ((np.arange(_TEXELS * _STEPS) + 0.5) / (_TEXELS * _STEPS) * 2.0 - 1.0) * _HALF_SIDE
     across, up = np.meshgrid(fine, fine)
@@ -44,7 +44,7 @@ def disc_picture(sun: SunLightChanged) -> NDArray[np.float64] | None:
 
 
 def sun_emitter(
-    mitsuba: Any, sun: SunLightChanged, as_disc: bool, reach_units: float
+    mitsuba: Any, sun: KeyLightChanged, as_disc: bool, reach_units: float
 ) -> tuple[dict[str, Any], float]:
     """The sun, which must shine, as a dictionary of mitsuba, and how far it is.
 

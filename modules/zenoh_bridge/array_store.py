@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.array import Array
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.recording.codec import Handle
+from vrut_lite.recording.codec import Handle
 
 _MOST_ARRAYS = 32
 _DIGEST = re.compile(r"[0-9a-f]{32}")

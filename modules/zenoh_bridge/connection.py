@@ -13,11 +13,11 @@ from typing import Any
 
 import msgspec
 
+from vrut_lite.array import Array
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import Demand, Derived, Input
-from vrut_lite.kernel.recording.codec import Handle, arrays_of
+from vrut_lite.recording.codec import Handle, arrays_of
 from zenoh_bridge.array_store import ArrayStore, check_handle, unpacked
 from zenoh_bridge.frames import Frame, encode_frame, read_frame, remote_message
 from zenoh_bridge.inputs import BridgeState, BridgeTrouble

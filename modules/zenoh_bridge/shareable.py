@@ -4,24 +4,17 @@ from typing import Any
 
 import msgspec
 
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.vocabulary import DERIVED
 from vrut_lite.errors import UserError
-from vrut_lite.kernel import messages
-from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    BackgroundChanged,
-    ClockMoved,
-    Derived,
-    SceneNeeds,
-)
-from vrut_lite.kernel.recording.codec import FindArray, decode, no_arrays
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.messages import ClockMoved, Derived
+from vrut_lite.recording.codec import FindArray, decode, no_arrays
 
 # All that a slot's holder says, and what producers of light ask after.
-SLOT_PRODUCTS: tuple[type[Derived], ...] = tuple(
-    kind
-    for kind in vars(messages).values()
-    if isinstance(kind, type) and issubclass(kind, Derived) and kind.slot is not None
-)
+SLOT_PRODUCTS: tuple[type[Derived], ...] = tuple(kind for kind in DERIVED if kind.slot is not None)
 SHAREABLE: tuple[type[Derived], ...] = (*SLOT_PRODUCTS, ClockMoved, SceneNeeds)
 BY_NAME = {kind.__name__: kind for kind in SHAREABLE}
 

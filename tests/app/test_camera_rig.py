@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from vrut_lite.app.camera_rig import CameraRig, dip_rad
 from vrut_lite.app.view_projection import project_directions
-from vrut_lite.kernel.messages import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.render.light_meter import pixel_direction
 
 CAMERA = MoveCamera(

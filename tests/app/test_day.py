@@ -8,7 +8,7 @@ import pytest
 from dynamic_skylight.sun.events import sun_events
 
 from vrut_lite.app.day import MARKS, SunScout
-from vrut_lite.kernel.messages import SetPlace
+from vrut_lite.daylight.place import SetPlace
 
 PLACES = [
     ("Prague", 50.0755, 14.4378, "Europe/Prague", date(2026, 6, 21)),

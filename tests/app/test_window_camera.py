@@ -12,7 +12,10 @@ from PySide6.QtWidgets import QApplication
 from window_driver import HeadlessStage, WindowDriver
 
 from vrut_lite.app.stage import GlStage
-from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded, SetExposure, Tick
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.kernel.messages import Tick
 from vrut_lite.render.patience import GivenUp
 
 

@@ -8,7 +8,8 @@ from PySide6.QtCore import QPoint, Qt
 
 from vrut_lite.app.sky_comparison import ANGLES_DEG
 from vrut_lite.app.twin_skies import luminance_of
-from vrut_lite.kernel.messages import SetClock, SetPlace, SetSetting
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.kernel.messages import SetClock, SetSetting
 
 NIGHT = datetime(2026, 6, 21, 23, 0, tzinfo=UTC)
 

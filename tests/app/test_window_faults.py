@@ -12,8 +12,9 @@ from vrut_lite.app.day import SunScout
 from vrut_lite.app.engine import Engine
 from vrut_lite.app.session import Session
 from vrut_lite.app.twin_skies import TwinSkies
+from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import ClockMoved, LoadScene, SetClock, SetSetting
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 

@@ -5,19 +5,11 @@ import pytest
 from window_driver import NOON, SCENES
 
 from vrut_lite.app.project_file import project_text, save_project
-from vrut_lite.kernel.messages import (
-    ChooseSlot,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SceneLoaded,
-    SceneNeeds,
-    SetClock,
-    SetExposure,
-    SetPlace,
-    SetSetting,
-    SettingChanged,
-)
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting, SettingChanged
 from vrut_lite.project import CameraView, Exposure, Project, load_project
 
 

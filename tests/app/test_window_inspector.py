@@ -103,7 +103,7 @@ def test_what_caused_a_message_is_drawn_from_its_input_on(driver, inspector):
     (clock,) = tree["SetClock"]
     (sun,) = [branch for branch in clock["ClockMoved"] if "SunMoved" in branch]
     assert [next(iter(branch)) for branch in sun["SunMoved"]][:3] == [
-        "BackgroundChanged", "SunLightChanged", "AmbientChanged",
+        "BackgroundChanged", "KeyLightChanged", "AmbientChanged",
     ]  # fmt: skip
     assert inspector.causes.currentItem().text(0) == "BackgroundChanged"
     fields = {

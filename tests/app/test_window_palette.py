@@ -12,7 +12,8 @@ from vrut_lite.app.actions import ACTIONS
 from vrut_lite.app.command_palette import CommandPalette
 from vrut_lite.app.palette_entries import PaletteEntry, matching
 from vrut_lite.app.shortcut_list import ShortcutList
-from vrut_lite.kernel.messages import ClockMoved, SceneLoaded, SlotChanged
+from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.kernel.messages import ClockMoved, SlotChanged
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 from PySide6.QtCore import QPoint
 
-from vrut_lite.kernel.messages import SetExposure
+from vrut_lite.daylight.picture import SetExposure
 
 pytestmark = pytest.mark.gl
 

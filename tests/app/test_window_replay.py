@@ -7,12 +7,14 @@ from window_driver import NOON, SCENES
 
 from vrut_lite.app.flight_recorder import FlightRecorder
 from vrut_lite.commands.headless_scene import modules_for
-from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import ClockMoved, LoadScene, SetClock, SetPlace, SetSetting
-from vrut_lite.kernel.recording.journal_reader import Journal
-from vrut_lite.kernel.recording.recorder import Recorder
-from vrut_lite.kernel.recording.replay import Replay
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.recorder import Recorder
+from vrut_lite.recording.replay import Replay
 
 
 def replayed(path):

@@ -15,17 +15,12 @@ from window_driver import NOON, SCENES, HeadlessStage, WindowDriver
 from vrut_lite.app.kept import Kept, WindowShape
 from vrut_lite.app.presets import PresetStore
 from vrut_lite.commands.run import run
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import (
-    ClockMoved,
-    MoveCamera,
-    SceneLoaded,
-    SetClock,
-    SetPlace,
-    SetSetting,
-    SetTolerance,
-)
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
 from vrut_lite.project import Project
 
 

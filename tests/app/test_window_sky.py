@@ -6,14 +6,10 @@ from PySide6.QtWidgets import QCheckBox, QComboBox
 
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField, Scale
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    SetSetting,
-    SettingChanged,
-    SetTolerance,
-    SlotChanged,
-    SunMoved,
-)
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.kernel.messages import SetSetting, SettingChanged, SlotChanged
 
 
 @pytest.fixture

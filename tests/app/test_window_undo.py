@@ -10,20 +10,13 @@ from window_driver import NOON, SCENES
 from vrut_lite.app import history
 from vrut_lite.app.history import History
 from vrut_lite.app.inverse import inverse_of
-from vrut_lite.daylight_kernel import daylight_kernel
-from vrut_lite.kernel.messages import (
-    ChooseSlot,
-    ClockMoved,
-    EnableModule,
-    LoadScene,
-    MoveCamera,
-    SetClock,
-    SetExposure,
-    SetPlace,
-    SetSetting,
-    SetTolerance,
-)
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
+from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, EnableModule, SetClock, SetSetting
 
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 

@@ -11,7 +11,7 @@ from vrut_lite.app.presets import PresetStore
 from vrut_lite.app.session import Session
 from vrut_lite.app.stage import WatchedBackend
 from vrut_lite.app.theme import apply_theme
-from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.project import Project, load_project

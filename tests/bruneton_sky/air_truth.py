@@ -8,13 +8,12 @@ from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
-from numpy.typing import NDArray
 
-from vrut_lite.geometry.air_volume import look_up_air
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air_volume import look_up_air
 from vrut_lite.geometry.colour import rgb_from_spectrum
-from vrut_lite.kernel.messages import AirVolume
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 WALLS_M = np.array([1e3, 1e4, 1e5])
 
 

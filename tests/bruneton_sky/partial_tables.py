@@ -11,9 +11,9 @@ from bruneton_sky.tables.interpolate import neighbours
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables, table_shapes
 from bruneton_sky.tables.travel import moved
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
+
 YEAR = "2017"
 
 

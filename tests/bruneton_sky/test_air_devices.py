@@ -7,18 +7,13 @@ import pytest
 import trimesh
 from long_parameters import mostly_long
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    ChooseSlot,
-    MoveCamera,
-    Resize,
-    SetClock,
-    SetExposure,
-    SetPlace,
-    SetSetting,
-)
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting
 
 pytestmark = pytest.mark.gl
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)

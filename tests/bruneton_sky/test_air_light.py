@@ -15,13 +15,11 @@ from bruneton_sky.single_scattering import scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver.view import multiple_scattering
-from numpy.typing import NDArray
 
-from vrut_lite.geometry.air_volume import light_of, look_up_air
+from vrut_lite.daylight.air_volume import light_of, look_up_air
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum, solar_irradiance
 from vrut_lite.geometry.cube_map import texel_directions
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 @pytest.fixture(scope="module")

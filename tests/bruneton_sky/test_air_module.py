@@ -9,27 +9,18 @@ from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings
 from bruneton_sky.sky_view import STANDING_M
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.air_volume import look_up_air
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
-from vrut_lite.geometry.air_volume import look_up_air
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
+from vrut_lite.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AirVolume,
-    BackgroundChanged,
-    Demand,
-    Derived,
-    JobResult,
-    Message,
-    MoveCamera,
-    SceneNeeds,
-    SetSetting,
-    SlotChanged,
-    SunLightChanged,
-    SunMoved,
-)
-from vrut_lite.kernel.recording.codec import to_plain
+from vrut_lite.kernel.messages import Demand, Derived, JobResult, Message, SetSetting, SlotChanged
+from vrut_lite.recording.codec import to_plain
 
 
 class Link:
@@ -161,7 +152,7 @@ def test_nobody_pays_for_what_nobody_wants(sky: BrunetonSky, link: Link) -> None
     assert len(link.air()) == 1
     assert "sky-view table" not in sky.ledger.done
     del link.demands[AirChanged]
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(40.0))
     assert link.air() == []
     assert sky.ledger.skipped["AirChanged: nobody wants it"] == 1

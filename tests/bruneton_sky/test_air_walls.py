@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from air_truth import WALLS_M, FloatArray, exactly, field, found, towards, white_wall
+from air_truth import WALLS_M, exactly, field, found, towards, white_wall
 from bruneton_sky.air_volume import air_volume
 from bruneton_sky.geometry import altitude_along
 from bruneton_sky.solver import march_tables
@@ -12,6 +12,7 @@ from long_parameters import mostly_long
 from partial_tables import empty_tables, fill_along
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.numeric_types import FloatArray
 
 ASIDE_DEG = np.array([-1.0, -0.85, -0.7, -0.5, -0.35, -0.2, -0.1, -0.03, 0.02, 0.2, 0.5, 1.0])
 

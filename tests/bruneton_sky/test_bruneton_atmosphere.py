@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
 
-from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 
 
 def test_earth_is_brunetons_demonstration_atmosphere() -> None:

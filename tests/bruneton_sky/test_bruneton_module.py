@@ -10,30 +10,21 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings, PresetName, atmosphere_of
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import solar_irradiance
 from vrut_lite.geometry.encoding import decode_float16
+from vrut_lite.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    Demand,
-    Derived,
-    JobResult,
-    Message,
-    MoveCamera,
-    SceneNeeds,
-    SetPlace,
-    SetSetting,
-    SlotChanged,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.kernel.messages import Demand, Derived, JobResult, Message, SetSetting, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
 
-PRODUCTS = (BackgroundChanged, SunLightChanged, AmbientChanged)
+PRODUCTS = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
 class FakeLink:
@@ -136,7 +127,7 @@ def test_posts_what_is_wanted(sky: BrunetonSky, link: FakeLink) -> None:
     assert background.cube.dtype == np.float16
     radiance = decode_float16(background.cube.values, background.radiance_scale)
     assert 1.0 < radiance.max() < 1000.0
-    assert isinstance(light, SunLightChanged)
+    assert isinstance(light, KeyLightChanged)
     assert light.direction == sun_at(30.0).direction
     assert light.irradiance_rgb[0] > light.irradiance_rgb[2] > 10.0
     assert isinstance(ambient, AmbientChanged)
@@ -182,7 +173,7 @@ def test_a_new_demand_is_served_from_the_present_sky(sky: BrunetonSky, link: Fak
 
 def test_place_and_settings_make_a_new_sky(sky: BrunetonSky, link: FakeLink) -> None:
     """Altitude and haze change the light; a place at the same altitude does not."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     tell(sky, link, SetPlace(latitude_deg=1.0, longitude_deg=0.0))
     assert len(link.posted) == 1
@@ -198,7 +189,7 @@ def test_place_and_settings_make_a_new_sky(sky: BrunetonSky, link: FakeLink) -> 
 
 def test_the_old_sky_stays_until_the_new_one_is_there(sky: BrunetonSky, link: FakeLink) -> None:
     """While an atmosphere is solved the sun moves on under the one before, whole."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     choose(sky, turbidity=9.0)
     link.memory[SunMoved] = sun_at(40.0)
@@ -211,7 +202,7 @@ def test_the_old_sky_stays_until_the_new_one_is_there(sky: BrunetonSky, link: Fa
 
 def test_dragging_a_slider_leaves_one_job(sky: BrunetonSky, link: FakeLink) -> None:
     """The latest wish replaces those before; back at the start nothing is left to do."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     for turbidity in (4.0, 5.0, 6.0):
         choose(sky, turbidity=turbidity)
@@ -224,7 +215,7 @@ def test_dragging_a_slider_leaves_one_job(sky: BrunetonSky, link: FakeLink) -> N
 
 def test_where_a_sky_is_computed_is_no_new_air(sky: BrunetonSky, link: FakeLink) -> None:
     """The device changes no light: nothing is solved again."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     choose(sky, cube_device="gpu")
     assert link.started == 1
@@ -232,18 +223,18 @@ def test_where_a_sky_is_computed_is_no_new_air(sky: BrunetonSky, link: FakeLink)
 
 def test_an_impossible_atmosphere_is_refused_once(sky: BrunetonSky, link: FakeLink) -> None:
     """One sentence; the sky stays, and a moved sun does not repeat the complaint."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     link.memory[SetPlace] = SetPlace(latitude_deg=0.0, longitude_deg=0.0, altitude_m=8e4)
     with pytest.raises(UserError, match=r"no such atmosphere: a ground at 80000 m lies outside"):
         sky.light_changed(link.memory[SetPlace])
     tell(sky, link, sun_at(50.0))
-    assert link.taken() == [SunLightChanged] * 2
+    assert link.taken() == [KeyLightChanged] * 2
 
 
 def test_what_was_refused_is_refused_again(sky: BrunetonSky, link: FakeLink) -> None:
     """After a good atmosphere in between; or the settings would say what is not shown."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     high = SetPlace(latitude_deg=0.0, longitude_deg=0.0, altitude_m=30_000.0)
     for _ in range(2):
@@ -271,7 +262,7 @@ def test_a_scene_s_own_camera_takes_the_observer_along(sky: BrunetonSky, link: F
 
 def test_a_job_that_fails_leaves_the_sky(sky: BrunetonSky, link: FakeLink) -> None:
     """The kernel tells the fault; the module goes on with what it has and does not try again."""
-    link.want(SunLightChanged)
+    link.want(KeyLightChanged)
     tell(sky, link, sun_at(30.0))
     choose(sky, turbidity=9.0)
     sky.job_done(JobResult(module="bruneton_sky", job="solve", error="out of memory"))
@@ -279,7 +270,7 @@ def test_a_job_that_fails_leaves_the_sky(sky: BrunetonSky, link: FakeLink) -> No
     link.jobs.clear()
     tell(sky, link, sun_at(50.0))
     assert link.started == started
-    assert link.taken() == [SunLightChanged] * 2
+    assert link.taken() == [KeyLightChanged] * 2
 
 
 def test_the_camera_takes_the_observer_along(sky: BrunetonSky, link: FakeLink) -> None:
@@ -295,7 +286,7 @@ def test_the_camera_takes_the_observer_along(sky: BrunetonSky, link: FakeLink) -
     assert zenith[2] < 0.7 * zenith[1]
     assert zenith[3] == zenith[0]
     assert len({m.ground_radiance_rgb for m in backgrounds}) == 1
-    for product in (SunLightChanged, AmbientChanged):
+    for product in (KeyLightChanged, AmbientChanged):
         assert sum(isinstance(m, product) for m in link.posted) == 1
         assert sky.ledger.skipped[f"{product.__name__}: nothing changed"] == 3
     assert sky.ledger.skipped["light on the scene: only the observer moved"] == 3
@@ -307,7 +298,7 @@ def test_light_does_not_depend_on_who_looks(link: FakeLink) -> None:
     lights = []
     for height_m in (0.0, 5_000.0, 4e5):
         sky = BrunetonSky(link, BrunetonSkySettings())
-        link.want(AmbientChanged, SunLightChanged)
+        link.want(AmbientChanged, KeyLightChanged)
         link.memory[MoveCamera] = camera_at(height_m)
         tell(sky, link, sun_at(30.0))
         lights.append(link.posted[-2:])

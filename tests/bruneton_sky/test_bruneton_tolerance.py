@@ -16,15 +16,10 @@ from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
 from vrut_lite_bench.tolerance_bruneton import error, shown
 from vrut_lite_bench.tolerance_bruneton_truth import Air, evaluated, random_airs
 
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    Demand,
-    JobResult,
-    Message,
-    SetTolerance,
-    SunMoved,
-)
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE, read_fronts
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
+from vrut_lite.kernel.messages import Demand, JobResult, Message
 
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 AIRS = {

@@ -10,7 +10,7 @@ from bruneton_sky.gpu_air import air_volume_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 
-from vrut_lite.geometry.air_volume import light_of
+from vrut_lite.daylight.air_volume import light_of
 from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
 
 COARSE = SolverSizes(

@@ -13,9 +13,10 @@ from bruneton_sky.solver import SolverSizes, SourceField, solve
 from bruneton_sky.sun_light import disc_light
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import BackgroundChanged, MoveCamera
-from vrut_lite.kernel.recording.codec import arrays_of, decode, to_plain
+from vrut_lite.recording.codec import arrays_of, decode, to_plain
 from vrut_lite.scene.camera import look_at
 from vrut_lite.scene.loading import load_scene
 

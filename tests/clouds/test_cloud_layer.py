@@ -7,7 +7,7 @@ from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings
 from long_parameters import mostly_long
 
-from vrut_lite.geometry.clouds import (
+from vrut_lite.daylight.cloud_density import (
     PLANET_RADIUS_M,
     altitude_m,
     density,
@@ -15,7 +15,7 @@ from vrut_lite.geometry.clouds import (
     optical_depth,
     sun_transmittance,
 )
-from vrut_lite.geometry.sun_aloft import sun_aloft
+from vrut_lite.daylight.sun_aloft import sun_aloft
 
 EYE = np.zeros(3)
 UP = np.array([0.0, 1.0, 0.0])

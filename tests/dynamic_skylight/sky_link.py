@@ -2,18 +2,14 @@
 
 from datetime import UTC, datetime
 
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    ClockMoved,
-    Demand,
-    SetPlace,
-    SunLightChanged,
-)
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand
 
 NOON = ClockMoved(instant=datetime(2026, 6, 21, 11, 0, tzinfo=UTC))
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=235.0)
-SKY = (BackgroundChanged, SunLightChanged, AmbientChanged)
+SKY = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
 class FakeLink:

@@ -14,13 +14,15 @@ from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from sky_link import NOON, PRAGUE, FakeLink, tell, want
 
-from vrut_lite.geometry.air_volume import look_up_air
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.air_volume import look_up_air
+from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.geometry.colour import (
     SKYLIGHT_NM,
     rgb_from_spectrum,
     solar_irradiance,
 )
-from vrut_lite.kernel.messages import AirChanged, SceneNeeds, SlotChanged
+from vrut_lite.kernel.messages import SlotChanged
 
 
 def daylight(elevation_deg, turbidity=3.0):

@@ -9,17 +9,13 @@ from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from sky_link import NOON, PRAGUE, FakeLink, tell, want
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    JobResult,
-    MoveCamera,
-    SetClock,
-    SetSetting,
-    SunMoved,
-)
+from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.kernel.messages import JobResult, SetClock, SetSetting
 from vrut_lite.kernel.settings import change
 
 SCENES = Path(__file__).parents[2] / "scenes"

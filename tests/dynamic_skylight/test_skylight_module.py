@@ -9,19 +9,13 @@ from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
 
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    Demand,
-    SetClock,
-    SetPlace,
-    SetSetting,
-    SlotChanged,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.kernel.messages import Demand, SetClock, SetSetting, SlotChanged
 from vrut_lite.kernel.settings import change
 
 
@@ -92,9 +86,9 @@ def test_an_unwanted_sky_is_not_made(module, link):
 def test_each_message_is_made_only_if_it_is_wanted(module, link):
     """A consumer of light alone must not cost a picture."""
     set_sun(module, link)
-    want(link, SunLightChanged)
+    want(link, KeyLightChanged)
     tell(module, link, link.last(SunMoved))
-    assert [type(message) for message in link.posted] == [SunLightChanged]
+    assert [type(message) for message in link.posted] == [KeyLightChanged]
 
 
 def test_the_same_sky_is_not_made_twice(module, link):

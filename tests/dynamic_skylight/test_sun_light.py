@@ -76,7 +76,7 @@ def test_colours_differ_in_hue_only(colour, elevation_deg):
 
 
 def test_limb_polynomials_have_mean_one_and_darken_outwards():
-    """Radiance = irradiance / solid angle * polynomial conserves the irradiance (SunLightChanged).
+    """Radiance = irradiance / solid angle * polynomial conserves the irradiance (KeyLightChanged).
 
     Blue darkens more than red (Neckel and Labs 1994).
     """

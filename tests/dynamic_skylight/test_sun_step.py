@@ -12,9 +12,10 @@ from dynamic_skylight.twilight import sky_of_hour
 from exact_cube import angles_to, world_sun
 from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
 
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
-from vrut_lite.kernel.messages import BackgroundChanged, SunLightChanged, SunMoved
 
 UPPER = texel_directions(24)[texel_directions(24)[..., 1] > 0]
 
@@ -71,7 +72,7 @@ def test_playing_in_real_time_makes_few_skies(module, link):
     for second in range(1, 61):
         play(module, link, second)
     made, skipped = module.ledger.done["BackgroundChanged"], module.ledger.skipped
-    assert made == module.ledger.done["SunLightChanged"]
+    assert made == module.ledger.done["KeyLightChanged"]
     assert made <= 27
     assert skipped["sun within tolerance"] == skipped["BackgroundChanged unchanged"] == 61 - made
     assert skipped["AmbientChanged unchanged"] == 61 - made
@@ -97,7 +98,7 @@ def test_small_moves_do_not_add_up(module, link):
     first = link.last(SunMoved)
     for second in range(1, 600):
         play(module, link, second)
-        shown_sun = np.array(link.last(SunLightChanged).direction)
+        shown_sun = np.array(link.last(KeyLightChanged).direction)
         now = np.array(link.last(SunMoved).direction)
         assert np.linalg.norm(now - shown_sun) <= sun_step_rad(first.apparent_elevation_rad)
 
@@ -111,9 +112,9 @@ def test_a_sun_on_the_horizon_is_followed_closely(module, link):
         visible_disc_fraction=0.5,
     )
     tell(module, link, low)
-    count = module.ledger.done["SunLightChanged"]
+    count = module.ledger.done["KeyLightChanged"]
     tell(module, link, msgspec.structs.replace(low, visible_disc_fraction=0.4999))
-    assert module.ledger.done["SunLightChanged"] == count + 1
+    assert module.ledger.done["KeyLightChanged"] == count + 1
 
 
 def test_another_turbidity_is_never_within_the_tolerance(module, link):

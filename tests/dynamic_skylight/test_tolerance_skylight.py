@@ -12,13 +12,10 @@ from long_parameters import mostly_long
 from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
 from vrut_lite_bench.tolerance_skylight import picture_error, random_hours
 
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    Demand,
-    SetTolerance,
-    SunMoved,
-)
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE, read_fronts
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
+from vrut_lite.kernel.messages import Demand
 
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 

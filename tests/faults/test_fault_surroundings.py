@@ -72,7 +72,7 @@ class NoZones(zoneinfo.ZoneInfo):
 
 def test_without_time_zone_data(refused, tmp_path, monkeypatch):
     """Local time cannot be known: the zone is named, and what to install."""
-    monkeypatch.setattr("vrut_lite.place_time.ZoneInfo", NoZones)
+    monkeypatch.setattr("vrut_lite.daylight.place_time.ZoneInfo", NoZones)
     at = ["--at", "2026-06-21T12:00", "--place", "50,14"]
     line = refused("sky", *at, "--size", "16", "-o", tmp_path / "sky.npz")
     assert "Europe/Prague" in line

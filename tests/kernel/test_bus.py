@@ -7,6 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, POSTS_PER_TRANSACTION, Kernel
 from vrut_lite.kernel.messages import (
@@ -17,12 +20,9 @@ from vrut_lite.kernel.messages import (
     Fault,
     Input,
     Message,
-    MoveCamera,
     RestartModule,
-    SetPlace,
     SetSetting,
     SlotChanged,
-    SunMoved,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
 

@@ -5,9 +5,9 @@ import textwrap
 
 import pytest
 
+from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.discovery import discover
 
 HEAD = """
 import asyncio

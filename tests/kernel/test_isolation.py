@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from probe_messages import Heard, Poke, act, collect, faults_of
 
+from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, interrupted_during
 from vrut_lite.kernel import link
@@ -21,7 +22,6 @@ from vrut_lite.kernel.messages import (
     ReloadModule,
     RestartModule,
     SetSetting,
-    SunMoved,
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from probe_messages import Heard, Poke, Slide, Sun
 
+from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, Kernel
-from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.messages import (
     ChooseSlot,
     EnableModule,

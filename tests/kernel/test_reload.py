@@ -7,8 +7,8 @@ from textwrap import dedent
 import pytest
 from probe_messages import Heard, Poke, act, collect, faults_of
 
+from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.messages import EnableModule, ReloadModule, SetSetting, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
 

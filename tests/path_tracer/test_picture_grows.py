@@ -16,18 +16,13 @@ from path_tracer.module import PathTracer
 from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    Demand,
-    Fault,
-    Input,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SetSetting,
-)
+from vrut_lite.kernel.messages import Demand, Fault, Input, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.recording_backend import RecordingBackend

@@ -15,9 +15,9 @@ from path_tracer.sun import disc_picture
 from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.geometry.cube_map import sample_cube, texel_directions, texel_solid_angles
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.kernel.messages import MoveCamera
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
 

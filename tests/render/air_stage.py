@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import AirChanged, AirVolume
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged, AirVolume
 
 EARTH_M, TOP_M = 6.36e6, 6e4
 ISOTROPIC = (0.0, 1.0, 0.0)

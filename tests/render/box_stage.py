@@ -3,8 +3,8 @@
 import numpy as np
 from light_messages import light_messages
 
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.kernel.messages import MoveCamera
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
 

@@ -7,7 +7,7 @@ import numpy as np
 from light_messages import light_messages
 from PIL import Image
 
-from vrut_lite.kernel.messages import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera
 
 CORNERS = np.array([[-0.5, 0, 0.5], [0.5, 0, 0.5], [0.5, 0, -0.5], [-0.5, 0, -0.5]])
 UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], float)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from air_stage import EARTH_M, volume_of
 
-from vrut_lite.geometry.air_volume import look_up_air
+from vrut_lite.daylight.air_volume import look_up_air
 
 pytestmark = pytest.mark.gl
 PROBE = """

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from cloud_stage import rough_layer
 
-from vrut_lite.geometry.clouds import density, sun_transmittance
+from vrut_lite.daylight.cloud_density import density, sun_transmittance
 from vrut_lite.render.cloud_light import ClearLight
 from vrut_lite.render.shader_files import shader_source
 

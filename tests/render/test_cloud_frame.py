@@ -8,9 +8,9 @@ from cloud_stage import clouds_of, rough_layer, slab
 from light_messages import light_messages
 from scene_stage import light, look, square, surface
 
-from vrut_lite.geometry.clouds import density, distance_up_m
+from vrut_lite.daylight.cloud_density import density, distance_up_m
+from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.geometry.sun_aloft import sun_aloft
 from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene

@@ -6,8 +6,8 @@ import trimesh
 from box_stage import light, look, show_box, sun_at, uniform_sky
 from scene_stage import square, surface
 
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.kernel.messages import SetExposure
 from vrut_lite.scene.loading import load_scene
 
 pytestmark = pytest.mark.gl

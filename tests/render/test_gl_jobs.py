@@ -7,13 +7,14 @@ import msgspec
 import numpy as np
 import pytest
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.picture import Resize
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.kernel.array import Array
+from vrut_lite.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.gpu_job import GpuJob, GpuTexture
-from vrut_lite.kernel.messages import JobResult, Resize
+from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.recording.codec import arrays_of, decode, to_plain
+from vrut_lite.recording.codec import arrays_of, decode, to_plain
 from vrut_lite.render import texture_pool
 
 pytestmark = pytest.mark.gl

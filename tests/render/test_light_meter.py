@@ -6,7 +6,7 @@ import trimesh
 from light_messages import light_messages
 from scene_stage import light, look
 
-from vrut_lite.kernel.messages import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.render.light_meter import illuminance, pixel_direction, surface_at
 from vrut_lite.render.rays import SceneRays
 from vrut_lite.scene.camera import look_at

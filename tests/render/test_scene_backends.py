@@ -16,8 +16,10 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
 from scene_stage import CORNERS, square
 
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
-from vrut_lite.kernel.messages import AirChanged, MoveCamera, SetExposure
 from vrut_lite.scene.backend import SceneBackend
 from vrut_lite.scene.camera import look_at, perspective
 from vrut_lite.scene.loading import load_scene

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from scene_stage import light, look, square, surface
 
-from vrut_lite.kernel.messages import SetExposure
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.render.skips import FrameSkips
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene

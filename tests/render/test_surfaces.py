@@ -9,7 +9,7 @@ import pytest
 from light_messages import light_messages
 from scene_stage import light, look, square
 
-from vrut_lite.kernel.messages import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
 

@@ -9,13 +9,14 @@ program is for a script that changed:
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.discovery import discover
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.discovery import discover
-from vrut_lite.kernel.gpu_job import GpuJob
-from vrut_lite.kernel.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
     ChooseSlot,
     ClockMoved,
     Demand,
@@ -23,21 +24,18 @@ from vrut_lite.kernel.messages import (
     RestartModule,
     SetClock,
     SetClockRate,
-    SetPlace,
     SetSetting,
-    SunLightChanged,
-    SunMoved,
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.recording.recorder import Recorder
+from vrut_lite.recording.recorder import Recorder
 from vrut_lite.render.write_atomic import atomic_output
 
 HERE = Path(__file__).parent
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 CUBE_SIZE = 8
-LIGHT = (BackgroundChanged, SunLightChanged, AmbientChanged)
+LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 WITH_FAILING_SUN = ("module_failing", "slots_switched")
 
 

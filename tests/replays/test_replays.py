@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from dynamic_skylight.settings import DynamicSkyLightSettings
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import BackgroundChanged, SetSetting
-from vrut_lite.kernel.recording.codec import to_plain
-from vrut_lite.kernel.recording.journal_reader import Journal
-from vrut_lite.kernel.recording.replay import Replay
+from vrut_lite.array import Array
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.recording.codec import to_plain
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.replay import Replay
 
 LARGEST_BYTES = 32_000
 # Modules whose manifest says that their last digits may change.

@@ -4,16 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    ChooseSlot,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SceneNeeds,
-    SetSetting,
-)
+from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
 from vrut_lite.scene.manager import SceneManager

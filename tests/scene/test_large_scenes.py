@@ -10,7 +10,8 @@ from vrut_lite_bench.climb import heights_m, steps_between
 from scenes import hall, terrain
 from scenes import satellite as satellite_script
 from scenes.satellite import ALTITUDE_M, satellite
-from vrut_lite.kernel.messages import MoveCamera, SetExposure
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.project import load_project
 from vrut_lite.render.mesh_renderer import translation
 from vrut_lite.scene.camera import camera_from_pose, look_at

@@ -5,20 +5,13 @@ import pytest
 import trimesh
 from light_messages import light_messages
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    Demand,
-    Fault,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SceneLoaded,
-    SceneNeeds,
-    SetExposure,
-    SunLightChanged,
-)
+from vrut_lite.kernel.messages import Demand, Fault
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.camera import frame_bounds, look_at, perspective
 from vrut_lite.scene.manager import SceneManager, ground_albedo
@@ -88,7 +81,7 @@ def test_light_is_handed_on(stage, box):
     play, backend = stage
     play(LoadScene(path=box), Resize(width_px=64, height_px=64))
     assert isinstance(backend.latest["set_background"][0], BackgroundChanged)
-    assert isinstance(backend.latest["set_sun_light"][0], SunLightChanged)
+    assert isinstance(backend.latest["set_sun_light"][0], KeyLightChanged)
     assert isinstance(backend.latest["set_ambient"][0], AmbientChanged)
     assert backend.latest["set_size"] == (64, 64)
 
@@ -148,7 +141,7 @@ def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
     walls.export(path)
     kernel, backend = Kernel(), RecordingBackend()
     kernel.add_module(SceneManager, backend=backend)
-    kinds = (BackgroundChanged, SunLightChanged, AmbientChanged)
+    kinds = (BackgroundChanged, KeyLightChanged, AmbientChanged)
     for kind in kinds:
         kernel.inject(Demand(consumer="scene", message=kind.__name__, size=64))
     kernel.inject(LoadScene(path=str(path)))

@@ -7,7 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
+
 Function = Callable[..., NDArray]
 
 # So many inputs at once: a batch's arrays stay within a few hundred megabytes.

@@ -12,19 +12,13 @@ from pathlib import Path
 from bridged_sky import enabling
 from zenoh_bridge.module import NAME, ZenohBridge
 
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    ChooseSlot,
-    Demand,
-    Fault,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault
 from vrut_lite.kernel.thread import KernelThread
 
-PRODUCTS = (SunMoved, BackgroundChanged, SunLightChanged, AmbientChanged)
+PRODUCTS = (SunMoved, BackgroundChanged, KeyLightChanged, AmbientChanged)
 TIMEOUT_S = 20.0
 _REPO = Path(__file__).parents[2]
 

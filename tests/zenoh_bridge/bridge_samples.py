@@ -4,15 +4,11 @@ import msgspec
 import numpy as np
 from zenoh_bridge.array_store import unpacked
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    BackgroundChanged,
-    SceneNeeds,
-    SunLightChanged,
-    SunMoved,
-)
 
 CUBE = Array(np.linspace(0, 9, 6 * 8 * 8 * 3).astype(np.float16).reshape(6, 8, 8, 3))
 HARMONICS = Array(np.linspace(-1, 1, 75).astype(np.float32).reshape(25, 3))
@@ -26,7 +22,7 @@ SUN = SunMoved(
 BACKGROUND = BackgroundChanged(
     cube=CUBE, radiance_scale=0.25, ground_radiance_rgb=(1.0, 2.0, 1e-300), source="sample"
 )
-SUN_LIGHT = SunLightChanged(
+SUN_LIGHT = KeyLightChanged(
     direction=(0.0, 0.6, -0.8),
     irradiance_rgb=(500.0, 480.0, 400.0),
     angular_radius_rad=0.00465,

@@ -16,8 +16,10 @@ from dynamic_skylight.module import DynamicSkyLight
 from zenoh_bridge.inputs import BridgeState
 from zenoh_bridge.module import ZenohBridge
 
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import BackgroundChanged, Demand, SetClock, SetPlace, SetSetting
+from vrut_lite.kernel.messages import Demand, SetClock, SetSetting
 from vrut_lite.kernel.thread import KernelThread
 
 MIDNIGHT = datetime(2026, 6, 21, tzinfo=UTC)

@@ -11,11 +11,11 @@ from zenoh_bridge.frames import encode_frame, read_frame, remote_message
 from zenoh_bridge.inputs import RemoteMessage
 from zenoh_bridge.shareable import revive, types_named
 
+from vrut_lite.array import Array
+from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import BackgroundChanged
-from vrut_lite.kernel.recording.codec import to_plain
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.recording.codec import to_plain
 
 KIB, MIB = 2**10, 2**20
 

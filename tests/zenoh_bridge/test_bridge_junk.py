@@ -19,26 +19,26 @@ from zenoh_bridge.settings import ZenohBridgeSettings
 from zenoh_bridge.shareable import SHAREABLE
 from zenoh_bridge.worker import Worker
 
-from vrut_lite.daylight_kernel import FaultCollector
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.daylight_kernel import FaultCollector
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import SpectrumSeen
+from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import ModuleFailed, UserError
-from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
-    AirVolume,
     ChooseSlot,
     ClockMoved,
     Demand,
     Fault,
-    Resize,
     SetClock,
-    SetPlace,
     SetSetting,
-    SpectrumSeen,
-    SunMoved,
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.recording.codec import arrays_of, to_plain
+from vrut_lite.recording.codec import arrays_of, to_plain
 
 SCENES = Path(__file__).parents[2] / "scenes"
 NOON = datetime(2026, 6, 21, 12, tzinfo=UTC)

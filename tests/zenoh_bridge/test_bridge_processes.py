@@ -3,7 +3,8 @@
 import pytest
 from bridge_ends import BridgedKernel, SkyProcess, free_port, until
 
-from vrut_lite.kernel.messages import AmbientChanged, SunLightChanged, SunMoved
+from vrut_lite.daylight.sky import AmbientChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed (the extra 'bridge')")
 
@@ -23,7 +24,7 @@ def test_two_processes_show_the_same_background_through_a_kill():
         here.demand(16)
         until(lambda: here.cube_digest() and here.cube_digest() == there.last("cube"), "a sky")
         assert there.last("size") == 16
-        for kind in (SunMoved, SunLightChanged, AmbientChanged):
+        for kind in (SunMoved, KeyLightChanged, AmbientChanged):
             until(lambda kind=kind: here.kernel.last(kind), kind.__name__)
 
         there.set_hour(15)

@@ -15,21 +15,20 @@ from zenoh_bridge.plan import plan_of
 from zenoh_bridge.session import Session
 from zenoh_bridge.settings import ZenohBridgeSettings
 
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
-    BackgroundChanged,
     ChooseSlot,
     ClockMoved,
     EnableModule,
     RestartModule,
     SetSetting,
-    SunLightChanged,
-    SunMoved,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.recording.journal_reader import Journal
-from vrut_lite.kernel.recording.recorder import Recorder
-from vrut_lite.kernel.recording.replay import Replay
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.recorder import Recorder
+from vrut_lite.recording.replay import Replay
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed (the extra 'bridge')")
 
@@ -100,10 +99,10 @@ def test_a_late_joiner_gets_the_last_values(ends):
     until(lambda: late.kernel.last(SunMoved) == SUN, "the sun")
     maker.inject(noon())
     until(lambda: maker.bridge.ledger.done["BackgroundChanged sent"] == 1, "the second noon")
-    assert maker.bridge.ledger.skipped["SunLightChanged unwanted there"] == 2
-    assert late.kernel.last(SunLightChanged) is None
+    assert maker.bridge.ledger.skipped["KeyLightChanged unwanted there"] == 2
+    assert late.kernel.last(KeyLightChanged) is None
     late.demand(8)
-    until(lambda: late.kernel.last(SunLightChanged) == SUN_LIGHT, "the light, wanted now")
+    until(lambda: late.kernel.last(KeyLightChanged) == SUN_LIGHT, "the light, wanted now")
     assert maker.bridge.state.endswith("1 process has joined")
     assert not maker.faults + late.faults
 

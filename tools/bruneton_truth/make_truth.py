@@ -21,9 +21,9 @@ from bruneton_sky.monte_carlo import (
     monte_carlo_irradiance,
     monte_carlo_radiance,
 )
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
+
 TARGET = Path(__file__).parents[2] / "tests" / "data" / "bruneton_truth.npz"
 # Zenith angles of the sun, and paths per ray: more in twilight, where fewer find the sun.
 PATHS = {0: 32768, 30: 32768, 60: 32768, 80: 32768, 87: 32768, 90: 32768, 93: 65536, 96: 131072}

@@ -13,12 +13,11 @@ sake of the largest errors.
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tools.colour_fit.skies import FINE_NM, TO_FIT, TO_TEST, Skies, compute, rgb_of
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 CANDIDATES_NM = np.arange(410.0, 681.0, 5.0)
 FINALISTS = 40
 _AT_A_TIME = 50_000

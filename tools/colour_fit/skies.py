@@ -15,15 +15,15 @@ from bruneton_sky.presets import earth_spectral
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.geometry.colour import (
     colour_table,
     luminance,
     rgb_from_spectrum,
     solar_irradiance,
 )
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Cross sections of ozone are known each 10 nm; between, the optical depth is linear.
 COARSE_NM = np.arange(360.0, 831.0, 10.0)
 FINE_NM = colour_table()[:, 0]

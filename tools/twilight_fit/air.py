@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.presets import TWILIGHT_TOP_M, earth_spectral
-from numpy.typing import NDArray
 
-from vrut_lite.geometry.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Finer where the eye sees colours; the far red is all that a hazy horizon sends.
 WAVELENGTH_NM = np.concatenate([np.arange(400.0, 641.0, 12.0), np.arange(660.0, 781.0, 20.0)])
 # Preetham's aerosol scatters 0.9 of what it takes from the light, as the preset's does; its

@@ -13,13 +13,12 @@ from dynamic_skylight.twilight_table import (
     luminous_irradiance,
     twilight_table,
 )
-from numpy.typing import NDArray
 
 from tools.twilight_fit.solve_skies import ROOT, SKIES, SUN_DEG, TURBIDITIES, VIEW_A, VIEW_V
 from tools.twilight_fit.spectra import rgb_of
 from vrut_lite.geometry.colour import luminance
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 TARGET = ROOT / "modules" / "dynamic_skylight" / "data" / "twilight.npz"
 # Deeper, half of what is seen is the night's.
 LOWEST_SUN_DEG = -13.0

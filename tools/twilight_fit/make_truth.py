@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 from bruneton_sky import single_scattering
 from bruneton_sky.monte_carlo import monte_carlo_radiance
-from numpy.typing import NDArray
 
 from tools.twilight_fit.air import WAVELENGTH_NM, air
 from tools.twilight_fit.solve_skies import SINGLE_SAMPLES, cosine_to_sun
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 TRUTH = Path(__file__).parents[2] / "tests" / "data" / "twilight_truth.npz"
 TURBIDITIES = (2.0, 3.0, 6.0)
 # Paths a direction: more where fewer of them find the sun.

@@ -19,11 +19,11 @@ from PIL import Image, ImageDraw
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance, srgb_encode
 from vrut_lite.geometry.spherical_harmonics import horizontal_irradiance
+from vrut_lite.numeric_types import FloatArray
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "pictures"
 TABLE = ROOT / "modules" / "dynamic_skylight" / "data" / "twilight.npz"

@@ -15,11 +15,10 @@ from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from dynamic_skylight.twilight_table import sin_elevation_of
-from numpy.typing import NDArray
 
 from tools.twilight_fit.air import air
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[2]
 SKIES = ROOT / "out" / "twilight"
 TURBIDITIES = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)

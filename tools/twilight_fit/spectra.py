@@ -1,12 +1,11 @@
 """From spectra of the sky to linear sRGB that a display can show."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tools.twilight_fit.air import WAVELENGTH_NM
 from vrut_lite.geometry.colour import luminance, rgb_from_spectrum, solar_irradiance
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # A colour outside sRGB is mixed with grey of its luminance until no channel is below this share.
 LEAST_CHANNEL = 0.02
 FINE_NM = np.arange(360.0, 781.0, 5.0)

@@ -3,11 +3,10 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vrut_lite.kernel.messages import MoveCamera, Vector
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.numeric_types import FloatArray, Vector
 
-FloatArray = NDArray[np.float64]
 _STEEPEST_RAD = math.radians(89.5)
 _TURN_PER_VIEW_RAD = math.pi
 _NEAREST_M, _FARTHEST_M = 0.05, 5e7

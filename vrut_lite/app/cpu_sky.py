@@ -7,19 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.app.stage import GlStage, Stage, WatchedBackend
-from vrut_lite.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.array import Array
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
-from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    MoveCamera,
-    SetExposure,
-    SunLightChanged,
-)
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
 from vrut_lite.render.light_meter import Illuminance
@@ -56,7 +54,7 @@ class CpuSkyBackend(RecordingBackend):
         assert isinstance(background.cube, Array)
         cube = decode_float16(background.cube.values, background.radiance_scale)
         radiance = sample_sky(cube, directions)
-        sun: SunLightChanged = self.latest["set_sun_light"][0]
+        sun: KeyLightChanged = self.latest["set_sun_light"][0]
         cosine = directions @ np.asarray(sun.direction)
         solid_angle = 2.0 * np.pi * (1.0 - np.cos(sun.angular_radius_rad))
         inside = (cosine >= np.cos(sun.angular_radius_rad)) & (directions[..., 1] > 0.0)

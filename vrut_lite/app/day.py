@@ -14,9 +14,11 @@ from datetime import UTC, date, datetime, time, timedelta, tzinfo
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.discovery import discover
-from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetPlace, SetSetting, SunMoved
+from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting
 
 _STEP = timedelta(minutes=5)
 _PRECISION_S = 0.5

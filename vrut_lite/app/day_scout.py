@@ -10,8 +10,9 @@ from vrut_lite.app.day import Day, SunScout
 from vrut_lite.app.hand_over import HandOver
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.session import Session
-from vrut_lite.kernel.messages import ClockMoved, SetPlace, SettingChanged, SlotChanged
-from vrut_lite.place_time import Place, time_zone_at
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.place_time import Place, time_zone_at
+from vrut_lite.kernel.messages import ClockMoved, SettingChanged, SlotChanged
 
 _SUN = "sun"
 

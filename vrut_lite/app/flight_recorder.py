@@ -20,13 +20,13 @@ import zstandard
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Message
-from vrut_lite.kernel.recording.as_delivered import as_delivered
-from vrut_lite.kernel.recording.entry import Entry, Kind
-from vrut_lite.kernel.recording.journal_writer import JournalWriter
-from vrut_lite.kernel.recording.observer import Observer, entry_of
-from vrut_lite.kernel.recording.registry import Registry
-from vrut_lite.kernel.recording.setup import capture_setup
-from vrut_lite.kernel.recording.signature import signature_of
+from vrut_lite.recording.as_delivered import as_delivered
+from vrut_lite.recording.entry import Entry, Kind
+from vrut_lite.recording.journal_writer import JournalWriter
+from vrut_lite.recording.observer import Observer, entry_of
+from vrut_lite.recording.registry import Registry
+from vrut_lite.recording.setup import capture_setup
+from vrut_lite.recording.signature import signature_of
 from vrut_lite.render.write_atomic import atomic_output
 
 # Some days of play; a journal's reader takes no more than four times this.

@@ -12,17 +12,11 @@ from time import perf_counter
 from typing import NamedTuple
 
 from vrut_lite.app.inverse import inverse_of
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    ChooseSlot,
-    EnableModule,
-    Input,
-    SetClock,
-    SetExposure,
-    SetPlace,
-    SetSetting,
-    SetTolerance,
-)
+from vrut_lite.kernel.messages import ChooseSlot, EnableModule, Input, SetClock, SetSetting
 
 GESTURE_S = 0.6
 _MOST_STEPS = 500

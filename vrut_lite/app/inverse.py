@@ -1,5 +1,8 @@
 """Which input takes back what another is about to change."""
 
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
@@ -8,12 +11,8 @@ from vrut_lite.kernel.messages import (
     EnableModule,
     Input,
     SetClock,
-    SetExposure,
-    SetPlace,
     SetSetting,
-    SetTolerance,
 )
-from vrut_lite.kernel.tolerance import tolerance_of
 
 
 def inverse_of(message: Input, kernel: Kernel) -> Input | None:

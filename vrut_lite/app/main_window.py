@@ -37,8 +37,9 @@ from vrut_lite.app.shortcut_list import ShortcutList
 from vrut_lite.app.status_line import StatusLine
 from vrut_lite.app.sun_path import SunPath
 from vrut_lite.app.viewport import CameraMode, Viewport
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import LoadScene, SceneLoaded, SunMoved
 from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
 
 TITLE = "vrut_lite"

@@ -9,17 +9,17 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import Input, Message
-from vrut_lite.kernel.recording.entry import Entry as JournalEntry
-from vrut_lite.kernel.recording.journal_reader import Journal
-from vrut_lite.kernel.recording.limits import DECODED_PER_BYTE
 from vrut_lite.kernel.trace import Entry
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
+from vrut_lite.recording.entry import Entry as JournalEntry
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.limits import DECODED_PER_BYTE
 
 _MOST_WAITING = 4096
 _LONGEST_TEXT = 160

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from vrut_lite.app.stage import Stage
-from vrut_lite.daylight_kernel import DEFAULT_HOLDERS
+from vrut_lite.daylight.daylight_kernel import DEFAULT_HOLDERS
 from vrut_lite.kernel.messages import EnableModule, Fault, Input
 from vrut_lite.kernel.reload import root_package
 

@@ -7,22 +7,13 @@ import msgspec
 
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.session import Session
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolerance_of
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import (
-    ClockMoved,
-    Input,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SceneLoaded,
-    SetExposure,
-    SetPlace,
-    SetSetting,
-    SettingChanged,
-    SetTolerance,
-    SlotChanged,
-)
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE, tolerance_of
+from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting, SettingChanged, SlotChanged
 from vrut_lite.project import (
     CameraView,
     Exposure,

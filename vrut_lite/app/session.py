@@ -19,11 +19,11 @@ from vrut_lite.app.engine import Engine, Shown
 from vrut_lite.app.flight_recorder import FlightRecorder, Recorded
 from vrut_lite.app.hand_over import HandOver
 from vrut_lite.app.history import History
+from vrut_lite.app.mailbox import Mailbox
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.stage import Stage
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.faults import sentence_of
-from vrut_lite.kernel.mailbox import Mailbox
 from vrut_lite.kernel.messages import Fault, Input, Message
 
 M = TypeVar("M", bound=Message)

@@ -18,18 +18,13 @@ from vrut_lite.app.twin_skies import (
     luminance_ratios,
     meridian_luminance,
 )
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import SpectrumSeen
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
-from vrut_lite.kernel.messages import (
-    ClockMoved,
-    SetClock,
-    SetPlace,
-    SettingChanged,
-    SlotChanged,
-    SpectrumSeen,
-    Vector,
-)
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec
+from vrut_lite.numeric_types import Vector
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
 

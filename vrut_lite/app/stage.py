@@ -8,18 +8,15 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    CloudsChanged,
-    MoveCamera,
-    SetExposure,
-    SunLightChanged,
-)
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.scene.backend import Picture, SceneBackend
@@ -58,7 +55,7 @@ class WatchedBackend:
         self._backend.set_background(background)
         self._note("background")
 
-    def set_sun_light(self, light: SunLightChanged) -> None:
+    def set_sun_light(self, light: KeyLightChanged) -> None:
         """Light with this sun."""
         self._backend.set_sun_light(light)
         self._note("sun")

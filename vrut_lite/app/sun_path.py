@@ -9,7 +9,8 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 from vrut_lite.app import theme
 from vrut_lite.app.day import Day
 from vrut_lite.app.view_projection import project_directions
-from vrut_lite.kernel.messages import MoveCamera, SunMoved
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.sun import SunMoved
 
 _MARGIN = 0.2
 

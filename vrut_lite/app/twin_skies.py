@@ -11,28 +11,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight_kernel import FaultCollector
+from vrut_lite.array import Array
+from vrut_lite.daylight.daylight_kernel import FaultCollector
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
-from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.discovery import discover
-from vrut_lite.kernel.messages import (
-    BackgroundChanged,
-    ChooseSlot,
-    Demand,
-    LookAlong,
-    SetClock,
-    SetPlace,
-    SetSetting,
-    SpectrumSeen,
-    SunMoved,
-    Vector,
-)
+from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock, SetSetting
+from vrut_lite.numeric_types import FloatArray, Vector
 
-FloatArray = NDArray[np.float64]
 CUBE_SIZE = 128
 # Of a fisheye's pixels, those so far above the horizon are compared.
 _LOWEST_UP = np.sin(np.radians(5.0))

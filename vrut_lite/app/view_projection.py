@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.kernel.messages import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.scene.camera import look_at
 
 

@@ -33,7 +33,9 @@ from vrut_lite.app.engine import Shown
 from vrut_lite.app.light_probe import LightProbe
 from vrut_lite.app.session import Session
 from vrut_lite.app.sun_path import SunPath
-from vrut_lite.kernel.messages import MoveCamera, Resize, SceneLoaded
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.scene import SceneLoaded
 from vrut_lite.render.light_meter import pixel_direction
 from vrut_lite.scene.camera import frame_bounds
 

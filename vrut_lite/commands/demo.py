@@ -14,9 +14,9 @@ from rich.progress import Progress
 from vrut_lite.commands.day_hours import hours_of_day
 from vrut_lite.commands.open_kernel import open_host, require_sky
 from vrut_lite.commands.picture_metadata import picture_metadata
-from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.place_time import local_text, time_zone_at
 from vrut_lite.errors import UserError
-from vrut_lite.place_time import local_text, time_zone_at
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     Project,

@@ -2,8 +2,8 @@
 
 import click
 
-from vrut_lite.kernel.recording.journal_reader import Journal
-from vrut_lite.kernel.recording.lines import dump_lines
+from vrut_lite.recording.journal_reader import Journal
+from vrut_lite.recording.lines import dump_lines
 
 
 @click.command(name="dump")

@@ -16,10 +16,10 @@ from rich.progress import Progress
 
 from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.commands.open_kernel import tell
-from vrut_lite.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
-from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.messages import Input, SetSetting
 from vrut_lite.kernel.module import Module
 from vrut_lite.project import Project, setting_inputs

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from vrut_lite.commands.open_kernel import tell
+from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.recording.entry import Setup
-from vrut_lite.kernel.recording.gpu_stand_in import GpuStandIn
+from vrut_lite.recording.entry import Setup
+from vrut_lite.recording.gpu_stand_in import GpuStandIn
 
 Services = Mapping[str, Mapping[str, Any]]
 

@@ -8,10 +8,10 @@ import click
 import msgspec
 
 from vrut_lite.commands.number_types import FiniteRange
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.discovery import discover
 from vrut_lite.kernel.settings import SettingSpec, describe
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Project, in_words
 

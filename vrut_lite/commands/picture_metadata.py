@@ -4,10 +4,11 @@ import math
 from collections.abc import Iterable
 
 from vrut_lite import __version__
+from vrut_lite.daylight.place_time import local_text
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import tolerance_of
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import SceneNeeds, SunLightChanged, SunMoved
-from vrut_lite.kernel.tolerance import tolerance_of
-from vrut_lite.place_time import local_text
 from vrut_lite.project import Project
 from vrut_lite.render.image_files import Metadata
 
@@ -21,7 +22,7 @@ _VECTORS = {
 def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]:
     """Texts and numbers for the header; the kernel must have settled."""
     place, instant = project.where(), project.instant()
-    sun, light = kernel.last(SunMoved), kernel.last(SunLightChanged)
+    sun, light = kernel.last(SunMoved), kernel.last(KeyLightChanged)
     metadata: dict[str, str | float] = {
         "Software": f"vrut_lite {__version__}",
         "latitudeDeg": place.latitude_deg,

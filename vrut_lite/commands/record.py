@@ -14,13 +14,10 @@ from vrut_lite.commands.headless_scene import add_headless_scene
 from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.daylight.place_time import parse_instant
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
-from vrut_lite.kernel.recording.lines import read_inputs
-from vrut_lite.kernel.recording.recorder import Recorder
-from vrut_lite.kernel.recording.registry import Registry
-from vrut_lite.place_time import parse_instant
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     Project,
@@ -29,6 +26,9 @@ from vrut_lite.project import (
     setting_inputs,
     view_inputs,
 )
+from vrut_lite.recording.lines import read_inputs
+from vrut_lite.recording.recorder import Recorder
+from vrut_lite.recording.registry import Registry
 from vrut_lite.render.write_atomic import atomic_output, check_writable
 
 MOST_STEPS = 100_000
@@ -80,7 +80,7 @@ def record(
     check_writable(output)
     plan = with_options(_project(scene), options)
     passing = _passing(plan, start, end, step_minutes)
-    from vrut_lite.daylight_kernel import demand_light
+    from vrut_lite.daylight.daylight_kernel import demand_light
 
     kernel = open_kernel()
     script: list[Input] = [*setting_inputs(plan, kernel), *daylight_inputs(plan)]

@@ -11,7 +11,7 @@ from vrut_lite.commands.engines import GL, EngineHost
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.picture_metadata import picture_metadata, receives_light
 from vrut_lite.commands.time_span import at_instant, other_side
-from vrut_lite.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import SetClock
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.render.display import Bits, display_picture

@@ -12,19 +12,21 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 
+from vrut_lite.array import Array
 from vrut_lite.commands.open_kernel import open_kernel, require_sky
 from vrut_lite.commands.picture_metadata import json_values, picture_metadata, vector_text
 from vrut_lite.commands.time_span import at_instant, other_side
-from vrut_lite.daylight_kernel import FaultCollector, demand_light
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.daylight_kernel import FaultCollector, demand_light
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
 from vrut_lite.geometry.panorama import sample_sky, unfold_cube
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap, SkyMap
 from vrut_lite.geometry.sun_disc import disc_radiance
-from vrut_lite.kernel.array import Array
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import MoveCamera, SetClock, SunLightChanged
+from vrut_lite.kernel.messages import SetClock
 from vrut_lite.project import Project, daylight_inputs, setting_inputs
 from vrut_lite.render.display import Bits, display_picture
 from vrut_lite.render.image_files import (
@@ -131,7 +133,7 @@ class SkyStudio:
         # Nobody runs GPU jobs in a kernel without GL: the cube is an array.
         assert isinstance(background.cube, Array)
         cube = decode_float16(background.cube.values, background.radiance_scale)
-        sun = self._kernel.last(SunLightChanged)
+        sun = self._kernel.last(KeyLightChanged)
         if sun is None:
             raise ModuleFailed("no module makes sunlight: see `vrut-lite modules`")
         plan = self._plan
@@ -225,7 +227,7 @@ def _sampled(
     return picture
 
 
-def _map_metadata(plan: SkyPlan, sun: SunLightChanged) -> dict[str, str | float]:
+def _map_metadata(plan: SkyPlan, sun: KeyLightChanged) -> dict[str, str | float]:
     """What places the map and its sun: for programs that light with it."""
     facts: dict[str, str | float] = {
         "projection": plan.projection,

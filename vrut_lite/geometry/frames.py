@@ -6,9 +6,9 @@ that is, the scene's -Z points a clockwise of true north.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 def direction_from_angles(azimuth_rad: ArrayLike, elevation_rad: ArrayLike) -> FloatArray:

@@ -19,8 +19,8 @@ from vrut_lite.geometry.cube_map import (
 )
 from vrut_lite.geometry.frames import angles_from_direction, enu_from_world
 from vrut_lite.geometry.panorama import fisheye_directions, lat_long_directions
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 _UP_FACES = (2, 3)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.geometry.sky_map import SkyMap
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Finer than the pixels of the largest maps, in which the disc is some twelve across.
 _RINGS, _SPOKES = 96, 384
 
@@ -18,7 +18,7 @@ def disc_samples(
     """Directions (N, 3) all over the disc and the share (N, 3) of its light from each.
 
     Of equal solid angle: rings whose radii grow as the square root. `limb_darkening_rgb` is as
-    in `SunLightChanged`: (3, K), in powers of cos psi; shares add up to 1 in each channel.
+    in `KeyLightChanged`: (3, K), in powers of cos psi; shares add up to 1 in each channel.
     """
     ring = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
     cos_psi = np.sqrt(1.0 - ring**2)

@@ -93,10 +93,16 @@ def _check_handlers(module_type: type[Module]) -> None:
             )
     if not _is_name(getattr(module_type, "engine", "none")):
         raise UserError("engine must be the name of what it draws with")
-    brings = module_type.brings
-    kinds = isinstance(brings, tuple) and all(isinstance(kind, type) for kind in brings)
-    if not (kinds and all(issubclass(kind, Input) for kind in brings)):
-        raise UserError(f"brings must be a tuple of types of inputs, not {checks.shown(brings)}")
+    _check_types(module_type, "brings", Input)
+    _check_types(module_type, "speaks", Message)
+
+
+def _check_types(module_type: type[Module], field: str, base: type[Message]) -> None:
+    kinds = getattr(module_type, field)
+    fits = isinstance(kinds, tuple) and all(isinstance(kind, type) for kind in kinds)
+    if not (fits and all(issubclass(kind, base) for kind in kinds)):
+        what = "inputs" if base is Input else "messages"
+        raise UserError(f"{field} must be a tuple of types of {what}, not {checks.shown(kinds)}")
 
 
 def _check_settings(module_type: type[Module]) -> None:

@@ -88,6 +88,8 @@ class Module:
 
     manifest: ClassVar[Manifest]
     settings_type: ClassVar[type[msgspec.Struct]] = NoSettings
+    # Message types of its own that it posts; those of kernel and daylight go without saying.
+    speaks: ClassVar[tuple[type[Message], ...]] = ()
     # Inputs that it brings from outside; a live host hands its maker `inject`, a replay does not.
     brings: ClassVar[tuple[type[Input], ...]] = ()
 

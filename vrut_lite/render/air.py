@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
-from vrut_lite.geometry.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
-from vrut_lite.kernel.gpu_texture import GpuTexture
-from vrut_lite.kernel.messages import AirVolume
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
+from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
+from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.render.gl_owner import rest
 from vrut_lite.render.shader_files import Defines
 

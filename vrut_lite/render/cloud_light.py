@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import COSINE_LOBE, evaluate_irradiance
-from vrut_lite.geometry.sun_aloft import sun_aloft
-from vrut_lite.kernel.messages import CloudLayer, Vector
+from vrut_lite.numeric_types import Vector
 
 _UP = np.array([0.0, 1.0, 0.0])
 _DARKEST_IRRADIANCE = 1e-12

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import CloudLayer
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.render.cloud_pass import COARSER, CloudPass

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.clouds import (
+from vrut_lite.daylight.cloud_density import (
     DETAIL_PERIOD_M,
     NOISE_TURN_RAD,
     PLANET_RADIUS_M,
@@ -14,9 +14,9 @@ from vrut_lite.geometry.clouds import (
     WEATHER_TURN_RAD,
     turned,
 )
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.geometry.sun_aloft import sun_aloft
-from vrut_lite.kernel.messages import CloudLayer
 from vrut_lite.render.cloud_light import ClearLight, sky_beneath
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.gl_owner import rest

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.kernel.messages import ToneMap
+from vrut_lite.daylight.picture import ToneMap
 from vrut_lite.render import exposure, tone_map
 
 Bits = Literal[8, 16]

@@ -7,8 +7,11 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import AirVolume, CloudLayer, SetExposure, ViewShader
 from vrut_lite.render import exposure
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.by_size import BySize

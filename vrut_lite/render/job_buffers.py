@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.array import Array
+from vrut_lite.gpu_job import GpuJob
 
 _Sent = dict[int, tuple[Array, Any]]
 

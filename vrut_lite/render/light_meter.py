@@ -5,10 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.geometry.clouds import sun_transmittance
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.cloud_density import sun_transmittance
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sky import AmbientChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.kernel.messages import AmbientChanged, CloudLayer, MoveCamera, SunLightChanged
 from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.scene.camera import look_at
@@ -28,7 +31,7 @@ class Illuminance(NamedTuple):
 
 def illuminance(
     rays: SceneRays,
-    sun: SunLightChanged,
+    sun: KeyLightChanged,
     ambient: AmbientChanged,
     point_m: ArrayLike,
     normal: ArrayLike,

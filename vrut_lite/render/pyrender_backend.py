@@ -6,19 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.gpu_texture import GpuTexture
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    CloudLayer,
-    CloudsChanged,
-    MoveCamera,
-    SetExposure,
-    SunLightChanged,
-)
 from vrut_lite.render.frame import Frame, Measure
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, Sky
@@ -43,7 +39,7 @@ class _Told:
 
     scene: PyrenderScene | None = None
     background: BackgroundChanged | None = None
-    sun: SunLightChanged | None = None
+    sun: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
     camera: MoveCamera | None = None
     sheltered: bool = False
@@ -80,7 +76,7 @@ class PyrenderBackend:
         self._owner.call(lambda context: self._show_sky(context, background.cube))
         self._owner.call(lambda context: self._frame.show_view(background.view))
 
-    def set_sun_light(self, light: SunLightChanged) -> None:
+    def set_sun_light(self, light: KeyLightChanged) -> None:
         """Light with this sun."""
         self._told.sun = light
 
@@ -223,7 +219,7 @@ class PyrenderBackend:
             is_given_up=is_given_up,
         )
 
-    def _light(self, sun: SunLightChanged) -> Light:
+    def _light(self, sun: KeyLightChanged) -> Light:
         told = self._told
         assert told.background is not None
         assert told.ambient is not None

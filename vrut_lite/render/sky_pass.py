@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
-from vrut_lite.kernel.messages import ViewShader
+from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.render.background_view import BackgroundView
 from vrut_lite.render.full_screen import FullScreen
 from vrut_lite.render.light import Light

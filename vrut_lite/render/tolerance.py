@@ -8,7 +8,7 @@ It bounds the change itself, so that no front has to be measured. Sizes and samp
 map do not follow: they are held to 1 % of the brightest by `tests/render/test_reflection.py`.
 """
 
-from vrut_lite.kernel.tolerance import budget
+from vrut_lite.daylight.tolerance import budget
 from vrut_lite.render.specular_filter import CHANGE_SEEN
 
 

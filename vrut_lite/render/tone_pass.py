@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
-from vrut_lite.kernel.messages import SetExposure
 from vrut_lite.render import exposure, tone_map
 from vrut_lite.render.full_screen import FullScreen
 from vrut_lite.render.targets import Targets

@@ -6,16 +6,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    CloudsChanged,
-    MoveCamera,
-    SetExposure,
-    SunLightChanged,
-)
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import LoadedScene
 
@@ -53,7 +50,7 @@ class SceneBackend(Protocol):
     def set_background(self, background: BackgroundChanged) -> None:
         """Show this sky."""
 
-    def set_sun_light(self, light: SunLightChanged) -> None:
+    def set_sun_light(self, light: KeyLightChanged) -> None:
         """Light with this sun."""
 
     def set_ambient(self, ambient: AmbientChanged) -> None:

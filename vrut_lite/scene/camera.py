@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.kernel.messages import MoveCamera, Vector
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.numeric_types import Vector
 
 DEFAULT_FIELD_OF_VIEW_RAD = 0.75
 # From the south-west and a little above, as if standing at the scene's edge.

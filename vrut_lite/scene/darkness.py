@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from vrut_lite.kernel.array import Array
-from vrut_lite.kernel.messages import AmbientChanged, BackgroundChanged, SunLightChanged
+from vrut_lite.array import Array
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 
 NAME = "darkness"
 
@@ -18,10 +19,10 @@ def no_background() -> BackgroundChanged:
     )
 
 
-def no_sun() -> SunLightChanged:
+def no_sun() -> KeyLightChanged:
     """A sun in the zenith that gives no light."""
     even = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return SunLightChanged(
+    return KeyLightChanged(
         direction=(0.0, 1.0, 0.0),
         irradiance_rgb=(0.0, 0.0, 0.0),
         angular_radius_rad=0.00465,

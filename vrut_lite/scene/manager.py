@@ -7,25 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite import __version__
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.kernel.messages import (
-    AirChanged,
-    AmbientChanged,
-    BackgroundChanged,
-    CloudsChanged,
-    Demand,
-    Derived,
-    LoadScene,
-    MoveCamera,
-    Resize,
-    SceneLoaded,
-    SceneNeeds,
-    SetExposure,
-    SlotChanged,
-    SunLightChanged,
-    Vector,
-)
+from vrut_lite.kernel.messages import Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.numeric_types import Vector
 from vrut_lite.scene.backend import SceneBackend
 from vrut_lite.scene.camera import camera_from_pose, frame_bounds
 from vrut_lite.scene.darkness import no_ambient, no_background, no_sun
@@ -36,7 +28,7 @@ from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.shelter import Shelter
 
 NAME = "scene"
-LIGHT: tuple[type[Derived], ...] = (BackgroundChanged, SunLightChanged, AmbientChanged)
+LIGHT: tuple[type[Derived], ...] = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 _UP = np.array([0.0, 1.0, 0.0])
 # Darker than this, what ground and light say of each other is rounding.
 _DARKEST_IRRADIANCE = 1e-12
@@ -75,7 +67,7 @@ class SceneManager(Module):
         self._camera: MoveCamera | None = None
         self._size = Resize(width_px=960, height_px=540)
         self._background: BackgroundChanged | None = None
-        self._sun: SunLightChanged | None = None
+        self._sun: KeyLightChanged | None = None
         self._ambient: AmbientChanged | None = None
 
     @handles(LoadScene)
@@ -133,8 +125,8 @@ class SceneManager(Module):
         self._backend.set_background(message)
         self._paint_ground()
 
-    @handles(SunLightChanged)
-    def on_sun_light(self, message: SunLightChanged) -> None:
+    @handles(KeyLightChanged)
+    def on_sun_light(self, message: KeyLightChanged) -> None:
         """Light with this sun."""
         self._sun = message
         self._backend.set_sun_light(message)
@@ -267,7 +259,7 @@ class SceneManager(Module):
 
 
 def ground_albedo(
-    background: BackgroundChanged, sun: SunLightChanged, ambient: AmbientChanged
+    background: BackgroundChanged, sun: KeyLightChanged, ambient: AmbientChanged
 ) -> NDArray[np.float64]:
     """Albedo (3,) of the ground that a sky was computed with: pi L / E at the nadir.
 

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.kernel.messages import CloudLayer, MoveCamera
 from vrut_lite.scene.camera import look_at
 from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from vrut_lite.numeric_types import FloatArray, IntArray
+
 CREASE_ANGLE_RAD = np.radians(40.0)
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 _BLOCK = 2**15
 # The corners after and before each of a triangle.
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]

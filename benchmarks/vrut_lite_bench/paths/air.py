@@ -11,14 +11,14 @@ from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.air_volume import look_up_air
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air_volume import look_up_air
 from vrut_lite.geometry.colour import rgb_from_spectrum
-from vrut_lite.kernel.messages import AirVolume
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_bench.errors import relative_errors
 from vrut_lite_bench.path import Errors, Group, Path, Work
 from vrut_lite_bench.skies import Condition, air
 
-FloatArray = NDArray[np.float64]
 SIZES = {
     "least": AirSizes(slices=8, rows_above=10, rows_below=8, columns=10, steps=2),
     "small": AirSizes(slices=16, rows_above=20, rows_below=14, columns=20, steps=2),

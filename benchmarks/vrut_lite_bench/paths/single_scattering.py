@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_bench.errors import relative_errors
 from vrut_lite_bench.gl import GlCube, GlCubes, gl_clock, missing_gl
 from vrut_lite_bench.path import Errors, Group, Path, Work
 from vrut_lite_bench.skies import air, sun_at
 
-FloatArray = NDArray[np.float64]
 Samples = int | tuple[int, int]
 NODES, QUICK_NODES = (3, 4, 6, 8, 12, 16, 24), (4, 12)
 INTERVALS, QUICK_INTERVALS = ((8, 4), (16, 8), (32, 8), (32, 16), (64, 16)), ((16, 8),)

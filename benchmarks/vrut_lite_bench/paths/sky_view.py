@@ -10,6 +10,7 @@ from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.panorama import sample_sky
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_bench.errors import PICTURE_NORM, relative_errors
 from vrut_lite_bench.gl import GlCube, GlCubes, gl_clock, missing_gl
 from vrut_lite_bench.path import Errors, Group, Path, Work
@@ -32,7 +33,6 @@ from vrut_lite_bench.sky_truth import (
     sky_rgb,
 )
 
-FloatArray = NDArray[np.float64]
 # How many times as many rows, columns, steps and bins as usual.
 FINER, QUICK_FINER = (0.2, 0.35, 0.5, 0.7, 1.0, 1.6), (0.5, 1.0)
 LIGHT = "for light alone"

@@ -4,7 +4,6 @@ from collections.abc import Callable, Generator
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.gpu_pipeline.air import LANES, buffers_of_air
@@ -14,8 +13,8 @@ from bruneton_sky.gpu_pipeline.tables import GpuTables, read_flat, read_scatteri
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.errors import UserError
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 Progress = Callable[[float], None]
 Observe = Callable[[Pass], None]
 

@@ -3,12 +3,10 @@
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bruneton_sky.gpu_pipeline.air import LANES
 from bruneton_sky.tables.sizes import TableSizes
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 class GpuTables(NamedTuple):

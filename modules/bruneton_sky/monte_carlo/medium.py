@@ -8,13 +8,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
 from bruneton_sky.phase import MiePhase, mie_phase_parameters
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Wavelengths share a path by their scattering to this power: 0 would leave the weak ones noisy, -2
 # the strong ones. Below this share of the strongest, scattering counts as that share.
 IMPORTANCE_POWER, LEAST_SCATTERING = -1.5, 1e-2

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray
@@ -23,8 +23,8 @@ from bruneton_sky.monte_carlo.medium import medium_of
 from bruneton_sky.monte_carlo.paths import trace
 from bruneton_sky.single_scattering import optical_depth
 from vrut_lite.arguments import ROUNDING, as_count, as_number, as_numbers, broadcast
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 Start = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 BATCHES = 16
 # So many events of each path take their three numbers from a Sobol sequence.

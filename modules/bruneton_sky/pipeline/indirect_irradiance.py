@@ -5,7 +5,8 @@ import numpy as np
 from bruneton_sky.pipeline.direct_irradiance import irradiance_nodes
 from bruneton_sky.pipeline.incident import Part, radiance
 from bruneton_sky.pipeline.setting import IRRADIANCE_ZENITH_ANGLES, Setting
-from bruneton_sky.tables.coordinates import FloatArray, State
+from bruneton_sky.tables.coordinates import State
+from vrut_lite.numeric_types import FloatArray
 
 
 def indirect_irradiance(setting: Setting, light: tuple[Part, ...]) -> FloatArray:

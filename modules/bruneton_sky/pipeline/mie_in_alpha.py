@@ -10,7 +10,7 @@ Nothing in this package stores aerosol so; the error tables ask for it.
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.tables.coordinates import FloatArray
+from vrut_lite.numeric_types import FloatArray
 
 
 def mie_from_alpha(

@@ -4,9 +4,9 @@ import numpy as np
 
 from bruneton_sky.pipeline.setting import RAY_INTERVALS, Setting
 from bruneton_sky.pipeline.trapezoid import trapezoid
-from bruneton_sky.tables.coordinates import FloatArray
 from bruneton_sky.tables.look_up_transmittance import transmittance_between
 from bruneton_sky.tables.travel import moved, to_edge
+from vrut_lite.numeric_types import FloatArray
 
 
 def multiple_scattering(

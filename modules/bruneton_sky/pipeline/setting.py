@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.tables.coordinates import (
     Coordinates,
-    FloatArray,
     State,
     Year,
     node_states,
@@ -16,6 +15,7 @@ from bruneton_sky.tables.coordinates import (
 )
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.sizes import TableSizes
+from vrut_lite.numeric_types import FloatArray
 
 # Intervals of the trapezoid rule to the top of the atmosphere, and along every other ray.
 TRANSMITTANCE_INTERVALS = 500

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bruneton_sky.tables.coordinates import FloatArray
+from vrut_lite.numeric_types import FloatArray
 
 
 def trapezoid(length_m: FloatArray, intervals: int) -> Iterator[tuple[FloatArray, FloatArray]]:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 CENTRE, WIDTH = 1.034, 0.12
 
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.geometry import horizon_mu
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 class Directions(NamedTuple):

@@ -8,9 +8,9 @@ function in the mean square keep its integral, and err to either side.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
+
 # Gauss points between neighbouring nodes: harmonics of degree 32 bend little there.
 _POINTS = 8
 

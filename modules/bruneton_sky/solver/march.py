@@ -9,8 +9,8 @@ from bruneton_sky.solver.view import sky_irradiance, source_of_group
 from bruneton_sky.tables.coordinates import Coordinates, Year, node_coordinates, parametrisation_of
 from bruneton_sky.tables.parametrisation_flat import irradiance_state
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 SingleArray = NDArray[np.float32]
 
 

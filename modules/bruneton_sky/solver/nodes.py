@@ -13,12 +13,12 @@ from bruneton_sky.solver.directions import azimuths
 from bruneton_sky.solver.harmonics import phase_coefficients
 from bruneton_sky.solver.scattering_operator import ScatteringOperator, scattering_operator
 from bruneton_sky.solver.sizes import HIGHER, SolverSizes
+from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.ray_bins_kernels import Bins
     from bruneton_sky.solver.source_kernels import Source
 
-FloatArray = NDArray[np.float64]
 Lanes = NDArray[np.float32]
 # Of the phase functions, over sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
 _PHASE_NODES = 1024

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver.sizes import SolverSizes
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 # Fields are told apart by identity, so that what follows from one can be kept for it.

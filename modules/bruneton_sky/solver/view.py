@@ -11,11 +11,11 @@ from bruneton_sky.solver.directions import azimuths, clustered_nodes
 from bruneton_sky.solver.nodes import make_source, phase_table
 from bruneton_sky.solver.source_field import SourceField
 from vrut_lite.arguments import ROUNDING, as_numbers
+from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from bruneton_sky.solver.source_kernels import Source
 
-FloatArray = NDArray[np.float64]
 _LOW_SUN = 0.15
 # Cosines may come from single precision: beside 1 they err by so much of their range.
 _SINGLE_ROUNDING = 1e-6

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.tables.sizes import TableSizes
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 Year = Literal["2017", "2008"]
 
 

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 def interpolate(table: FloatArray, coordinates: Sequence[FloatArray]) -> FloatArray:

@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bruneton_sky.tables.coordinates import FloatArray
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.look_up_transmittance import transmittance_between, transmittance_to_sun
 from bruneton_sky.tables.observer import View, dot, level, view_from
 from bruneton_sky.tables.parametrisation_flat import irradiance_coordinates
 from bruneton_sky.tables.travel import moved, to_edge
+from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from bruneton_sky.tables.tables import Tables

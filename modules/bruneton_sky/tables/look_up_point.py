@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bruneton_sky.tables.coordinates import FloatArray
 from bruneton_sky.tables.look_up_sky import scattered, with_phases
 from bruneton_sky.tables.look_up_transmittance import smooth_step, transmittance_between
 from bruneton_sky.tables.observer import View
 from bruneton_sky.tables.travel import moved, to_edge
+from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from bruneton_sky.tables.tables import Tables

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.tables.coordinates import FloatArray, State, parametrisation_of
+from bruneton_sky.tables.coordinates import State, parametrisation_of
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.look_up_transmittance import (
     transmittance_between,
@@ -13,6 +13,7 @@ from bruneton_sky.tables.look_up_transmittance import (
 )
 from bruneton_sky.tables.observer import View
 from bruneton_sky.tables.travel import moved
+from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from bruneton_sky.tables.tables import Tables

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.tables.coordinates import FloatArray
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.parametrisation_flat import transmittance_coordinates
 from bruneton_sky.tables.travel import after
+from vrut_lite.numeric_types import FloatArray
 
 
 def transmittance_to_top(

@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray
-from bruneton_sky.tables.coordinates import FloatArray, State
+from bruneton_sky.tables.coordinates import State
 from vrut_lite.arguments import as_vectors
+from vrut_lite.numeric_types import FloatArray
 
 _UNIT_SLACK = 1e-5
 # Components beyond these have squares that are no numbers.

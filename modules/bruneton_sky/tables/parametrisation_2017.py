@@ -14,14 +14,9 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import distance_to_top
 from bruneton_sky.tables import ray_lengths
-from bruneton_sky.tables.coordinates import (
-    Coordinates,
-    FloatArray,
-    State,
-    texture_coordinate,
-    unit_range,
-)
+from bruneton_sky.tables.coordinates import Coordinates, State, texture_coordinate, unit_range
 from bruneton_sky.tables.sizes import TableSizes
+from vrut_lite.numeric_types import FloatArray
 
 
 def to_coordinates(atmosphere: Atmosphere, sizes: TableSizes, state: State) -> Coordinates:

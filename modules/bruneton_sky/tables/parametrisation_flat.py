@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import distance_to_top
 from bruneton_sky.tables import ray_lengths
-from bruneton_sky.tables.coordinates import FloatArray, texture_coordinate, unit_range
+from bruneton_sky.tables.coordinates import texture_coordinate, unit_range
+from vrut_lite.numeric_types import FloatArray
 
 
 def transmittance_coordinates(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import distance_to_ground
-from bruneton_sky.tables.coordinates import FloatArray
+from vrut_lite.numeric_types import FloatArray
 
 
 def tangent(air: Atmosphere, altitude_m: ArrayLike) -> FloatArray:

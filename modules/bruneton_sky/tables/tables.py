@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.tables import look_up_ground, look_up_point, look_up_sky
-from bruneton_sky.tables.coordinates import FloatArray, Year, parametrisation_of
+from bruneton_sky.tables.coordinates import Year, parametrisation_of
 from bruneton_sky.tables.observer import (
     FARTHEST_M,
     View,
@@ -18,6 +18,7 @@ from bruneton_sky.tables.observer import (
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from vrut_lite.arguments import as_numbers, check_shapes, check_type
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.numeric_types import FloatArray
 
 # Of shorter ways the squares lose digits, and with them the direction its length.
 _IN_THE_EYE_M = 1e-100

@@ -5,8 +5,9 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import altitude_along, distance_to_top
-from bruneton_sky.tables.coordinates import FloatArray, State
+from bruneton_sky.tables.coordinates import State
 from bruneton_sky.tables.ray_lengths import ground_distance
+from vrut_lite.numeric_types import FloatArray
 
 
 def to_edge(air: Atmosphere, state: State) -> FloatArray:

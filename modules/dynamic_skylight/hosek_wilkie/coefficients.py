@@ -9,11 +9,11 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dynamic_skylight.data_files import packaged_arrays
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float64]
 Quantity = Literal["rgb", "spec"]
 
 WAVELENGTHS_NM = np.arange(320.0, 721.0, 40.0)

@@ -21,8 +21,8 @@ from dynamic_skylight.hosek_wilkie.cube_rows import (
     side_faces,
 )
 from vrut_lite.njit import njit
+from vrut_lite.numeric_types import Float32Array
 
-Float32Array = NDArray[np.float32]
 Convert = Callable[[Float32Array, NDArray[Any]], None]
 
 LARGEST_HALF = np.float32(65504.0)

@@ -22,9 +22,7 @@ from vrut_lite.arguments import as_count, check_output, check_type, shown
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACES, texel_centres
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.njit import njit
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SIDES = (0, 1, 4, 5)
 TOP, BOTTOM = 2, 3

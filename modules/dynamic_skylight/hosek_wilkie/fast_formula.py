@@ -13,10 +13,8 @@ double precision, so that single precision loses nothing to cancellation:
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 
 def _fit(

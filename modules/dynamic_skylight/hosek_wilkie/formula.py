@@ -1,9 +1,9 @@
 """The extended Perez formula of Hosek and Wilkie 2012, equations 8 and 9."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 # Keeps the horizon's gradient finite; part of the published formula.
 HORIZON_OFFSET = 0.01

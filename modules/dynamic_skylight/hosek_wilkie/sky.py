@@ -10,11 +10,11 @@ from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from vrut_lite.arguments import ROUNDING, as_number, as_numbers, broadcast
+from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
     from dynamic_skylight.hosek_wilkie.cube_rows import SkyRows
 
-FloatArray = NDArray[np.float64]
 
 # The disc that the solar function was fitted with; the real one is 0.2666 deg on average.
 SOLAR_DISC_RADIUS_RAD = np.deg2rad(0.51 / 2)

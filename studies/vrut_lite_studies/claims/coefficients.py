@@ -4,12 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 from bruneton_sky.rayleigh import rayleigh_scattering
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
-
-FloatArray = NDArray[np.float64]
 
 # At 15 deg C and 1013.25 hPa.
 MOLECULES_PER_M3 = 2.547e25

@@ -6,7 +6,6 @@ from typing import NamedTuple, cast
 import numpy as np
 from bruneton_sky.rules_classical import RULES
 from bruneton_sky.single_scattering import Rule
-from numpy.typing import NDArray
 
 from vrut_lite_studies.framework.colour import srgb, tone_mapped, xyz
 from vrut_lite_studies.framework.fisheye import pixels
@@ -15,8 +14,6 @@ from vrut_lite_studies.models.model import SkyModel
 from vrut_lite_studies.models.rules import SingleScattering, converged
 from vrut_lite_studies.report.scores import WHOLE_SHARE
 from vrut_lite_studies.rules.against_truth import SAMPLES
-
-FloatArray = NDArray[np.float64]
 
 _SUNS_DEG = (87.0, 25.0)
 _HORIZON_DEG, _WHITE = 82.0, 0.9

@@ -4,12 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
-from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import srgb_encode
 from vrut_lite.geometry.cube_map import sample_cube, texel_directions
-
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 _TURBIDITY, _ALBEDO = 3.0, 0.1
 _SIZES, _ELEVATIONS_DEG = (64, 128, 256, 512, 1024), (2.0, 10.0, 45.0)

@@ -8,14 +8,11 @@ from functools import cached_property
 from math import cos, radians
 from typing import Self
 
-import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.framework.tables import table_spectra
-
-FloatArray = NDArray[np.float64]
 
 # Penndorf's table holds at 0 deg C; molecules thin out as the air warms to 15 deg C (his eq. 12).
 _PENNDORF_TO_15_C = 273.16 / 288.16

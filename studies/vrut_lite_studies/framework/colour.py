@@ -7,9 +7,10 @@ All colours are linear sRGB in cd m^-2 (XYZ times 683 lm/W). They differ from th
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ, colour_table
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.spectra import (
     BIN_NM,
@@ -19,8 +20,6 @@ from vrut_lite_studies.framework.spectra import (
     resampled,
 )
 from vrut_lite_studies.framework.tables import table_spectra
-
-FloatArray = NDArray[np.float64]
 
 # Where a renderer of three wavelengths samples red, green and blue.
 SAMPLES_NM = (680.0, 550.0, 440.0)

@@ -8,10 +8,8 @@ which keeps areas: the grid's square rings become circles of equal zenith angle.
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from vrut_lite.numeric_types import FloatArray, IntArray
 
 SIDE = 9
 RINGS = 5

@@ -5,12 +5,11 @@ says what it leaves out. After Bruneton 2016, section 5.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.colour import approximate_spectrum, tone_mapped
 from vrut_lite_studies.framework.spectra import COMMON_NM, WAVELENGTHS_NM, integral_between
-
-FloatArray = NDArray[np.float64]
 
 IN_COMMON = slice(0, int(np.searchsorted(WAVELENGTHS_NM, COMMON_NM[1])))
 

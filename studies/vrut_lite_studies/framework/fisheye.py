@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.directions import directions
 
-FloatArray = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 SIZE = 256

@@ -6,11 +6,10 @@ last second difference stays. After Bruneton 2016 (the "spherical bicubic interp
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.directions import RINGS, SIDE, ring_order
-
-FloatArray = NDArray[np.float64]
 
 # Three rings beyond the outermost one, 12 deg above the horizon, as sums of the last three:
 # each continues the second difference of those before it.

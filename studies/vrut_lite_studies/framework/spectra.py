@@ -6,9 +6,9 @@ integrals take it as constant in each bin.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 FIRST_NM, LAST_NM, COUNT = 360.0, 830.0, 40
 BIN_NM = (LAST_NM - FIRST_NM) / COUNT

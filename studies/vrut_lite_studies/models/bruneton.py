@@ -10,11 +10,9 @@ from functools import lru_cache
 
 import numpy as np
 from bruneton_sky import Atmosphere, Tables, TableSizes, precompute
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
-
-FloatArray = NDArray[np.float64]
 
 _PUBLISHED_ORDERS = 4
 # The altitudes of a table are solved independently, and the ground is one of them.

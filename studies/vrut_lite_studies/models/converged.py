@@ -13,13 +13,11 @@ import numpy as np
 from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.models.in_parts import in_parts
 from vrut_lite_studies.models.model import cosines
-
-FloatArray = NDArray[np.float64]
 
 # At 16 nodes light scattered once errs by 1e-9 by day and 1e-7 in twilight.
 _NODES = 16

@@ -11,13 +11,11 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM, at_wavelength, linear
 from vrut_lite_studies.models.bruneton import Bruneton
-
-FloatArray = NDArray[np.float64]
 
 _WAVELENGTHS = 15
 _SPECTRA = (

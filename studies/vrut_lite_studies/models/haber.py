@@ -12,8 +12,8 @@ from functools import lru_cache
 import numpy as np
 from bruneton_sky.phase import cornette_shanks_phase
 from bruneton_sky.tables.interpolate import interpolate
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.models.haber_cells import (
@@ -24,9 +24,6 @@ from vrut_lite_studies.models.haber_cells import (
     zenith_angles,
 )
 from vrut_lite_studies.models.haber_transfer import EVENLY, FEW, Transfer, transfer_through
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _ORDERS = 4
 

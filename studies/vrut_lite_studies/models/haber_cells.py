@@ -8,12 +8,9 @@ all rings, and the half on one side is kept.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_studies.framework.atmosphere import StudyAtmosphere
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 AZIMUTHS = 72
 HALF = AZIMUTHS // 2

@@ -12,6 +12,7 @@ import numpy as np
 from bruneton_sky.phase import cornette_shanks_factor
 from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import StudyAtmosphere
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.models.haber_cells import (
@@ -21,8 +22,6 @@ from vrut_lite_studies.models.haber_cells import (
     cell_azimuths,
     make_cells,
 )
-
-FloatArray = NDArray[np.float64]
 
 EVENLY = 1.0 / (4.0 * np.pi)
 # Eight of the 40 wavelengths.

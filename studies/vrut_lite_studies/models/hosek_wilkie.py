@@ -10,13 +10,11 @@ from functools import lru_cache
 
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.models.model import cosines
-
-FloatArray = NDArray[np.float64]
 
 # Radiance of the authors' sun, W m^-2 sr^-1 nm^-1, each 40 nm from 320 nm, and its solid angle.
 _BANDS_NM = np.arange(320.0, 721.0, 40.0)

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 _DIRECTIONS_EACH = 2048
 

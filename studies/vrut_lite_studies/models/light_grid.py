@@ -22,11 +22,9 @@ from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.tables.coordinates import texture_coordinate
 from bruneton_sky.tables.interpolate import interpolate
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import StudyAtmosphere
-
-FloatArray = NDArray[np.float64]
 
 POINTS = 33
 _HALF = POINTS // 2 + 1

@@ -3,9 +3,8 @@
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from vrut_lite.numeric_types import FloatArray
 
 
 class SkyModel(Protocol):

@@ -16,15 +16,12 @@ from functools import lru_cache, partial
 import numpy as np
 from bruneton_sky.geometry import distance_to_top
 from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.models.in_parts import in_parts
 from vrut_lite_studies.models.light_grid import LightGrid
 from vrut_lite_studies.models.nishita93 import SPHERES, Nishita93
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _DIRECTIONS = 8
 # The whole sphere of directions, by zenith angle; twice as many by azimuth.

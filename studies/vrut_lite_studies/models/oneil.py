@@ -9,12 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.models.model import cosines
-
-FloatArray = NDArray[np.float64]
 
 _SAMPLES = 4
 

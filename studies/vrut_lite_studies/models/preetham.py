@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.colour import daylight_spectrum
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.framework.tables import table_spectra
 from vrut_lite_studies.models.model import cosines
-
-FloatArray = NDArray[np.float64]
 
 # Appendix A.2: Perez' A to E for Y, x and y as slope and offset in turbidity.
 _DISTRIBUTION = np.array(

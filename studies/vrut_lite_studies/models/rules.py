@@ -13,12 +13,10 @@ from bruneton_sky.geometry import altitude_along, distance_to_top
 from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
 from bruneton_sky.rules_classical import accumulate, checked_intervals, rule_nodes
 from bruneton_sky.single_scattering import Rule, optical_depth_to_top, single_scattering
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.models.model import cosines
-
-FloatArray = NDArray[np.float64]
 
 TITLES: dict[str, str] = {
     "gauss-legendre": "Gauss-Legendre",

@@ -6,16 +6,14 @@ from typing import NamedTuple, cast
 import numpy as np
 from bruneton_sky.rules_classical import RULES
 from bruneton_sky.single_scattering import Rule
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.errors import relative_error, rmse, total_rmse
 from vrut_lite_studies.models.model import SkyModel
 from vrut_lite_studies.models.rules import Quirks, SingleScattering
 from vrut_lite_studies.report.moments import Moment
 from vrut_lite_studies.report.skies import directional_radiance
 from vrut_lite_studies.rules.against_truth import SAMPLES
-
-FloatArray = NDArray[np.float64]
 
 # Galaj and Wojciechowski 2019, table 2: mW m^-2 sr^-1 nm^-1 against all 17 scans.
 PUBLISHED_RMSE = {

@@ -3,17 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.colour import xyz
 from vrut_lite_studies.framework.directions import COUNT, directions
 from vrut_lite_studies.framework.fisheye import Pixels
 from vrut_lite_studies.framework.interpolant import interpolate
 from vrut_lite_studies.models.model import SkyModel
 from vrut_lite_studies.report.moments import Moment
-
-FloatArray = NDArray[np.float64]
 
 _AT_ONCE = 4096
 

@@ -12,12 +12,10 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.single_scattering import single_scattering
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.rules.airs import Rays, rays_to
 from vrut_lite_studies.rules.kernels import classical_radiance
-
-FloatArray = NDArray[np.float64]
 
 # Nodes per segment of our rule, or intervals (view, light) of a textbook one.
 Samples = int | tuple[int, int]

@@ -6,15 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.directions import directions
 from vrut_lite_studies.framework.errors import IN_COMMON
 from vrut_lite_studies.framework.spectra import COMMON_NM, WAVELENGTHS_NM
 from vrut_lite_studies.models.model import cosines
-
-FloatArray = NDArray[np.float64]
 
 # What a renderer computes; here run times are taken.
 RGB_NM = (680.0, 550.0, 440.0)

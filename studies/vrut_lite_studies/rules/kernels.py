@@ -14,11 +14,9 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.rules_classical import checked_intervals, rule_nodes
-from numpy.typing import NDArray
 
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.rules.airs import Rays
-
-FloatArray = NDArray[np.float64]
 
 _MIDPOINT, _TRAPEZOID, _SIMPSON, _SIMPSON_TRAPEZOID = range(4)
 _CODES = {

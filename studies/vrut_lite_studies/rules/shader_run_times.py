@@ -11,18 +11,16 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.gpu_single_scattering import MOST_GAUSS_NODES, single_scattering_cube_job
 from bruneton_sky.single_scattering import Rule
-from numpy.typing import NDArray
 from vrut_lite_bench.gpu_clock import clock_name, has_timer, least_s
 
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
-from vrut_lite.kernel.gpu_job import GpuJob
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_studies.rules.against_truth import NODES, SAMPLES, Samples, all_rules, truth
 from vrut_lite_studies.rules.airs import Rays
 from vrut_lite_studies.rules.run_times import RunTime
-
-FloatArray = NDArray[np.float64]
 
 SIZE = 16
 # After some 32,800 rounds of all its loops Mesa's software renderer ends a shader's loops: at

@@ -20,7 +20,7 @@ from vrut_lite.app.sky_comparison import (
     comparable,
 )
 from vrut_lite.app.viewport import Viewport
-from vrut_lite.geometry.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 
 _TURBIDITY = "turbidity"
 # As the curves of `sky_plots` are drawn.

@@ -21,8 +21,8 @@ from vrut_lite.app.message_rows import OpenJournal, open_journal
 from vrut_lite.app.session import Session
 from vrut_lite.app.stage import Stage
 from vrut_lite.kernel.messages import JobResult
-from vrut_lite.kernel.recording.codec import decode
-from vrut_lite.kernel.recording.registry import Registry
+from vrut_lite.recording.codec import decode
+from vrut_lite.recording.registry import Registry
 
 _FILES = "Journals (*.mcap)"
 _COUNT_MS = 500

@@ -13,7 +13,7 @@ from vrut_lite.geometry.frames import (
     enu_from_world,
     world_from_enu,
 )
-from vrut_lite.kernel.messages import Vector
+from vrut_lite.numeric_types import Vector
 
 _MARK_PX = 6.0
 

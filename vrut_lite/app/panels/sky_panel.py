@@ -14,8 +14,8 @@ from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.presets import PresetStore
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.session import Session
-from vrut_lite.kernel.messages import ChooseSlot, Fault, SetTolerance, SlotChanged
-from vrut_lite.kernel.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
+from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 
 SHOWN_SLOT = "sky"
 _NOBODY = "nobody"

@@ -8,14 +8,10 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 from vrut_lite.app.day_scout import DayScout
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.session import Session
+from vrut_lite.daylight.sky import AmbientChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.kernel.messages import (
-    AmbientChanged,
-    ClockMoved,
-    SetClock,
-    SunLightChanged,
-    SunMoved,
-)
+from vrut_lite.kernel.messages import ClockMoved, SetClock
 
 _TWILIGHTS = ((-0.8333, "day"), (-6.0, "civil twilight"), (-12.0, "nautical twilight"),
               (-18.0, "astronomical twilight"))  # fmt: skip
@@ -40,7 +36,7 @@ class SunPanel(QWidget):
         self.elevation.valueChanged.connect(lambda _: self._go_to_elevation())
         self.azimuth.valueChanged.connect(lambda _: self._go_to_azimuth())
         session.listen(SunMoved, self._show_sun)
-        session.listen(SunLightChanged, self._show_sunlight)
+        session.listen(KeyLightChanged, self._show_sunlight)
         session.listen(AmbientChanged, self._show_skylight)
 
     def _go_to_elevation(self) -> None:
@@ -84,7 +80,7 @@ class SunPanel(QWidget):
         _show(self.azimuth, degrees(sun.azimuth_rad) % 360.0)
         self.phase.setText(phase_of(elevation_deg))
 
-    def _show_sunlight(self, light: SunLightChanged) -> None:
+    def _show_sunlight(self, light: KeyLightChanged) -> None:
         lux = float(luminance(light.irradiance_rgb)) * LUMENS_PER_WATT
         self.sunlight.setText(lux_text(lux))
 

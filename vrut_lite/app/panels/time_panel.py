@@ -19,9 +19,10 @@ from vrut_lite.app.day_scout import DayScout, place_of
 from vrut_lite.app.panels.day_bar import DayBar
 from vrut_lite.app.player import Player
 from vrut_lite.app.session import Session
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import ClockMoved, SetClock, SetPlace
-from vrut_lite.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
+from vrut_lite.kernel.messages import ClockMoved, SetClock
 
 SPEEDS = {
     "1 s = 1 s": 1.0,

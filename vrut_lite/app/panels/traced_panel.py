@@ -12,7 +12,8 @@ from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
 from vrut_lite.app import theme
 from vrut_lite.app.session import Session
 from vrut_lite.app.stage import Stage
-from vrut_lite.kernel.messages import Demand, Message, SetExposure
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.kernel.messages import Demand, Message
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.white_balance import white_balance_matrix
 

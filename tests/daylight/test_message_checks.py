@@ -1,0 +1,364 @@
+"""Checks: a message that passes is what consumers rely on; whatever else it holds is a sentence."""
+
+import contextlib
+import math
+from datetime import UTC, datetime
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from probe_messages import act, collect, faults_of
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SpectrumSeen,
+    ViewShader,
+)
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
+from vrut_lite.errors import UserError
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.checks import refusal_of
+from vrut_lite.kernel.messages import (
+    KERNEL_MESSAGES,
+    ChooseSlot,
+    ClockMoved,
+    Demand,
+    Derived,
+    EnableModule,
+    Fault,
+    Input,
+    JobResult,
+    Message,
+    ReloadModule,
+    RestartModule,
+    SetClock,
+    SetClockRate,
+    SetSetting,
+    SettingChanged,
+    SlotChanged,
+    Tick,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+
+UP, NOON = (0.0, 1.0, 0.0), datetime(2026, 6, 21, 12, tzinfo=UTC)
+AIR = AirVolume(
+    light=Array(np.ones((3, 2, 4, 2, 3), np.float16)),
+    extinction=Array(np.full((2, 4, 3), 1e-5, np.float32)),
+    columns=2, radiance_scale=0.25, aerosol_phase=(0.8, 0.1, 1.0), rows_above=2, rows_below=2,
+    reach_m=1e5, observer_altitude_m=2.0, ground_radius_m=6.36e6, top_altitude_m=6e4,
+    sun_direction=UP,
+)  # fmt: skip
+CLOUDS = CloudLayer(
+    base_m=1000.0, thickness_m=800.0, extinction_per_m=0.05, coverage=0.5, threshold=0.4,
+    column_density=0.2, drift_m=(0.0, 10.0), phase=(0.8, -0.2, 0.7),
+    weather=Array(np.zeros((4, 4), np.uint16)), shape=Array(np.zeros((4, 4, 4), np.uint8)),
+    detail=Array(np.zeros((2, 2, 2), np.uint8)),
+)  # fmt: skip
+VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
+CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
+SOUND = [
+    SetSetting(module="m", name="n", value=1.0),
+    EnableModule(module="m"),
+    RestartModule(module="m"),
+    ReloadModule(module="m"),
+    ChooseSlot(slot="s", module="m"),
+    Demand(consumer="c", message="SunMoved", size=7, encoding="u8"),
+    JobResult(module="m", job="j", value=object()),
+    Fault(module="m", where="w", error="e"),
+    ClockMoved(instant=NOON),
+    SetClock(instant=NOON),
+    SetClockRate(rate=-60.0),
+    Tick(elapsed_s=0.5),
+    SetPlace(latitude_deg=50.0, longitude_deg=14.0, altitude_m=200.0, north_offset_rad=0.1),
+    LoadScene(path="a.glb"),
+    MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
+    Resize(width_px=64, height_px=32),
+    SetExposure(),
+    LookAlong(direction=UP),
+    SetTolerance(tolerance=0.1),
+    SceneLoaded(path="a.glb", lower_m=UP, upper_m=UP, triangles=3),
+    SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
+    SunMoved(
+        direction=UP, azimuth_rad=3.0, elevation_rad=1.5, apparent_elevation_rad=1.5,
+        visible_disc_fraction=1.0,
+    ),
+    BackgroundChanged(
+        cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s", view=VIEW,
+        seen_sun_irradiance_rgb=(1.0, 1.0, 1.0),
+    ),
+    KeyLightChanged(
+        direction=UP, irradiance_rgb=(1.0, 1.0, 1.0), angular_radius_rad=0.005,
+        limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
+    ),
+    SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
+    AirChanged(volume=AIR, source="s"),
+    CloudsChanged(layer=CLOUDS, source="s"),
+    AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+    GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
+]  # fmt: skip
+# What the kernel alone says.
+NEVER_POSTED = (SlotChanged, SettingChanged)
+
+
+class Odd:
+    """Raises at most questions."""
+
+    def __repr__(self):
+        raise ZeroDivisionError
+
+    def __eq__(self, other):
+        raise ZeroDivisionError
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def named(message):
+    return type(message).__name__
+
+
+class Poster(Module):
+    """Posts what it is given."""
+
+    manifest = Manifest(name="poster", title="Poster", version="1", provides=("sun", "sky"))
+    given = None
+
+    @handles(Tick)
+    def on_tick(self, message):
+        self.link.post(type(self).given)
+
+
+def kernel_that_posts(message):
+    kernel = Kernel()
+    poster = type("Given", (Poster,), {"given": message})
+    kernel.add_module(poster)
+    kernel.pump()
+    return kernel
+
+
+def test_every_type_has_a_sample():
+    """No type of message is left out of what follows."""
+    said = {*KERNEL_MESSAGES, *DAYLIGHT_MESSAGES}
+    assert said == {type(message) for message in SOUND} | set(NEVER_POSTED)
+    for kind in said - set(NEVER_POSTED):
+        assert kind.check is not Message.check, kind
+
+
+@pytest.mark.parametrize("message", SOUND, ids=named)
+def test_a_sound_message_is_heard(message):
+    """What is as it should be passes: through admission, or through a post."""
+    message.check()
+    message.check_arrays()
+    if isinstance(message, Derived):
+        kernel = kernel_that_posts(message)
+        heard, faults = collect(kernel, type(message)), faults_of(kernel)
+        act(kernel, Tick(elapsed_s=1.0))
+        assert heard == [message]
+        assert not [fault for fault in faults if fault is not message]
+
+
+NUMBERS = st.one_of(
+    st.sampled_from(
+        [math.nan, math.inf, -math.inf, 10**400, -(10**400), -1, 0, True, 1e308, -1e-9]
+    ),
+    st.sampled_from([np.float32("nan"), np.int64(-7), np.float16("inf"), np.bool_(True)]),
+    st.integers(-(2**70), 2**70),
+    st.floats(),
+)
+ARRAYS = st.builds(
+    lambda shape, kind: Array(np.zeros(shape, kind)),
+    st.lists(st.integers(0, 7), max_size=5),
+    st.sampled_from(["f2", "f4", "f8", "u1", "u2", ">f4", "c8", "U3", "?"]),
+)
+JUNK = st.recursive(
+    st.one_of(
+        NUMBERS, ARRAYS, st.none(), st.text(max_size=5), st.binary(max_size=3),
+        st.builds(Odd), st.builds(object), st.just(dict), st.just(NOON.replace(tzinfo=None)),
+        st.builds(GpuTexture, st.just("x"), st.none(), st.just(3)),
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.lists(inner, max_size=4).map(tuple),
+        st.dictionaries(st.text(max_size=2), inner, max_size=2),
+    ),
+    max_leaves=6,
+)  # fmt: skip
+
+
+def holes(message):
+    """Places of a message where something else can stand: its fields, and those it holds."""
+    for name in message.__struct_fields__:
+        yield (name,)
+        if isinstance(part := getattr(message, name), AirVolume | CloudLayer | ViewShader):
+            yield from ((name, *rest) for rest in holes(part))
+
+
+def spoilt(message, place, junk):
+    name, *rest = place
+    if rest:
+        junk = spoilt(getattr(message, name), rest, junk)
+    return msgspec.structs.replace(message, **{name: junk})
+
+
+@given(st.sampled_from(SOUND), st.data())
+@settings(deadline=None, max_examples=400)
+def test_whatever_a_field_holds_a_check_passes_or_says_one_sentence(message, data):
+    """Also a value of a wrong type, of no finite size, or one that raises when it is shown."""
+    place = data.draw(st.sampled_from(list(holes(message))))
+    odd = spoilt(message, place, data.draw(JUNK))
+    try:
+        odd.check()
+    except UserError as error:
+        sentence = str(error)
+        assert len(sentence) < 500
+        assert "\n" not in sentence
+        assert sentence.encode()
+        return
+    # Of what passes only the numbers in arrays may still be refused.
+    with contextlib.suppress(UserError):
+        odd.check_arrays()
+
+
+@given(st.sampled_from([m for m in SOUND if isinstance(m, Derived)]), st.data())
+@settings(deadline=None, max_examples=120)
+def test_a_malformed_post_is_the_poster_s_fault_and_reaches_nobody(message, data):
+    """Consumers hear what passes the check and nothing else, and who posted it is told."""
+    place = data.draw(st.sampled_from(list(holes(message))))
+    odd = spoilt(message, place, data.draw(JUNK))
+    sound = refusal_of(odd) is None
+    kernel = kernel_that_posts(odd)
+    heard, faults = collect(kernel, type(odd)), collect(kernel, Fault)
+    act(kernel, Tick(elapsed_s=1.0))
+    assert any(one is odd for one in heard) == sound
+    told = [fault for fault in faults if fault is not odd]
+    assert [(fault.module, fault.where) for fault in told] == [("poster", "on_tick")] * (not sound)
+    assert not any(fault.for_user for fault in told)
+
+
+@given(st.sampled_from([m for m in SOUND if isinstance(m, Input)]), st.data())
+@settings(deadline=None, max_examples=150)
+def test_a_malformed_input_is_refused_and_never_heard(message, data):
+    """The API takes any value: what is none of a type's is one sentence for its user."""
+    place = data.draw(st.sampled_from(list(holes(message))))
+    odd = spoilt(message, place, data.draw(JUNK))
+    heard = []
+
+    class Listener(Module):
+        manifest = Manifest(name="listener", title="Listener", version="1")
+
+        @handles(type(odd))
+        def on_any(self, message):
+            heard.append(message)
+
+    kernel = Kernel()
+    kernel.add_module(Listener)
+    faults = faults_of(kernel)
+    kernel.inject(odd)
+    kernel.pump_until_idle()
+    refusal = refusal_of(odd)
+    if refusal is not None:
+        assert not heard
+        assert [fault.error for fault in faults] == [refusal]
+        assert faults[0].for_user
+
+
+@pytest.mark.parametrize(
+    ("message", "changes", "says"),
+    [
+        (SetPlace, {"latitude_deg": True}, "latitude_deg of a place must lie from -90 to 90, not"),
+        (SetPlace, {"latitude_deg": "50"}, "from -90 to 90, not '50'"),
+        (SetClockRate, {"rate": np.float16("inf")}, "rate must be a finite number, not inf"),
+        (KeyLightChanged, {"irradiance_rgb": (np.float16("inf"),) * 3}, "three finite numbers"),
+        (SetPlace, {"altitude_m": 10**5000}, "not a int"),
+        (MoveCamera, {"eye_m": (1.0, 2.0)}, "eye_m of a camera must be three finite numbers"),
+        (MoveCamera, {"eye_m": np.zeros(3)}, "eye_m of a camera must be three finite numbers"),
+        (Resize, {"width_px": 10**9}, "width_px of Resize must be a whole number from 1 to 16384"),
+        (Resize, {"width_px": 64.0}, "whole number from 1 to 16384, not 64.0"),
+        (Demand, {"size": 5000}, "size of Demand must be a whole number from 0 to 4096, not 5000"),
+        (SetExposure, {"ev100": 1e6}, "ev100 of SetExposure must lie from -100 to 100"),
+        (SetExposure, {"tone_map": "x"}, "must be one of agx, exponential, none, not 'x'"),
+        (SunMoved, {"direction": (0.0, 3.0, 0.0)}, "direction of SunMoved must be a unit vector"),
+        (KeyLightChanged, {"limb_darkening_rgb": ((1.0,) * 7,) * 3}, "3 polynomials of 1 to 6"),
+        (KeyLightChanged, {"limb_darkening_rgb": ((),) * 3}, "3 polynomials of 1 to 6"),
+        (KeyLightChanged, {"irradiance_rgb": (-1.0, 0.0, 0.0)}, "three numbers from 0 to 1e+10"),
+        (KeyLightChanged, {"angular_radius_rad": 0.0}, "must lie from 1e-06 to 1.5708, not 0.0"),
+        (BackgroundChanged, {"cube": Array(np.ones((6, 4, 5, 3), "f2"))}, "cube of BackgroundCh"),
+        (BackgroundChanged, {"radiance_scale": 0.0}, "radiance_scale of BackgroundChanged must"),
+        (SpectrumSeen, {"radiance": (1.0,)}, "radiance of SpectrumSeen must be two finite numbers"),
+        (GpuJob, {"size": 2**20}, "size of GpuJob must be a whole number from 1 to 16384"),
+        (GpuJob, {"buffers": ((1, Array(np.zeros(3))),)}, "a binding and an array of float32"),
+    ],
+)  # fmt: skip
+def test_a_sentence_names_field_and_value(message, changes, says):
+    """What is wrong, where, and what it may be."""
+    sample = next(one for one in SOUND if type(one) is message)
+    with pytest.raises(UserError) as told:
+        msgspec.structs.replace(sample, **changes).check()
+    assert says in str(told.value)
+
+
+def test_numbers_of_numpy_are_numbers():
+    """What passes the check the kernel's own clock can reckon with too."""
+    kernel = Kernel()
+    faults = faults_of(kernel)
+    act(kernel, SetClock(instant=NOON), SetClockRate(rate=np.float32(60.0)))
+    act(kernel, Tick(elapsed_s=np.float16(0.5)), Tick(elapsed_s=np.int8(2)), Tick(elapsed_s=1))
+    assert not faults
+    assert (kernel.last(ClockMoved).instant - NOON).total_seconds() == 60.0 * 3.5
+
+
+@pytest.mark.parametrize(
+    ("slices", "fits"), [(2, True), (682, True), (683, False), (2000, False), (1, False)]
+)
+def test_air_fits_a_3d_texture(slices, fits):
+    """Its three kinds of light lie behind each other in one: 2048 layers at most."""
+    volume = msgspec.structs.replace(
+        AIR,
+        light=Array(np.ones((3, slices, 4, 2, 3), np.float16)),
+        extinction=Array(np.ones((slices, 4, 3), np.float32)),
+    )
+    message = AirChanged(volume=volume, source="s")
+    if fits:
+        message.check()
+        return
+    with pytest.raises(UserError, match="extinction of AirVolume must"):
+        message.check()
+
+
+@pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf, 6e4])
+@pytest.mark.parametrize("name", ["cube", "light", "extinction", "irradiance_sh_rgb"])
+def test_what_arrays_hold_is_seen_when_asked(name, odd):
+    """One value among many that nobody can draw with is found; a cube of them is black."""
+    sample = {
+        "cube": SOUND[[named(m) for m in SOUND].index("BackgroundChanged")],
+        "light": AirChanged(volume=AIR, source="s"),
+        "extinction": AirChanged(volume=AIR, source="s"),
+        "irradiance_sh_rgb": AmbientChanged(
+            irradiance_sh_rgb=Array(np.ones((25, 3), np.float64)), source="s"
+        ),
+    }[name]
+    place = ("volume", name) if isinstance(sample, AirChanged) else (name,)
+    carrier = sample.volume if len(place) == 2 else sample
+    values = getattr(carrier, name).values.copy()
+    values.ravel()[values.size // 2] = odd * (1e30 if name == "irradiance_sh_rgb" else 1.0)
+    changed = spoilt(sample, place, Array(values))
+    if odd == 6e4 and name in ("cube", "light"):
+        # Bright, and no brighter with this scale than light can be.
+        changed.check_arrays()
+        changed = spoilt(changed, (*place[:-1], "radiance_scale"), 1e9)
+    changed.check()
+    with pytest.raises(UserError, match=f"{name} of .* must hold numbers from"):
+        changed.check_arrays()

@@ -1,0 +1,112 @@
+"""The tolerance as an input: admitted, refused, remembered; fronts, and what is chosen of them."""
+
+import math
+from typing import ClassVar
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from probe_messages import act, faults_of
+
+from vrut_lite.daylight.tolerance import (
+    DEFAULT_TOLERANCE,
+    Measured,
+    Point,
+    SetTolerance,
+    budget,
+    cheapest,
+    read_fronts,
+    tolerance_of,
+)
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.module import Manifest, Module, NoSettings, handles
+
+FRONT = [Point(8, 0.1, 64.0, 1.0), Point(16, 0.03, 256.0, 2.0), Point(32, 0.01, 1024.0, 3.0)]
+
+
+class Listener(Module):
+    """Writes down each tolerance that it hears, and what its link says at that moment."""
+
+    manifest = Manifest(name="listener", title="Listener", version="1")
+    settings_type = NoSettings
+    heard: ClassVar[list[tuple[float, float]]] = []
+
+    @handles(SetTolerance)
+    def changed(self, message: SetTolerance) -> None:
+        self.heard.append((message.tolerance, tolerance_of(self.link)))
+
+
+@pytest.fixture
+def kernel():
+    Listener.heard.clear()
+    kernel = Kernel()
+    kernel.add_module(Listener)
+    return kernel
+
+
+def test_a_tolerance_reaches_modules_and_is_remembered(kernel):
+    """A module that starts later asks its link: what was said last holds, the default at first."""
+    assert tolerance_of(kernel.seats["listener"].link) == DEFAULT_TOLERANCE
+    act(kernel, SetTolerance(tolerance=0.01), SetTolerance(tolerance=1.0))
+    assert Listener.heard == [(0.01, 0.01), (1.0, 1.0)]
+    assert tolerance_of(kernel.seats["listener"].link) == 1.0
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -0.01, 1.0001, math.nan, math.inf])
+def test_what_is_no_tolerance_is_refused_in_one_sentence(kernel, tolerance):
+    """No module may meet a share that no picture keeps: it never was, and a person is told."""
+    faults = faults_of(kernel)
+    act(kernel, SetTolerance(tolerance=0.02), SetTolerance(tolerance=tolerance))
+    (fault,) = faults
+    assert fault.for_user
+    assert fault.error == (f"the tolerance must be above 0 and 1 (100 %) at most, not {tolerance}")
+    assert Listener.heard == [(0.02, 0.02)]
+    assert kernel.last(SetTolerance) == SetTolerance(tolerance=0.02)
+
+
+def test_of_waiting_tolerances_the_latest_counts(kernel):
+    """A dragged slider leaves many behind: each would solve an atmosphere."""
+    for tolerance in (0.1, 0.05, 0.02):
+        kernel.inject(SetTolerance(tolerance=tolerance))
+    kernel.pump()
+    assert Listener.heard == [(0.02, 0.02)]
+
+
+def test_the_cheapest_that_is_allowed_is_taken():
+    """Least work within the error, whatever the order of the list; else the most exact."""
+    assert [cheapest(FRONT[::-1], allowed) for allowed in (1.0, 0.05, 0.03, 0.02)] == [
+        8,
+        16,
+        16,
+        32,
+    ]
+    assert cheapest(FRONT, 1e-6) == 32
+
+
+def test_more_work_for_no_less_error_is_never_taken():
+    """A point behind the front, as noise makes them, is passed over."""
+    behind = Point(24, 0.03, 600.0, 2.5)
+    assert cheapest([*FRONT, behind], 0.03) == 16
+
+
+@given(st.floats(1e-6, 1.0), st.floats(1e-6, 1.0), st.floats(1e-4, 0.1), st.floats(0.01, 1.0))
+@settings(deadline=None, max_examples=200)
+def test_a_looser_tolerance_never_has_a_smaller_budget(one, other, usual, share):
+    """Or a looser tolerance would ask for more work; and a tight one is not overspent."""
+    tight, loose = sorted((one, other))
+    assert budget(tight, usual, share) <= budget(loose, usual, share) * (1.0 + 1e-12)
+    if tight < DEFAULT_TOLERANCE:
+        assert budget(tight, usual, share) <= share * tight
+    assert budget(DEFAULT_TOLERANCE, usual, share) == usual
+
+
+def test_fronts_are_read_as_they_were_written(tmp_path):
+    """Sizes stay whole numbers and names texts: a module computes with them."""
+    file = tmp_path / "fronts.json"
+    file.write_text(
+        '{"module": "m", "pictures": 3, "seed": 1, "fronts": {"size": [{"choice": 8, "error": 0.1,'
+        ' "work": 64, "cpu_ms": 1}], "rung": [{"choice": "fine", "error": 0, "work": 1, "cpu_ms":'
+        " 2}]}}"
+    )
+    sizes, rungs = [Point(8, 0.1, 64.0, 1.0)], [Point("fine", 0.0, 1.0, 2.0)]
+    assert read_fronts(file) == Measured("m", 3, 1, {"size": sizes, "rung": rungs})

@@ -1,0 +1,59 @@
+"""A message that holds a structure with arrays: recorded, told apart by digest, and read back."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.errors import UserError
+from vrut_lite.recording.codec import arrays_of, decode, digest_of, to_plain
+
+
+def air(first=1.0):
+    """A small volume of air."""
+    values = np.full((3, 3, 4, 2, 3), 0.5, np.float16)
+    values[0, 0, 0, 0, 0] = first
+    volume = AirVolume(
+        light=Array(values),
+        columns=2,
+        extinction=Array(np.full((3, 4, 3), 1e-5, np.float32)),
+        radiance_scale=0.25,
+        aerosol_phase=(0.8, 0.1, 1.0),
+        rows_above=2,
+        rows_below=2,
+        reach_m=1e5,
+        observer_altitude_m=0.0,
+        ground_radius_m=6_360_000.0,
+        top_altitude_m=60_000.0,
+        sun_direction=(0.0, 1.0, 0.0),
+    )
+    return AirChanged(volume=volume, source="sample")
+
+
+@pytest.mark.parametrize("message", [air(), AirChanged(volume=None, source="sample")])
+def test_air_comes_back_as_it_went(message):
+    """Through JSON and back the message must be equal, with both arrays by their digests:
+    whole numbers in fields of floats would make it another."""
+    arrays = {array.digest: array for array in arrays_of(message)}
+    assert len(arrays) == (2 if message.volume else 0)
+    plain = msgspec.json.decode(msgspec.json.encode(to_plain(message)))
+    back = decode(AirChanged, plain, lambda handle: arrays[handle["$array"]])
+    assert back == message
+    assert digest_of("AirChanged", plain) == digest_of("AirChanged", to_plain(back))
+
+
+def test_arrays_inside_count():
+    """One other value in an array of the structure must make another digest."""
+    one, other = (digest_of("AirChanged", to_plain(air(first))) for first in (1.0, 1.5))
+    assert one != other
+
+
+def test_unknown_fields_inside_are_refused():
+    """A field that the structure lacks is no less unknown than one of the message."""
+    message = air()
+    arrays = {array.digest: array for array in arrays_of(message)}
+    plain = to_plain(message)
+    plain["volume"]["weight"] = 1.0
+    with pytest.raises(UserError, match="weight"):
+        decode(AirChanged, plain, lambda handle: arrays[handle["$array"]])

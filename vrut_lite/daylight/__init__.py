@@ -1,0 +1,1 @@
+"""Daylight: its messages, places and times, the tolerance; what every sky and scene shares."""

@@ -1,0 +1,110 @@
+"""The air between the eye and the scene."""
+
+from typing import ClassVar
+
+import msgspec
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.limits import LARGEST_VOLUME, MOST_LIGHT, check_scale
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel import checks
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.numeric_types import Vector
+
+_LARGEST_M = 1e10
+_MOST_EXTINCTION_PER_M = 1e3
+
+
+class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The air between one eye and whatever stands in any direction, at any distance up to a reach.
+
+    Values are kept at nodes (slices, rows, columns) by distance, height and azimuth from the
+    sun; `vrut_lite.geometry.air_volume` says where the nodes lie and how values become light.
+    Radiance is linear sRGB, to be multiplied by `radiance_scale` (a power of two), and is a mean
+    along the ray: what the air adds before a point is mean * (1 - transmittance).
+
+    Attributes:
+        light: (3, slices, rows, columns, 3) of three kinds. Light scattered twice or more,
+            W m^-2 sr^-1: what the air sends also where no sun falls on it. Sunlight scattered
+            once by molecules, and once by aerosol, each to be multiplied by its phase function
+            (sr^-1): W m^-2. An array of float16, or a texture, the slices of one kind after those
+            of the other.
+        extinction: (slices, rows, 3) float32, m^-1, mean along the ray: transmittance is
+            exp(-extinction * distance).
+        aerosol_phase: g, factor and form: factor (1 + form nu^2) / (1 + g^2 - 2 g nu)^1.5.
+        rows_above, rows_below: of the rows, how many lie above and below the horizon.
+        reach_m: how much of a ray's air the slices span at most, from where it enters the air.
+    """
+
+    light: Array | GpuTexture
+    extinction: Array
+    columns: int
+    radiance_scale: float
+    aerosol_phase: tuple[float, float, float]
+    rows_above: int
+    rows_below: int
+    reach_m: float
+    observer_altitude_m: float
+    ground_radius_m: float
+    top_altitude_m: float
+    sun_direction: Vector
+
+    def check(self) -> None:
+        """Tables that go with each other, and have something to blend between.
+
+        Raises:
+            UserError: they do not.
+        """
+        for name in ("rows_above", "rows_below", "columns"):
+            checks.whole(self, name, 2, LARGEST_VOLUME // 2)
+        checks.instance(self, "extinction", Array)
+        rows = self.rows_above + self.rows_below
+        # The slices of the three kinds of light lie in one texture.
+        most = -(LARGEST_VOLUME // 3)
+        checks.array(self, "extinction", (most, rows, 3), ("<f4",))
+        slices = self.extinction.shape[0]
+        if slices < 2:
+            checks.refuse(self, "extinction", "have two slices or more")
+        if not isinstance(self.light, GpuTexture):
+            checks.array(self, "light", (3, slices, rows, self.columns, 3), ("<f2",))
+        check_scale(self)
+        checks.numbers(self, "aerosol_phase", 3)
+        if not abs(self.aerosol_phase[0]) < 1.0:
+            checks.refuse(self, "aerosol_phase", "begin with a g between -1 and 1")
+        checks.number(self, "reach_m", 1e-3, _LARGEST_M)
+        checks.number(self, "observer_altitude_m", 0.0, _LARGEST_M)
+        checks.number(self, "ground_radius_m", 1.0, _LARGEST_M)
+        checks.number(self, "top_altitude_m", 1.0, _LARGEST_M)
+        checks.direction(self, "sun_direction")
+
+    def check_arrays(self) -> None:
+        """Light that is finite, and air that takes light and gives none.
+
+        Raises:
+            UserError: there is none such.
+        """
+        if isinstance(self.light, Array):
+            most = MOST_LIGHT / self.radiance_scale
+            checks.contents(self, "light", -most, most)
+        checks.contents(self, "extinction", 0.0, _MOST_EXTINCTION_PER_M)
+
+
+class AirChanged(Derived, frozen=True, kw_only=True):
+    """The air in front of the scene; no volume where it would not be seen."""
+
+    slot: ClassVar[str | None] = "sky"
+
+    volume: AirVolume | None
+    source: str
+
+    def check(self) -> None:
+        """What the volume says of itself."""
+        checks.text(self, "source")
+        if self.volume is not None:
+            checks.instance(self, "volume", AirVolume)
+            self.volume.check()
+
+    def check_arrays(self) -> None:
+        """What the volume's tables hold."""
+        if self.volume is not None:
+            self.volume.check_arrays()

@@ -1,0 +1,71 @@
+"""A kernel with the installed modules, and light demanded of it: all that needs no GL."""
+
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.discovery import discover
+from vrut_lite.errors import ModuleFailed, UserError
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault, Input, Message
+
+# Who holds which slot unless someone chooses; a missing one falls back to load order.
+DEFAULT_HOLDERS = {"sun": "dynamic_skylight", "sky": "dynamic_skylight"}
+LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
+
+
+def daylight_kernel() -> tuple[Kernel, list[str]]:
+    """A kernel with every installed module, and a sentence for each that failed to load."""
+    kernel = Kernel()
+    modules, failures = discover()
+    for module in modules:
+        services = {"inject": kernel.inject} if module.brings else {}
+        try:
+            kernel.add_module(module, **services)
+        except UserError as error:
+            failures.append(f"module {module.__name__} failed to load: {error}")
+    for slot, holder in DEFAULT_HOLDERS.items():
+        if holder in kernel.slots.providers(slot):
+            kernel.inject(ChooseSlot(slot=slot, module=holder))
+    kernel.pump()
+    return kernel, failures
+
+
+def demand_light(kernel: Kernel, consumer: str, cube_size: int) -> None:
+    """Ask for background, sun light and ambient, with a cube map of this size."""
+    for message_type in LIGHT:
+        kernel.inject(Demand(consumer=consumer, message=message_type.__name__, size=cube_size))
+
+
+class FaultCollector:
+    """Remembers the faults of a kernel, for those who must answer for them.
+
+    Nobody here answers for what a stranger said, or for what followed from it: that is told as
+    every Fault is, and not remembered.
+    """
+
+    def __init__(self, kernel: Kernel):
+        self.faults: list[Fault] = []
+        self._by_stranger = False
+        kernel.watch_admission(self._admitted)
+        kernel.tap(self._note)
+
+    def _admitted(self, message: Input) -> None:
+        self._by_stranger = message.by_stranger
+
+    def _note(self, message: Message, sender: str) -> None:
+        if isinstance(message, Fault) and not self._by_stranger:
+            self.faults.append(message)
+
+    def raise_first(self) -> None:
+        """Raise the first fault and forget the others, which are often its consequences.
+
+        Raises:
+            UserError: its maker meant the user.
+            ModuleFailed: a module raised something else.
+        """
+        if not self.faults:
+            return
+        fault = self.faults[0]
+        self.faults.clear()
+        if fault.for_user:
+            raise UserError(fault.error)
+        raise ModuleFailed(f"module {fault.module} failed in {fault.where}: {fault.error}")

@@ -1,0 +1,50 @@
+"""The size of the picture, and how radiance becomes colours in it."""
+
+from typing import Literal, get_args
+
+from vrut_lite.kernel import checks
+from vrut_lite.kernel.messages import Input
+
+ToneMap = Literal["agx", "exponential", "none"]
+LARGEST_PICTURE_PX = 16384
+# Stops of exposure whose powers of two stay finite in 32 bits.
+_MOST_STOPS = 100.0
+# Colour temperatures that the eye accepts as white, and how far from the daylight locus.
+LOWEST_K, HIGHEST_K, MOST_DUV = 1700.0, 25_000.0, 0.05
+
+
+class Resize(Input, frozen=True, kw_only=True):
+    """The picture's size in pixels."""
+
+    width_px: int
+    height_px: int
+
+    def check(self) -> None:
+        """A picture that can be drawn."""
+        checks.whole(self, "width_px", 1, LARGEST_PICTURE_PX)
+        checks.whole(self, "height_px", 1, LARGEST_PICTURE_PX)
+
+
+class SetExposure(Input, frozen=True, kw_only=True):
+    """How radiance becomes a picture: exposure, white balance, tone map.
+
+    Automatic exposure, or a fixed EV100; the compensation brightens by so many stops. Light of
+    `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown
+    white; 6504 K leaves colours as they are.
+    """
+
+    mode: Literal["auto", "manual"] = "auto"
+    ev100: float = 15.0
+    compensation_ev: float = 0.0
+    tone_map: ToneMap = "agx"
+    white_temperature_k: float = 6504.0
+    white_duv: float = 0.0
+
+    def check(self) -> None:
+        """Stops of which powers of two stay finite, and white that is near daylight."""
+        checks.choice(self, "mode", ("auto", "manual"))
+        checks.number(self, "ev100", -_MOST_STOPS, _MOST_STOPS)
+        checks.number(self, "compensation_ev", -_MOST_STOPS, _MOST_STOPS)
+        checks.choice(self, "tone_map", get_args(ToneMap))
+        checks.number(self, "white_temperature_k", LOWEST_K, HIGHEST_K)
+        checks.number(self, "white_duv", -MOST_DUV, MOST_DUV)

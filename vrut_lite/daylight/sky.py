@@ -1,0 +1,138 @@
+"""The sky behind the scene, its light on surfaces, and its spectrum."""
+
+from typing import ClassVar, Literal
+
+import msgspec
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel import checks
+from vrut_lite.kernel.messages import Derived, Input
+from vrut_lite.numeric_types import Number, Vector
+
+_MOST_WAVELENGTHS = 4096
+
+
+class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is seen behind the scene, pixel by pixel, for who can run a shader.
+
+    `source` is GLSL 4.30 of a fragment shader, without a `#version` line, that defines
+
+        vec3 background_radiance(vec3 direction)   // sky and planet, W m^-2 sr^-1
+        vec3 background_sunlight(vec3 direction)   // irradiance by a sun that is seen there, W m^-2
+
+    of a unit vector in world axes, in linear sRGB: the second through whatever air lies there,
+    on a plane that faces it, and zero where a planet hides it. Functions are called for every
+    pixel alike, so that derivatives may be taken. All names that it declares begin with
+    `background_`. It reads `uniforms` by name, and `buffers`, pairs of a binding and what a
+    std430 storage buffer there holds: an `Array` of float32.
+    """
+
+    source: str
+    uniforms: dict[str, Number | tuple[Number, ...]]
+    buffers: tuple[tuple[int, Array], ...] = ()
+
+    def check(self) -> None:
+        """A source, and what it reads; whether it compiles, OpenGL says."""
+        checks.text(self, "source")
+        checks.shader_inputs(self)
+
+
+class BackgroundChanged(Derived, frozen=True, kw_only=True):
+    """A new sky without its disc, as a cube map in world axes.
+
+    cube (6, size, size, 3) float16, or a cube texture that stays on the GPU; linear sRGB
+    radiance in W m^-2 sr^-1 is cube times `radiance_scale`, a power of two. The lower half
+    holds `ground_radiance_rgb` (W m^-2 sr^-1): bare, so that who draws the air draws it before
+    that ground too, or, `ground_through_air`, as it is seen through the air. Where a cube map
+    would blur what is seen there is a `view` too, which shows the same, and the sun's disc as it
+    is seen from there; the cube goes on lighting and being mirrored. `seen_sun_irradiance_rgb`
+    (W m^-2) is what the eye's own place receives of the sun that is seen there, where that
+    differs from the scene's.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    cube: Array | GpuTexture
+    radiance_scale: float
+    ground_radiance_rgb: Vector
+    source: str
+    ground_through_air: bool = False
+    view: ViewShader | None = None
+    seen_sun_irradiance_rgb: Vector | None = None
+    color_space: Literal["linear-srgb"] = "linear-srgb"
+    frame: Literal["world"] = "world"
+
+    def check(self) -> None:
+        """A cube that a GPU can hold, with light in it."""
+        if not isinstance(self.cube, GpuTexture):
+            edge = -LARGEST_EDGE
+            checks.array(self, "cube", (6, edge, edge, 3), ("|u1", "<f2", "<f4"))
+        check_scale(self)
+        checks.light(self, "ground_radiance_rgb", MOST_LIGHT)
+        checks.text(self, "source")
+        checks.flag(self, "ground_through_air")
+        if self.view is not None:
+            checks.instance(self, "view", ViewShader)
+            self.view.check()
+        if self.seen_sun_irradiance_rgb is not None:
+            checks.light(self, "seen_sun_irradiance_rgb", MOST_LIGHT)
+        checks.choice(self, "color_space", ("linear-srgb",))
+        checks.choice(self, "frame", ("world",))
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        if isinstance(self.cube, Array):
+            most = MOST_LIGHT / self.radiance_scale
+            checks.contents(self, "cube", -most, most)
+
+
+class AmbientChanged(Derived, frozen=True, kw_only=True):
+    """Irradiance of sky and ground, without the sun: harmonics (25, 3) float32, W m^-2."""
+
+    slot: ClassVar[str | None] = "sky"
+
+    irradiance_sh_rgb: Array
+    source: str
+
+    def check(self) -> None:
+        """The harmonics of order 4 and below."""
+        checks.array(self, "irradiance_sh_rgb", (25, 3), ("<f4", "<f8"))
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Irradiance, which is finite."""
+        checks.contents(self, "irradiance_sh_rgb", -MOST_LIGHT, MOST_LIGHT)
+
+
+class LookAlong(Input, frozen=True, kw_only=True):
+    """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
+
+    direction: Vector
+
+    def check(self) -> None:
+        """A unit vector."""
+        checks.direction(self, "direction")
+
+
+class SpectrumSeen(Derived, frozen=True, kw_only=True):
+    """The sky's spectral radiance (W m^-2 sr^-1 nm^-1) in a direction, without the sun's disc.
+
+    Both lists are empty where the holder of the sky knows colours alone, as at twilight some do.
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    direction: Vector
+    wavelength_nm: tuple[float, ...]
+    radiance: tuple[float, ...]
+    source: str
+
+    def check(self) -> None:
+        """As many values as wavelengths."""
+        checks.direction(self, "direction")
+        checks.instance(self, "wavelength_nm", tuple)
+        checks.numbers(self, "wavelength_nm", min(len(self.wavelength_nm), _MOST_WAVELENGTHS))
+        checks.numbers(self, "radiance", len(self.wavelength_nm))
+        checks.text(self, "source")

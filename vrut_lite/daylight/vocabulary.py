@@ -1,0 +1,36 @@
+"""Every type of message of daylight, for those who read messages by name."""
+
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.kernel.messages import Derived, Input, Message
+
+INPUTS: tuple[type[Input], ...] = (
+    SetPlace,
+    LoadScene,
+    MoveCamera,
+    Resize,
+    SetExposure,
+    LookAlong,
+    SetTolerance,
+)
+DERIVED: tuple[type[Derived], ...] = (
+    SceneLoaded,
+    SceneNeeds,
+    SunMoved,
+    BackgroundChanged,
+    KeyLightChanged,
+    SpectrumSeen,
+    AirChanged,
+    CloudsChanged,
+    AmbientChanged,
+    GpuJob,
+)
+DAYLIGHT_MESSAGES: tuple[type[Message], ...] = INPUTS + DERIVED

@@ -1,0 +1,18 @@
+"""Messages of earlier versions in today's words, so that their journals still replay."""
+
+from typing import Any
+
+Plain = dict[str, Any]
+
+_RENAMED = {"SunLightChanged": "KeyLightChanged"}
+# Fields that earlier messages lack, by today's type names, and what they meant without them.
+_ADDED: dict[str, Plain] = {"KeyLightChanged": {"body": "sun"}}
+
+
+def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
+    """Type name and plain message as today's version would have recorded them."""
+    name = _RENAMED.get(type_name, type_name)
+    added = {field: value for field, value in _ADDED.get(name, {}).items() if field not in message}
+    if name == "Demand" and message.get("message") in _RENAMED:
+        added["message"] = _RENAMED[message["message"]]
+    return (name, {**message, **added}) if added else (name, message)

@@ -1,0 +1,16 @@
+"""The GPU of a replay: jobs are heard and left alone, their results are in the journal."""
+
+from vrut_lite import __version__
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.kernel.module import Manifest, Module, handles
+
+
+class GpuStandIn(Module):
+    """In the place of the host's `gl_jobs`, where no GPU is."""
+
+    manifest = Manifest(name="gl_jobs", title="GPU jobs", version=__version__)
+
+    @handles(GpuJob)
+    def on_job(self, job: GpuJob) -> None:
+        """Count what the recording's GPU has done."""
+        self.ledger.skip("gpu job: its result is in the journal")

@@ -1,0 +1,54 @@
+"""Which GPU recipe of here stands for which of the journal's.
+
+A recipe is a digest of all that decides a texture's texels, uniforms among them, of which another
+processor may change the last digit. Jobs that are equal by value have equal textures: what the
+recorded GPU brought is the answer to the job of here.
+"""
+
+from typing import Any
+
+import msgspec
+
+from vrut_lite.gpu_job import GpuJob, recipe_of
+from vrut_lite.recording.entry import Entry
+
+
+class Recipes:
+    """The recipes of the journal's jobs, and those of their equals here."""
+
+    def __init__(self) -> None:
+        self._here: dict[str, str] = {}
+
+    def note(self, there: Entry, here: Entry) -> None:
+        """Two entries are equal: if they are jobs, so are their textures."""
+        if there.type_name == GpuJob.__name__ and there.digest != here.digest:
+            recipes = recipe_of_plain(there.message), recipe_of_plain(here.message)
+            if None not in recipes:
+                self._here[str(recipes[0])] = str(recipes[1])
+
+    def translated(self, entry: Entry) -> Entry:
+        """An entry of the journal, with the recipes of here."""
+        if not self._here:
+            return entry
+        return msgspec.structs.replace(entry, message=self._translated(entry.message))
+
+    def _translated(self, plain: Any) -> Any:
+        if isinstance(plain, list):
+            return [self._translated(item) for item in plain]
+        if not isinstance(plain, dict):
+            return plain
+        fields = {name: self._translated(item) for name, item in plain.items()}
+        recipe = fields.get("recipe")
+        if isinstance(recipe, str):
+            fields["recipe"] = self._here.get(recipe, recipe)
+        return fields
+
+
+def recipe_of_plain(job: dict[str, Any]) -> str | None:
+    """The recipe of a plain `GpuJob`; None of one of other fields."""
+    try:
+        buffers = [(binding, handle["$array"]) for binding, handle in job["buffers"]]
+        names = ("compute_shader", "uniforms", "output", "size", "format", "groups")
+        return recipe_of(*(job[name] for name in names), buffers)
+    except (KeyError, TypeError, ValueError):
+        return None
