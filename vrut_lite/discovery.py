@@ -11,9 +11,9 @@ from pathlib import Path
 from types import ModuleType
 
 from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import interrupts_held, pass_interrupt
 from vrut_lite.kernel.contract import check_module_type
-from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.module import Module
 
 GROUP = "vrut_lite.modules"

@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 import msgspec
 
+from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.limits import LARGEST_EDGE
 from vrut_lite.gpu_texture import GpuTexture
-from vrut_lite.kernel import checks
 from vrut_lite.kernel.messages import Derived
 
 __all__ = ["GpuJob", "GpuTexture"]

@@ -15,7 +15,7 @@ import msgspec
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.faults import sentence_of
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Demand, Derived, Input
 from vrut_lite.recording.codec import Handle, arrays_of
 from zenoh_bridge.array_store import ArrayStore, check_handle, unpacked

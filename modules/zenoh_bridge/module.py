@@ -65,8 +65,8 @@ class ZenohBridge(Module):
     )
     settings_type = ZenohBridgeSettings
     settings: ZenohBridgeSettings
-    # The inputs that it brings from outside.
-    brings: ClassVar[tuple[type[Input], ...]] = (RemoteMessage, BridgeState, BridgeTrouble, Demand)
+    # The inputs that it injects from outside.
+    injects: ClassVar[tuple[type[Input], ...]] = (RemoteMessage, BridgeState, BridgeTrouble, Demand)
 
     def __init__(
         self,

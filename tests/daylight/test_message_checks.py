@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from probe_messages import act, collect, faults_of
 
 from vrut_lite.array import Array
+from vrut_lite.checks import refusal_of
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
@@ -32,7 +33,6 @@ from vrut_lite.errors import UserError
 from vrut_lite.gpu_job import GpuJob
 from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.checks import refusal_of
 from vrut_lite.kernel.messages import (
     KERNEL_MESSAGES,
     ChooseSlot,

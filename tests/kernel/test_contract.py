@@ -67,8 +67,8 @@ CLASSES = {
     ),
     "engine is a number": ("engine = 5", "engine must be the name of what it draws with"),
     "engine is a list": ("engine = []", "engine must be the name of what it draws with"),
-    "brings a text": ("brings = 'Tick'", "brings must be a tuple of types of inputs"),
-    "brings a message": ("brings = (Manifest,)", "brings must be a tuple of types of inputs"),
+    "injects a text": ("injects = 'Tick'", "injects must be a tuple of types of inputs"),
+    "injects a message": ("injects = (Manifest,)", "injects must be a tuple of types of inputs"),
 }  # fmt: skip
 
 # What a settings class's body is, and a part of the sentence that tells it.

@@ -11,9 +11,8 @@ from probe_messages import Heard, Poke, act, collect, faults_of
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, interrupted_during
-from vrut_lite.kernel import link
+from vrut_lite.kernel import seat
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
-from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import (
     EnableModule,
     Fault,
@@ -25,6 +24,7 @@ from vrut_lite.kernel.messages import (
     Tick,
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.recording.held_runner import HeldRunner
 
 
 class Panic(BaseException):
@@ -397,8 +397,8 @@ def test_a_storm_in_a_constructor_ends_suspended_and_stays_so(speech, way):
 
 def test_a_job_that_starts_the_next_for_ever_is_cut_by_count(monkeypatch):
     """A command waits for jobs: a chain of them must end. Each other input begins anew."""
-    assert link.JOBS_IN_A_CHAIN >= 4096, "a picture that grows has so many passes"
-    monkeypatch.setattr(link, "JOBS_IN_A_CHAIN", 50)
+    assert seat.JOBS_IN_A_CHAIN >= 4096, "a picture that grows has so many passes"
+    monkeypatch.setattr(seat, "JOBS_IN_A_CHAIN", 50)
 
     class Chained(Module):
         manifest = Manifest(name="chained", title="Chained", version="1")

@@ -6,9 +6,10 @@ import pytest
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import FAULTS_UNTIL_SUSPENSION, Kernel
-from vrut_lite.kernel.jobs import HeldRunner, ThreadRunner
+from vrut_lite.kernel.jobs import ThreadRunner
 from vrut_lite.kernel.messages import EnableModule, Fault, Input, JobResult, RestartModule
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.recording.held_runner import HeldRunner
 
 
 class Ask(Input, frozen=True, kw_only=True):

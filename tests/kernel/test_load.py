@@ -4,14 +4,14 @@ import sys
 import threading
 
 import pytest
+from kernel_thread import KernelThread
 from probe_messages import Heard, Poke, Slide, act, collect, faults_of
 
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import POSTS_PER_TRANSACTION, Kernel
-from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import Demand, Fault, JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.thread import KernelThread
+from vrut_lite.recording.held_runner import HeldRunner
 
 SLIDES = 100_000
 

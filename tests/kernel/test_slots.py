@@ -127,3 +127,37 @@ def test_a_switch_looks_once_through_all_that_is_remembered(monkeypatch):
     assert memory.latest[Fault].module == "c"
     memory.keep_only("sun", "nobody")
     assert set(memory.latest) == {Fault}
+
+
+def needing(name, provides, requires):
+    """A module class that holds a slot where others hold those that it requires."""
+    manifest = Manifest(name=name, title=name, version="1", provides=provides, requires=requires)
+    return type(name, (Module,), {"manifest": manifest})
+
+
+def test_a_module_holds_no_slot_before_those_that_it_requires_are_filled():
+    """What has never heard of a sun has nothing to show: its slot waits, or another takes it."""
+    kernel = Kernel()
+    kernel.add_module(needing("sky", ("sky",), ("sun",)))
+    kernel.add_module(needing("stars", ("night",), ("sky",)))
+    kernel.pump()
+    faults = faults_of(kernel)
+    act(kernel, ChooseSlot(slot="sky", module="sky"))
+    assert [fault.error for fault in faults] == [
+        "module sky needs the slot 'sun', which no running module can fill"
+    ]
+    assert [kernel.slots.holder(slot) for slot in ("sun", "sky", "night")] == ["", "", ""]
+    kernel.add_module(provider("a"))
+    kernel.pump()
+    assert [kernel.slots.holder(slot) for slot in ("sun", "sky", "night")] == ["a", "sky", "stars"]
+    act(kernel, EnableModule(module="a", enabled=False))
+    assert [kernel.slots.holder(slot) for slot in ("sun", "sky", "night")] == ["", "sky", "stars"]
+
+
+def test_a_module_that_requires_nothing_is_preferred_by_standing_in_earlier():
+    """Load order decides among those that can; who still waits for a slot has lost its turn."""
+    kernel = Kernel()
+    for module in (needing("sky", ("sky",), ("sun",)), needing("both", ("sun", "sky"), ())):
+        kernel.add_module(module)
+    kernel.pump()
+    assert [kernel.slots.holder(slot) for slot in ("sun", "sky")] == ["both", "both"]

@@ -9,7 +9,8 @@ from vrut_lite.kernel import dispatch
 from vrut_lite.kernel.bus import HOST, Kernel
 from vrut_lite.kernel.messages import Fault, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.kernel.trace import SLOW_NS, export_chrome
+from vrut_lite.kernel.trace import SLOW_NS
+from vrut_lite.recording.chrome_trace import export_chrome
 
 
 class FakeTime:

@@ -9,9 +9,9 @@ import numpy as np
 from vrut_lite.array import Array
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import Derived, Input, JobResult, SlotChanged
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.recorder import Recorder
 
 

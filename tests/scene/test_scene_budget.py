@@ -28,10 +28,10 @@ from vrut_lite.scene.budget import (
     budget_of_environment,
 )
 from vrut_lite.scene.draco_header import read_draco_counts
-from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.loading import LoadedScene, load_scene
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 GIB = 2**30
 # Several large files, so that a file read twice cannot hide behind what a document takes.

@@ -10,13 +10,13 @@ import time
 from pathlib import Path
 
 from bridged_sky import enabling
+from kernel_thread import KernelThread
 from zenoh_bridge.module import NAME, ZenohBridge
 
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault
-from vrut_lite.kernel.thread import KernelThread
 
 PRODUCTS = (SunMoved, BackgroundChanged, KeyLightChanged, AmbientChanged)
 TIMEOUT_S = 20.0
@@ -52,7 +52,7 @@ class SkyProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
-            env={**os.environ, "PYTHONPATH": str(_REPO / "modules")},
+            env={**os.environ, "PYTHONPATH": f"{_REPO / 'modules'}{os.pathsep}{_REPO / 'tests'}"},
         )
         threading.Thread(target=self._read, daemon=True).start()
 

@@ -13,6 +13,7 @@ import threading
 from datetime import UTC, datetime, timedelta
 
 from dynamic_skylight.module import DynamicSkyLight
+from kernel_thread import KernelThread
 from zenoh_bridge.inputs import BridgeState
 from zenoh_bridge.module import ZenohBridge
 
@@ -20,7 +21,6 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, SetClock, SetSetting
-from vrut_lite.kernel.thread import KernelThread
 
 MIDNIGHT = datetime(2026, 6, 21, tzinfo=UTC)
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378)

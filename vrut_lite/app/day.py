@@ -111,7 +111,7 @@ class SunScout:
     def __init__(self) -> None:
         self._kernel = Kernel()
         for module in discover()[0]:
-            if "sun" in module.manifest.provides and not module.brings:
+            if "sun" in module.manifest.provides and not module.injects:
                 self._kernel.add_module(module)
 
     def set_up(self, place: SetPlace, holder: str, settings: dict[str, object]) -> None:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.app.pacing import Pacing, scaled
 from vrut_lite.app.roster import roster_of
 from vrut_lite.app.stage import Stage
-from vrut_lite.kernel.faults import sentence_of
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.inbox import Inbox
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.render.patience import GivenUp

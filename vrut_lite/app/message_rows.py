@@ -11,9 +11,9 @@ import msgspec
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.kernel.trace import Entry
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes

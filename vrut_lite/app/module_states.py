@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from vrut_lite.app.stage import Stage
-from vrut_lite.daylight.daylight_kernel import DEFAULT_HOLDERS
 from vrut_lite.kernel.messages import EnableModule, Fault, Input
+from vrut_lite.kernel.module import Manifest
 from vrut_lite.kernel.reload import root_package
 
 _HOST_PACKAGE = __name__.partition(".")[0]
@@ -49,9 +49,14 @@ def states_of(stage: Stage) -> ModuleStates:
             holds=tuple(sorted(kernel.slots.held_by(name))),
             fault=seat.last_fault,
             of_host=of_host,
-            needed=of_host or name in DEFAULT_HOLDERS.values(),
+            needed=of_host or _holds_alone(seat.manifest),
         )
     return ModuleStates(modules, tuple(stage.failures))
+
+
+def _holds_alone(manifest: Manifest) -> bool:
+    """Whether a module can fill a slot without any other module."""
+    return bool(manifest.provides) and manifest.stand_in and not manifest.requires
 
 
 def into_safe_mode(states: ModuleStates) -> list[Input]:

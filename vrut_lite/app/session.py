@@ -23,7 +23,7 @@ from vrut_lite.app.mailbox import Mailbox
 from vrut_lite.app.roster import Roster
 from vrut_lite.app.stage import Stage
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.faults import sentence_of
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Fault, Input, Message
 
 M = TypeVar("M", bound=Message)

@@ -69,7 +69,7 @@ class TwinSkies:
     def __init__(self) -> None:
         self._kernel = Kernel()
         for module in discover()[0]:
-            if {"sun", "sky"} & set(module.manifest.provides) and not module.brings:
+            if {"sun", "sky"} & set(module.manifest.provides) and not module.injects:
                 self._kernel.add_module(module)
         self._faults = FaultCollector(self._kernel)
         demand = Demand(consumer="comparison", message=BackgroundChanged.__name__, size=CUBE_SIZE)

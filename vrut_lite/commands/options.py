@@ -129,7 +129,7 @@ def _settings_by_name() -> dict[str, dict[str, SettingSpec]]:
     found: dict[str, dict[str, SettingSpec]] = {}
     # What a bridge to the outside or an engine needs is no matter of daylight: --set reaches it.
     modules = [
-        module for module in discover()[0] if not (module.brings or hasattr(module, "engine"))
+        module for module in discover()[0] if not (module.injects or hasattr(module, "engine"))
     ]
     for module in modules:
         for name, spec in describe(module.settings_type).items():

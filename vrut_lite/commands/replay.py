@@ -6,7 +6,7 @@ import click
 
 from vrut_lite.commands.headless_scene import modules_for
 from vrut_lite.errors import ModuleFailed, one_line
-from vrut_lite.kernel.trace import export_chrome
+from vrut_lite.recording.chrome_trace import export_chrome
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.replay import Outcome, Replay
 from vrut_lite.render.write_atomic import atomic_output, check_writable

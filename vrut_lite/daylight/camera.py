@@ -2,8 +2,8 @@
 
 import math
 
+from vrut_lite import checks
 from vrut_lite.errors import UserError
-from vrut_lite.kernel import checks
 from vrut_lite.kernel.messages import Input
 from vrut_lite.numeric_types import Vector
 

@@ -2,9 +2,9 @@
 
 import msgspec
 
+from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.limits import LARGEST_EDGE, LARGEST_VOLUME
-from vrut_lite.kernel import checks
 from vrut_lite.kernel.messages import Derived
 
 _LARGEST_M = 1e10

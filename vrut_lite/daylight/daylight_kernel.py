@@ -5,10 +5,8 @@ from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.discovery import discover
 from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault, Input, Message
+from vrut_lite.kernel.messages import Demand, Fault, Input, Message
 
-# Who holds which slot unless someone chooses; a missing one falls back to load order.
-DEFAULT_HOLDERS = {"sun": "dynamic_skylight", "sky": "dynamic_skylight"}
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
@@ -17,14 +15,11 @@ def daylight_kernel() -> tuple[Kernel, list[str]]:
     kernel = Kernel()
     modules, failures = discover()
     for module in modules:
-        services = {"inject": kernel.inject} if module.brings else {}
+        services = {"inject": kernel.inject} if module.injects else {}
         try:
             kernel.add_module(module, **services)
         except UserError as error:
             failures.append(f"module {module.__name__} failed to load: {error}")
-    for slot, holder in DEFAULT_HOLDERS.items():
-        if holder in kernel.slots.providers(slot):
-            kernel.inject(ChooseSlot(slot=slot, module=holder))
     kernel.pump()
     return kernel, failures
 

@@ -1,6 +1,6 @@
 """Bounds that several messages of daylight share."""
 
-from vrut_lite.kernel import checks
+from vrut_lite import checks
 
 # W m^-2, also per steradian, whose sums and products stay finite in 32 bits; the sun's disc has
 # 2e7.

@@ -2,7 +2,7 @@
 
 from typing import Literal, get_args
 
-from vrut_lite.kernel import checks
+from vrut_lite import checks
 from vrut_lite.kernel.messages import Input
 
 ToneMap = Literal["agx", "exponential", "none"]

@@ -1,6 +1,6 @@
 """The place on Earth that a scene stands at."""
 
-from vrut_lite.kernel import checks
+from vrut_lite import checks
 from vrut_lite.kernel.messages import Input
 
 # No ground is lower; geostationary orbit is higher than any observer of an atmosphere needs.

@@ -1,6 +1,6 @@
 """The scene: which file is open, and what it needs of light and air."""
 
-from vrut_lite.kernel import checks
+from vrut_lite import checks
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Vector
 

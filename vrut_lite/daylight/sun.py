@@ -3,8 +3,8 @@
 import math
 from typing import ClassVar, Literal, get_args
 
+from vrut_lite import checks
 from vrut_lite.daylight.limits import MOST_LIGHT
-from vrut_lite.kernel import checks
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
 

@@ -9,8 +9,8 @@ from typing import Generic, Protocol, TypeVar
 
 import msgspec
 
+from vrut_lite import checks
 from vrut_lite.errors import UserError
-from vrut_lite.kernel import checks
 from vrut_lite.kernel.messages import Input, Message
 
 

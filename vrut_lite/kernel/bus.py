@@ -10,24 +10,23 @@ equal type, sender and key only the latest is delivered.
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from vrut_lite.checks import refusal_of
 from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import messages
 from vrut_lite.kernel import settings as setting_rules
 from vrut_lite.kernel.beginning import Beginning, Step
-from vrut_lite.kernel.checks import refusal_of
 from vrut_lite.kernel.clock import Clock
 from vrut_lite.kernel.contract import check_module_type
 from vrut_lite.kernel.dispatch import HOST, Act, Dispatcher, Tap
-from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.inbox import Inbox
 from vrut_lite.kernel.job_desk import JobDesk
 from vrut_lite.kernel.jobs import JobRunner, ThreadRunner
 from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION, Lifecycle
-from vrut_lite.kernel.link import POSTS_PER_TRANSACTION, ModuleLink
 from vrut_lite.kernel.messages import Demand, Fault, Input, JobResult, Message
 from vrut_lite.kernel.module import Module
-from vrut_lite.kernel.seat import Seat
+from vrut_lite.kernel.seat import POSTS_PER_TRANSACTION, Exchange, ModuleLink, Seat
 from vrut_lite.kernel.slots import Slots
 from vrut_lite.kernel.trace import Trace
 
@@ -50,7 +49,19 @@ class Kernel:
         self.beginning = Beginning(self.jobs)
         self.dispatcher = Dispatcher(self.seats, self.slots, self.trace)
         self.lifecycle = Lifecycle(
-            self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(self, seat)
+            self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(links, seat)
+        )
+        # Those who have started jobs since the last input that was no job's result.
+        self._job_starters: list[ModuleLink] = []
+        links = Exchange(
+            put=self.dispatcher.put,
+            suspend=self.lifecycle.suspend,
+            wanted=self.wanted,
+            last=self.last,
+            holder=self.slots.holder,
+            jobs=self.jobs,
+            posters=self.dispatcher.posters,
+            job_starters=self._job_starters,
         )
         self.dispatcher.fail = self.lifecycle.failed
         self._own_acts = self._acts()
@@ -58,8 +69,6 @@ class Kernel:
         self._watchers: list[Callable[[Input], None]] = []
         self._on_inject: Callable[[], None] | None = None
         self._pumping = False
-        # Who has started jobs since the last input that was no job's result.
-        self.job_starters: list[ModuleLink] = []
 
     # --- modules ---------------------------------------------------------------------
 
@@ -181,10 +190,10 @@ class Kernel:
             self.beginning.note(Step(input=message))
         for watcher in self._watchers:
             watcher(message)
-        if self.job_starters and not isinstance(message, JobResult):
-            for starter in self.job_starters:
+        if self._job_starters and not isinstance(message, JobResult):
+            for starter in self._job_starters:
                 starter.jobs = 0
-            self.job_starters.clear()
+            self._job_starters.clear()
         try:
             self.dispatcher.put(message, HOST)
         # A key that cannot be had, of a malformed input or of a module's own.
@@ -199,23 +208,18 @@ class Kernel:
 
     def _acts(self) -> dict[type[Message], tuple[str, Act]]:
         """The kernel's own part in messages, and what a Fault calls it."""
+        lifecycle, seat_of = self.lifecycle, self.check_module
         return {
             messages.SetSetting: ("settings", self._set),
             messages.EnableModule: ("enable", self._enable),
-            messages.RestartModule: (
-                "restart",
-                lambda m: self.lifecycle.start(self.check_module(m.module)),
-            ),
-            messages.ReloadModule: (
-                "reload",
-                lambda m: self.lifecycle.reload(self.check_module(m.module)),
-            ),
+            messages.RestartModule: ("restart", lambda m: lifecycle.start(seat_of(m.module))),
+            messages.ReloadModule: ("reload", lambda m: lifecycle.reload(seat_of(m.module))),
             messages.ChooseSlot: ("slots", self._choose),
-            Demand: ("demand", self.lifecycle.demands.note),
+            Demand: ("demand", lifecycle.demands.note),
             JobResult: ("job", self._job_done),
-            messages.SetClock: ("clock", lambda m: self.lifecycle.say(self._clock.set(m))),
+            messages.SetClock: ("clock", lambda m: lifecycle.say(self._clock.set(m))),
             messages.SetClockRate: ("clock", self._clock.set_rate),
-            messages.Tick: ("clock", lambda m: self.lifecycle.say(self._clock.tick(m))),
+            messages.Tick: ("clock", lambda m: lifecycle.say(self._clock.tick(m))),
         }
 
     def _act_on(self, kind: type[Message]) -> Act | None:
@@ -270,9 +274,6 @@ class Kernel:
 
     def _choose(self, message: messages.ChooseSlot) -> None:
         self.check_holder(message.slot, message.module)
-        seat = self.seats[message.module]
-        if not seat.running:
-            raise UserError(f"module {seat.name} is {seat.state}: restart it, then choose it")
         self.lifecycle.switched(self.slots.choose(message.slot, message.module))
 
     def _job_done(self, result: JobResult) -> None:

@@ -11,17 +11,22 @@ from typing import Any
 
 import msgspec
 
+from vrut_lite import checks
 from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import safe_text, sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel import checks
 from vrut_lite.kernel import settings as setting_rules
-from vrut_lite.kernel.faults import safe_text, sentence_of
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.kernel.module import Manifest, Module
 
 # Names stand in keys, lists, options and project files: no dots, commas or line ends.
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,63}")
 _LONGEST_TITLE = 200
+_ASKS_IF_RUN_LATER = (
+    inspect.iscoroutinefunction,
+    inspect.isgeneratorfunction,
+    inspect.isasyncgenfunction,
+)
 _CALLED_BY_THE_KERNEL = ("settings_changed", "snapshot", "restore")
 
 
@@ -93,7 +98,7 @@ def _check_handlers(module_type: type[Module]) -> None:
             )
     if not _is_name(getattr(module_type, "engine", "none")):
         raise UserError("engine must be the name of what it draws with")
-    _check_types(module_type, "brings", Input)
+    _check_types(module_type, "injects", Input)
     _check_types(module_type, "speaks", Message)
 
 
@@ -121,11 +126,4 @@ def _is_name(text: object) -> bool:
 
 
 def _runs_later(function: Callable[..., Any]) -> bool:
-    return any(
-        asks(function)
-        for asks in (
-            inspect.iscoroutinefunction,
-            inspect.isgeneratorfunction,
-            inspect.isasyncgenfunction,
-        )
-    )
+    return any(asks(function) for asks in _ASKS_IF_RUN_LATER)

@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.contract import refuse_unrun
-from vrut_lite.kernel.link import ModuleLink
 from vrut_lite.kernel.memory import Memory
 from vrut_lite.kernel.messages import JobResult, Message
-from vrut_lite.kernel.seat import Seat
+from vrut_lite.kernel.seat import ModuleLink, Seat
 from vrut_lite.kernel.slots import Slots
 from vrut_lite.kernel.trace import SLOW_NS, Trace
 

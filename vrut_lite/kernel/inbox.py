@@ -12,14 +12,14 @@ class Inbox:
     """First in, first out; an input of equal type and key merges with the one that waits.
 
     What they make goes to the end: nothing that came between is overtaken by newer news. Of
-    inputs of one line (the clock's) only neighbours merge: time that went by at one speed
+    inputs of one timeline (the clock's) only neighbours merge: time that went by at one speed
     must not be counted at another.
     """
 
     def __init__(self) -> None:
         self._entries: OrderedDict[Any, Input] = OrderedDict()
         self._serial = 0
-        self._last_of_line: dict[str, Any] = {}
+        self._last_of_timeline: dict[str, Any] = {}
         self._lock = threading.Lock()
 
     def put(self, message: Input) -> None:
@@ -38,18 +38,18 @@ class Inbox:
                 self._entries[self._serial] = message
                 return
             place: Any = (type(message), key)
-            if message.line is not None:
-                place = self._place_in_line(message.line, place)
+            if message.timeline is not None:
+                place = self._place_in_timeline(message.timeline, place)
             older = self._entries.pop(place, None)
             self._entries[place] = message if older is None else message.merged(older)
 
-    def _place_in_line(self, line: str, place: Any) -> Any:
-        """The place of the line's last input, if that is of this kind, or a new one."""
-        last = self._last_of_line.get(line)
+    def _place_in_timeline(self, timeline: str, place: Any) -> Any:
+        """The place of the timeline's last input, if that is of this kind, or a new one."""
+        last = self._last_of_timeline.get(timeline)
         if last is None or last[0] != place:
             self._serial += 1
             last = (place, self._serial)
-            self._last_of_line[line] = last
+            self._last_of_timeline[timeline] = last
         return last
 
     def take(self) -> Input | None:

@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from vrut_lite.foreign_errors import described
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.contract import refuse_unrun
-from vrut_lite.kernel.faults import described
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.trace import Trace
 

@@ -1,20 +1,19 @@
 """How modules start, stop, fail and are replaced; slots, demands and jobs follow."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import msgspec
 
+from vrut_lite.foreign_errors import described
 from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel import settings as setting_rules
 from vrut_lite.kernel.demands import Demands
 from vrut_lite.kernel.dispatch import HOST, Dispatcher
-from vrut_lite.kernel.faults import described
 from vrut_lite.kernel.job_desk import JobDesk
-from vrut_lite.kernel.link import ModuleLink
 from vrut_lite.kernel.messages import Derived, Fault, SlotChanged
 from vrut_lite.kernel.reload import import_afresh, root_package
-from vrut_lite.kernel.seat import Seat, State
+from vrut_lite.kernel.seat import ModuleLink, Seat, State
 from vrut_lite.kernel.slots import Slots
 
 FAULTS_UNTIL_SUSPENSION = 3
@@ -91,7 +90,6 @@ class Lifecycle:
         self._jobs.cancel_all(seat.name)
         seat.stop(state)
         self._changed_state()
-        self._fill(self._slots.held_by(seat.name))
 
     def switched(self, change: SlotChanged | None) -> None:
         """Tell of a new holder; what others said of its slot is not to be mixed with its own."""
@@ -102,7 +100,6 @@ class Lifecycle:
     def _welcome(self, seat: Seat) -> None:
         """Let a fresh instance have its slots, its demands and the last values."""
         self._changed_state()
-        self._fill(seat.manifest.provides)
         for demand in self.demands.of_consumer(seat.name):
             self._dispatcher.put(demand, HOST)
         if seat.link is not None:
@@ -112,10 +109,8 @@ class Lifecycle:
     def _changed_state(self) -> None:
         self._dispatcher.reroute()
         self.demands.refresh()
-
-    def _fill(self, slots: Iterable[str]) -> None:
-        for slot in slots:
-            self.switched(self._slots.fill(slot))
+        for change in self._slots.fill():
+            self.switched(change)
 
     # --- reloading -------------------------------------------------------------------
 
@@ -144,7 +139,6 @@ class Lifecycle:
             self.refuse(seat.name, "reload", loss)
         # The old version's own types of message are not those that the new one handles.
         self._dispatcher.memory.forget_types_of(root_package(old_type))
-        self._fill(old_type.manifest.provides)
         self._welcome(seat)
         if state is not None and seat.running:
             self._dispatcher.call(seat, "restore", state)

@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Literal, Self, get_args
 
 import msgspec
 
+from vrut_lite import checks
 from vrut_lite.errors import UserError
-from vrut_lite.kernel import checks
 
 # In order of precedence: a consumer of float32 cannot use float16, the reverse works.
 Encoding = Literal["", "u8", "float16", "float32"]
@@ -51,8 +51,8 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 class Input(Message, frozen=True, kw_only=True):
     """A fact from outside; each opens a transaction of its own."""
 
-    # Inputs of one line merge only with the last of their line: their order matters.
-    line: ClassVar[str | None] = None
+    # Inputs of one timeline merge only with its last: their order matters.
+    timeline: ClassVar[str | None] = None
     # Whether a stranger said it: what it leads to is told, and no command fails for it.
     by_stranger: ClassVar[bool] = False
 
@@ -110,34 +110,29 @@ class EnableModule(Input, frozen=True, kw_only=True):
         checks.flag(self, "enabled")
 
 
-class RestartModule(Input, frozen=True, kw_only=True):
+class _ModuleCommand(Input, frozen=True, kw_only=True):
+    """A command to one module, by name; every single one counts."""
+
+    module: str
+
+    def key(self) -> None:
+        """Never merged."""
+
+    def check(self) -> None:
+        """A module by name."""
+        checks.text(self, "module")
+
+
+class RestartModule(_ModuleCommand, frozen=True, kw_only=True):
     """Start a module anew with its present settings, also after it was suspended."""
 
-    module: str
 
-    def key(self) -> None:
-        """Every restart counts."""
-
-    def check(self) -> None:
-        """A module by name."""
-        checks.text(self, "module")
-
-
-class ReloadModule(Input, frozen=True, kw_only=True):
+class ReloadModule(_ModuleCommand, frozen=True, kw_only=True):
     """Import a module's package afresh; settings and snapshot pass to the new version."""
-
-    module: str
-
-    def key(self) -> None:
-        """Every reload counts."""
-
-    def check(self) -> None:
-        """A module by name."""
-        checks.text(self, "module")
 
 
 class ChooseSlot(Input, frozen=True, kw_only=True):
-    """Let a module hold a slot (`sun` or `sky`)."""
+    """Let a module hold a slot."""
 
     slot: str
     module: str
@@ -204,7 +199,7 @@ class JobResult(Input, frozen=True, kw_only=True):
 class SetClock(Input, frozen=True, kw_only=True):
     """The host's clock stands at this aware instant; modules listen to `ClockMoved`."""
 
-    line: ClassVar[str | None] = "clock"
+    timeline: ClassVar[str | None] = "clock"
 
     instant: datetime
 
@@ -216,7 +211,7 @@ class SetClock(Input, frozen=True, kw_only=True):
 class SetClockRate(Input, frozen=True, kw_only=True):
     """Play: so many seconds of the host's clock pass in one of the tick's; 0 pauses."""
 
-    line: ClassVar[str | None] = "clock"
+    timeline: ClassVar[str | None] = "clock"
 
     rate: float
 
@@ -231,7 +226,7 @@ class SetClockRate(Input, frozen=True, kw_only=True):
 class Tick(Input, frozen=True, kw_only=True):
     """So much time went by outside."""
 
-    line: ClassVar[str | None] = "clock"
+    timeline: ClassVar[str | None] = "clock"
 
     elapsed_s: float
 

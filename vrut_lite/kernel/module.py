@@ -88,10 +88,10 @@ class Module:
 
     manifest: ClassVar[Manifest]
     settings_type: ClassVar[type[msgspec.Struct]] = NoSettings
-    # Message types of its own that it posts; those of kernel and daylight go without saying.
+    # Message types of its own that it posts; those of the host go without saying.
     speaks: ClassVar[tuple[type[Message], ...]] = ()
-    # Inputs that it brings from outside; a live host hands its maker `inject`, a replay does not.
-    brings: ClassVar[tuple[type[Input], ...]] = ()
+    # Inputs from outside; a live host hands its constructor `inject`, a replay does not.
+    injects: ClassVar[tuple[type[Input], ...]] = ()
 
     def __init__(self, link: Link, settings: Any):
         self.link = link

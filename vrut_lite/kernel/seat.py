@@ -1,17 +1,150 @@
-"""A module's place at the kernel: what outlives its instance."""
+"""A module's seat at the kernel, and the link that its instance speaks through.
 
-from typing import TYPE_CHECKING, Any, Literal
+The seat outlives the instance; the link ends with it.
+"""
+
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import msgspec
 
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.job import Work
+from vrut_lite.kernel.job_desk import JobDesk
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.kernel.messages import Fault, Message
+from vrut_lite.kernel.messages import Demand, Derived, Encoding, Fault, Message
 from vrut_lite.kernel.module import Manifest, Module
 
-if TYPE_CHECKING:
-    from vrut_lite.kernel.link import ModuleLink
-
+M = TypeVar("M", bound=Message)
 State = Literal["running", "disabled", "suspended"]
+
+
+POSTS_PER_TRANSACTION = 10_000
+# A job that starts the next when it is done would never let a command end.
+JOBS_IN_A_CHAIN = 10_000
+
+
+class Exchange(NamedTuple):
+    """What links need of the kernel."""
+
+    put: Callable[[Message, str], None]
+    suspend: Callable[["Seat", str, BaseException], None]
+    wanted: Callable[[type[Message]], Demand | None]
+    last: Callable[[type[Message]], Any]
+    holder: Callable[[str], str]
+    jobs: JobDesk
+    # Those who have posted in this transaction, and who have started jobs after this input.
+    posters: list["ModuleLink"]
+    job_starters: list["ModuleLink"]
+
+
+class ModuleLink:
+    """See `vrut_lite.kernel.module.Link`; once `alive` is false, the instance is not heard."""
+
+    def __init__(self, kernel: Exchange, seat: "Seat"):
+        self.alive = True
+        self.name = seat.name
+        self.posts = 0
+        self.jobs = 0
+        self._storm: RuntimeError | None = None
+        self.seat = seat
+        self._kernel = kernel
+        self._put = kernel.put
+
+    def post(self, message: Derived) -> None:
+        """Queue what a module says; a storm is cut by count, and its maker named."""
+        if not self.alive:
+            return
+        if message.guarded and not self._may_say(message):
+            return
+        # What `counts` does, without a call: this is the kernel's hottest line.
+        if 0 < self.posts < POSTS_PER_TRANSACTION:
+            self.posts += 1
+        elif not self.counts(message):
+            return
+        self._put(message, self.name)
+
+    def _may_say(self, message: Derived) -> bool:
+        """Whether the slot allows a message.
+
+        Raises:
+            ValueError: it is not what its type says; its maker's to mend, so that it counts.
+        """
+        try:
+            message.check()
+        except UserError as error:
+            raise ValueError(str(error)) from None
+        if message.slot is not None and not self.holds(message.slot):
+            self.seat.ledger.skip(f"post {type(message).__name__} without slot")
+            return False
+        return True
+
+    def counts(self, message: Message) -> bool:
+        """Count what is said in this transaction; too much of it ends the instance."""
+        if not self.posts:
+            self._kernel.posters.append(self)
+        elif self.posts >= POSTS_PER_TRANSACTION:
+            storm = f"posted over {POSTS_PER_TRANSACTION} messages after one input"
+            self._end(f"post {type(message).__name__}", storm)
+            return False
+        self.posts += 1
+        return True
+
+    def _end(self, where: str, storm: str) -> None:
+        self.alive = False
+        self._storm = RuntimeError(storm)
+        # Of an instance that is still being made its seat asks `check_storm`.
+        if self.seat.link is self:
+            self._kernel.suspend(self.seat, where, self._storm)
+
+    def check_storm(self) -> None:
+        """Raise RuntimeError if the instance was ended for what it said in its constructor."""
+        if self._storm is not None:
+            raise self._storm
+
+    def wanted(self, message_type: type[Message]) -> Demand | None:
+        """See `Link`."""
+        return self._kernel.wanted(message_type)
+
+    def demand(self, message_type: type[Message], size: int = 1, encoding: Encoding = "") -> None:
+        """Ask for messages of a type; see `Link`."""
+        if self.alive:
+            name = message_type.__name__
+            wish = Demand(consumer=self.name, message=name, size=size, encoding=encoding)
+            try:
+                wish.check()
+            except UserError as error:
+                raise ValueError(str(error)) from None
+            if self.counts(wish):
+                self._put(wish, self.name)
+
+    def holds(self, slot: str) -> bool:
+        """See `Link`."""
+        return self._kernel.holder(slot) == self.name
+
+    def last(self, message_type: type[M]) -> M | None:
+        """See `Link`."""
+        return self._kernel.last(message_type)
+
+    def start_job(self, name: str, work: Work, *arguments: Any) -> None:
+        """See `Link`."""
+        if not (isinstance(name, str) and callable(work)):
+            raise TypeError("a job has a name, a text, and work that can be called")
+        if not self.alive:
+            return
+        self.jobs += 1
+        if self.jobs == 1:
+            self._kernel.job_starters.append(self)
+        if self.jobs > JOBS_IN_A_CHAIN:
+            what = f"started over {JOBS_IN_A_CHAIN} jobs after one input"
+            self._end(f"start_job {name}", what)
+        else:
+            self._kernel.jobs.start((self.name, name), work, arguments)
+
+    def cancel_job(self, name: str) -> None:
+        """See `Link`."""
+        if self.alive:
+            self._kernel.jobs.cancel((self.name, name))
 
 
 class Seat:
@@ -20,7 +153,8 @@ class Seat:
     def __init__(self, module_type: type[Module], services: dict[str, Any]):
         self.module: Module | None = None
         self.link: ModuleLink | None = None
-        self._ledger = Ledger()
+        # The instance's counts of work, or empty ones.
+        self.ledger = Ledger()
         self.state: State = "disabled"
         self.faults = 0
         self.last_fault: Fault | None = None
@@ -50,12 +184,7 @@ class Seat:
         """Whether the module hears messages."""
         return self.state == "running"
 
-    @property
-    def ledger(self) -> Ledger:
-        """The instance's counts of work, or empty ones."""
-        return self._ledger
-
-    def start(self, link: "ModuleLink") -> None:
+    def start(self, link: ModuleLink) -> None:
         """Put a fresh instance with the present settings in place of any other.
 
         May raise what its maker wrote; the seat is then as it was.
@@ -68,7 +197,7 @@ class Seat:
             link.alive = False
             raise
         self._cut()
-        self.module, self.link, self._ledger = module, link, ledger
+        self.module, self.link, self.ledger = module, link, ledger
         self.faults = 0
         self.state = "running"
 
@@ -76,7 +205,7 @@ class Seat:
         """Drop the instance; the settings stay."""
         self._cut()
         self.module = self.link = None
-        self._ledger = Ledger()
+        self.ledger = Ledger()
         self.state = state
 
     def _cut(self) -> None:

@@ -12,10 +12,10 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import msgspec
 
+from vrut_lite.checks import shown
 from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel.checks import shown
-from vrut_lite.kernel.faults import sentence_of
 
 # Of a text that is refused.
 _LONGEST_TOLD = 200

@@ -1,7 +1,8 @@
-"""Slots: roles that exactly one module holds, such as the sun's or the sky's."""
+"""Slots: roles that exactly one module holds."""
 
 from collections.abc import Mapping
 
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import SlotChanged
 from vrut_lite.kernel.seat import Seat
 
@@ -29,17 +30,46 @@ class Slots:
         """Names of all modules that could hold the slot, in load order."""
         return [name for name, seat in self._seats.items() if slot in seat.manifest.provides]
 
-    def fill(self, slot: str) -> SlotChanged | None:
-        """Give the slot to the first running provider that stands in, unless its holder runs."""
-        running = [name for name in self.providers(slot) if self._seats[name].running]
-        if self.holder(slot) in running:
-            return None
-        able = [name for name in running if self._seats[name].manifest.stand_in]
-        return self._hand_to(slot, able[0] if able else "")
+    def lacking(self, module: str) -> str:
+        """A slot that the module requires and nobody has held yet, or an empty text.
+
+        Of a holder that stopped, the last messages stay and serve.
+        """
+        requires = self._seats[module].manifest.requires
+        return next((slot for slot in requires if slot not in self._holders), "")
+
+    def fill(self) -> list[SlotChanged]:
+        """Hand each slot that lacks a holder to the first provider that can hold it and stands in.
+
+        A slot that is filled may enable the provider of another that requires it.
+        """
+        provided = [slot for seat in self._seats.values() for slot in seat.manifest.provides]
+        slots = dict.fromkeys([*provided, *self._holders])
+        changes = [change for slot in slots if (change := self._filled(slot))]
+        return changes + self.fill() if changes else []
 
     def choose(self, slot: str, module: str) -> SlotChanged | None:
-        """Give the slot to a module if it runs; None if nothing changed."""
-        return self._hand_to(slot, module) if self._seats[module].running else None
+        """Give the slot to a module; None if it held it already.
+
+        Raises:
+            UserError: the module does not run, or nobody has held a slot that it requires.
+        """
+        seat = self._seats[module]
+        if not seat.running:
+            raise UserError(f"module {module} is {seat.state}: restart it, then choose it")
+        if lacking := self.lacking(module):
+            raise UserError(
+                f"module {module} needs the slot '{lacking}', which no running module can fill"
+            )
+        return self._hand_to(slot, module)
+
+    def _filled(self, slot: str) -> SlotChanged | None:
+        providers = [(name, self._seats[name]) for name in self.providers(slot)]
+        able = {name: seat for name, seat in providers if seat.running and not self.lacking(name)}
+        if self.holder(slot) in able:
+            return None
+        standing_in = (name for name, seat in able.items() if seat.manifest.stand_in)
+        return self._hand_to(slot, next(standing_in, ""))
 
     def _hand_to(self, slot: str, module: str) -> SlotChanged | None:
         if self.holder(slot) == module:

@@ -10,12 +10,12 @@ from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError, one_line
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.job_desk import JOBS
-from vrut_lite.kernel.jobs import HeldRunner
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Module
 from vrut_lite.recording.codec import decode
 from vrut_lite.recording.comparison import Difference, entry_difference
 from vrut_lite.recording.entry import Entry
+from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.observer import Observer, entry_of
 from vrut_lite.recording.recipes import Recipes

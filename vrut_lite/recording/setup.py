@@ -90,6 +90,10 @@ def restore_setup(
         for demand in (decode(Demand, plain) for plain in setup.demands):
             if known.get(demand.key()) != demand:
                 kernel.inject(demand)
+        # An earlier version may have handed a slot that nobody chose to another module.
+        for slot, holder in setup.slots.items():
+            if holder and kernel.slots.holder(slot) != holder:
+                kernel.inject(ChooseSlot(slot=slot, module=holder))
     else:
         for module in setup.modules:
             add(module.name)

@@ -9,7 +9,7 @@ behind, are counted against the bytes that the scene brings.
 """
 
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
-from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 PEAK_PER_BYTE = 2.5
 BASE_BYTES = 512 * 2**20

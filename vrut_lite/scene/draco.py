@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.draco_header import DracoCounts, read_draco_counts
-from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 # What the decoder holds at its peak, beside what it returns, is measured (docs/stability.md).
 _FACE_BYTES, _POINT_BYTES = 80, 24

@@ -5,7 +5,7 @@ The layout is that of the Draco bitstream specification, version 2.2, the one th
 
 from typing import NamedTuple
 
-from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 _MAGIC, _VERSION = b"DRACO", (2, 2)
 _MESH, _SEQUENTIAL, _EDGEBREAKER = 1, 0, 1

@@ -8,25 +8,20 @@ import base64
 import binascii
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import unquote_to_bytes
 
-if TYPE_CHECKING:
-    from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 MAX_FILE_BYTES = 2**30
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*):")
 _NETWORK = {"http", "https", "ftp", "ftps", "ws", "wss", "sftp"}
 
 
-class SceneFileError(ValueError):
-    """What is wrong with a scene file and what to do; the path is added by `load_scene`."""
-
-
 class SceneFolder:
     """Serves files inside one folder and nothing else, each read once, whatever names it has."""
 
-    def __init__(self, folder: Path, budget: "SceneBudget") -> None:
+    def __init__(self, folder: Path, budget: SceneBudget) -> None:
         self.folder = folder.resolve()
         self.budget = budget
         self._files: dict[tuple[int, int], bytes] = {}

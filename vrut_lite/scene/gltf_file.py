@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.file_checks import SceneFileError, SceneFolder
+from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 # Extensions a file may require: each is honoured by the reader.
 SUPPORTED_EXTENSIONS = (

@@ -9,7 +9,6 @@ import trimesh
 from numpy.typing import NDArray
 
 from vrut_lite.scene.draco import decode_draco
-from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Material, Node, Primitive
 from vrut_lite.scene.materials import GltfMaterials
@@ -22,6 +21,7 @@ from vrut_lite.scene.mesh import (
     used_vertices,
 )
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
+from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.uv_layers import UvLayer, layers_of
 
 _FAN, _TRIANGLES = 6, 4

@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 MAX_IMAGE_PIXELS = 64 * 2**20
 MAX_TOTAL_PIXELS = 256 * 2**20

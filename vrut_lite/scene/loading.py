@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
-from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.mesh import mirrored
 from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 SUFFIXES = (".glb", ".gltf", ".obj")
 MAX_REACH_M = 1e7

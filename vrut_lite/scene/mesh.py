@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from trimesh.visual.texture import TextureVisuals
 
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.file_checks import SceneFileError
 from vrut_lite.scene.materials import SurfaceMaterial
 from vrut_lite.scene.normals import crease_normals, unit_or_none
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 # What a mesh takes however small it is: objects here, buffers where it is drawn.
 MESH_BYTES = 2**15

@@ -6,9 +6,10 @@ from io import BytesIO
 
 from PIL import Image
 
-from vrut_lite.scene.file_checks import SceneFileError, SceneFolder
+from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 # How many words follow each option of a map statement (Wavefront MTL, "texture map options").
 _OPTION_WORDS = {

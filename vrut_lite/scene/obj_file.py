@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 _BLOCK_BYTES = 2**22
 # What Python makes of one line's words stays within what any scene may take.

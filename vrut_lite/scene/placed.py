@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from vrut_lite.scene.file_checks import SceneFileError
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 MAX_TRIANGLES = 20_000_000
 MAX_PLACES = 200_000

@@ -14,8 +14,8 @@ import numpy as np
 
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import safe_text, sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.kernel.faults import safe_text, sentence_of
 
 _MOST = sys.float_info.max
 _WHOLES = (int, np.integer)

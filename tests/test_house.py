@@ -1,0 +1,106 @@
+"""The house's plan, held by its imports: which layer knows which, and what the kernel never says.
+
+Imports are read from the files, also those in functions and those for type checkers alone.
+"""
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = {
+    "vrut_lite": ROOT / "vrut_lite",
+    **{folder.name: folder for folder in (ROOT / "modules").iterdir() if folder.is_dir()},
+    "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
+    "vrut_lite_studies": ROOT / "studies" / "vrut_lite_studies",
+}
+MODULES = [
+    folder.name for folder in (ROOT / "modules").iterdir() if (folder / "module.py").exists()
+]
+KERNEL_LINES = 2400
+# Words of daylight, as they stand in names, sentences and comments.
+DAYLIGHT = (
+    "sky|skies|sun|suns|moon|clouds?|camera|scene|daylight|exposure|radiance|haze|aerosols?|"
+    "atmospheres?|latitude|tolerance|tone"
+)
+
+
+def sources(package):
+    """Python files of a package by the dotted name under which they are imported."""
+    folder = PACKAGES[package]
+    for path in sorted(folder.rglob("*.py")):
+        parts = [package, *path.relative_to(folder).with_suffix("").parts]
+        yield ".".join(part for part in parts if part != "__init__"), path
+
+
+@cache
+def files():
+    return {name: path for package in PACKAGES for name, path in sources(package)}
+
+
+def imported(name):
+    """Names of our own python modules that a file imports anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(files()[name].read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name} has a relative import"
+            inner = {f"{node.module}.{alias.name}" for alias in node.names}
+            # `from package import name` needs the package alone, unless the name is a module.
+            found |= inner & files().keys() or {node.module}
+            if {f"{node.module}.{alias.name}" for alias in node.names} - files().keys():
+                found.add(node.module)
+    return {other for other in found if other in files() and other != name}
+
+
+def test_no_imports_run_in_a_circle():
+    """A file can be read, moved and tested without those that need it."""
+    graph = {name: imported(name) for name in files()}
+    done, circles = set(), []
+
+    def visit(name, path):
+        if name in path:
+            circles.append(" -> ".join([*path[path.index(name) :], name]))
+            return
+        if name in done:
+            return
+        for other in sorted(graph[name]):
+            visit(other, [*path, name])
+        done.add(name)
+
+    for name in graph:
+        visit(name, [])
+    assert not circles, "\n".join(circles)
+
+
+def test_the_kernel_is_small():
+    """Who writes a module may read all of it in an afternoon."""
+    lines = sum(
+        len(path.read_text().splitlines()) for path in PACKAGES["vrut_lite"].glob("kernel/*.py")
+    )
+    assert lines <= KERNEL_LINES
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "vrut_lite" / "kernel").glob("*.py")), ids=lambda p: p.name
+)
+def test_the_kernel_knows_no_daylight(path):
+    """It links modules of any kind: no sky, place or camera is named in it, not even in words."""
+    words = re.findall(r"[A-Za-z][a-z]*", path.read_text())
+    assert not [word for word in words if re.fullmatch(DAYLIGHT, word.lower())]
+
+
+def of_package(name):
+    return name.partition(".")[0]
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_no_module_imports_another(module):
+    """All that passes between modules is messages."""
+    for name, _ in sources(module):
+        others = {of_package(other) for other in imported(name)}
+        assert others <= {module, "vrut_lite"}, name
