@@ -7,7 +7,6 @@ from typing import Annotated, Literal
 
 import msgspec
 import numpy as np
-from msgspec import Meta
 
 from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm
 from bruneton_sky.ozone import ozone_absorption
@@ -16,6 +15,7 @@ from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
+from vrut_lite.kernel.settings import setting
 
 PresetName = Literal[
     "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"
@@ -30,141 +30,90 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
 
     preset: Annotated[
         PresetName,
-        Meta(
-            description="The atmosphere to start from; earth has the haze of turbidity 3",
-            extra={"source": "Bruneton and Neyret 2008; Bruneton 2017"},
+        setting(
+            "The atmosphere to start from; earth has the haze of turbidity 3",
+            source="Bruneton and Neyret 2008; Bruneton 2017",
         ),
     ] = "earth"
-    turbidity: (
-        Annotated[
-            float,
-            Meta(
-                ge=1,
-                le=10,
-                description="Haze on Preetham's scale; 3 is AOD 0.20",
-                extra={"source": "Preetham, Shirley and Smits 1999, appendix A.1"},
-            ),
-        ]
-        | None
-    ) = None
-    albedo: (
-        Annotated[float, Meta(ge=0, le=1, description="Part of the light that the ground reflects")]
-        | None
-    ) = None
-    ozone_du: (
-        Annotated[
-            float,
-            Meta(
-                ge=0,
-                le=1000,
-                description="Ozone above the ground",
-                extra={"unit": "DU", "source": "Serdyuchenko et al. 2011, at 233 K"},
-            ),
-        ]
-        | None
-    ) = None
+    turbidity: Annotated[
+        float | None,
+        setting(
+            "Haze on Preetham's scale; 3 is AOD 0.20",
+            1,
+            10,
+            source="Preetham, Shirley and Smits 1999, appendix A.1",
+        ),
+    ] = None
+    albedo: Annotated[float | None, setting("Part of the light that the ground reflects", 0, 1)] = (
+        None
+    )
+    ozone_du: Annotated[
+        float | None,
+        setting(
+            "Ozone above the ground",
+            0,
+            1000,
+            unit="DU",
+            source="Serdyuchenko et al. 2011, at 233 K",
+        ),
+    ] = None
     rayleigh_factor: Annotated[
         float,
-        Meta(
-            ge=0,
-            le=20,
-            description="Molecules, as a multiple of the preset's",
-            extra={"source": "Galaj and Wojciechowski 2019, equation 4"},
+        setting(
+            "Molecules, as a multiple of the preset's",
+            0,
+            20,
+            source="Galaj and Wojciechowski 2019, equation 4",
         ),
     ] = 1.0
-    rayleigh_scale_height_m: (
-        Annotated[
-            float,
-            Meta(
-                ge=500,
-                le=50_000,
-                description="Height of the molecules",
-                extra={"unit": "m", "source": SCALE_HEIGHT_SOURCE},
-            ),
-        ]
-        | None
-    ) = None
-    mie_scale_height_m: (
-        Annotated[
-            float,
-            Meta(
-                ge=100,
-                le=50_000,
-                description="Height of the haze",
-                extra={"unit": "m", "source": SCALE_HEIGHT_SOURCE},
-            ),
-        ]
-        | None
-    ) = None
-    mie_albedo: (
-        Annotated[float, Meta(ge=0, le=1, description="Part of its light that haze scatters")]
-        | None
-    ) = None
-    mie_g: (
-        Annotated[
-            float,
-            Meta(
-                ge=-0.95,
-                le=0.95,
-                description="How far haze scatters forward",
-                extra={"source": PHASE_SOURCE},
-            ),
-        ]
-        | None
-    ) = None
-    mie_phase: (
-        Annotated[
-            MiePhaseForm,
-            Meta(description="Phase function of the haze", extra={"source": PHASE_SOURCE}),
-        ]
-        | None
-    ) = None
-    fog_visibility_m: (
-        Annotated[
-            float,
-            Meta(
-                ge=50,
-                le=20_000,
-                description="How far one sees through fog on the ground; none is no fog",
-                extra={"unit": "m", "source": "Koschmieder 1924, at a contrast of 2 %"},
-            ),
-        ]
-        | None
-    ) = None
-    fog_height_m: Annotated[
-        float,
-        Meta(
-            ge=5,
-            le=1000,
-            description="Height over which fog thins by a factor e",
-            extra={"unit": "m"},
+    rayleigh_scale_height_m: Annotated[
+        float | None,
+        setting("Height of the molecules", 500, 50_000, unit="m", source=SCALE_HEIGHT_SOURCE),
+    ] = None
+    mie_scale_height_m: Annotated[
+        float | None,
+        setting("Height of the haze", 100, 50_000, unit="m", source=SCALE_HEIGHT_SOURCE),
+    ] = None
+    mie_albedo: Annotated[float | None, setting("Part of its light that haze scatters", 0, 1)] = (
+        None
+    )
+    mie_g: Annotated[
+        float | None, setting("How far haze scatters forward", -0.95, 0.95, source=PHASE_SOURCE)
+    ] = None
+    mie_phase: Annotated[
+        MiePhaseForm | None, setting("Phase function of the haze", source=PHASE_SOURCE)
+    ] = None
+    fog_visibility_m: Annotated[
+        float | None,
+        setting(
+            "How far one sees through fog on the ground; none is no fog",
+            50,
+            20_000,
+            unit="m",
+            source="Koschmieder 1924, at a contrast of 2 %",
         ),
+    ] = None
+    fog_height_m: Annotated[
+        float, setting("Height over which fog thins by a factor e", 5, 1000, unit="m")
     ] = 100.0
-    ground_radius_m: (
-        Annotated[
-            float, Meta(ge=1e5, le=1e8, description="Radius of the planet", extra={"unit": "m"})
-        ]
-        | None
-    ) = None
-    top_altitude_m: (
-        Annotated[
-            float,
-            Meta(ge=20_000, le=500_000, description="Where the air ends", extra={"unit": "m"}),
-        ]
-        | None
-    ) = None
+    ground_radius_m: Annotated[
+        float | None, setting("Radius of the planet", 1e5, 1e8, unit="m")
+    ] = None
+    top_altitude_m: Annotated[
+        float | None, setting("Where the air ends", 20_000, 500_000, unit="m")
+    ] = None
     orders: Annotated[
         int,
-        Meta(
-            ge=1,
-            le=40,
-            description="Times that light is scattered at most",
-            extra={"source": "Bruneton and Neyret 2008, section 2"},
+        setting(
+            "Times that light is scattered at most",
+            1,
+            40,
+            source="Bruneton and Neyret 2008, section 2",
         ),
     ] = MOST_ORDERS
     cube_device: Annotated[
         Literal["cpu", "gpu"],
-        Meta(description="What computes the sky's cube map and air; the GPU where there is one"),
+        setting("What computes the sky's cube map and air; the GPU where there is one"),
     ] = "cpu"
 
 

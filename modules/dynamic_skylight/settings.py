@@ -6,6 +6,7 @@ import msgspec
 
 from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
+from vrut_lite.kernel.settings import setting
 
 Device = Literal["cpu", "gpu"]
 
@@ -15,40 +16,37 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
 
     turbidity: Annotated[
         float,
-        msgspec.Meta(
-            ge=1.0,
-            le=10.0,
-            description="Haze of the air: 2 is clear, 6 is hazy",
-            extra={"source": "Preetham, Shirley and Smits 1999, appendix A.1"},
+        setting(
+            "Haze of the air: 2 is clear, 6 is hazy",
+            1.0,
+            10.0,
+            source="Preetham, Shirley and Smits 1999, appendix A.1",
         ),
     ] = 3.0
     albedo: Annotated[
         float,
-        msgspec.Meta(
-            ge=0.0,
-            le=1.0,
-            description="Share of light that the ground reflects",
-            extra={"source": "Hosek and Wilkie 2012, equations 8 and 9"},
+        setting(
+            "Share of light that the ground reflects",
+            0.0,
+            1.0,
+            source="Hosek and Wilkie 2012, equations 8 and 9",
         ),
     ] = 0.1
     sun_colour: Annotated[
         SunColour,
-        msgspec.Meta(
-            description="Where the sun's light takes its colour from: its disc, the sky's "
+        setting(
+            "Where the sun's light takes its colour from: its disc, the sky's "
             "formula at the sun, or none",
-            extra={"source": "Hosek and Wilkie 2013, the solar radiance function"},
+            source="Hosek and Wilkie 2013, the solar radiance function",
         ),
     ] = "disc"
     sun_method: Annotated[
         Method,
-        msgspec.Meta(
-            description="Sun position by ephemeris or by the thesis's short series",
-            extra={"source": "VSOP87; Preetham et al. 1999 after Hvezda 2020, corrected"},
+        setting(
+            "Sun position by ephemeris or by the thesis's short series",
+            source="VSOP87; Preetham et al. 1999 after Hvezda 2020, corrected",
         ),
     ] = "ephemeris"
     cube_device: Annotated[
-        Device,
-        msgspec.Meta(
-            description="What computes the sky's cube map; the GPU where there is one, by day"
-        ),
+        Device, setting("What computes the sky's cube map; the GPU where there is one, by day")
     ] = "cpu"

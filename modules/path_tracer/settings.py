@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from vrut_lite.kernel.settings import setting
+
 # What stands for what is no metal: see `PathTracerSettings.surfaces`.
 SurfaceModel = Literal["gltf", "bare", "principled"]
 
@@ -11,36 +13,26 @@ SurfaceModel = Literal["gltf", "bare", "principled"]
 class PathTracerSettings(msgspec.Struct, frozen=True):
     """The settings of the module; a change begins the picture anew."""
 
-    spp: Annotated[
-        int, msgspec.Meta(ge=1, le=65536, description="Samples per pixel of a finished picture")
-    ] = 64
-    max_bounces: (
-        Annotated[
-            int,
-            msgspec.Meta(
-                ge=1,
-                le=1000,
-                description="How many surfaces light may meet, 1 for direct light alone; none: any",
-            ),
-        ]
-        | None
-    ) = None
+    spp: Annotated[int, setting("Samples per pixel of a finished picture", 1, 65536)] = 64
+    max_bounces: Annotated[
+        int | None,
+        setting("How many surfaces light may meet, 1 for direct light alone; none: any", 1, 1000),
+    ] = None
     sun: Annotated[
         Literal["disc", "sharp"],
-        msgspec.Meta(
-            description="The sun as its disc, darkened to the limb, or as a direction, with the "
+        setting(
+            "The sun as its disc, darkened to the limb, or as a direction, with the "
             "sharp shadows of the GL frame and no disc to be seen"
         ),
     ] = "disc"
     surfaces: Annotated[
         SurfaceModel,
-        msgspec.Meta(
-            description="What is no metal: Lambert's surface under a coat, as glTF has it, bare "
+        setting(
+            "What is no metal: Lambert's surface under a coat, as glTF has it, bare "
             "of its coat, or a principled BSDF",
-            extra={"source": "glTF 2.0, appendix B; Burley 2012"},
+            source="glTF 2.0, appendix B; Burley 2012",
         ),
     ] = "gltf"
     variant: Annotated[
-        Literal["scalar", "llvm"],
-        msgspec.Meta(description="Of mitsuba: scalar_rgb, or llvm_ad_rgb where it runs"),
+        Literal["scalar", "llvm"], setting("Of mitsuba: scalar_rgb, or llvm_ad_rgb where it runs")
     ] = "scalar"

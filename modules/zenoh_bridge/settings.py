@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from vrut_lite.kernel.settings import setting
 from vrut_lite.recording.limits import ARRAY_BYTES, MESSAGE_BYTES
 from zenoh_bridge.shareable import SLOT_PRODUCTS
 
@@ -13,48 +14,32 @@ _PRODUCTS = ", ".join(kind.__name__ for kind in SLOT_PRODUCTS)
 class ZenohBridgeSettings(msgspec.Struct, frozen=True):
     """The settings of the module; a change while it is enabled opens it anew."""
 
-    enabled: Annotated[bool, msgspec.Meta(description="Join another process")] = False
+    enabled: Annotated[bool, setting("Join another process")] = False
     mode: Annotated[
-        Literal["listen", "connect"],
-        msgspec.Meta(description="One process listens, the others connect to it"),
+        Literal["listen", "connect"], setting("One process listens, the others connect to it")
     ] = "listen"
-    endpoint: Annotated[
-        str, msgspec.Meta(description="Where: tcp/ADDRESS:PORT, or tls/ADDRESS:PORT")
-    ] = "tcp/127.0.0.1:7447"
-    allow_remote: Annotated[
-        bool, msgspec.Meta(description="Accept an endpoint on other machines than this one")
-    ] = False
-    prefix: Annotated[
-        str, msgspec.Meta(description="First part of all keys: bridges of one prefix meet")
-    ] = "vrut_lite"
-    tls_ca: Annotated[
-        str, msgspec.Meta(description="File with the certificate that signed both sides' own")
-    ] = ""
-    tls_certificate: Annotated[
-        str, msgspec.Meta(description="File with this side's certificate")
-    ] = ""
-    tls_key: Annotated[str, msgspec.Meta(description="File with this side's private key")] = ""
-    share: Annotated[
-        str, msgspec.Meta(description="Message types that go out, separated by commas")
-    ] = _PRODUCTS
-    accept: Annotated[
-        str, msgspec.Meta(description="Message types that may come in, separated by commas")
-    ] = _PRODUCTS
+    endpoint: Annotated[str, setting("Where: tcp/ADDRESS:PORT, or tls/ADDRESS:PORT")] = (
+        "tcp/127.0.0.1:7447"
+    )
+    allow_remote: Annotated[bool, setting("Accept an endpoint on other machines than this one")] = (
+        False
+    )
+    prefix: Annotated[str, setting("First part of all keys: bridges of one prefix meet")] = (
+        "vrut_lite"
+    )
+    tls_ca: Annotated[str, setting("File with the certificate that signed both sides' own")] = ""
+    tls_certificate: Annotated[str, setting("File with this side's certificate")] = ""
+    tls_key: Annotated[str, setting("File with this side's private key")] = ""
+    share: Annotated[str, setting("Message types that go out, separated by commas")] = _PRODUCTS
+    accept: Annotated[str, setting("Message types that may come in, separated by commas")] = (
+        _PRODUCTS
+    )
     max_message_kib: Annotated[
         int,
-        msgspec.Meta(
-            ge=1,
-            le=MESSAGE_BYTES // 1024,
-            description="Largest message to take, without its arrays",
-            extra={"unit": "KiB"},
+        setting(
+            "Largest message to take, without its arrays", 1, MESSAGE_BYTES // 1024, unit="KiB"
         ),
     ] = 64
     max_array_mib: Annotated[
-        int,
-        msgspec.Meta(
-            ge=1,
-            le=ARRAY_BYTES // 2**20,
-            description="Largest array to take",
-            extra={"unit": "MiB"},
-        ),
+        int, setting("Largest array to take", 1, ARRAY_BYTES // 2**20, unit="MiB")
     ] = 64

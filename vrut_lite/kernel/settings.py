@@ -1,9 +1,7 @@
 """Settings: one struct per module, from which validation, CLI options and panels are made.
 
-A settings class is a frozen `msgspec.Struct` whose fields all have defaults and carry
-`msgspec.Meta(ge=..., le=..., description=..., extra={"unit": ..., "source": ...})`, where the
-source is that of the formula behind it. A field that may also be None is left open: its
-description says what holds then.
+A settings class is a frozen `msgspec.Struct` whose fields all have defaults and are annotated by
+`setting`. A field that may also be None is left open: its description says what holds then.
 """
 
 import math
@@ -19,6 +17,20 @@ from vrut_lite.interrupts import pass_interrupt
 
 # Of a text that is refused.
 _LONGEST_TOLD = 200
+
+
+def setting(
+    description: str,
+    low: float | None = None,
+    high: float | None = None,
+    *,
+    unit: str = "",
+    source: str = "",
+) -> msgspec.Meta:
+    """Annotates a field: what it means, its least and greatest value, and the formula's source."""
+    return msgspec.Meta(
+        ge=low, le=high, description=description, extra={"unit": unit, "source": source}
+    )
 
 
 class SettingSpec(msgspec.Struct, frozen=True, kw_only=True):
