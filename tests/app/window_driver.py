@@ -5,12 +5,12 @@ from pathlib import Path
 
 import msgspec
 
-from vrut_lite.app.kept import Kept
-from vrut_lite.app.main_window import MainWindow
-from vrut_lite.app.presets import PresetStore
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import WatchedBackend
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import WatchedBackend
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.main_window import MainWindow
+from vrut_lite.app.window.presets import PresetStore
 from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved

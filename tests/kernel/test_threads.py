@@ -6,10 +6,10 @@ import threading
 import pytest
 from probe_messages import Heard, Poke, Slide, collect
 
-from vrut_lite.app.mailbox import Mailbox
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.kernel.thread import KernelThread
+from vrut_lite.mailbox import Mailbox
 
 INJECTORS, POKES = 3, 1000
 

@@ -7,11 +7,11 @@ import sys
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from vrut_lite.app.kept import Kept
-from vrut_lite.app.main_window import MainWindow
-from vrut_lite.app.module_states import into_safe_mode, states_of
-from vrut_lite.app.session import Session
+from vrut_lite.app.engine.module_states import into_safe_mode, states_of
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.project import Project
 
 _SIZE = (1600, 1000)

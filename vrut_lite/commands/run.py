@@ -15,7 +15,7 @@ from vrut_lite.interrupts import interrupts_held
 from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
 
 if TYPE_CHECKING:
-    from vrut_lite.app.kept import Kept
+    from vrut_lite.app.window.kept import Kept
 
 # What is shown who names nothing: a summer evening in a street.
 _DISTRIBUTION = "vrut-lite"
@@ -37,7 +37,7 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 
     Example: vrut-lite run scenes/street.toml --at 2026-06-21T18:40
     """
-    from vrut_lite.app.kept import Kept
+    from vrut_lite.app.window.kept import Kept
 
     kept = Kept(None) if safe_mode else Kept.of_user()
     project = with_options(_project(scene, kept), options)

@@ -3,7 +3,7 @@
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHeaderView, QTreeWidget, QTreeWidgetItem
 
-from vrut_lite.app.message_rows import MessageRow
+from vrut_lite.app.engine.message_rows import MessageRow
 from vrut_lite.app.panels.message_table import MessageModel, colour_of
 
 _NUMBER = Qt.ItemDataRole.UserRole

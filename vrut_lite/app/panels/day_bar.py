@@ -19,7 +19,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.app.day import Day
+from vrut_lite.app.engine.day import Day
 
 # The colour of daylight by the sun's elevation in degrees, from night to a high sun.
 _LIGHT = (

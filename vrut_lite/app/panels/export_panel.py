@@ -16,12 +16,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.day_scout import DayScout
-from vrut_lite.app.day_sequence import DaySequence, instants_of, one_process
-from vrut_lite.app.export import FORMATS, export_picture
+from vrut_lite.app.engine.day_scout import DayScout
+from vrut_lite.app.engine.export import FORMATS, export_picture
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
 from vrut_lite.app.panels.form import aligned_form
-from vrut_lite.app.project_keeper import ProjectKeeper
-from vrut_lite.app.session import Session
+from vrut_lite.app.window.project_keeper import ProjectKeeper
 from vrut_lite.errors import UserError
 from vrut_lite.render.image_files import picture_format
 

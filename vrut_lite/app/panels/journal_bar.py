@@ -16,10 +16,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.flight_recorder import Recorded
-from vrut_lite.app.message_rows import OpenJournal, open_journal
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import Stage
+from vrut_lite.app.engine.flight_recorder import Recorded
+from vrut_lite.app.engine.message_rows import OpenJournal, open_journal
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.recording.codec import decode
 from vrut_lite.recording.registry import Registry

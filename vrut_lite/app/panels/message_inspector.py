@@ -15,12 +15,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.message_rows import MessageRow, MessageWatch
+from vrut_lite.app.engine.message_rows import MessageRow, MessageWatch
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.cause_tree import CauseTree
 from vrut_lite.app.panels.journal_bar import JournalBar
 from vrut_lite.app.panels.message_table import MessageTable
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import Stage
 
 _LOOK_MS = 250
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHeaderView, QTreeView
 
 from vrut_lite.app import theme
-from vrut_lite.app.message_rows import MessageRow
+from vrut_lite.app.engine.message_rows import MessageRow
 
 # Live messages that are kept; a journal is shown whole.
 MOST_LIVE = 5000

@@ -15,8 +15,8 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app import theme
-from vrut_lite.app.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
-from vrut_lite.app.session import Session, fault_line
+from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
+from vrut_lite.app.engine.session import Session, fault_line
 from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
 
 _NAME = Qt.ItemDataRole.UserRole

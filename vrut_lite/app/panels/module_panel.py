@@ -16,10 +16,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.engine.roster import ModuleInfo, roster_of
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.setting_row import SettingRow
-from vrut_lite.app.presets import PresetStore, Values
-from vrut_lite.app.roster import ModuleInfo, roster_of
-from vrut_lite.app.session import Session
+from vrut_lite.app.window.presets import PresetStore, Values
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, ReloadModule, SetSetting, SettingChanged
 

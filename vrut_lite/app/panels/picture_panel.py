@@ -5,10 +5,10 @@ from typing import Any, get_args
 import msgspec
 from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QWidget
 
-from vrut_lite.app.engine import Shown
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.session import Session
 from vrut_lite.daylight.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
 
 _TONE_TITLES = {

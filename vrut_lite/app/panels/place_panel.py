@@ -13,12 +13,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.cities import City, all_cities, find_cities
-from vrut_lite.app.day_scout import place_of
+from vrut_lite.app.engine.day_scout import place_of
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.cities import City, all_cities, find_cities
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.world_map import WorldMap
-from vrut_lite.app.session import Session
 from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
 from vrut_lite.daylight.place_time import parse_place, time_zone_at
 from vrut_lite.daylight.sun import SunMoved

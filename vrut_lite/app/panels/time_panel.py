@@ -14,11 +14,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.day import Day
-from vrut_lite.app.day_scout import DayScout, place_of
+from vrut_lite.app.engine.day import Day
+from vrut_lite.app.engine.day_scout import DayScout, place_of
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.day_bar import DayBar
-from vrut_lite.app.player import Player
-from vrut_lite.app.session import Session
+from vrut_lite.app.panels.player import Player
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.errors import UserError

@@ -10,8 +10,8 @@ from PySide6.QtGui import QColor, QHideEvent, QImage, QPainter, QPaintEvent, QSh
 from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import Stage
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.kernel.messages import Demand, Message
 from vrut_lite.render.display import display_picture

@@ -1,0 +1,63 @@
+"""How each module fares: what the module manager shows, taken on the engine's thread."""
+
+from typing import NamedTuple
+
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.daylight_kernel import DEFAULT_HOLDERS
+from vrut_lite.kernel.messages import EnableModule, Fault, Input
+from vrut_lite.kernel.reload import root_package
+
+_HOST_PACKAGE = __name__.partition(".")[0]
+
+
+class ModuleState(NamedTuple):
+    """One module; `needed` are the host's own and those that bring daylight by default."""
+
+    name: str
+    title: str
+    version: str
+    state: str
+    holds: tuple[str, ...]
+    fault: Fault | None
+    of_host: bool
+    needed: bool
+
+
+class ModuleStates(NamedTuple):
+    """All modules in load order, and a sentence for each that could not be loaded."""
+
+    modules: dict[str, ModuleState]
+    failures: tuple[str, ...]
+
+    @property
+    def safe(self) -> bool:
+        """Whether nothing runs but what is needed."""
+        return not any(m.state == "running" and not m.needed for m in self.modules.values())
+
+
+def states_of(stage: Stage) -> ModuleStates:
+    """The states of now."""
+    kernel = stage.kernel
+    modules = {}
+    for name, seat in kernel.seats.items():
+        of_host = root_package(seat.module_type) == _HOST_PACKAGE
+        modules[name] = ModuleState(
+            name=name,
+            title=seat.manifest.title,
+            version=seat.manifest.version,
+            state=seat.state,
+            holds=tuple(sorted(kernel.slots.held_by(name))),
+            fault=seat.last_fault,
+            of_host=of_host,
+            needed=of_host or name in DEFAULT_HOLDERS.values(),
+        )
+    return ModuleStates(modules, tuple(stage.failures))
+
+
+def into_safe_mode(states: ModuleStates) -> list[Input]:
+    """Switch off what is not needed, and on what is."""
+    return [
+        EnableModule(module=module.name, enabled=module.needed)
+        for module in states.modules.values()
+        if module.needed != (module.state == "running")
+    ]

@@ -1,0 +1,245 @@
+"""The engine as Qt sees it: inputs go in from Qt's thread, messages and pictures come out on it.
+
+What the engine tells waits in a mailbox, latest of each key, until Qt comes for it: however busy
+either side is, there is one delivery and no backlog.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Future
+from contextlib import closing, contextmanager
+from itertools import count
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from vrut_lite.app.engine import engine
+from vrut_lite.app.engine.cpu_sky import best_stage
+from vrut_lite.app.engine.engine import Engine, Shown
+from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
+from vrut_lite.app.engine.hand_over import HandOver
+from vrut_lite.app.engine.history import History
+from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.faults import sentence_of
+from vrut_lite.kernel.messages import Fault, Input, Message
+from vrut_lite.mailbox import Mailbox
+
+M = TypeVar("M", bound=Message)
+T = TypeVar("T")
+Listener = Callable[[Any], None]
+_STEPS = "steps"
+
+
+class Session(QObject):
+    """One host behind a window.
+
+    Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `sent` (an input)
+    whenever something was sent, `heard` (message, sender), `picture_shown` (a `Shown`),
+    `camera_moved` (the `MoveCamera` that is looked through), `steps_changed` (`Steps` to take back
+    and to do again), `problem` (a line for people), `closing` when the end begins, `ended` when
+    nothing runs any more.
+    """
+
+    ready = Signal(object)
+    sent = Signal(object)
+    heard = Signal(object, str)
+    picture_shown = Signal(object)
+    camera_moved = Signal(object)
+    steps_changed = Signal(object)
+    problem = Signal(str)
+    closing = Signal()
+    ended = Signal()
+    _mail_came = Signal()
+
+    def __init__(self, open_stage: Callable[[], Stage] = best_stage, parent: QObject | None = None):
+        super().__init__(parent)
+        self.roster = Roster({}, {}, "")
+        self.shown: Shown | None = None
+        self._last: dict[type[Message], Message] = {}
+        self._listeners: defaultdict[type[Message], list[Listener]] = defaultdict(list)
+        self._numbers = count()
+        self._has_ended = False
+        self._wake = HandOver(self._mail_came.emit)
+        self._mailbox = Mailbox(self._wake)
+        self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
+        self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
+        self._recorder: FlightRecorder | None = None
+        self._engine = Engine(open_stage, self._mailbox.put, self._attend)
+
+    def start(self) -> None:
+        """Open the host, in the background."""
+        self._engine.start()
+
+    def send(self, *inputs: Input) -> None:
+        """Bring inputs to the kernel; of those that still wait the latest of each key counts.
+
+        Together they are one step to be taken back.
+        """
+        self.history.expect(inputs)
+        self._bring(inputs)
+
+    def begin_with(self, *inputs: Input) -> None:
+        """Bring inputs that are not to be taken back, nor anything before them."""
+        self.history.expect(inputs, beginning=True)
+        self._bring(inputs)
+
+    def _bring(self, inputs: tuple[Input, ...]) -> None:
+        self._engine.send(*inputs)
+        for message in inputs:
+            self.sent.emit(message)
+
+    def undo(self, then: Callable[[str], None] | None = None) -> None:
+        """Take the last step back; `then` gets its title, empty if there was none."""
+        self.follow(self._engine.ask(lambda stage: self.history.undo(), changes=True), then)
+
+    def redo(self, then: Callable[[str], None] | None = None) -> None:
+        """Do again what was taken back last; `then` gets its title, empty if there was nothing."""
+        self.follow(self._engine.ask(lambda stage: self.history.redo(), changes=True), then)
+
+    @property
+    def recorded(self) -> Recorded:
+        """How much of this session a journal would hold."""
+        return Recorded() if self._recorder is None else self._recorder.recorded
+
+    def save_journal(self, path: str, then: Callable[[Recorded], None]) -> None:
+        """Write all that happened since the session began; the window goes on meanwhile."""
+
+        def save(stage: Stage) -> "Future[Recorded]":
+            if self._recorder is None:
+                raise UserError("this session is not recorded")
+            return self._recorder.save(path)
+
+        self.ask(save, lambda answer: self.follow(answer, then))
+
+    def listen(self, kind: type[M], listener: Callable[[M], None]) -> None:
+        """Be called with each message of a type, and at once with the last if there was one."""
+        self._listeners[kind].append(listener)
+        last = self.last(kind)
+        if last is not None:
+            listener(last)
+
+    def last(self, kind: type[M]) -> M | None:
+        """The latest message of a type that has come here."""
+        return self._last.get(kind)  # type: ignore[return-value]
+
+    def ask(
+        self,
+        question: Callable[[Stage], T],
+        then: Callable[[T], None] | None = None,
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """Have a question answered on the engine's thread; `then` gets the answer, on Qt's.
+
+        What it raises becomes a `problem`, or goes to `failed` as a line.
+        """
+        self.follow(self._engine.ask(question), then, failed)
+
+    def follow(
+        self,
+        answer: "Future[T]",
+        then: Callable[[T], None] | None = None,
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """As `ask`, of an answer that somebody else's thread will give."""
+
+        def done(answer: "Future[T]") -> None:
+            self._mailbox.put(("answer", next(self._numbers)), (answer, then, failed))
+
+        answer.add_done_callback(done)
+
+    def close(self) -> None:
+        """Begin to end; `ended` comes when all that runs has noticed."""
+        self._engine.stop()
+        self.closing.emit()
+
+    def join(self, timeout_s: float | None = None) -> bool:
+        """Wait for the engine's end; whether it came. Nothing is told after it."""
+        came = self._engine.join(timeout_s)
+        if came:
+            self._wake.close()
+        return came
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether `ended` was told."""
+        return self._has_ended
+
+    @contextmanager
+    def _attend(self, stage: Stage) -> Iterator[None]:
+        """Write the session's history and its journal, on the engine's thread."""
+        self.history.attach(stage.kernel)
+        try:
+            recorder = self._recorder = FlightRecorder(stage.kernel)
+        except (UserError, OSError) as error:
+            line = f"this session is not recorded: {error}"
+            self._mailbox.put((engine.PROBLEM, next(self._numbers)), line)
+            yield
+            return
+        with closing(recorder):
+            yield
+
+    def _deliver(self) -> None:
+        for key, value in self._mailbox.take_all().items():
+            kind = key[0] if isinstance(key, tuple) else key
+            self._deliver_one(str(kind), value)
+
+    def _deliver_one(self, kind: str, value: Any) -> None:
+        if kind == engine.HEARD:
+            self._hear(*value)
+        elif kind == engine.PICTURE:
+            self.shown = value
+            self.picture_shown.emit(value)
+        elif kind == engine.CAMERA:
+            self.camera_moved.emit(value)
+        elif kind == _STEPS:
+            self.steps_changed.emit(value)
+        elif kind == engine.PROBLEM:
+            self.problem.emit(one_line(value))
+        elif kind == engine.READY:
+            self.roster = value
+            self.ready.emit(value)
+        elif kind == engine.ENDED:
+            self._has_ended = True
+            self.closing.emit()
+            self.ended.emit()
+        else:
+            self._take_answer(*value)
+
+    def _hear(self, message: Message, sender: str) -> None:
+        self._last[type(message)] = message
+        for listener in tuple(self._listeners[type(message)]):
+            listener(message)
+        self.heard.emit(message, sender)
+        if isinstance(message, Fault):
+            self.problem.emit(fault_line(message))
+
+    def _take_answer(
+        self,
+        answer: "Future[Any]",
+        then: Callable[[Any], None] | None,
+        failed: Callable[[str], None] | None,
+    ) -> None:
+        try:
+            result = answer.result()
+        except CancelledError:
+            return
+        except BaseException as error:
+            (failed or self.problem.emit)(one_line(sentence_of(error)))
+            return
+        if then is not None:
+            then(result)
+
+
+def fault_line(fault: Fault) -> str:
+    """A fault for people: what the user is to mend, or which module failed where."""
+    if fault.for_user:
+        return one_line(fault.error)
+    fate = "; it is suspended: restart it, or go on without" if fault.suspended else ""
+    return one_line(f"module {fault.module} failed in {fault.where}: {fault.error}{fate}")
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks."""
+    return " ".join(str(text).split())

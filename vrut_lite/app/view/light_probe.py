@@ -1,0 +1,96 @@
+"""The light under the pointer: luminance from the picture, lux from the light meter."""
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.render.light_meter import Illuminance
+
+_REST_MS = 120
+
+
+class LightProbe(QObject):
+    """`text` says what is under the pointer; `changed` when it says something else."""
+
+    changed = Signal()
+
+    def __init__(self, session: Session, parent: QObject | None = None):
+        super().__init__(parent)
+        self._session = session
+        self._at: tuple[float, float] | None = None
+        self._luminance = ""
+        self._illuminance = ""
+        self._asked = False
+        self._rest = QTimer(self)
+        self._rest.setSingleShot(True)
+        self._rest.setInterval(_REST_MS)
+        self._rest.timeout.connect(self._ask)
+        session.picture_shown.connect(self._read)
+
+    @property
+    def text(self) -> str:
+        """cd/m2, and lux on the surface; nothing where nothing is pointed at."""
+        parts = (self._luminance, self._illuminance) if self._at is not None else ()
+        return "   ".join(part for part in parts if part)
+
+    def point_at(self, x: float, y: float) -> None:
+        """Point at shares of the picture's width and height."""
+        self._at = (min(max(x, 0.0), 0.9999), min(max(y, 0.0), 0.9999))
+        self._illuminance = ""
+        if self._session.shown is not None:
+            self._read(self._session.shown)
+        self._rest.start()
+
+    def leave(self) -> None:
+        """Point at nothing."""
+        self._at = None
+        self._rest.stop()
+        self.changed.emit()
+
+    def _read(self, shown: Shown) -> None:
+        if self._at is None:
+            return
+        height, width = shown.picture.display.shape[:2]
+        x, y = int(self._at[0] * width), int(self._at[1] * height)
+        self._luminance = luminance_text(shown.picture.luminance_cd_m2(x, y))
+        if shown.still:
+            self._rest.start()
+        self.changed.emit()
+
+    def _ask(self) -> None:
+        """Have the surface's lux measured; one question at a time."""
+        if self._at is None or self._asked:
+            return
+        self._asked = True
+        at = self._at
+
+        def measure(stage: Stage) -> Illuminance | None:
+            width, height = stage.watched.size
+            return stage.light_at_pixel(int(at[0] * width), int(at[1] * height))
+
+        self._session.ask(
+            measure, lambda light: self._take(at, light), lambda _: self._take(at, None)
+        )
+
+    def _take(self, at: tuple[float, float], light: Illuminance | None) -> None:
+        self._asked = False
+        if at != self._at:
+            self._rest.start()
+            return
+        self._illuminance = "" if light is None else illuminance_text(light)
+        self.changed.emit()
+
+
+def luminance_text(cd_m2: float) -> str:
+    """Luminance in three figures."""
+    return (
+        f"{cd_m2:,.0f} cd/m\N{SUPERSCRIPT TWO}"
+        if cd_m2 >= 100
+        else f"{cd_m2:.3g} cd/m\N{SUPERSCRIPT TWO}"
+    )
+
+
+def illuminance_text(light: Illuminance) -> str:
+    """Lux by sun and by sky."""
+    return f"{light.lux:,.0f} lx (sun {light.sun_lux:,.0f} + sky {light.sky_lux:,.0f})"

@@ -1,0 +1,43 @@
+"""Asks for the files to open and to write."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QFileDialog
+
+from vrut_lite.project import PROJECT_SUFFIX
+
+if TYPE_CHECKING:
+    from vrut_lite.app.window.main_window import MainWindow
+
+_TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
+
+
+def ask_to_open(window: "MainWindow") -> None:
+    """Let a file be chosen, and open it."""
+    path, _ = QFileDialog.getOpenFileName(window, "Open", _folder(window), _TO_OPEN)
+    if path:
+        window.open_path(path)
+
+
+def ask_to_save(window: "MainWindow") -> None:
+    """Let a name be chosen, and save the project."""
+    path, _ = QFileDialog.getSaveFileName(
+        window, "Save project", _folder(window), "Projects (*.toml)"
+    )
+    if path:
+        window.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
+
+
+def ask_to_export(window: "MainWindow") -> None:
+    """Let a name be chosen, and write the picture."""
+    path, _ = QFileDialog.getSaveFileName(
+        window, "Export picture", _folder(window), "Pictures (*.png *.exr)"
+    )
+    if path:
+        window.export(path)
+
+
+def _folder(window: "MainWindow") -> str:
+    scene = window.desk.keeper.project.scene
+    return str(Path(scene).resolve().parent) if scene else ""

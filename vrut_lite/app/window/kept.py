@@ -1,0 +1,105 @@
+"""What outlives a window: what was open, which files were opened lately, and its shape."""
+
+import os
+from base64 import b64decode, b64encode
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+from platformdirs import user_state_path
+
+from vrut_lite.app.window.project_file import save_project
+from vrut_lite.app.window.small_json import make_folder, read_object, set_aside, write_object
+from vrut_lite.errors import UserError
+from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
+
+_MOST_RECENT = 10
+# Of a longer list only so many are looked for.
+_MOST_LISTED = 100
+_SESSION, _WINDOW = "session.toml", "window.json"
+
+
+class WindowShape(NamedTuple):
+    """Where the window was and how its docks lay, in Qt's own form."""
+
+    geometry: bytes
+    docks: bytes
+
+
+class Kept:
+    """Files in one folder, made when there is something to keep; without a folder nothing is.
+
+    A damaged file counts as one that was never there; what takes its place does not overwrite it.
+    """
+
+    def __init__(self, folder: Path | None):
+        self._folder = folder
+
+    @classmethod
+    def of_user(cls) -> Self:
+        """In the folder that the system has for such things."""
+        return cls(user_state_path("vrut_lite"))
+
+    @property
+    def recent(self) -> list[str]:
+        """Scenes and projects, the latest first, that are still there."""
+        listed = self._read().get("recent")
+        paths = listed if isinstance(listed, list) else []
+        texts = [path for path in paths[:_MOST_LISTED] if isinstance(path, str)]
+        # Unlike a Path it finds no fault with names that no file can have.
+        return [path for path in dict.fromkeys(texts) if os.path.isfile(path)]
+
+    def add_recent(self, path: str) -> None:
+        """Note that a file was opened."""
+        full = str(Path(path).resolve())
+        others = [other for other in self.recent if other != full]
+        self._write(recent=[full, *others][:_MOST_RECENT])
+
+    def session(self) -> Project | None:
+        """What was open when a window was last closed, if it can be opened again."""
+        if self._folder is None:
+            return None
+        try:
+            project = load_project(self._folder / _SESSION)
+            # Said of no place or hour, it would open nothing.
+            _ = daylight_inputs(project), view_inputs(project)
+        except UserError:
+            return None
+        return project if os.path.isfile(project.scene) else None
+
+    def keep_session(self, project: Project) -> None:
+        """Keep what is open; as all that keeps, raises UserError where nothing can be written."""
+        if project.scene and self._folder is not None:
+            make_folder(self._folder)
+            file = self._folder / _SESSION
+            try:
+                load_project(file)
+            except UserError:
+                set_aside(file)
+            save_project(file, project)
+
+    def shape(self) -> WindowShape | None:
+        """The window's shape when it was last closed."""
+        facts = self._read()
+        try:
+            shape = WindowShape(b64decode(facts["geometry"]), b64decode(facts["docks"]))
+        except (KeyError, TypeError, ValueError):
+            return None
+        # Qt does not look whether a shape is whole before it takes memory for what it says.
+        return shape if facts.get("digest") == _digest(shape) else None
+
+    def keep_shape(self, shape: WindowShape) -> None:
+        """Keep the window's shape."""
+        texts = {name: b64encode(data).decode() for name, data in shape._asdict().items()}
+        self._write(**texts, digest=_digest(shape))
+
+    def _read(self) -> dict[str, Any]:
+        return {} if self._folder is None else read_object(self._folder / _WINDOW)
+
+    def _write(self, **changes: Any) -> None:
+        if self._folder is not None:
+            write_object(self._folder / _WINDOW, {**self._read(), **changes})
+
+
+def _digest(shape: WindowShape) -> str:
+    return blake2b(b"".join(shape), digest_size=16).hexdigest()
