@@ -27,10 +27,10 @@ from vrut_lite.app.compare.sky_disc import SkyDisc
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.message_inspector import MessageInspector
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.command_palette import CommandPalette
 from vrut_lite.app.window.main_window import MainWindow
-from vrut_lite.app.window.presets import PresetStore
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock

@@ -65,8 +65,13 @@ CLASSES = {
     "handlers raise": (
         "@classmethod\n    def handlers(cls): raise Panic()", "cannot be used: Panic",
     ),
-    "engine is a number": ("engine = 5", "engine must be the name of what it draws with"),
-    "engine is a list": ("engine = []", "engine must be the name of what it draws with"),
+    "engine is a number": ("manifest = manifest(engine=5)", "engine of a manifest"),
+    "engine without a maker": ("manifest = manifest(engine='x')", "needs a method open_engine"),
+    "default for a text": ("manifest = manifest(default_for='sky')", "default_for of a manifest"),
+    "default for what it cannot": (
+        "manifest = manifest(default_for=('sky',))", "some of the slots that it provides",
+    ),
+    "auxiliary by text": ("manifest = manifest(auxiliary='yes')", "auxiliary of a manifest"),
     "brings a text": ("brings = 'Tick'", "brings must be a tuple of types of inputs"),
     "brings a message": ("brings = (Manifest,)", "brings must be a tuple of types of inputs"),
 }  # fmt: skip

@@ -127,13 +127,10 @@ def _takers(specs: dict[str, SettingSpec], value: str) -> list[str]:
 def _settings_by_name() -> dict[str, dict[str, SettingSpec]]:
     """Every setting name of the installed modules, and what it is in each that has it."""
     found: dict[str, dict[str, SettingSpec]] = {}
-    # What a bridge to the outside or an engine needs is no matter of daylight: --set reaches it.
-    modules = [
-        module for module in discover()[0] if not (module.brings or hasattr(module, "engine"))
-    ]
-    for module in modules:
-        for name, spec in describe(module.settings_type).items():
-            found.setdefault(name, {})[module.manifest.name] = spec
+    for module in discover()[0]:
+        if not module.manifest.auxiliary:
+            for name, spec in describe(module.settings_type).items():
+                found.setdefault(name, {})[module.manifest.name] = spec
     return found
 
 

@@ -12,7 +12,7 @@ import msgspec
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
-from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
+from vrut_lite.project import Project, load_project, project_of_path
 
 if TYPE_CHECKING:
     from vrut_lite.app.window.kept import Kept
@@ -54,8 +54,7 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 def _project(scene: str | None, kept: "Kept") -> Project:
     if scene is None:
         return kept.session() or _first_project()
-    is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
-    return load_project(scene) if is_project else Project(scene=scene)
+    return project_of_path(scene)
 
 
 def _first_project() -> Project:

@@ -7,8 +7,6 @@ from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Demand, Fault, Input, Message
 
-# Who holds which slot unless someone chooses; a missing one falls back to load order.
-DEFAULT_HOLDERS = {"sun": "dynamic_skylight", "sky": "dynamic_skylight"}
 LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
@@ -22,9 +20,12 @@ def daylight_kernel() -> tuple[Kernel, list[str]]:
             kernel.add_module(module, **services)
         except UserError as error:
             failures.append(f"module {module.__name__} failed to load: {error}")
-    for slot, holder in DEFAULT_HOLDERS.items():
-        if holder in kernel.slots.providers(slot):
-            kernel.inject(ChooseSlot(slot=slot, module=holder))
+    defaults: dict[str, str] = {}
+    for name, seat in kernel.seats.items():
+        for slot in seat.manifest.default_for:
+            defaults.setdefault(slot, name)
+    for slot, holder in defaults.items():
+        kernel.inject(ChooseSlot(slot=slot, module=holder))
     kernel.pump()
     return kernel, failures
 

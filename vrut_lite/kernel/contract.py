@@ -71,11 +71,15 @@ def _check_manifest(manifest: object) -> None:
             checks.refuse(manifest, field, "be a line of text", of)
     if not _NAME.fullmatch(manifest.name):
         checks.refuse(manifest, "name", "be letters, digits and _", of)
-    for field in ("provides", "requires"):
+    for field in ("provides", "requires", "default_for"):
         slots = getattr(manifest, field)
         if not (isinstance(slots, tuple) and all(map(_is_name, slots))):
             checks.refuse(manifest, field, "be a tuple of names of slots", of)
-    checks.flag(manifest, "stand_in", "exact_digits", of=of)
+    if not set(manifest.default_for) <= set(manifest.provides):
+        checks.refuse(manifest, "default_for", "be some of the slots that it provides", of)
+    if manifest.engine != "" and not _is_name(manifest.engine):
+        checks.refuse(manifest, "engine", "be a name of letters, digits, - and _", of)
+    checks.flag(manifest, "stand_in", "auxiliary", "exact_digits", of=of)
 
 
 def _check_handlers(module_type: type[Module]) -> None:
@@ -91,8 +95,8 @@ def _check_handlers(module_type: type[Module]) -> None:
                 f"{method} must be a method that does its work when it is called, neither async "
                 "nor a generator"
             )
-    if not _is_name(getattr(module_type, "engine", "none")):
-        raise UserError("engine must be the name of what it draws with")
+    if module_type.manifest.engine and not callable(getattr(module_type, "open_engine", None)):
+        raise UserError("its manifest names an engine, so it needs a method open_engine")
     _check_types(module_type, "brings", Input)
     _check_types(module_type, "speaks", Message)
 

@@ -15,7 +15,11 @@ Handler = Callable[[Any, Any], None]
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     """What a module is called, which slots it can hold and which it needs filled.
 
-    One that does not `stand_in` holds a slot only when it is chosen, never as a replacement. Of
+    It holds those of `default_for` until another is chosen. One that does not `stand_in` holds a
+    slot only when it is chosen, never as a replacement. An `auxiliary` module is a tool, not a
+    part of the daylight: commands offer its settings by `--set` alone, and the window hides its
+    panel at first. `engine` is the name by which a module that brings a scene backend is chosen
+    (`open_engine`). Of
     one without `exact_digits` the last digits of float32 may change from one run to the next;
     journals compare what it says by value.
     """
@@ -25,7 +29,10 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     version: str
     provides: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
+    default_for: tuple[str, ...] = ()
     stand_in: bool = True
+    auxiliary: bool = False
+    engine: str = ""
     exact_digits: bool = True
 
 

@@ -7,8 +7,9 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from vrut_lite.app.compare.sky_comparison import ANGLES_DEG
-from vrut_lite.app.compare.twin_skies import luminance_of
+from vrut_lite.app.compare.two_skies import luminance_of
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import SetClock, SetSetting
 
 NIGHT = datetime(2026, 6, 21, 23, 0, tzinfo=UTC)
@@ -49,7 +50,7 @@ def test_two_models_are_shown_at_equal_haze(driver):
     """Hosek-Wilkie beside Bruneton at turbidity 3, which is AOD 0.20 (Preetham 1999), or itself."""
     two = driver.told[0].two
     assert [look.module for look in two.looks] == ["dynamic_skylight", "bruneton_sky"]
-    assert two.wish.settings.shared == {"turbidity": 3.0, "albedo": pytest.approx(0.1)}
+    assert two.wish.shared == {"turbidity": 3.0, "albedo": pytest.approx(0.1)}
     assert "optical depth of 0.201" in driver.compare.aerosol.text()
     low, middle, high = driver.told[0].ratios
     assert low < middle < high
@@ -64,14 +65,14 @@ def test_two_models_are_shown_at_equal_haze(driver):
 def test_haze_of_both_is_slid_and_follows_the_window(driver):
     """More haze in both: the zenith near a high sun brightens; the window's own sky stays."""
     driver.compare.fields["turbidity"].spin.setValue(6.0)
-    hazy = compared(driver, lambda c: c.two.wish.settings.shared["turbidity"] == 6.0)
+    hazy = compared(driver, lambda c: c.two.wish.shared["turbidity"] == 6.0)
     zenith = ANGLES_DEG == 0.0
     assert (hazy.meridian_cd_m2[:, zenith] > 1.3 * driver.told[0].meridian_cd_m2[:, zenith]).all()
     assert "Turbidity 6.00" in driver.compare.aerosol.text()
     assert driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor.value == 3.0
     driver.session.send(SetSetting(module="dynamic_skylight", name="turbidity", value=4.5))
     driver.until(lambda: driver.compare.fields["turbidity"].value == 4.5)
-    compared(driver, lambda c: c.two.wish.settings.shared["turbidity"] == 4.5)
+    compared(driver, lambda c: c.two.wish.shared["turbidity"] == 4.5)
 
 
 def test_the_curve_is_the_sky_along_the_suns_meridian(driver):
@@ -133,8 +134,19 @@ def test_the_fisheye_knows_where_north_is(driver, qtbot):
 
 
 def test_nothing_is_compared_out_of_sight(headless_window):
-    """Who does not look pays for nothing: no thread, no second kernel."""
-    driver = headless_window
+    """The second kernel, which is asked for the sun's day, makes no sky for a hidden panel."""
+    driver, looked_up = headless_window, []
     driver.session.send(SetClock(instant=NIGHT))
     driver.settled()
-    assert driver.panel("compare").comparison._thread is None
+    driver.session.look_up(lambda second: second.kernel.last(BackgroundChanged), looked_up.append)
+    driver.until(lambda: bool(looked_up))
+    assert looked_up == [None]
+
+
+def test_a_day_that_is_looked_up_leaves_the_comparison_as_it_is(driver):
+    """Both ask one kernel: after a day of another date, spectra are those of the hour shown."""
+    before = spectra(driver, lambda s: s.seen[0] is not None)
+    driver.session.look_up(lambda second: second.sun_at(NIGHT), lambda sun: None)
+    driver.compare.comparison.look_along((0.0, 1.0, 1e-9))
+    after = spectra(driver, lambda s: s.direction[2] > 0.0)
+    assert after.seen[1].radiance == pytest.approx(before.seen[1].radiance, rel=1e-3)

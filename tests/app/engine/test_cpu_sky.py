@@ -50,8 +50,8 @@ def test_the_window_draws_the_sky_on_the_cpu(qtbot, tmp_path):
 @pytest.mark.gl
 def test_the_cpu_sky_is_the_frames_own(qtbot, tmp_path):
     """Where no mesh stands both show the same radiance: 2 % for other cube sizes and filters."""
+    from vrut_lite.app.engine.session_project import inputs_of
     from vrut_lite.app.engine.stage import GlStage
-    from vrut_lite.app.window.project_keeper import inputs_of
     from vrut_lite.project import load_project
 
     skies = []

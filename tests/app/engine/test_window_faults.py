@@ -8,8 +8,8 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QApplication
 from window_driver import NOON, PATIENCE_MS, SCENES, HeadlessStage, WindowDriver
 
-from vrut_lite.app.compare.twin_skies import TwinSkies
-from vrut_lite.app.engine.day import SunScout
+from vrut_lite.app.compare import sky_comparison
+from vrut_lite.app.engine import day_scout
 from vrut_lite.app.engine.engine import Engine
 from vrut_lite.app.engine.session import Session
 from vrut_lite.daylight.scene import LoadScene
@@ -137,19 +137,20 @@ def test_what_a_thread_finds_after_the_window_was_closed_is_told_to_nobody(
         raise UserError("too late")
 
     if work == "day":
-        monkeypatch.setattr(SunScout, "day", lambda *wish: found.set() or goes_on.wait())
-        driver.window.desk.scout._found.connect(lambda *found: told.append(found))
+        monkeypatch.setattr(day_scout, "day_of", lambda *wish: found.set() or goes_on.wait())
+        monkeypatch.setattr(driver.window.desk.scout, "_take", lambda *found: told.append(found))
         driver.session.send(SetClock(instant=NOON.replace(month=3)))
     else:
-        monkeypatch.setattr(TwinSkies, "look", held)
-        driver.panel("compare").comparison._done.connect(lambda *found: told.append(found))
+        monkeypatch.setattr(sky_comparison, "look_at_skies", held)
+        comparison = driver.panel("compare").comparison
+        monkeypatch.setattr(comparison, "_refuse", lambda *found: told.append(found))
         driver.window.docks["compare"].show()
     driver.until(found.is_set)
     driver.window.close()
     goes_on.set()
     driver.until(lambda: driver.session.has_ended)
-    names = ("vrut-lite day", "vrut-lite comparison")
-    driver.until(lambda: not any(t.name.startswith(names) for t in threading.enumerate()))
+    name = "vrut-lite second kernel"
+    driver.until(lambda: not any(t.name.startswith(name) for t in threading.enumerate()))
     QApplication.processEvents()
     assert told == []
 

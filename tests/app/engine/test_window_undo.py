@@ -8,8 +8,7 @@ from PySide6.QtWidgets import QApplication
 from window_driver import NOON, SCENES
 
 from vrut_lite.app.engine import history
-from vrut_lite.app.engine.history import History
-from vrut_lite.app.engine.inverse import inverse_of
+from vrut_lite.app.engine.history import History, inverse_of
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.daylight.picture import SetExposure

@@ -95,12 +95,12 @@ def test_a_real_process_makes_real_pictures(headless_window, tmp_path):
     processes_or_skip()
     from PIL import Image
 
-    view, keeper = headless_window.window.desk.viewport, headless_window.window.desk.keeper
-    headless_window.until(lambda: keeper.project.size == view.pixels)
+    view = headless_window.window.desk.viewport
+    headless_window.until(lambda: headless_window.project.size == view.pixels)
     panel = headless_window.panel("export")
     panel.step_minutes.setValue(120)
     # Docks that come later may make the picture in the window smaller.
-    size = keeper.project.size
+    size = headless_window.project.size
     panel.start(str(tmp_path / "day.png"))
     headless_window.until(lambda: panel.progress.value() >= 1)
     panel.cancel.click()

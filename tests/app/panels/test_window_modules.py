@@ -6,7 +6,6 @@ import pytest
 from PySide6.QtCore import Qt
 from window_driver import NOON
 
-from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.window.docks import module_docks
 from vrut_lite.kernel.messages import (
     ClockMoved,
@@ -176,9 +175,10 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
     import growing_module
 
     driver.asked(lambda stage: stage.kernel.add_module(growing_module.Growing))
-    (spec,) = (
-        spec for spec in module_docks(driver.asked(roster_of)) if spec.name == "module growing"
-    )
+    driver.session.renew_roster()
+    driver.until(lambda: "growing" in driver.session.roster.modules)
+    docks = module_docks(driver.session.roster).docks
+    (spec,) = (spec for spec in docks if spec.name == "module growing")
     driver.window.add_dock(spec)
     driver.window.show_dock(spec.name)
     panel = driver.panel(spec.name)

@@ -33,10 +33,10 @@ def test_the_path_traced_picture_grows_while_it_is_seen(driver):
     """By its key it is shown beside the frame, with the samples that it has; a moved camera and
     other settings begin it anew, and hidden it costs nothing."""
     driver.session.send(SetSetting(module="path_tracer", name="spp", value=3))
-    panel = driver.panel("traced")
+    panel = driver.panel("panel path_tracer")
     driver.qtbot.keyClick(driver.window, Qt.Key.Key_T)
     driver.until(lambda: panel.shown is not None and panel.shown.samples == 3)
-    assert panel.told.text() == "3 of 3 paths a pixel"
+    assert panel.progress.text() == "3 of 3 paths a pixel"
     # The sundial under the sky at the frame's exposure: its picture is the frame's, but for grain.
     driver.until(lambda: driver.session.shown.still)
     frame, traced = driver.session.shown.picture.display, panel.shown.pixels

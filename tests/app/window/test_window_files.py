@@ -4,13 +4,19 @@ import msgspec
 import pytest
 from window_driver import NOON, SCENES
 
-from vrut_lite.app.window.project_file import project_text, save_project
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
 from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting, SettingChanged
-from vrut_lite.project import CameraView, Exposure, Project, load_project
+from vrut_lite.project import (
+    CameraView,
+    Exposure,
+    Project,
+    load_project,
+    project_text,
+    save_project,
+)
 
 
 @pytest.fixture
@@ -65,7 +71,7 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
     driver.window.open_path(str(tmp_path / "kept.toml"))
     driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("turbidity", 4.5))
     driver.settled()
-    assert driver.window.desk.keeper.project.camera.eye_m == (5.0, 6.0, 7.0)
+    assert driver.project.camera.eye_m == (5.0, 6.0, 7.0)
     assert driver.session.last(SetPlace).altitude_m == 40.0
 
 

@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from window_driver import NOON, SCENES, HeadlessStage, WindowDriver
 
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.window.kept import Kept, WindowShape
-from vrut_lite.app.window.presets import PresetStore
 from vrut_lite.commands.run import run
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.place import SetPlace
@@ -67,7 +67,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     assert second.session.last(ClockMoved).instant == NOON.replace(hour=3)
     assert second.panel("module clouds").rows["coverage"].editor.value == 0.3
     assert second.session.last(SetTolerance).tolerance == 0.05
-    assert second.window.desk.keeper.project.camera.eye_m == (5.0, 6.0, 7.0)
+    assert second.project.camera.eye_m == (5.0, 6.0, 7.0)
     second.window.open_path(str(SCENES / "sundial.toml"))
     second.until_heard(SetTolerance, lambda m: m.tolerance == DEFAULT_TOLERANCE)
 
@@ -354,6 +354,4 @@ def test_safe_mode_from_the_start_runs_what_is_needed(qtbot, tmp_path):
     }  # fmt: skip
     assert not driver.window.actions_by_name["undo"].isEnabled()
     driver.close()
-    assert msgspec.structs.asdict(driver.window.desk.keeper.project)["slots"]["sky"] == (
-        "dynamic_skylight"
-    )
+    assert msgspec.structs.asdict(driver.project)["slots"]["sky"] == ("dynamic_skylight")

@@ -121,7 +121,7 @@ class ComparePanel(QWidget):
         two = compared.two
         for disc, pixels in zip(self.discs, compared.discs, strict=True):
             disc.show_sky(pixels, two.sun.direction, two.wish.place.north_offset_rad)
-        self.aerosol.setText(depth_text(two.wish.settings.shared))
+        self.aerosol.setText(depth_text(two.wish.shared))
         low, middle, high = compared.ratios
         self.ratio.setText(
             f"Luminance, right over left: {middle:.2f} in the middle, {low:.2f} to {high:.2f} "

@@ -1,27 +1,28 @@
-"""Two skies compared in the background while someone looks, the latest wish first."""
+"""Two skies compared in the background, while the panel is seen."""
 
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, Signal
 
-from vrut_lite.app.compare.twin_skies import (
-    Settings,
+from vrut_lite.app.compare.two_skies import (
     SkyWish,
-    TwinSkies,
     TwoSkies,
+    look_at_skies,
     luminance_ratios,
     meridian_luminance,
+    spectra_along,
 )
-from vrut_lite.app.engine.hand_over import HandOver
 from vrut_lite.app.engine.roster import ModuleInfo, Roster
+from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.session import Session
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import SpectrumSeen
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
+from vrut_lite.kernel.faults import sentence_of
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec
 from vrut_lite.numeric_types import Vector
@@ -57,37 +58,28 @@ class SkyComparison(QObject):
     """Signals: `compared` (a `Compared`), then `spectra_seen` (a `Spectra`), which takes longer;
     `refused` (a line), `shared_changed` (name, value).
 
-    Nothing is done while nobody looks. `shared` are the settings that both skies have by one
-    name: what is compared is set alike, by hand or as the window's own sky was set last.
+    Works only while it is active. `shared` are the settings that both skies have by one name: they
+    are set alike, by hand or as the window's own sky was set last.
     """
 
     compared = Signal(object)
     spectra_seen = Signal(object)
     shared_changed = Signal(str, float)
     refused = Signal(str)
-    _done = Signal(object, object)
 
     def __init__(self, session: Session, parent: QObject | None = None):
         super().__init__(parent)
         self.shared: dict[str, float] = {}
         self._session = session
         self._modules: tuple[str, str] | None = None
-        self._sun = ""
-        self._own: dict[tuple[str, str], object] = {}
         self._direction: Vector = (0.0, 1.0, 0.0)
         self._active = False
-        # Of the latest wish and direction, and of the sky that was looked at last.
+        # The latest wish and direction, and the wish of the skies that were made last.
         self._asked: tuple[SkyWish, Vector] | None = None
-        self._looked: SkyWish | None = None
-        self._twin: TwinSkies | None = None
-        self._thread: ThreadPoolExecutor | None = None
-        self._tell = HandOver(self._done.emit)
-        self._done.connect(self._take, Qt.ConnectionType.QueuedConnection)
-        session.ready.connect(self._know)
-        session.listen(SlotChanged, self._slot_changed)
+        self._made: SkyWish | None = None
         session.listen(SettingChanged, self._setting_changed)
-        session.listen(SetPlace, lambda _: self._look())
-        session.listen(ClockMoved, lambda _: self._look())
+        for kind in (SlotChanged, SetPlace, ClockMoved):
+            session.listen(kind, lambda _: self._look())
         session.closing.connect(self.close)
 
     def set_active(self, active: bool) -> None:
@@ -96,15 +88,15 @@ class SkyComparison(QObject):
         self._look()
 
     def choose(self, left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
-        """Compare these modules' skies; what is set alike for both."""
+        """Compare these modules' skies; the settings that both have."""
         self._modules = (left.name, right.name)
         specs = shared_settings(left, right)
-        self.shared = {spec.name: self._value_of(spec, left, right) for spec in specs}
+        self.shared = {spec.name: _value_of(spec, left, right) for spec in specs}
         self._look()
         return specs
 
     def share(self, name: str, value: float) -> None:
-        """Let every sky have this value."""
+        """Set a setting of both skies."""
         self.shared[name] = value
         self._look()
 
@@ -116,37 +108,8 @@ class SkyComparison(QObject):
     def close(self) -> None:
         """Compare no more."""
         self._active, self._asked = False, None
-        self._tell.close()
-        thread, self._thread = self._thread, None
-        if thread is not None:
-            thread.submit(self._close_twin)
-            thread.shutdown(wait=False)
-
-    def _close_twin(self) -> None:
-        if self._twin is not None:
-            self._twin.close()
-
-    def _know(self, roster: Roster) -> None:
-        self._sun = roster.holders.get("sun", "")
-        self._own = {
-            (info.name, name): value
-            for info in roster.modules.values()
-            for name, value in info.values.items()
-        }
-
-    def _value_of(self, spec: SettingSpec, *modules: ModuleInfo) -> float:
-        """What one of the modules has in the window, or the default."""
-        known = (self._own.get((module.name, spec.name)) for module in modules)
-        value = next((v for v in known if v is not None), spec.default)
-        return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
-
-    def _slot_changed(self, message: SlotChanged) -> None:
-        if message.name == "sun":
-            self._sun = message.holder
-            self._look()
 
     def _setting_changed(self, message: SettingChanged) -> None:
-        self._own[message.module, message.name] = message.value
         ours = message.name in self.shared and message.module in (self._modules or ())
         if ours and message.value is not None:
             self.shared[message.name] = float(message.value)
@@ -157,47 +120,64 @@ class SkyComparison(QObject):
         place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
         if not self._active or self._modules is None or place is None or clock is None:
             return
-        settings = Settings(dict(self._own), dict(self.shared))
-        now = SetClock(instant=clock.instant)
-        asked = (SkyWish(self._modules, self._sun, place, now, settings), self._direction)
-        if asked == self._asked:
-            return
-        self._asked = asked
-        if self._thread is None:
-            self._thread = ThreadPoolExecutor(1, "vrut-lite comparison")
-        self._thread.submit(self._compare, asked)
+        roster = self._session.roster
+        settings = {
+            key: self.shared.get(key[1], value) for key, value in roster.settings_of().items()
+        }
+        wish = SkyWish(
+            modules=self._modules,
+            sun=roster.holders.get("sun", ""),
+            place=place,
+            clock=SetClock(instant=clock.instant),
+            settings=settings,
+            shared=dict(self.shared),
+        )
+        asked = (wish, self._direction)
+        if asked != self._asked:
+            self._asked = asked
+            for question in (self._compare, self._see_spectra):
+                self._session.look_up(
+                    partial(question, asked), self._take, partial(self._refuse, asked)
+                )
 
-    def _compare(self, asked: tuple[SkyWish, Vector]) -> None:
-        """On the thread of its own: the skies, then the spectra, unless something else is asked."""
-        if asked is not self._asked:
-            return
-        wish, direction = asked
-        twin = self._opened()
+    def _compare(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Compared | None:
+        """On the second kernel's thread: both skies, unless they are made or others are asked."""
+        wish, _ = asked
+        if asked is not self._asked or wish == self._made:
+            return None
+        self._made = None
         try:
-            if wish != self._looked:
-                self._looked = None
-                self._tell(asked, compared(twin.look(wish)))
-                self._looked = wish
-            if asked is self._asked:
-                self._tell(asked, Spectra(direction, twin.spectra(wish, direction)))
-        except UserError as error:
-            self._tell(asked, str(error))
+            answer = compared(look_at_skies(second, wish))
+        except UserError:
+            raise
         except Exception as error:
-            line = f"the skies cannot be compared: {type(error).__name__}: {error}"
-            self._tell(asked, line)
+            raise UserError(f"the skies cannot be compared: {sentence_of(error)}") from error
+        self._made = wish
+        return answer
 
-    def _opened(self) -> TwinSkies:
-        if self._twin is None:
-            self._twin = TwinSkies()
-        return self._twin
+    def _see_spectra(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Spectra | None:
+        """On the same thread: the spectra of skies that were made."""
+        wish, direction = asked
+        if asked is not self._asked or wish != self._made:
+            return None
+        return Spectra(direction, spectra_along(second, wish, direction))
 
-    def _take(self, asked: object, answer: object) -> None:
+    def _take(self, answer: Compared | Spectra | None) -> None:
         if isinstance(answer, Compared):
             self.compared.emit(answer)
-        elif isinstance(answer, Spectra):
+        elif answer is not None:
             self.spectra_seen.emit(answer)
-        elif asked is self._asked:
-            self.refused.emit(str(answer))
+
+    def _refuse(self, asked: tuple[SkyWish, Vector], line: str) -> None:
+        if asked is self._asked:
+            self.refused.emit(line)
+
+
+def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:
+    """What one of the modules has in the window, or the default."""
+    known = (module.values[spec.name] for module in modules)
+    value = next((v for v in known if v is not None), spec.default)
+    return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
 
 
 def compared(two: TwoSkies) -> Compared:

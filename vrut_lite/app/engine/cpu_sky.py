@@ -22,6 +22,7 @@ from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.patience import IsGivenUp
+from vrut_lite.render.rays import Hit
 from vrut_lite.render.white_balance import white_balance_matrix
 from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.camera import look_at
@@ -93,6 +94,10 @@ class CpuSkyStage:
         return self.watched.draw_sized(size, lambda: self.watched.draw(still))
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
+        """There is nothing but sky."""
+        return None
+
+    def surface_at_pixel(self, x: int, y: int) -> Hit | None:
         """There is nothing but sky."""
         return None
 

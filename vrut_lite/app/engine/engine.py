@@ -1,8 +1,8 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
-Inputs wait in an inbox in front of the kernel's own, and pass in one go: a storm of them merges
-while a frame is drawn, and the kernel always comes to an end with what it was given. A finished
-picture, which may take seconds, is given up for them.
+The kernel admits what waited when it was pumped, then a frame is drawn: inputs that come meanwhile
+merge in its inbox, however many they are. A finished picture, which may take seconds, is given up
+for them.
 """
 
 import threading
@@ -18,7 +18,6 @@ from vrut_lite.app.engine.pacing import Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.faults import sentence_of
-from vrut_lite.kernel.inbox import Inbox
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.render.patience import GivenUp
 from vrut_lite.scene.backend import Picture
@@ -55,7 +54,10 @@ class Engine:
         self._open_stage = open_stage
         self._tell = tell
         self._attend = attend
-        self._inbox = Inbox()
+        self._lock = threading.Lock()
+        # Inputs that were sent before there was a kernel.
+        self._early: list[Input] = []
+        self._inject: Callable[[Input], None] = self._early.append
         self._questions: deque[tuple[Question, Future[Any]]] = deque()
         self._awake = threading.Event()
         # Something was sent, undone, or is to end: nobody waits for a picture of what was before.
@@ -77,8 +79,9 @@ class Engine:
 
     def send(self, *inputs: Input) -> None:
         """Bring inputs, also before the stage is open."""
-        for message in inputs:
-            self._inbox.put(message)
+        with self._lock:
+            for message in inputs:
+                self._inject(message)
         self._move_on()
 
     def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
@@ -135,6 +138,10 @@ class Engine:
         for failure in stage.failures:
             self._tell((PROBLEM, next(self._numbers)), failure)
         self._tell(READY, roster_of(stage))
+        with self._lock:
+            self._inject = stage.kernel.inject
+            for message in self._early:
+                self._inject(message)
         return stage
 
     def _live(self, stage: Stage) -> None:
@@ -155,11 +162,10 @@ class Engine:
         return None if self._finish_at_s is None else max(0.0, self._finish_at_s - perf_counter())
 
     def _pump(self, stage: Stage) -> None:
-        while (message := self._inbox.take()) is not None:
-            stage.kernel.inject(message)
+        waiting = stage.kernel.waiting
         while True:
             try:
-                stage.kernel.pump()
+                stage.kernel.pump(most=waiting)
             # The host's own error: it costs the one message at which it was raised.
             except BaseException as error:
                 self._trouble(error)

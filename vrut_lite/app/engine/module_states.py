@@ -1,9 +1,8 @@
-"""How each module fares: what the module manager shows, taken on the engine's thread."""
+"""The state of each module, for the module manager; taken on the engine's thread."""
 
 from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.daylight.daylight_kernel import DEFAULT_HOLDERS
 from vrut_lite.kernel.messages import EnableModule, Fault, Input
 from vrut_lite.kernel.reload import root_package
 
@@ -11,7 +10,7 @@ _HOST_PACKAGE = __name__.partition(".")[0]
 
 
 class ModuleState(NamedTuple):
-    """One module; `needed` are the host's own and those that bring daylight by default."""
+    """One module; `needed` are the host's own and those that hold a slot by default."""
 
     name: str
     title: str
@@ -31,12 +30,12 @@ class ModuleStates(NamedTuple):
 
     @property
     def safe(self) -> bool:
-        """Whether nothing runs but what is needed."""
+        """Whether only needed modules run."""
         return not any(m.state == "running" and not m.needed for m in self.modules.values())
 
 
 def states_of(stage: Stage) -> ModuleStates:
-    """The states of now."""
+    """The states at this moment."""
     kernel = stage.kernel
     modules = {}
     for name, seat in kernel.seats.items():
@@ -49,13 +48,13 @@ def states_of(stage: Stage) -> ModuleStates:
             holds=tuple(sorted(kernel.slots.held_by(name))),
             fault=seat.last_fault,
             of_host=of_host,
-            needed=of_host or name in DEFAULT_HOLDERS.values(),
+            needed=of_host or bool(seat.manifest.default_for),
         )
     return ModuleStates(modules, tuple(stage.failures))
 
 
 def into_safe_mode(states: ModuleStates) -> list[Input]:
-    """Switch off what is not needed, and on what is."""
+    """Inputs that switch the needed modules on and all others off."""
     return [
         EnableModule(module=module.name, enabled=module.needed)
         for module in states.modules.values()

@@ -1,27 +1,35 @@
-"""Which modules there are: what panels are made from, taken on the engine's thread."""
+"""The window's one copy of what the kernel knows of its modules: settings and holders of slots."""
 
 from typing import NamedTuple
 
 import msgspec
 
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.kernel.messages import Message, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec, describe
 
 
 class ModuleInfo(NamedTuple):
-    """One module as it stands: its settings by name, with what is known of each."""
+    """One module: its settings by name, as they are now and as they are described."""
 
     name: str
     title: str
     version: str
     provides: tuple[str, ...]
-    state: str
+    auxiliary: bool
     specs: dict[str, SettingSpec]
     values: dict[str, object]
 
+    @property
+    def changed_values(self) -> dict[str, object]:
+        """The settings that differ from their defaults."""
+        return {
+            name: value for name, value in self.values.items() if value != self.specs[name].default
+        }
+
 
 class Roster(NamedTuple):
-    """All modules in load order, who holds which slot, and what draws."""
+    """All modules in load order, who holds which slot ("" for nobody), and what draws."""
 
     modules: dict[str, ModuleInfo]
     holders: dict[str, str]
@@ -36,9 +44,24 @@ class Roster(NamedTuple):
         """All slots that some module can hold."""
         return sorted({slot for module in self.modules.values() for slot in module.provides})
 
+    def settings_of(self, *modules: str) -> dict[tuple[str, str], object]:
+        """The settings of some modules, or of all, by module and name."""
+        return {
+            (module, name): value
+            for module in modules or self.modules
+            for name, value in self.modules[module].values.items()
+        }
+
+    def note(self, message: Message) -> None:
+        """Follow what a message changes."""
+        if isinstance(message, SlotChanged):
+            self.holders[message.name] = message.holder
+        elif isinstance(message, SettingChanged) and message.module in self.modules:
+            self.modules[message.module].values[message.name] = message.value
+
 
 def roster_of(stage: Stage) -> Roster:
-    """The roster of now."""
+    """The roster at this moment; on the engine's thread."""
     kernel = stage.kernel
     modules = {
         name: ModuleInfo(
@@ -46,7 +69,7 @@ def roster_of(stage: Stage) -> Roster:
             title=seat.manifest.title,
             version=seat.manifest.version,
             provides=seat.manifest.provides,
-            state=seat.state,
+            auxiliary=seat.manifest.auxiliary,
             specs=describe(type(seat.settings)),
             values=msgspec.structs.asdict(seat.settings),
         )

@@ -1,7 +1,7 @@
 """The engine as Qt sees it: inputs go in from Qt's thread, messages and pictures come out on it.
 
-What the engine tells waits in a mailbox, latest of each key, until Qt comes for it: however busy
-either side is, there is one delivery and no backlog.
+What the engine tells waits in a mailbox, the latest of each key, until Qt's event loop takes it:
+however busy either side is, there is one delivery and no backlog.
 """
 
 from collections import defaultdict
@@ -17,13 +17,14 @@ from vrut_lite.app.engine import engine
 from vrut_lite.app.engine.cpu_sky import best_stage
 from vrut_lite.app.engine.engine import Engine, Shown
 from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
-from vrut_lite.app.engine.hand_over import HandOver
 from vrut_lite.app.engine.history import History
-from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.roster import Roster, roster_of
+from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.faults import sentence_of
-from vrut_lite.kernel.messages import Fault, Input, Message
+from vrut_lite.kernel.messages import Fault, Input, Message, ReloadModule
 from vrut_lite.mailbox import Mailbox
 
 M = TypeVar("M", bound=Message)
@@ -35,14 +36,17 @@ _STEPS = "steps"
 class Session(QObject):
     """One host behind a window.
 
-    Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `sent` (an input)
-    whenever something was sent, `heard` (message, sender), `picture_shown` (a `Shown`),
-    `camera_moved` (the `MoveCamera` that is looked through), `steps_changed` (`Steps` to take back
-    and to do again), `problem` (a line for people), `closing` when the end begins, `ended` when
-    nothing runs any more.
+    Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `roster_renewed` when
+    a reload may have changed a module's settings, `sent` (an input) whenever something was sent,
+    `heard` (message, sender), `picture_shown` (a `Shown`), `camera_moved` (the `MoveCamera` of the
+    view), `steps_changed` (`Steps` to take back and to do again), `problem` (a line for people),
+    `closing` when the end begins, `ended` when nothing runs any more.
+
+    `roster` follows every change of a setting or a slot; listeners find the new value in it.
     """
 
     ready = Signal(object)
+    roster_renewed = Signal()
     sent = Signal(object)
     heard = Signal(object, str)
     picture_shown = Signal(object)
@@ -57,12 +61,13 @@ class Session(QObject):
         super().__init__(parent)
         self.roster = Roster({}, {}, "")
         self.shown: Shown | None = None
+        self.camera: MoveCamera | None = None
         self._last: dict[type[Message], Message] = {}
         self._listeners: defaultdict[type[Message], list[Listener]] = defaultdict(list)
         self._numbers = count()
-        self._has_ended = False
-        self._wake = HandOver(self._mail_came.emit)
-        self._mailbox = Mailbox(self._wake)
+        self._has_ended = self._is_closing = False
+        self._mailbox = Mailbox(self._mail_came.emit)
+        self._second = SecondKernel()
         self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
         self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
         self._recorder: FlightRecorder | None = None
@@ -136,6 +141,16 @@ class Session(QObject):
         """
         self.follow(self._engine.ask(question), then, failed)
 
+    def look_up(
+        self,
+        question: Callable[[SecondKernel], T],
+        then: Callable[[T], None],
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """As `ask`, of the second kernel; after `close` nothing is looked up or told."""
+        if not self._is_closing:
+            self.follow(self._second.ask(question), then, failed)
+
     def follow(
         self,
         answer: "Future[T]",
@@ -152,13 +167,13 @@ class Session(QObject):
     def close(self) -> None:
         """Begin to end; `ended` comes when all that runs has noticed."""
         self._engine.stop()
-        self.closing.emit()
+        self._begin_to_end()
 
     def join(self, timeout_s: float | None = None) -> bool:
         """Wait for the engine's end; whether it came. Nothing is told after it."""
         came = self._engine.join(timeout_s)
         if came:
-            self._wake.close()
+            self._mailbox.close()
         return came
 
     @property
@@ -192,6 +207,7 @@ class Session(QObject):
             self.shown = value
             self.picture_shown.emit(value)
         elif kind == engine.CAMERA:
+            self.camera = value
             self.camera_moved.emit(value)
         elif kind == _STEPS:
             self.steps_changed.emit(value)
@@ -202,18 +218,34 @@ class Session(QObject):
             self.ready.emit(value)
         elif kind == engine.ENDED:
             self._has_ended = True
-            self.closing.emit()
+            self._begin_to_end()
             self.ended.emit()
         else:
             self._take_answer(*value)
 
     def _hear(self, message: Message, sender: str) -> None:
         self._last[type(message)] = message
+        self.roster.note(message)
         for listener in tuple(self._listeners[type(message)]):
             listener(message)
         self.heard.emit(message, sender)
         if isinstance(message, Fault):
             self.problem.emit(fault_line(message))
+        elif isinstance(message, ReloadModule):
+            self.renew_roster()
+
+    def renew_roster(self) -> None:
+        """Ask the kernel for its modules again."""
+        self.ask(roster_of, self._take_roster)
+
+    def _take_roster(self, roster: Roster) -> None:
+        self.roster = roster
+        self.roster_renewed.emit()
+
+    def _begin_to_end(self) -> None:
+        self._is_closing = True
+        self._second.close()
+        self.closing.emit()
 
     def _take_answer(
         self,

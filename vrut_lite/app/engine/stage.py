@@ -19,6 +19,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.patience import IsGivenUp
+from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import Picture, SceneBackend
 from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import LoadedScene
@@ -155,6 +156,9 @@ class Stage(Protocol):
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on what a pixel of the full size shows; None for the sky."""
 
+    def surface_at_pixel(self, x: int, y: int) -> Hit | None:
+        """The surface that a pixel of the full size shows; None for the sky."""
+
     def close(self) -> None:
         """Give everything back."""
 
@@ -199,6 +203,10 @@ class GlStage:
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on what a pixel of the full size shows; None for the sky."""
         return self._host.light_at_pixel(x, y)
+
+    def surface_at_pixel(self, x: int, y: int) -> Hit | None:
+        """The surface that a pixel of the full size shows; None for the sky."""
+        return self._host.surface_at_pixel(x, y)
 
     def close(self) -> None:
         """Cancel background jobs and free the GPU."""

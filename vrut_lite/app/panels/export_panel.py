@@ -19,9 +19,9 @@ from PySide6.QtWidgets import (
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.export import FORMATS, export_picture
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
 from vrut_lite.app.panels.form import aligned_form
-from vrut_lite.app.window.project_keeper import ProjectKeeper
 from vrut_lite.errors import UserError
 from vrut_lite.render.image_files import picture_format
 
@@ -35,11 +35,10 @@ class ExportPanel(QWidget):
         self,
         session: Session,
         scout: DayScout,
-        keeper: ProjectKeeper,
         open_workers: Callable[[], Executor] = one_process,
     ):
         super().__init__()
-        self._session, self._scout, self._keeper = session, scout, keeper
+        self._session, self._scout = session, scout
         self._open_workers = open_workers
         self.sequence: DaySequence | None = None
         self.picture = QPushButton("Export this picture\N{HORIZONTAL ELLIPSIS}")
@@ -66,7 +65,7 @@ class ExportPanel(QWidget):
 
     def export(self, path: str) -> None:
         """Write the picture that is shown, in full size."""
-        project = self._keeper.project
+        project = project_of(self._session)
         self._session.ask(lambda stage: export_picture(stage, path, project), self._tell)
 
     def start(self, path: str) -> None:
@@ -75,7 +74,9 @@ class ExportPanel(QWidget):
         if day is None or (self.sequence is not None and self.sequence.running):
             return
         instants = instants_of(day, timedelta(minutes=self.step_minutes.value()))
-        sequence = DaySequence(self._keeper.project, instants, Path(path), self, self._open_workers)
+        sequence = DaySequence(
+            project_of(self._session), instants, Path(path), self, self._open_workers
+        )
         sequence.progressed.connect(self._show_progress)
         sequence.finished.connect(self._ended)
         sequence.failed.connect(self._failed)

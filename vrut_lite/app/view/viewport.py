@@ -42,6 +42,8 @@ from vrut_lite.scene.camera import frame_bounds
 SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
 _SETTLED_MS, _FLIGHT_MS = 60, 16
 _SMALLEST_PX = 16
+# A press that moves farther is a drag.
+_CLICK_PX = 3
 _MOST_FLIGHT_S = 0.1
 
 
@@ -75,6 +77,7 @@ class Viewport(QWidget):
         self._scene: SceneLoaded | None = None
         self._held: set[Qt.Key] = set()
         self._grip: QPointF | None = None
+        self._pressed: QPointF | None = None
         self._flew_s = 0.0
         self._resized = _single_shot(self, _SETTLED_MS, self._send_size)
         self._flight = QTimer(self)
@@ -168,16 +171,14 @@ class Viewport(QWidget):
     # --- by mouse ----------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the scene."""
-        self._grip = event.position()
+        """Begin to drag, or to click."""
+        self._grip = self._pressed = event.position()
         self.probe.leave()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Move the camera, or read the light under the pointer."""
         if self._grip is None:
-            self.probe.point_at(
-                event.position().x() / self.width(), event.position().y() / self.height()
-            )
+            self._point(event.position())
             self._tell_direction(event.position())
             return
         way = (event.position() - self._grip) / max(1, self.height())
@@ -187,6 +188,9 @@ class Viewport(QWidget):
         )
         self._drag(way.x(), -way.y(), bool(shifting))
 
+    def _point(self, spot: QPointF) -> None:
+        self.probe.point_at(spot.x() / self.width(), spot.y() / self.height())
+
     def _tell_direction(self, spot: QPointF) -> None:
         size = (self.width(), self.height())
         x, y, z = pixel_direction(self.camera, size, int(spot.x()), int(spot.y())).tolist()
@@ -194,8 +198,12 @@ class Viewport(QWidget):
             self.sky_pointed.emit((x, y, z))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go."""
-        self._grip = None
+        """End to drag; without one it was a click."""
+        way = event.position() - (self._pressed or event.position())
+        self._grip = self._pressed = None
+        if event.button() == Qt.MouseButton.LeftButton and way.manhattanLength() <= _CLICK_PX:
+            self._point(event.position())
+            self.probe.click()
 
     def leaveEvent(self, event: object) -> None:
         """Nothing is pointed at."""

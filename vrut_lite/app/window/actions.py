@@ -1,4 +1,4 @@
-"""What can be done from menus and by keys: one list, from which both are made."""
+"""The actions of menus and keys, in one list."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,7 +11,7 @@ from vrut_lite.app.window.file_requests import ask_to_export, ask_to_open, ask_t
 
 
 class ActionSpec(NamedTuple):
-    """An entry of a menu; one that is `checkable` is switched, and told whether it is on."""
+    """An entry of a menu; a `checkable` one is called with whether it is on."""
 
     name: str
     menu: str
@@ -56,8 +56,6 @@ ACTIONS: list[ActionSpec] = [
                lambda window, on: window.desk.sun_path.show(on), True),
     ActionSpec("compare", "View", "Compare two skies", "C",
                lambda window, on: window.show_dock("compare")),
-    ActionSpec("traced", "View", "Path-traced picture", "T",
-               lambda window, on: window.toggle_dock("traced")),
     ActionSpec("profiler", "View", "Profiler", "F3",
                lambda window, on: window.profiler.setVisible(on), True),
     ActionSpec("modules", "View", "Module manager", "F4",

@@ -4,10 +4,9 @@ from dataclasses import dataclass, field
 
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import Viewport
-from vrut_lite.app.window.presets import PresetStore
-from vrut_lite.app.window.project_keeper import ProjectKeeper
 
 
 @dataclass
@@ -16,7 +15,6 @@ class Desk:
 
     session: Session
     scout: DayScout
-    keeper: ProjectKeeper
     sun_path: SunPath
     viewport: Viewport
     presets: PresetStore = field(default_factory=PresetStore)

@@ -1,14 +1,21 @@
-"""Which docks the window has: one line each. A new panel is a line more."""
+"""The docks of the window: the host's own, and those of the modules.
+
+A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
+QWidget class with a `title` and, if it is to have a shortcut, `keys`; it is called with the
+`Session`. It is imported when the window is ready, so that a module needs no Qt elsewhere.
+"""
 
 from collections.abc import Callable
 from functools import partial
+from importlib.metadata import entry_points
 from typing import NamedTuple
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QWidget
 
 from vrut_lite.app.compare.compare_panel import ComparePanel
-from vrut_lite.app.engine.roster import ModuleInfo, Roster
+from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.export_panel import ExportPanel
 from vrut_lite.app.panels.message_inspector import MessageInspector
 from vrut_lite.app.panels.module_manager import ModuleManager
@@ -18,16 +25,19 @@ from vrut_lite.app.panels.place_panel import PlacePanel
 from vrut_lite.app.panels.sky_panel import SHOWN_SLOT, SkyPanel
 from vrut_lite.app.panels.sun_panel import SunPanel
 from vrut_lite.app.panels.time_panel import TimePanel
-from vrut_lite.app.panels.traced_panel import TracedPanel
 from vrut_lite.app.window.desk import Desk
+from vrut_lite.errors import UserError
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.faults import sentence_of
 
+PANEL_GROUP = "vrut_lite.panels"
 Area = Qt.DockWidgetArea
 
 
 class DockSpec(NamedTuple):
     """A dock: docks of one `group` share a place as tabs, in this order.
 
-    A dock that is not `scrolled` is as high as its content.
+    A dock that is not `scrolled` is as high as its content. `keys` show it and hide it.
     """
 
     name: str
@@ -36,6 +46,7 @@ class DockSpec(NamedTuple):
     make: Callable[[Desk], QWidget]
     shown: bool = True
     scrolled: bool = True
+    keys: str = ""
 
 
 # Where each group stands, from top to bottom.
@@ -54,7 +65,7 @@ DOCKS: list[DockSpec] = [
         "export",
         "Export",
         "where and when",
-        lambda desk: ExportPanel(desk.session, desk.scout, desk.keeper),
+        lambda desk: ExportPanel(desk.session, desk.scout),
     ),
     DockSpec("sky", "Sky", "light", lambda desk: SkyPanel(desk.session, desk.presets)),
     DockSpec(
@@ -63,14 +74,6 @@ DOCKS: list[DockSpec] = [
         "tools",
         lambda desk: ComparePanel(desk.session, desk.viewport),
         shown=False,
-    ),
-    DockSpec(
-        "traced",
-        "Path-traced picture",
-        "tools",
-        lambda desk: TracedPanel(desk.session),
-        shown=False,
-        scrolled=False,
     ),
     DockSpec(
         "time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout), scrolled=False
@@ -93,24 +96,55 @@ DOCKS: list[DockSpec] = [
     ),
 ]
 
-# Modules that few people look at wait in the menu.
-_HIDDEN = {"path_tracer", "zenoh_bridge"}
+
+class ModulePanels(NamedTuple):
+    """The docks of the modules, and a sentence for each panel that cannot be shown."""
+
+    docks: list[DockSpec]
+    failures: list[str]
 
 
-def module_docks(roster: Roster) -> list[DockSpec]:
-    """A dock for each module that has settings, but for those whose panel the sky's dock shows."""
-    return [
+def module_docks(roster: Roster) -> ModulePanels:
+    """A dock for the settings of each module, and one for each panel that a module brings.
+
+    The dock of the sky shows the settings of the modules that provide it.
+    """
+    docks = [
         DockSpec(
             f"module {module.name}",
             module.title,
             "light",
-            partial(_module_panel, module),
-            shown=module.name not in _HIDDEN,
+            partial(_settings_panel, module.name),
+            shown=not module.auxiliary,
         )
         for module in roster.modules.values()
         if module.specs and SHOWN_SLOT not in module.provides
     ]
+    failures = []
+    for point in sorted(entry_points(group=PANEL_GROUP), key=lambda point: point.name):
+        if point.name in roster.modules:
+            try:
+                docks.append(_own_dock(point.name, point.load()))
+            except BaseException as error:
+                pass_interrupt(error)
+                failures.append(f"the panel of module {point.name} failed: {sentence_of(error)}")
+    return ModulePanels(docks, failures)
 
 
-def _module_panel(module: ModuleInfo, desk: Desk) -> QWidget:
+def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
+    title, keys = (getattr(panel, name, "") for name in ("title", "keys"))
+    if not (isinstance(title, str) and title and isinstance(keys, str)):
+        raise UserError("its class needs a `title`, a text, and may have `keys`, a shortcut")
+    return DockSpec(
+        f"panel {module}",
+        title,
+        "tools",
+        lambda desk: panel(desk.session),
+        shown=False,
+        scrolled=False,
+        keys=keys,
+    )
+
+
+def _settings_panel(module: str, desk: Desk) -> QWidget:
     return ModulePanel(desk.session, module, desk.presets)

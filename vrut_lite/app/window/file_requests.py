@@ -1,10 +1,10 @@
 """Asks for the files to open and to write."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QFileDialog
 
+from vrut_lite.app.engine.session_project import folder_of
 from vrut_lite.project import PROJECT_SUFFIX
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ _TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
 
 def ask_to_open(window: "MainWindow") -> None:
     """Let a file be chosen, and open it."""
-    path, _ = QFileDialog.getOpenFileName(window, "Open", _folder(window), _TO_OPEN)
+    path, _ = QFileDialog.getOpenFileName(window, "Open", folder_of(window.session), _TO_OPEN)
     if path:
         window.open_path(path)
 
@@ -23,7 +23,7 @@ def ask_to_open(window: "MainWindow") -> None:
 def ask_to_save(window: "MainWindow") -> None:
     """Let a name be chosen, and save the project."""
     path, _ = QFileDialog.getSaveFileName(
-        window, "Save project", _folder(window), "Projects (*.toml)"
+        window, "Save project", folder_of(window.session), "Projects (*.toml)"
     )
     if path:
         window.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
@@ -32,12 +32,7 @@ def ask_to_save(window: "MainWindow") -> None:
 def ask_to_export(window: "MainWindow") -> None:
     """Let a name be chosen, and write the picture."""
     path, _ = QFileDialog.getSaveFileName(
-        window, "Export picture", _folder(window), "Pictures (*.png *.exr)"
+        window, "Export picture", folder_of(window.session), "Pictures (*.png *.exr)"
     )
     if path:
         window.export(path)
-
-
-def _folder(window: "MainWindow") -> str:
-    scene = window.desk.keeper.project.scene
-    return str(Path(scene).resolve().parent) if scene else ""

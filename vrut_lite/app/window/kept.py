@@ -8,10 +8,9 @@ from typing import Any, NamedTuple, Self
 
 from platformdirs import user_state_path
 
-from vrut_lite.app.window.project_file import save_project
-from vrut_lite.app.window.small_json import make_folder, read_object, set_aside, write_object
+from vrut_lite.app.json_files import make_folder, read_object, set_aside, write_object
 from vrut_lite.errors import UserError
-from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
+from vrut_lite.project import Project, daylight_inputs, load_project, save_project, view_inputs
 
 _MOST_RECENT = 10
 # Of a longer list only so many are looked for.

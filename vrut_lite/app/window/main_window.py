@@ -21,26 +21,28 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.roster import Roster
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.session_project import inputs_of, project_of
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
+from vrut_lite.app.window.actions import ActionSpec
 from vrut_lite.app.window.command_palette import CommandPalette
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks
 from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.app.window.keys import KeyJudge
 from vrut_lite.app.window.menus import Menus
-from vrut_lite.app.window.presets import PresetStore
-from vrut_lite.app.window.project_file import save_project
-from vrut_lite.app.window.project_keeper import ProjectKeeper, inputs_of
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.daylight.scene import LoadScene, SceneLoaded
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
-from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
+from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.faults import sentence_of
+from vrut_lite.project import PROJECT_SUFFIX, Project, load_project, save_project
 
 TITLE = "vrut_lite"
 _RIGHT_PX = 420
@@ -60,7 +62,6 @@ class MainWindow(QMainWindow):
         self.desk: Desk = Desk(
             session=session,
             scout=DayScout(session, self),
-            keeper=ProjectKeeper(session),
             sun_path=sun_path,
             viewport=Viewport(session, sun_path),
             presets=presets or PresetStore(),
@@ -112,6 +113,11 @@ class MainWindow(QMainWindow):
         dock.setVisible(spec.shown)
         self.docks[spec.name], self.panels[spec.name] = dock, panel
         self.menus.panels.addAction(dock.toggleViewAction())
+        if spec.keys:
+            self.menus.add(
+                ActionSpec(spec.name, "View", spec.title, spec.keys,
+                           lambda window, on: window.toggle_dock(spec.name))
+            )  # fmt: skip
 
     def _arrange(self) -> None:
         self.setDockNestingEnabled(True)
@@ -159,11 +165,11 @@ class MainWindow(QMainWindow):
 
     def save(self, path: str) -> None:
         """Save the project."""
-        self._guarded(lambda: save_project(path, self.desk.keeper.project), f"Saved {path}")
+        self._guarded(lambda: save_project(path, project_of(self.session)), f"Saved {path}")
 
     def export(self, path: str) -> None:
         """Write the picture."""
-        project = self.desk.keeper.project
+        project = project_of(self.session)
         self.session.ask(lambda stage: export_picture(stage, path, project), self.show_news)
 
     def save_screenshot(self) -> None:
@@ -193,7 +199,7 @@ class MainWindow(QMainWindow):
 
     def show_keys(self) -> None:
         """List all keys."""
-        ShortcutList(self).show()
+        ShortcutList(self.menus.specs, self).show()
 
     def _guarded(self, act: Callable[[], None], done: str = "") -> None:
         try:
@@ -223,8 +229,16 @@ class MainWindow(QMainWindow):
         self._status.show_news(line)
 
     def _ready(self, roster: Roster) -> None:
-        for spec in module_docks(roster):
-            self.add_dock(spec)
+        docks, failures = module_docks(roster)
+        for spec in docks:
+            try:
+                self.add_dock(spec)
+            # A module's own panel may raise anything.
+            except BaseException as error:
+                pass_interrupt(error)
+                failures.append(f"the {spec.name} failed: {sentence_of(error)}")
+        for failure in failures:
+            self.show_problem(failure)
         for panel in self.panels.values():
             self._keys.watch(panel)
         self._arrange()
@@ -263,7 +277,7 @@ class MainWindow(QMainWindow):
     def _keep(self) -> None:
         """Leave what is open for the next time; what nobody has seen opened is not kept."""
         if self.session.roster.modules:
-            self.kept.keep_session(self.desk.keeper.project)
+            self.kept.keep_session(project_of(self.session))
             geometry, docks = self.saveGeometry().data(), self.saveState().data()
             self.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
 

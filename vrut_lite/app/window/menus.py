@@ -18,27 +18,33 @@ _RECENT_AFTER = "open"
 
 
 class Menus:
-    """`actions` by name, and the menus that are filled as the window grows."""
+    """The menus; `actions` by name, and the `specs` that they are made from."""
 
     def __init__(self, window: "MainWindow", recent: Callable[[], list[str]]):
         self.actions: dict[str, QAction] = {}
+        self.specs: list[ActionSpec] = []
         self._window = window
         self._recent = recent
-        menus: dict[str, QMenu] = {}
-        groups: dict[str, QActionGroup] = {}
+        self._menus: dict[str, QMenu] = {}
+        self._groups: dict[str, QActionGroup] = {}
         for spec in ACTIONS:
-            if spec.menu not in menus:
-                menus[spec.menu] = window.menuBar().addMenu(spec.menu)
-            action = self._action(spec)
-            menus[spec.menu].addAction(action)
-            if spec.group:
-                groups.setdefault(spec.group, QActionGroup(window)).addAction(action)
+            self.add(spec)
             if spec.name == _RECENT_AFTER:
-                self.recent = menus[spec.menu].addMenu("Open recent")
+                self.recent = self._menus[spec.menu].addMenu("Open recent")
         self.recent.aboutToShow.connect(self.fill_recent)
-        self.panels = menus["View"].addMenu("Panels")
+        self.panels = self._menus["View"].addMenu("Panels")
         self.actions["orbit"].setChecked(True)
         self.show_steps(Steps())
+
+    def add(self, spec: ActionSpec) -> None:
+        """Append an action to its menu."""
+        if spec.menu not in self._menus:
+            self._menus[spec.menu] = self._window.menuBar().addMenu(spec.menu)
+        action = self._action(spec)
+        self._menus[spec.menu].addAction(action)
+        if spec.group:
+            self._groups.setdefault(spec.group, QActionGroup(self._window)).addAction(action)
+        self.specs.append(spec)
 
     def show_steps(self, steps: Steps) -> None:
         """Name what can be taken back and done again."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
 
+from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.errors import UserError
 
@@ -25,7 +26,7 @@ def save_screenshot(desk: Desk, folder: Path) -> Path:
 
 
 def _title(desk: Desk) -> str:
-    project, day = desk.keeper.project, desk.scout.day
+    project, day = project_of(desk.session), desk.scout.day
     scene = Path(project.scene).stem or "picture"
     if day is None or not project.at:
         return scene

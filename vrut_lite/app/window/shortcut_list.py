@@ -1,4 +1,4 @@
-"""All keys, in one list: those of the menus, and those that the picture understands."""
+"""The list of all keys: those of the menus and those of the picture."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app import theme
-from vrut_lite.app.window.actions import ACTIONS
+from vrut_lite.app.window.actions import ActionSpec
 
 _IN_PICTURE = (
     ("Drag", "turn, or look around"),
@@ -36,7 +36,7 @@ _ANYWHERE = (
 class ShortcutList(QDialog):
     """Type to find a key or what it does."""
 
-    def __init__(self, parent: QWidget | None = None):
+    def __init__(self, actions: list[ActionSpec], parent: QWidget | None = None):
         super().__init__(parent)
         self.setWindowTitle("Keys")
         self.filter = QLineEdit()
@@ -53,7 +53,7 @@ class ShortcutList(QDialog):
         column.addWidget(self.list)
         self.resize(560, 560)
         self._lines: dict[str, tuple[QTreeWidgetItem, list[QTreeWidgetItem]]] = {}
-        for section, lines in _sections():
+        for section, lines in _sections(actions):
             heading = QTreeWidgetItem(self.list, [section])
             heading.setForeground(0, QColor(theme.ACCENT))
             self._lines[section] = (heading, [QTreeWidgetItem(heading, line) for line in lines])
@@ -69,9 +69,9 @@ class ShortcutList(QDialog):
             heading.setHidden(all(line.isHidden() for line in lines))
 
 
-def _sections() -> Iterator[tuple[str, list[tuple[str, str]]]]:
-    menus = dict.fromkeys(spec.menu for spec in ACTIONS)
+def _sections(actions: list[ActionSpec]) -> Iterator[tuple[str, list[tuple[str, str]]]]:
+    menus = dict.fromkeys(spec.menu for spec in actions)
     for menu in menus:
-        yield menu, [(s.keys, s.title) for s in ACTIONS if s.menu == menu and s.keys]
+        yield menu, [(s.keys, s.title) for s in actions if s.menu == menu and s.keys]
     yield "In the picture", list(_IN_PICTURE)
     yield "Anywhere", list(_ANYWHERE)

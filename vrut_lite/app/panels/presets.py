@@ -5,7 +5,7 @@ from typing import Any
 
 from platformdirs import user_config_path
 
-from vrut_lite.app.window.small_json import read_object, write_object
+from vrut_lite.app.json_files import read_object, write_object
 
 Values = dict[str, Any]
 

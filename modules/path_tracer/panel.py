@@ -1,7 +1,10 @@
-"""The picture that a path tracer makes, beside the frame: it grows while it is seen."""
+"""The panel of the path-traced picture: the picture is traced while the panel is seen.
+
+The window imports it by the entry point `vrut_lite.panels`; nothing else here imports Qt.
+"""
 
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,17 +12,15 @@ from PySide6.QtCore import QRect, QSize, Qt
 from PySide6.QtGui import QColor, QHideEvent, QImage, QPainter, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
 
+from path_tracer.messages import PathTracedPicture
 from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.kernel.messages import Demand, Message
+from vrut_lite.kernel.messages import Demand
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.white_balance import white_balance_matrix
 
-# Whichever module says a message of this name, with these fields: radiance (h, w, 3), samples,
-# samples_wanted.
-PICTURE = "PathTracedPicture"
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."
 
@@ -35,33 +36,38 @@ class Developed(NamedTuple):
 class TracedPanel(QWidget):
     """Asks for pictures while it is visible; they have the frame's exposure and tone map."""
 
+    title = "Path-traced picture"
+    keys = "T"
+
     def __init__(self, session: Session):
         super().__init__()
         self._session = session
         self.shown: Developed | None = None
         self.view = _View()
-        self.told = QLabel(_WAITING)
-        self.told.setWordWrap(True)
+        self.progress = QLabel(_WAITING)
+        self.progress.setWordWrap(True)
         column = QVBoxLayout(self)
         column.setContentsMargins(10, 8, 8, 10)
         column.addWidget(self.view, 1)
-        column.addWidget(self.told)
-        session.heard.connect(self._hear)
+        column.addWidget(self.progress)
+        session.listen(PathTracedPicture, self._hear)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Ask for the picture."""
         self._demand(1)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Nobody looks: nothing is to be traced."""
+        """Take the demand back."""
         if not self._session.has_ended:
             self._demand(0)
 
     def _demand(self, size: int) -> None:
-        self._session.send(Demand(consumer=_CONSUMER, message=PICTURE, size=size))
+        self._session.send(
+            Demand(consumer=_CONSUMER, message=PathTracedPicture.__name__, size=size)
+        )
 
-    def _hear(self, message: Message, _sender: str) -> None:
-        if type(message).__name__ == PICTURE and self.isVisible():
+    def _hear(self, message: PathTracedPicture) -> None:
+        if self.isVisible():
             frame = self._session.shown
             ev100 = None if frame is None else frame.picture.ev100
             # Off Qt's thread: a tone map takes a tenth of a second.
@@ -70,10 +76,10 @@ class TracedPanel(QWidget):
     def _show(self, developed: Developed) -> None:
         self.shown = developed
         self.view.show_pixels(developed.pixels)
-        self.told.setText(f"{developed.samples} of {developed.samples_wanted} paths a pixel")
+        self.progress.setText(f"{developed.samples} of {developed.samples_wanted} paths a pixel")
 
 
-def _developed(message: Any, ev100: float | None, stage: Stage) -> Developed:
+def _developed(message: PathTracedPicture, ev100: float | None, stage: Stage) -> Developed:
     wish = stage.kernel.last(SetExposure) or SetExposure()
     balance = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
     pixels = display_picture(message.radiance.values, ev100, wish.tone_map, balance)
