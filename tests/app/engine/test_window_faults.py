@@ -2,6 +2,7 @@
 
 import threading
 import time
+from datetime import timedelta
 
 import pytest
 from PySide6.QtCore import QObject, Signal
@@ -52,6 +53,23 @@ class Sleeping(Module):
     @handles(ClockMoved)
     def on_clock(self, message):
         time.sleep(0.4)
+
+
+class Restless(Module):
+    """Brings another input in the midst of each, as a hand does that drags."""
+
+    manifest = Manifest(name="restless", title="Restless", version="1")
+    brings = (SetClock,)
+    goes_on = True
+
+    def __init__(self, link, settings, inject):
+        super().__init__(link, settings)
+        self._inject = inject
+
+    @handles(ClockMoved)
+    def on_clock(self, message):
+        if self.goes_on:
+            self._inject(SetClock(instant=message.instant + timedelta(seconds=1)))
 
 
 def test_a_failing_module_is_told_and_the_window_lives_on(headless_window):
@@ -188,6 +206,15 @@ def test_questions_and_inputs_after_the_end_do_nothing():
     assert engine.join(PATIENCE_MS / 1000)
     engine.send(SetClock(instant=NOON))
     assert engine.ask(lambda stage: 1).cancelled()
+
+
+def test_inputs_that_never_end_do_not_keep_questions_waiting(headless_window):
+    """A hand that drags sends inputs faster than a slow module takes them."""
+    driver = headless_window
+    driver.asked(lambda stage: stage.kernel.add_module(Restless, inject=stage.kernel.inject))
+    driver.session.send(SetClock(instant=NOON.replace(minute=1)))
+    assert driver.asked(lambda stage: stage.kernel.waiting) < 3
+    Restless.goes_on = False
 
 
 def test_two_thousand_python_signals(qtbot):

@@ -1,12 +1,14 @@
 """The module manager, by its own widgets: states, faults, and the ways back."""
 
 import sys
+from importlib.metadata import EntryPoint
 
 import pytest
 from PySide6.QtCore import Qt
-from window_driver import NOON
+from PySide6.QtWidgets import QLabel
+from window_driver import NOON, HeadlessStage, WindowDriver
 
-from vrut_lite.app.window.docks import module_docks
+from vrut_lite.app.window import docks
 from vrut_lite.kernel.messages import (
     ClockMoved,
     EnableModule,
@@ -177,8 +179,8 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
     driver.asked(lambda stage: stage.kernel.add_module(growing_module.Growing))
     driver.session.renew_roster()
     driver.until(lambda: "growing" in driver.session.roster.modules)
-    docks = module_docks(driver.session.roster).docks
-    (spec,) = (spec for spec in docks if spec.name == "module growing")
+    found = docks.module_docks(driver.session.roster).docks
+    (spec,) = (spec for spec in found if spec.name == "module growing")
     driver.window.add_dock(spec)
     driver.window.show_dock(spec.name)
     panel = driver.panel(spec.name)
@@ -211,3 +213,43 @@ def test_safe_mode_leaves_the_host_and_daylight_and_goes_back(driver, manager):
     driver.until(lambda: state(manager, "bruneton_sky") == state(manager, "clouds") == "running")
     driver.until(lambda: not manager.safe_mode.isChecked())
     assert state(manager, "zenoh_bridge") == "disabled"
+
+
+class OwnPanel(QLabel):
+    title = "Own"
+    keys = "Ctrl+Alt+O"
+
+    def __init__(self, session):
+        super().__init__(f"of {len(session.roster.modules)} modules")
+
+
+class RaisingPanel(QLabel):
+    title = "Raising"
+
+    def __init__(self, session):
+        raise ZeroDivisionError("on purpose")
+
+
+def test_a_module_brings_a_panel_and_a_bad_one_is_told(qtbot, tmp_path, monkeypatch):
+    """By entry point, with a key of its own; of one that cannot be shown the settings still are."""
+    panels = {
+        "clouds": "test_window_modules:OwnPanel",
+        "path_tracer": "test_window_modules:RaisingPanel",
+        "bruneton_sky": "no_such_package:Panel",
+        "zenoh_bridge": "pathlib:Path",
+        "not_installed": "no_such_package:Panel",
+    }
+    points = [EntryPoint(name, value, docks.PANEL_GROUP) for name, value in panels.items()]
+    monkeypatch.setattr(docks, "entry_points", lambda group: points)
+    driver = WindowDriver(qtbot, HeadlessStage, tmp_path)
+    assert driver.panel("panel clouds").text() == f"of {len(driver.session.roster.modules)} modules"
+    assert driver.window.docks["panel clouds"].isHidden()
+    driver.window.actions_by_name["panel clouds"].trigger()
+    driver.until(lambda: driver.panel("panel clouds").isVisible())
+    assert [name for name in driver.window.docks if name.startswith("panel ")] == ["panel clouds"]
+    for name in ("clouds", "path_tracer"):
+        assert driver.panel(f"module {name}").rows
+    for words in ("path_tracer failed: ZeroDivisionError", "no_such_package", "needs a `title`"):
+        assert any(words in line for line in driver.problems), words
+    assert not any("not_installed" in line for line in driver.problems)
+    driver.close()

@@ -6,9 +6,10 @@ import numpy as np
 import OpenEXR
 import pytest
 from PIL import Image
-from PySide6.QtCore import QPoint
+from PySide6.QtCore import QPoint, Qt
 
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.picture import PictureClicked, SetExposure
+from vrut_lite.kernel.module import Manifest, Module, handles
 
 pytestmark = pytest.mark.gl
 
@@ -90,6 +91,49 @@ def test_the_sky_has_luminance_and_no_lux(driver, qtbot):
     driver.until(lambda: "cd/m²" in view.probe.text)
     driver.settled()
     assert "lx" not in view.probe.text
+
+
+class Clicked(Module):
+    """Demands clicks in the picture, and keeps them."""
+
+    manifest = Manifest(name="clicked", title="Clicked", version="1")
+
+    def __init__(self, link, settings):
+        super().__init__(link, settings)
+        self.clicks = []
+        link.demand(PictureClicked)
+
+    @handles(PictureClicked)
+    def on_click(self, click):
+        self.clicks.append(click)
+
+
+def test_a_module_hears_clicks_on_surfaces(driver, qtbot):
+    """Point, normal, material and the picture's radiance there; not of drags, nor of the sky, nor
+    while nobody demands them."""
+    view, left = driver.window.desk.viewport, Qt.MouseButton.LeftButton
+    driver.until(lambda: driver.session.shown.still)
+    spot = QPoint(view.width() // 2, view.height() - 20)
+    qtbot.mouseClick(view, left, pos=spot)
+    driver.asked(lambda stage: stage.kernel.add_module(Clicked))
+    driver.settled()
+    qtbot.mouseClick(view, left, pos=QPoint(view.width() // 2, 5))
+    qtbot.mousePress(view, left, pos=spot)
+    qtbot.mouseMove(view, spot + QPoint(30, 0))
+    qtbot.mouseMove(view, spot)
+    qtbot.mouseRelease(view, left, pos=spot + QPoint(8, 0))
+    driver.settled()
+    shown = driver.session.shown
+    qtbot.mouseClick(view, left, pos=spot)
+    driver.settled()
+    (click,) = driver.asked(lambda stage: list(stage.kernel.seats["clicked"].module.clicks))
+    height, width = shown.picture.radiance.shape[:2]
+    x, y = spot.x() * width // view.width(), spot.y() * height // view.height()
+    assert click.radiance_rgb == pytest.approx(shown.picture.radiance[y, x].tolist())
+    assert click.normal == pytest.approx((0.0, 1.0, 0.0))
+    hit = driver.asked(lambda stage: stage.surface_at_pixel(*spot.toTuple()))
+    assert click.position_m == pytest.approx(hit.point_m.tolist(), abs=0.05)
+    assert click.material == hit.material != ""
 
 
 def exported(driver, path):

@@ -42,10 +42,12 @@ class SecondKernel:
     def _answer(self, question: Callable[["SecondKernel"], T]) -> T:
         if self._closed:
             raise CancelledError
-        answer = question(self)
-        if self._closed:
-            raise CancelledError
-        return answer
+        try:
+            return question(self)
+        finally:
+            # In place of the answer, and of what the question raised.
+            if self._closed:
+                raise CancelledError
 
     def _close_kernel(self) -> None:
         if "kernel" in self.__dict__:

@@ -238,7 +238,7 @@ class MainWindow(QMainWindow):
                 pass_interrupt(error)
                 failures.append(f"the {spec.name} failed: {sentence_of(error)}")
         for failure in failures:
-            self.show_problem(failure)
+            self.session.problem.emit(failure)
         for panel in self.panels.values():
             self._keys.watch(panel)
         self._arrange()
