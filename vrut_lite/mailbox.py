@@ -1,4 +1,4 @@
-"""The hand-off from the kernel's thread to another: latest values and one wake-up."""
+"""Hands the latest values from one thread to another, with one wake-up."""
 
 import threading
 from collections.abc import Callable, Hashable
@@ -23,7 +23,7 @@ class Mailbox:
         """Leave a value, in place of an unread one of the same key; from any thread."""
         with self._lock:
             was_empty = not self._values
-            # Taken out first: values are read in the order in which they became what they are.
+            # Taken out first: values are read in the order in which they were put.
             self._values.pop(key, None)
             self._values[key] = value
             if was_empty and not self._closed:

@@ -24,7 +24,7 @@ from vrut_lite.render.write_atomic import atomic_output
 
 PROJECT_SUFFIX = ".toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
-# Beyond the planet's neighbourhood there is nothing to look at.
+# A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 _NEAREST_TARGET_M = 1e-6
@@ -79,7 +79,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def load_project(path: str | Path) -> Project:
-    """Read a project file; its scene is sought beside it.
+    """Read a project file; the scene's path is relative to it.
 
     Raises:
         UserError: the file is missing, no TOML, or says something unknown.
@@ -124,7 +124,7 @@ def project_of_path(path: str | None) -> Project:
 
 
 def save_project(path: str | Path, project: Project) -> None:
-    """Write a project file; the scene's path is told from where the file lies.
+    """Write a project file; the scene's path is made relative to it.
 
     Raises:
         UserError: it cannot be written.
@@ -147,7 +147,7 @@ def project_text(project: Project) -> str:
     )
     tables = {"camera": camera, "exposure": exposure, "slots": slots}
     tables |= {f"settings.{module}": table for module, table in settings.items()}
-    # TOML has no none; what is left out is none by default.
+    # TOML has no null; a missing key means none.
     lines = [_line(*item) for item in values.items() if item[1] is not None]
     for title, table in tables.items():
         if table:
@@ -173,7 +173,7 @@ def _toml(value: Any) -> str:
 
 
 def in_words(error: msgspec.ValidationError) -> str:
-    """What a value should have been, and which: `camera.eye_m: expected array of length 3`."""
+    """The error with the path of its value, as `camera.eye_m: expected array of length 3`."""
     text, _, path = str(error).replace("`", "").partition(" - at $")
     text = text[:1].lower() + text[1:]
     return f"{path.lstrip('.')}: {text}" if path else text
@@ -210,7 +210,7 @@ def daylight_inputs(project: Project) -> list[Input]:
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """What is drawn, size, exposure, scene and camera as inputs."""
+    """Air, light shafts, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
         SetSetting(module="scene", name="air", value=project.air),

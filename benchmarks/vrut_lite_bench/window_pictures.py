@@ -194,8 +194,11 @@ def profiler(sitter: Sitter) -> Pixels:
 
 def dialogs(sitter: Sitter) -> list[Pixels]:
     """The palette with a word in it, and the list of keys."""
-    palette, keys = CommandPalette(sitter.window), ShortcutList(sitter.window)
-    palette.line.setText("sun")
+    palette, keys = (
+        CommandPalette(sitter.window),
+        ShortcutList(sitter.window.menus.specs, sitter.window),
+    )
+    palette.text_field.setText("sun")
     found = []
     for dialog in (palette, keys):
         dialog.show()

@@ -1,4 +1,4 @@
-"""Small JSON files of the user's: one that is damaged counts as none, and is set aside."""
+"""Small JSON files of the user; a damaged one counts as empty and is renamed."""
 
 import json
 import os
@@ -10,13 +10,13 @@ from typing import Any
 from vrut_lite.errors import UserError
 from vrut_lite.render.write_atomic import atomic_output
 
-# What the window keeps takes some kilobytes.
+# The window keeps some kilobytes.
 _MOST_BYTES = 1 << 20
 _ASIDE = ".damaged"
 
 
 def read_object(file: Path) -> dict[str, Any]:
-    """What a file holds by name; nothing if it is not there or damaged, however."""
+    """The object in a file; empty if the file is missing or damaged."""
     return _read(file) or {}
 
 
@@ -36,7 +36,7 @@ def write_object(file: Path, facts: dict[str, Any]) -> None:
 
 
 def set_aside(file: Path) -> None:
-    """Give whatever lies there a longer name, if it can be done."""
+    """Rename the file, if it can be."""
     with suppress(OSError):
         os.replace(file, file.with_name(file.name + _ASIDE))
 
@@ -54,10 +54,10 @@ def make_folder(folder: Path) -> None:
 
 
 def _read(file: Path) -> dict[str, Any] | None:
-    """What a file holds, nothing if there is none; None for one that is damaged."""
+    """The object in a file, empty if there is no file; None if it is damaged."""
     try:
         state = file.stat()
-        # A pipe would be waited for, a device read without end.
+        # Reading a pipe would block, reading a device would never end.
         if not stat.S_ISREG(state.st_mode) or state.st_size > _MOST_BYTES:
             return None
         facts = json.loads(file.read_text(encoding="utf-8"))

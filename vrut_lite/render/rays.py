@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.scene.ground_disc import PLANET_RADIUS_M, GroundDisc, fall_m
 from vrut_lite.scene.loading import LoadedScene
+from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.scene.placed import PlacedMesh
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6
@@ -26,7 +28,7 @@ class SceneRays:
     def __init__(self, scene: LoadedScene, ground: GroundDisc | None):
         triangles = [placed.world_triangles() for placed in scene.meshes]
         self._ends = np.cumsum([len(t) for t in triangles])
-        self._materials = [str(placed.mesh.visual.material.name) for placed in scene.meshes]
+        self._materials = [str(_material_of(placed).name) for placed in scene.meshes]
         self._corner = np.concatenate([t[:, 0] for t in triangles])
         self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
         self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])
@@ -88,3 +90,7 @@ class SceneRays:
         distance_m = c / (np.sqrt(squared) - b)
         inside = np.linalg.norm(start + distance_m * along) <= self._ground.radius_m
         return float(distance_m) if inside else float(np.inf)
+
+
+def _material_of(placed: PlacedMesh) -> SurfaceMaterial:
+    return placed.mesh.visual.material  # type: ignore[union-attr]

@@ -20,19 +20,19 @@ def driver(headless_window):
     """The panel in sight, and all that it was told."""
     panel = headless_window.panel("compare")
     headless_window.compare = panel
-    headless_window.told = []
-    panel.comparison.compared.connect(headless_window.told.append)
+    headless_window.comparisons = []
+    panel.comparison.compared.connect(headless_window.comparisons.append)
     headless_window.spectra = []
     panel.comparison.spectra_seen.connect(headless_window.spectra.append)
     headless_window.window.docks["compare"].show()
-    headless_window.until(lambda: bool(headless_window.told))
+    headless_window.until(lambda: bool(headless_window.comparisons))
     return headless_window
 
 
 def compared(driver, condition):
     """The first comparison that is as wished."""
-    driver.until(lambda: any(condition(c) for c in driver.told))
-    return next(c for c in driver.told if condition(c))
+    driver.until(lambda: any(condition(c) for c in driver.comparisons))
+    return next(c for c in driver.comparisons if condition(c))
 
 
 def spectra(driver, condition):
@@ -48,11 +48,11 @@ def choose(box, data):
 
 def test_two_models_are_shown_at_equal_haze(driver):
     """Hosek-Wilkie beside Bruneton at turbidity 3, which is AOD 0.20 (Preetham 1999), or itself."""
-    two = driver.told[0].two
+    two = driver.comparisons[0].two
     assert [look.module for look in two.looks] == ["dynamic_skylight", "bruneton_sky"]
     assert two.wish.shared == {"turbidity": 3.0, "albedo": pytest.approx(0.1)}
     assert "optical depth of 0.201" in driver.compare.aerosol.text()
-    low, middle, high = driver.told[0].ratios
+    low, middle, high = driver.comparisons[0].ratios
     assert low < middle < high
     assert f"{middle:.2f} in the middle" in driver.compare.ratio.text()
     choose(driver.compare.choosers[1], "dynamic_skylight")
@@ -67,7 +67,9 @@ def test_haze_of_both_is_slid_and_follows_the_window(driver):
     driver.compare.fields["turbidity"].spin.setValue(6.0)
     hazy = compared(driver, lambda c: c.two.wish.shared["turbidity"] == 6.0)
     zenith = ANGLES_DEG == 0.0
-    assert (hazy.meridian_cd_m2[:, zenith] > 1.3 * driver.told[0].meridian_cd_m2[:, zenith]).all()
+    assert (
+        hazy.meridian_cd_m2[:, zenith] > 1.3 * driver.comparisons[0].meridian_cd_m2[:, zenith]
+    ).all()
     assert "Turbidity 6.00" in driver.compare.aerosol.text()
     assert driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor.value == 3.0
     driver.session.send(SetSetting(module="dynamic_skylight", name="turbidity", value=4.5))
@@ -77,7 +79,7 @@ def test_haze_of_both_is_slid_and_follows_the_window(driver):
 
 def test_the_curve_is_the_sky_along_the_suns_meridian(driver):
     """At the zenith it is the zenith's luminance; near the sun it is largest where the sun is."""
-    first = driver.told[0]
+    first = driver.comparisons[0]
     curves = [curve.getOriginalDataset() for curve in driver.compare.plots.curves]
     for look, meridian, (angle_deg, drawn) in zip(
         first.two.looks, first.meridian_cd_m2, curves, strict=True
@@ -104,7 +106,7 @@ def test_a_click_into_the_sky_asks_for_its_spectra(driver, qtbot):
         assert seen.direction == answer.direction
         assert max(seen.radiance) > 0.01
         assert tuple(curve.getOriginalDataset()[1]) == seen.radiance
-    assert len(driver.told) == 1, "the skies themselves are not made again"
+    assert len(driver.comparisons) == 1, "the skies themselves are not made again"
     pointed = []
     driver.window.desk.viewport.sky_pointed.connect(pointed.append)
     qtbot.mouseMove(driver.window.desk.viewport, QPoint(100, 4))
@@ -118,7 +120,7 @@ def test_at_night_there_is_a_sky_and_the_lack_of_a_spectrum_is_told(driver):
     night = compared(driver, lambda c: c.two.sun.elevation_rad < 0.0)
     assert (night.meridian_cd_m2 < 1.0).all()
     assert spectra(driver, lambda s: not s.seen[0].radiance).seen[1].radiance
-    assert driver.compare.told.text() == "Without a spectrum here: DynamicSkyLight"
+    assert driver.compare.status.text() == "Without a spectrum here: DynamicSkyLight"
 
 
 def test_the_fisheye_knows_where_north_is(driver, qtbot):

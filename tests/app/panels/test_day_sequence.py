@@ -42,10 +42,10 @@ def test_a_day_is_made_picture_by_picture(panel, tmp_path):
     """Each 2 hours from civil dawn to civil dusk: 9 files in Prague's June, numbered from 1."""
     panel.step_minutes.setValue(120)
     panel.start(str(tmp_path / "day.png"))
-    panel.driver.until(lambda: "pictures" in panel.told.text())
+    panel.driver.until(lambda: "pictures" in panel.status.text())
     files = sorted(path.name for path in tmp_path.glob("day_*.png"))
     assert files == [f"day_{number:04d}.png" for number in range(1, 10)]
-    assert panel.told.text().startswith("9 pictures")
+    assert panel.status.text().startswith("9 pictures")
     assert panel.progress.value() == 9
     assert not panel.sequence.running
     steps = {
@@ -60,8 +60,8 @@ def test_cancel_stops_and_keeps_what_is_there(panel, tmp_path, qtbot):
     panel.step_minutes.setValue(30)
     panel.start(str(tmp_path / "day.png"))
     panel.sequence.progressed.connect(lambda done, of: panel.cancel.click() if done == 3 else None)
-    panel.driver.until(lambda: "stopped" in panel.told.text())
-    assert panel.told.text().startswith("stopped after 3 of")
+    panel.driver.until(lambda: "stopped" in panel.status.text())
+    assert panel.status.text().startswith("stopped after 3 of")
     assert len(list(tmp_path.glob("day_*.png"))) == 3
 
 

@@ -119,8 +119,8 @@ def test_the_fault_of_a_failing_module_is_shown_with_its_trace(driver, manager):
     tick(driver, 1, 2, 3)
     driver.until(lambda: state(manager, "failing") == "suspended")
     manager.choose("failing")
-    assert "ZeroDivisionError: on purpose" in manager.told.text()
-    assert "suspended" in manager.told.text()
+    assert "ZeroDivisionError: on purpose" in manager.status.text()
+    assert "suspended" in manager.status.text()
     assert 'raise ZeroDivisionError("on purpose")' in manager.trace.toPlainText()
     assert manager.trace.isVisible()
     Failing.ill = False

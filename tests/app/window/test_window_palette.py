@@ -38,8 +38,8 @@ def titles(found):
 def run(driver, text):
     """What is typed into the palette, and Enter."""
     found = palette(driver)
-    driver.qtbot.keyClicks(found.line, text)
-    driver.qtbot.keyClick(found.line, Qt.Key.Key_Return)
+    driver.qtbot.keyClicks(found.text_field, text)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Return)
     driver.until(lambda: not driver.window.findChildren(CommandPalette))
     QApplication.processEvents()
 
@@ -54,11 +54,11 @@ def test_a_command_is_found_and_done(driver):
 def test_arrows_choose_among_what_was_found(driver):
     """The second of several, and Escape leaves without doing anything."""
     found = palette(driver)
-    driver.qtbot.keyClicks(found.line, "sky by")
+    driver.qtbot.keyClicks(found.text_field, "sky by")
     assert titles(found)[:2] == ["Sky by Bruneton sky", "Sky by DynamicSkyLight"]
-    driver.qtbot.keyClick(found.line, Qt.Key.Key_Down)
-    driver.qtbot.keyClick(found.line, Qt.Key.Key_Up)
-    driver.qtbot.keyClick(found.line, Qt.Key.Key_Return)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Down)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Up)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Return)
     driver.until_heard(SlotChanged, lambda m: (m.name, m.holder) == ("sky", "bruneton_sky"))
     driver.until(lambda: not driver.window.findChildren(CommandPalette))
     found = palette(driver)

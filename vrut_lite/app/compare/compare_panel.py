@@ -1,4 +1,4 @@
-"""Two models of the sky side by side, at equal air."""
+"""The panel of two skies side by side, at equal haze."""
 
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidget
@@ -28,7 +28,7 @@ _MARKS = ((theme.ACCENT, "\N{EM DASH}"), ("#8fb4e8", "\N{EN DASH} \N{EN DASH}"))
 
 
 class ComparePanel(QWidget):
-    """Fisheyes of both, exposed alike, with their curves; works while it is seen."""
+    """Fisheyes of both at one exposure, and curves; compares only while it is visible."""
 
     def __init__(self, session: Session, viewport: Viewport):
         super().__init__()
@@ -38,8 +38,8 @@ class ComparePanel(QWidget):
         self.discs = (SkyDisc("left sky"), SkyDisc("right sky"))
         self.fields: dict[str, NumberField] = {}
         self._form = aligned_form()
-        self.aerosol, self.ratio, self.told = QLabel(), QLabel(), QLabel()
-        for label in (self.aerosol, self.ratio, self.told):
+        self.aerosol, self.ratio, self.status = QLabel(), QLabel(), QLabel()
+        for label in (self.aerosol, self.ratio, self.status):
             label.setProperty("role", "faint")
             label.setWordWrap(True)
         self.plots: SkyPlots | None = None
@@ -63,7 +63,7 @@ class ComparePanel(QWidget):
         for label in (self.aerosol, self.ratio):
             self._column.addWidget(label)
         self._column.addStretch(1)
-        self._column.addWidget(self.told)
+        self._column.addWidget(self.status)
 
     def _connect(self, session: Session, viewport: Viewport) -> None:
         for chooser in self.choosers:
@@ -73,7 +73,7 @@ class ComparePanel(QWidget):
         viewport.sky_pointed.connect(self.comparison.look_along)
         self.comparison.compared.connect(self._show)
         self.comparison.spectra_seen.connect(self._show_spectra)
-        self.comparison.refused.connect(self.told.setText)
+        self.comparison.refused.connect(self.status.setText)
         self.comparison.shared_changed.connect(
             lambda name, value: self.fields[name].show_value(value)
         )
@@ -90,7 +90,7 @@ class ComparePanel(QWidget):
         if self._modules:
             self._choose()
         else:
-            self.told.setText("There are no two skies to compare.")
+            self.status.setText("There are no two skies to compare.")
 
     def _choose(self) -> None:
         """What both skies share is shown anew: another pair may share something else."""
@@ -110,7 +110,7 @@ class ComparePanel(QWidget):
     def showEvent(self, event: QShowEvent) -> None:
         """Begin to work."""
         if self.plots is None and self._modules:
-            self.told.setText("Making both skies\N{HORIZONTAL ELLIPSIS}")
+            self.status.setText("Making both skies\N{HORIZONTAL ELLIPSIS}")
         self.comparison.set_active(True)
 
     def hideEvent(self, event: QHideEvent) -> None:
@@ -128,7 +128,7 @@ class ComparePanel(QWidget):
             f"for nine tenths of the sky from 5\N{DEGREE SIGN} up; both at EV100 "
             f"{compared.ev100:.1f}."
         )
-        self.told.clear()
+        self.status.clear()
         self._plots().show_meridian(ANGLES_DEG, compared.meridian_cd_m2)
 
     def _show_spectra(self, spectra: Spectra) -> None:
@@ -139,11 +139,11 @@ class ComparePanel(QWidget):
             for chooser, seen in zip(self.choosers, spectra.seen, strict=True)
             if seen is None or not seen.wavelength_nm
         ]
-        self.told.setText(f"Without a spectrum here: {', '.join(without)}" if without else "")
+        self.status.setText(f"Without a spectrum here: {', '.join(without)}" if without else "")
         self._plots().show_spectra(spectra.seen)
 
     def _plots(self) -> SkyPlots:
-        """Made when there is something to draw."""
+        """The plots, made for the first data."""
         if self.plots is None:
             self.plots = SkyPlots()
             self._column.insertWidget(self._column.count() - 2, self.plots)
@@ -151,7 +151,7 @@ class ComparePanel(QWidget):
 
 
 def depth_text(shared: dict[str, float]) -> str:
-    """Turbidity as an optical depth, with what the scales differ by."""
+    """Turbidity as an optical depth, with the difference of the two scales."""
     if _TURBIDITY not in shared:
         return ""
     turbidity = shared[_TURBIDITY]

@@ -35,7 +35,7 @@ ANGLES_DEG = np.linspace(-90.0, 90.0, 181)
 
 
 class Compared(NamedTuple):
-    """What is shown of two skies: fisheyes (size, size, 3) exposed alike, and numbers.
+    """Two skies as shown: fisheyes (size, size, 3) at one exposure, and numbers.
 
     `meridian_cd_m2` holds (2, n) at `ANGLES_DEG`; `ratios` are those of `luminance_ratios`.
     """
@@ -48,7 +48,7 @@ class Compared(NamedTuple):
 
 
 class Spectra(NamedTuple):
-    """What two skies tell of a world direction; None of one that tells nothing."""
+    """Spectra of two skies in a world direction; None of a sky without one."""
 
     direction: Vector
     seen: list[SpectrumSeen | None]

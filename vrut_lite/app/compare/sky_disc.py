@@ -1,4 +1,4 @@
-"""The whole sky as a fisheye, to look at and to point into."""
+"""The whole sky as a clickable fisheye."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ _MARK_PX = 6.0
 
 
 class SkyDisc(QWidget):
-    """Looking up, north at the top, east on the left; `pointed` tells a world direction."""
+    """Looking up, north at the top, east on the left; `pointed` emits a world direction."""
 
     pointed = Signal(object)
 
@@ -71,7 +71,7 @@ class SkyDisc(QWidget):
         )
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Look along what was clicked."""
+        """Emit the direction that was clicked."""
         place = self._place()
         way = (event.position() - place.center()) / (0.5 * place.width())
         radius = float(np.hypot(way.x(), way.y()))
@@ -82,11 +82,11 @@ class SkyDisc(QWidget):
         self.pointed.emit((x, y, z))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the direction along."""
+        """Emit the direction while dragging."""
         self.mousePressEvent(event)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The sky, a ring around the sun, a cross where one looks."""
+        """Paint the sky, a ring around the sun, a cross at the direction."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         place = self._place()

@@ -1,4 +1,4 @@
-"""Two skies as curves: luminance along the sun's meridian, spectra of one direction.
+"""Plots of two skies: luminance along the sun's meridian, spectra of one direction.
 
 pyqtgraph is imported with the window's other parts, though it takes 0.4 s. It goes through all
 of Qt's classes, which PySide makes when they are first asked for: on a thread of its own, beside
@@ -23,7 +23,7 @@ _LEAST_CD_M2 = 1e-6
 
 
 class SkyPlots(QWidget):
-    """Both plots, one under the other; made when first looked at."""
+    """Both plots, one below the other."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -57,7 +57,7 @@ class SkyPlots(QWidget):
             curve.setData(angle_deg, np.maximum(values, _LEAST_CD_M2))
 
     def show_spectra(self, spectra: list[SpectrumSeen | None]) -> None:
-        """One each; nothing for a sky that has none there."""
+        """Show a curve for each; none for a sky without a spectrum."""
         for curve, seen in zip(self.spectra, spectra, strict=True):
             if seen is None:
                 curve.setData([], [])

@@ -30,7 +30,7 @@ from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.recording_backend import RecordingBackend
 
 _CUBE_SIZE = 128
-# A sky is smooth: more would only take longer.
+# A sky is smooth: more pixels would show no more.
 _MOST_PIXELS = 320 * 240
 
 
@@ -38,7 +38,7 @@ class CpuSkyBackend(RecordingBackend):
     """A `SceneBackend` that draws the background and the sun's disc, and no scene."""
 
     def draw(self, still: bool = True) -> Picture:
-        """The sky that the camera sees; fewer pixels than asked for where these are many."""
+        """The sky in the camera's view, at `_MOST_PIXELS` at most."""
         (width, height), (camera,) = self.latest["set_size"], self.latest["set_camera"]
         step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
         directions = view_directions(camera, round(width / step), round(height / step))
@@ -90,7 +90,7 @@ class CpuSkyStage:
     def draw(
         self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
     ) -> Picture:
-        """Draw what is known by now, which does not take long."""
+        """Draw the present state; quick enough that it is never given up."""
         return self.watched.draw_sized(size, lambda: self.watched.draw(still))
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
@@ -107,7 +107,7 @@ class CpuSkyStage:
 
 
 def best_stage() -> Stage:
-    """OpenGL where there is one, else the sky alone."""
+    """A stage with OpenGL if it is available, else one with the sky alone."""
     try:
         return GlStage()
     except UserError as error:

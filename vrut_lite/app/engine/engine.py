@@ -24,14 +24,14 @@ from vrut_lite.scene.backend import Picture
 
 T = TypeVar("T")
 Question = Callable[[Stage], Any]
-# What the engine tells, by the first part of its keys.
+# First parts of the keys under which the engine tells something.
 READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
     "ready", "heard", "picture", "camera", "problem", "ended",
 )  # fmt: skip
 
 
 class Shown(NamedTuple):
-    """A picture, what it cost, and whether it is the finished one."""
+    """A picture, its time, and whether it is the finished one (`still`)."""
 
     picture: Picture
     still: bool
@@ -60,12 +60,12 @@ class Engine:
         self._inject: Callable[[Input], None] = self._early.append
         self._questions: deque[tuple[Question, Future[Any]]] = deque()
         self._awake = threading.Event()
-        # Something was sent, undone, or is to end: nobody waits for a picture of what was before.
+        # Set by a new input, an undo or the end: a finished picture of the old state is given up.
         self._moved_on = threading.Event()
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._finish_at_s: float | None = None
-        # A finished picture was given up, and nothing that is seen has changed since.
+        # A finished picture was given up, and nothing visible has changed since.
         self._in_vain = False
         self._camera: Any = None
         self._numbers = count()
@@ -78,14 +78,14 @@ class Engine:
         self._thread.start()
 
     def send(self, *inputs: Input) -> None:
-        """Bring inputs, also before the stage is open."""
+        """Send inputs to the kernel, also before the stage is open."""
         with self._lock:
             for message in inputs:
                 self._inject(message)
         self._move_on()
 
     def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
-        """Have something done on the engine's thread, after what was sent before.
+        """Call `question` on the engine's thread, after the inputs that were sent before.
 
         What `changes` something does not wait for a picture to be finished.
         """
@@ -150,7 +150,7 @@ class Engine:
             self._awake.wait(self._patience_s())
             self._awake.clear()
             self._moved_on.clear()
-            # Counted first: whatever was sent before a question has been pumped when it is put.
+            # Counted before the pump: inputs that were sent before a question are acted on first.
             questions = len(self._questions)
             self._pump(stage)
             self._answer(stage, questions)
@@ -195,7 +195,7 @@ class Engine:
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
             self._finish_at_s = perf_counter() + self._pacing.rest_s()
         elif self._awake.is_set():
-            # An answer has left something to be pumped first, an undone step say.
+            # The answer to a question has injected inputs, as an undo does: they come first.
             return
         elif self._finish_at_s is not None and now_s >= self._finish_at_s:
             self._finish_at_s = None
@@ -208,8 +208,8 @@ class Engine:
         try:
             picture = stage.draw(size, still, is_given_up if still else None)
         except GivenUp:
-            # Where what came changes nothing to be seen, it is still to be finished, and now
-            # whatever comes: time that passes says so more often than pictures can be drawn.
+            # If the input changes nothing visible the picture is finished after all, without
+            # interruption: a playing clock sends inputs more often than pictures can be drawn.
             self._finish_at_s, self._in_vain = start_s, True
             return
         except BaseException as error:

@@ -1,4 +1,4 @@
-"""Pictures to files: what is shown as PNG, its radiance as EXR."""
+"""The picture as a file: PNG as shown, EXR of its radiance."""
 
 from pathlib import Path
 

@@ -29,13 +29,13 @@ from vrut_lite.recording.setup import capture_setup
 from vrut_lite.recording.signature import signature_of
 from vrut_lite.render.write_atomic import atomic_output
 
-# Some days of play; a journal's reader takes no more than four times this.
+# Days of playing time; the journal's reader takes at most four times this.
 MOST_SPOOL_BYTES = 2**28
 _LENGTH = struct.Struct("<I")
 
 
 class Recorded(NamedTuple):
-    """How much was recorded; `ended` tells why no more is, if so."""
+    """How much was recorded; `ended` tells why recording has ended, if it has."""
 
     inputs: int = 0
     messages: int = 0
@@ -81,7 +81,7 @@ class FlightRecorder:
         try:
             self._observer.check_modules()
             still = as_delivered(message)
-        # A message that nests without end, say: the session goes on.
+        # For example a message that nests without end: the session goes on.
         except Exception as problem:
             error = problem
             self._queue.put(lambda: self._end(message, error))
@@ -104,7 +104,7 @@ class FlightRecorder:
             self._registry.find(type(message).__name__)
             body = msgspec.msgpack.encode(entry_of(kind, message, sender))
             self._packer.write(_LENGTH.pack(len(body)) + body)
-        # Whatever it is (a full disk, a message that nests without end): the session goes on.
+        # For example a full disk: the session goes on.
         except Exception as error:
             self._end(message, error)
             return
@@ -115,7 +115,7 @@ class FlightRecorder:
         self.recorded = Recorded(inputs, messages, ended)
 
     def _end(self, message: Message, error: Exception) -> None:
-        """Record no more, and say at which message."""
+        """End the recording and note at which message."""
         self._observer.close()
         if not self.recorded.ended:
             ended = f"recording ended at a {type(message).__name__}: {error}"
@@ -136,7 +136,7 @@ class FlightRecorder:
             writer.finish()
 
     def _entries(self) -> Iterator[Entry]:
-        """What was kept, read from a place of its own in the temporary file."""
+        """The recorded entries, from the temporary file."""
         self._packer.flush(zstandard.FLUSH_FRAME)
         self._spool.flush()
         end = self._spool.tell()
@@ -153,7 +153,7 @@ class FlightRecorder:
 
 
 def _read(stream: Any, size: int) -> bytes:
-    """So many bytes, or none at the end."""
+    """`size` bytes, or none at the end of the stream."""
     parts = []
     while size and (part := stream.read(size)):
         parts.append(part)

@@ -1,4 +1,4 @@
-"""Undo and redo, from the inputs as the kernel admits them: what a journal of them would hold.
+"""Undo and redo, from the inputs as the kernel admits them.
 
 A step is what one act of the user changed: inputs that were sent together, or those of one control
 that follow each other closely, as those of a slider that is dragged. Taking a step back is an input
@@ -35,7 +35,7 @@ Pair = tuple[Input, Input]
 
 
 class Steps(NamedTuple):
-    """Titles of what can be taken back and of what can be done again; empty for nothing."""
+    """Titles of the steps that can be undone and redone; empty if there is none."""
 
     undo: str = ""
     redo: str = ""
@@ -48,20 +48,20 @@ class _Step:
         self.pairs: dict[Key, Pair] = {}
 
     def add(self, key: Key, forth: Input, back: Input, now_s: float) -> None:
-        """Of what was there before, the first counts; of what was wished, the last."""
+        """Keep the first inverse and the last input of a key."""
         first = self.pairs.pop(key, (forth, back))[1]
         self.pairs[key] = (forth, first)
         self.last_s = now_s
 
     @property
     def title(self) -> str:
-        """What it is called in a menu."""
+        """The step's title in a menu."""
         titles = [title_of(forth) for forth, _ in self.pairs.values()]
         return titles[0] if len(titles) == 1 else f"{len(titles)} changes"
 
 
 class History:
-    """`expect` is called on the thread that sends, all else on the kernel's.
+    """The steps of a session; `expect` is called on the sending thread, all else on the kernel's.
 
     `changed` is told the titles whenever they change.
     """
@@ -73,27 +73,27 @@ class History:
         self._now_s = now_s
         self._kernel: Kernel | None = None
         self._acts = count(1)
-        # By identity, held so that none is given to another meanwhile; with the time of the hand:
-        # on a busy machine a drag is admitted in pieces that are far apart.
+        # By identity (the input is kept so that its id stays its own), with the time of sending:
+        # on a busy machine the inputs of one drag may be admitted far apart.
         self._expected: OrderedDict[int, tuple[Input, int, float]] = OrderedDict()
         self._done: deque[_Step] = deque(maxlen=_MOST_STEPS)
         self._undone: list[_Step] = []
         self._closed = True
 
     def expect(self, inputs: tuple[Input, ...], beginning: bool = False) -> None:
-        """These are one act of the user; a `beginning` cannot be taken back, nor what was before.
+        """Note inputs as one act of the user; a `beginning` and all before it cannot be undone.
 
         Inputs of which nothing was said here are not the user's.
         """
         self._note(inputs, _BEGINNING if beginning else next(self._acts))
 
     def attach(self, kernel: Kernel) -> None:
-        """See what this kernel admits."""
+        """Watch the inputs that this kernel admits."""
         self._kernel = kernel
         kernel.watch_admission(self._admitted)
 
     def undo(self) -> str:
-        """Take the last step back; its title, empty if there is none."""
+        """Undo the last step; its title, empty if there is none."""
         if not self._done:
             return ""
         step = self._done.pop()
@@ -102,7 +102,7 @@ class History:
         return step.title
 
     def redo(self) -> str:
-        """Do again what was taken back last; its title, empty if there is nothing."""
+        """Redo the step that was undone last; its title, empty if there is none."""
         if not self._undone:
             return ""
         step = self._undone.pop()
@@ -122,7 +122,7 @@ class History:
     def _note(self, inputs: tuple[Input, ...], act: int) -> None:
         for message in inputs:
             self._expected[id(message)] = (message, act, self._now_s())
-        # What gave way to a later input of its key is never admitted.
+        # Inputs that merged with a later one are never admitted.
         while len(self._expected) > _MOST_EXPECTED:
             self._expected.popitem(last=False)
 
@@ -163,7 +163,7 @@ def _continues(step: _Step, key: Key, act: int, now_s: float) -> bool:
 
 
 def title_of(message: Input) -> str:
-    """What a step of this input is called."""
+    """The title of a step with this input."""
     match message:
         case SetSetting():
             value = "none" if message.value is None else message.value
@@ -185,7 +185,7 @@ def title_of(message: Input) -> str:
 
 
 def inverse_of(message: Input, kernel: Kernel) -> Input | None:
-    """What brings the present state back; asked before the kernel acts on the message.
+    """The input that restores the present state; called before the kernel acts on the message.
 
     None for an input that changes nothing, that will be refused, or of a kind that is not taken
     back: views, scenes, and whatever is not the user's own.
@@ -224,7 +224,7 @@ def _inverse(message: Input, kernel: Kernel) -> Input | None:
 
 
 def _as_kept(message: Input, kernel: Kernel) -> Input:
-    """The message with its value as the module will keep it."""
+    """The message with its value as the setting converts it."""
     if isinstance(message, SetSetting):
         value = kernel.check_setting(message.module, message.name, message.value)
         return SetSetting(module=message.module, name=message.name, value=value)

@@ -1,4 +1,4 @@
-"""Messages as rows for people: live ones as the kernel delivers them, and those of a journal."""
+"""Messages as table rows: live ones as the kernel delivers them, and those of a journal."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -45,12 +45,12 @@ class MessageRow(NamedTuple):
 
     @property
     def searched(self) -> str:
-        """What a filter looks through."""
+        """The text that a filter searches."""
         return " ".join((self.type_name, self.sender, *self.receivers)).lower()
 
 
 class MessageWatch:
-    """Keeps what a kernel delivers while `watching`; all on the kernel's thread."""
+    """Keeps rows of delivered messages while `watching`; on the kernel's thread."""
 
     def __init__(self, kernel: Kernel):
         self.watching = True
@@ -59,7 +59,7 @@ class MessageWatch:
         kernel.tap(self._saw)
 
     def take(self) -> list[MessageRow]:
-        """What was delivered since it was last asked, with the receivers of each."""
+        """The messages since the last call, with the receivers of each."""
         rows = {row.number: row for row in self._seen}
         self._seen.clear()
         if not rows:
@@ -91,7 +91,7 @@ class MessageWatch:
 
 
 def _fields_of(message: Message) -> Fields:
-    """What a message says, in words; a job's result may be anything, also what has no end."""
+    """The fields of a message as text; a job's result may hold anything."""
     try:
         return _first_fields(message)
     except BaseException as error:
@@ -102,7 +102,7 @@ def _fields_of(message: Message) -> Fields:
 def _delivered(row: MessageRow, entry: Entry) -> MessageRow:
     receivers = (entry.receiver, *row.receivers) if entry.receiver else row.receivers
     ms = (row.ms or 0.0) + (entry.end_ns - entry.start_ns) / 1e6
-    # What a module asks of others is an input by its type alone.
+    # An input type that a module posts (a demand) is not an input from outside.
     is_input = row.is_input and entry.cause == 0
     return row._replace(cause=entry.cause, is_input=is_input, receivers=receivers, ms=ms)
 
@@ -151,13 +151,13 @@ def open_journal(path: str | Path) -> OpenJournal:
 
 
 def _first_fields(value: Any) -> Fields:
-    """The fields of a message; of very many the first ones, and that there are more."""
+    """The first fields of a message, and whether there are more."""
     fields = tuple(islice(_fields("", value), _MOST_FIELDS + 1))
     return fields if len(fields) <= _MOST_FIELDS else (*fields[:-1], (_AND_MORE, _AND_MORE))
 
 
 def _fields(path: str, value: Any) -> Iterator[tuple[str, str]]:
-    """Names and short texts; of what has parts, those of the parts."""
+    """Names and short texts of fields, nested ones by dotted names."""
     if isinstance(value, msgspec.Struct):
         value = msgspec.structs.asdict(value)
     if isinstance(value, dict) and "$array" not in value:

@@ -1,4 +1,4 @@
-"""Where the time goes: modules, jobs and passes, and what was left out; on the engine's thread."""
+"""Time spent in modules, jobs and passes, and skipped work; taken on the engine's thread."""
 
 from collections import Counter
 from time import perf_counter_ns
@@ -11,7 +11,7 @@ FRAME = "frame"
 
 
 class Profile(NamedTuple):
-    """What happened in `span_s`; milliseconds by name.
+    """A time span of `span_s`; milliseconds by name.
 
     `modules` and `jobs` are sums over that time, `passes` those of the last frame; `skipped`
     counts work that was left out, by who left it out and what it is.
@@ -25,14 +25,14 @@ class Profile(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """A ledger, and what stood in it of skipped work."""
+    """A ledger, with its counts of skipped work at one moment."""
 
     ledger: Ledger
     skipped: Counter[str]
 
 
 class Profiler:
-    """Takes a profile of the time since it took the last."""
+    """Takes profiles, each of the time since the one before."""
 
     def __init__(self, stage: Stage):
         self._stage = stage
@@ -63,7 +63,7 @@ class Profiler:
         return {name: ns / 1e6 for name, ns in spent.most_common()}
 
     def _jobs_ms(self, since_ns: int) -> dict[str, float]:
-        """Of jobs that ended in this time, all of theirs."""
+        """The whole time of the jobs that ended in this span."""
         spent: Counter[str] = Counter()
         for remark in self._stage.kernel.trace.remarks():
             if remark.kind == "job" and remark.end_ns >= since_ns:
@@ -77,7 +77,7 @@ class Profiler:
 
 
 def _grown(before: dict[str, Counts], after: dict[str, Counts]) -> dict[tuple[str, str], int]:
-    """By how much counts grew; those of a module that started anew count from zero."""
+    """The growth of the counts; those of a restarted module count from zero."""
     grown = {}
     for owner, counts in after.items():
         old = before.get(owner)

@@ -1,4 +1,4 @@
-"""The engine as Qt sees it: inputs go in from Qt's thread, messages and pictures come out on it.
+"""The engine for Qt: takes inputs from Qt's thread, and delivers messages and pictures on it.
 
 What the engine tells waits in a mailbox, the latest of each key, until Qt's event loop takes it:
 however busy either side is, there is one delivery and no backlog.
@@ -78,7 +78,7 @@ class Session(QObject):
         self._engine.start()
 
     def send(self, *inputs: Input) -> None:
-        """Bring inputs to the kernel; of those that still wait the latest of each key counts.
+        """Send inputs to the kernel; of waiting ones the latest of each key counts.
 
         Together they are one step to be taken back.
         """
@@ -86,7 +86,7 @@ class Session(QObject):
         self._bring(inputs)
 
     def begin_with(self, *inputs: Input) -> None:
-        """Bring inputs that are not to be taken back, nor anything before them."""
+        """Send inputs that cannot be undone, nor anything before them."""
         self.history.expect(inputs, beginning=True)
         self._bring(inputs)
 
@@ -96,11 +96,11 @@ class Session(QObject):
             self.sent.emit(message)
 
     def undo(self, then: Callable[[str], None] | None = None) -> None:
-        """Take the last step back; `then` gets its title, empty if there was none."""
+        """Undo the last step; `then` gets its title, empty if there was none."""
         self.follow(self._engine.ask(lambda stage: self.history.undo(), changes=True), then)
 
     def redo(self, then: Callable[[str], None] | None = None) -> None:
-        """Do again what was taken back last; `then` gets its title, empty if there was nothing."""
+        """Redo the step that was undone last; `then` gets its title, empty if there was none."""
         self.follow(self._engine.ask(lambda stage: self.history.redo(), changes=True), then)
 
     @property
@@ -119,14 +119,14 @@ class Session(QObject):
         self.ask(save, lambda answer: self.follow(answer, then))
 
     def listen(self, kind: type[M], listener: Callable[[M], None]) -> None:
-        """Be called with each message of a type, and at once with the last if there was one."""
+        """Call `listener` with each message of a type, and at once with the latest if any."""
         self._listeners[kind].append(listener)
         last = self.last(kind)
         if last is not None:
             listener(last)
 
     def last(self, kind: type[M]) -> M | None:
-        """The latest message of a type that has come here."""
+        """The latest message of a type that was delivered on Qt's thread."""
         return self._last.get(kind)  # type: ignore[return-value]
 
     def ask(
@@ -135,7 +135,7 @@ class Session(QObject):
         then: Callable[[T], None] | None = None,
         failed: Callable[[str], None] | None = None,
     ) -> None:
-        """Have a question answered on the engine's thread; `then` gets the answer, on Qt's.
+        """Call `question` on the engine's thread and `then` with the answer on Qt's.
 
         What it raises becomes a `problem`, or goes to `failed` as a line.
         """
@@ -157,7 +157,7 @@ class Session(QObject):
         then: Callable[[T], None] | None = None,
         failed: Callable[[str], None] | None = None,
     ) -> None:
-        """As `ask`, of an answer that somebody else's thread will give."""
+        """As `ask`, with a future that another thread completes."""
 
         def done(answer: "Future[T]") -> None:
             self._mailbox.put(("answer", next(self._numbers)), (answer, then, failed))
@@ -165,12 +165,12 @@ class Session(QObject):
         answer.add_done_callback(done)
 
     def close(self) -> None:
-        """Begin to end; `ended` comes when all that runs has noticed."""
+        """Begin to end; `ended` is emitted when all threads have."""
         self._engine.stop()
         self._begin_to_end()
 
     def join(self, timeout_s: float | None = None) -> bool:
-        """Wait for the engine's end; whether it came. Nothing is told after it."""
+        """Wait for the engine's end; whether it came. No signal is emitted after it."""
         came = self._engine.join(timeout_s)
         if came:
             self._mailbox.close()
@@ -178,7 +178,7 @@ class Session(QObject):
 
     @property
     def has_ended(self) -> bool:
-        """Whether `ended` was told."""
+        """Whether `ended` was emitted."""
         return self._has_ended
 
     @contextmanager
@@ -265,7 +265,7 @@ class Session(QObject):
 
 
 def fault_line(fault: Fault) -> str:
-    """A fault for people: what the user is to mend, or which module failed where."""
+    """A fault in one line: what the user can mend, or which module failed where."""
     if fault.for_user:
         return one_line(fault.error)
     fate = "; it is suspended: restart it, or go on without" if fault.suspended else ""

@@ -1,4 +1,4 @@
-"""Cities by name: a small bundled list, searched as one types."""
+"""A bundled list of cities, searched by name."""
 
 import csv
 import unicodedata
@@ -33,7 +33,7 @@ def all_cities() -> tuple[City, ...]:
 
 
 def find_cities(text: str, most: int = 8) -> list[City]:
-    """Cities whose name begins with the text, then those that have it inside, accents aside."""
+    """Cities whose name begins with the text, then those that contain it; accents are ignored."""
     wanted = folded(text.partition(",")[0].strip())
     if not wanted:
         return []

@@ -1,4 +1,4 @@
-"""Pictures of a whole day, made by a process of its own while the window goes on."""
+"""Pictures of a whole day, made by another process."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
@@ -16,7 +16,7 @@ from vrut_lite.render.write_atomic import atomic_output, check_writable
 
 
 def one_process() -> Executor:
-    """A process beside the window's; UserError where none can be started."""
+    """A worker process; UserError if none can be started."""
     return ProcessPoolExecutor(1, mp_context=spawn_context())
 
 
@@ -91,7 +91,7 @@ class DaySequence(QObject):
             return
         self._done += 1
         self.progressed.emit(self._done, len(self._instants))
-        # Who hears of a picture may have had enough.
+        # A listener may have cancelled.
         if not self.running:
             return
         if self._done < len(self._instants):
@@ -113,7 +113,7 @@ class DaySequence(QObject):
 
 
 def instants_of(day: Day, step: timedelta) -> list[datetime]:
-    """Every step of the day from first to last light, or of all of it where there is neither."""
+    """Steps from civil dawn to civil dusk, or through the whole day if either is missing."""
     start = day.marks.get("civil dawn", day.start)
     end = day.marks.get("civil dusk", day.end)
     if end <= start:

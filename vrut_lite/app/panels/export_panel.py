@@ -1,4 +1,4 @@
-"""Pictures to files: the one that is shown, and those of a whole day."""
+"""Exports: the picture that is shown, and pictures of a whole day."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -29,7 +29,7 @@ _FILES = "Pictures (*.png *.exr)"
 
 
 class ExportPanel(QWidget):
-    """`open_workers` makes who draws the pictures of a day: a process of its own."""
+    """`open_workers` makes the process that draws the pictures of a day."""
 
     def __init__(
         self,
@@ -53,9 +53,9 @@ class ExportPanel(QWidget):
         self.progress = QProgressBar()
         self.progress.setFormat("%v of %m")
         self.cancel = QPushButton("Cancel")
-        self.told = QLabel()
-        self.told.setProperty("role", "faint")
-        self.told.setWordWrap(True)
+        self.status = QLabel()
+        self.status.setProperty("role", "faint")
+        self.status.setWordWrap(True)
         self._lay_out()
         self._show_running(False)
         self.picture.clicked.connect(self._ask_for_picture)
@@ -69,7 +69,7 @@ class ExportPanel(QWidget):
         self._session.ask(lambda stage: export_picture(stage, path, project), self._tell)
 
     def start(self, path: str) -> None:
-        """Make the pictures of the day; their number stands before the ending of the name."""
+        """Make the pictures of the day, numbered before the suffix of their name."""
         day = self._scout.day
         if day is None or (self.sequence is not None and self.sequence.running):
             return
@@ -108,7 +108,7 @@ class ExportPanel(QWidget):
         column.addLayout(form)
         column.addWidget(self.day)
         column.addLayout(row)
-        column.addWidget(self.told)
+        column.addWidget(self.status)
         column.addStretch(1)
 
     def _ask_for_picture(self) -> None:
@@ -139,4 +139,4 @@ class ExportPanel(QWidget):
         self._session.problem.emit(line)
 
     def _tell(self, line: str) -> None:
-        self.told.setText(line)
+        self.status.setText(line)

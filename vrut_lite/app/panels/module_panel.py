@@ -141,7 +141,7 @@ class ModulePanel(QWidget):
     # --- presets -----------------------------------------------------------------------------
 
     def fill_presets(self) -> None:
-        """Make the menu anew from what is kept."""
+        """Fill the menu with the presets that are kept."""
         self.preset_menu.clear()
         self.preset_menu.addAction("Defaults", lambda: self.choose(self._defaults()))
         names = self._presets.names(self._name)

@@ -1,4 +1,4 @@
-"""Play: lets time go by at a speed, no faster than the kernel follows."""
+"""Plays time at a speed, no faster than the kernel follows."""
 
 from time import perf_counter
 
@@ -11,7 +11,7 @@ _PERIOD_MS = 33
 
 
 class Player(QObject):
-    """A tick goes out when the one before has moved the clock: time is made up, not queued."""
+    """Sends a tick when the one before has moved the clock: ticks grow longer, none are queued."""
 
     playing_changed = Signal(bool)
 

@@ -1,4 +1,4 @@
-"""Settings of a module kept by name, one JSON file a module; a damaged one holds none."""
+"""Presets: settings of a module by name, a JSON file for each module."""
 
 from pathlib import Path
 from typing import Any

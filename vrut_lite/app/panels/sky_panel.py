@@ -1,4 +1,4 @@
-"""Who holds the sun and the sky, and the settings of whoever holds the sky."""
+"""The holders of the slots, and the settings of the holder of the sky."""
 
 from PySide6.QtWidgets import (
     QComboBox,
@@ -23,7 +23,7 @@ _LOWEST_PERCENT = 0.1
 
 
 class SkyPanel(QWidget):
-    """A chooser for each slot, the sky's first, and how exact all of them are to be."""
+    """A chooser for each slot, the sky's first, and the tolerance."""
 
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
@@ -75,7 +75,7 @@ class SkyPanel(QWidget):
             self._session.send(ChooseSlot(slot=slot, module=module))
 
     def _show_holders(self) -> None:
-        """Also after a choice that was refused."""
+        """Show the holders, also after a choice that was refused."""
         for slot, holder in self._session.roster.holders.items():
             if slot in self.choosers:
                 self._show(slot, holder)

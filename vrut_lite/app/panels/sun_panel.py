@@ -1,4 +1,4 @@
-"""Where the sun stands: elevation and azimuth, to read and to type."""
+"""The sun's elevation and azimuth, shown and editable."""
 
 from datetime import datetime
 from math import degrees
@@ -18,7 +18,7 @@ _TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
 
 
 class SunPanel(QWidget):
-    """A typed angle goes to the hour of the day at which the sun stands there."""
+    """A typed angle sets the clock to the hour at which the sun has it."""
 
     def __init__(self, session: Session, scout: DayScout):
         super().__init__()
@@ -115,7 +115,7 @@ def _angle(low: float, high: float, tip: str) -> QDoubleSpinBox:
 
 
 def _show(spin: QDoubleSpinBox, value: float) -> None:
-    # What is being typed stays.
+    # A text that is being typed stays.
     if spin.hasFocus() and spin.lineEdit().isModified():
         return
     spin.blockSignals(True)

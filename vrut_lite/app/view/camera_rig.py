@@ -14,13 +14,13 @@ _NEAREST_M, _FARTHEST_M = 0.05, 5e7
 _ZOOM, _CLIMB = 0.9, 1.125
 _EYE_HEIGHT_M = 1.7
 _HIGHEST_M = 4e7
-# Of the Earth: only how fast the view tips as it climbs hangs on it.
+# The Earth's radius: it affects only how fast the view tips as it climbs.
 _GROUND_RADIUS_M = 6.36e6
 NARROWEST_RAD, WIDEST_RAD = math.radians(5.0), math.radians(120.0)
 
 
 class CameraRig:
-    """An eye, a direction and a distance to what it looks at; angles in radians, metres.
+    """An eye, a direction and a distance to the target; angles in radians, metres.
 
     `azimuth_rad` is that of the view, from -Z clockwise (towards +X), `elevation_rad` its height.
     """
@@ -32,7 +32,7 @@ class CameraRig:
         self.distance_m = 10.0
         self.field_of_view_rad = 0.8
 
-    # --- what it is ------------------------------------------------------------------------
+    # --- state -----------------------------------------------------------------------------
 
     @property
     def forward(self) -> FloatArray:
@@ -57,7 +57,7 @@ class CameraRig:
         return self.eye_m + self.distance_m * self.forward
 
     def camera(self) -> MoveCamera:
-        """The input that puts the camera there."""
+        """The input that moves the camera here."""
         return MoveCamera(
             eye_m=_vector(self.eye_m),
             target_m=_vector(self.target_m),
@@ -65,7 +65,7 @@ class CameraRig:
         )
 
     def adopt(self, camera: MoveCamera, centre_m: FloatArray | None = None) -> None:
-        """Stand where a camera stands; turn around the point of its view nearest to a centre."""
+        """Take over a camera; the target is the point of its view line nearest to `centre_m`."""
         eye, target = np.array(camera.eye_m), np.array(camera.target_m)
         way = target - eye
         length = float(np.linalg.norm(way))
@@ -77,28 +77,28 @@ class CameraRig:
         along = length if centre_m is None else float((centre_m - eye) @ forward)
         self.distance_m = along if along > _NEAREST_M else length
 
-    # --- how it moves ----------------------------------------------------------------------
+    # --- motion ----------------------------------------------------------------------------
 
     def orbit(self, right: float, up: float) -> None:
-        """Turn around the target by shares of the view's height, as if dragging the scene."""
+        """Turn around the target, by fractions of the view's height, as if dragging the scene."""
         target = self.target_m
         self.look(-right, -up)
         self.eye_m = target - self.distance_m * self.forward
 
     def look(self, right: float, up: float) -> None:
-        """Turn the head by shares of the view's height."""
+        """Turn the view by fractions of its height."""
         self.azimuth_rad = math.remainder(
             self.azimuth_rad + right * _TURN_PER_VIEW_RAD, 2.0 * math.pi
         )
         self._tilt(self.elevation_rad + up * _TURN_PER_VIEW_RAD)
 
     def look_around(self, right: float, up: float) -> None:
-        """Turn the head so that what is under the pointer stays under it."""
+        """Turn the view so that the point under the pointer stays under it."""
         share = self.field_of_view_rad / _TURN_PER_VIEW_RAD
         self.look(-right * share, -up * share)
 
     def pan(self, right: float, up: float) -> None:
-        """Shift eye and target by shares of what the view spans at the target."""
+        """Shift eye and target by fractions of the view's extent at the target."""
         span_m = 2.0 * self.distance_m * math.tan(0.5 * self.field_of_view_rad)
         upward = np.cross(self.right, self.forward)
         self.eye_m = self.eye_m - span_m * (right * self.right + up * upward)
@@ -121,13 +121,13 @@ class CameraRig:
         self.eye_m = self.eye_m + way
 
     def climb(self, steps: float) -> None:
-        """Rise by an eighth of the height a step, or sink; the horizon keeps its place."""
+        """Rise by an eighth of the height a step, or sink; the horizon stays in place."""
         above_m = max(self.eye_m[1], 0.0) + 2.0 * _EYE_HEIGHT_M
         height_m = above_m * _CLIMB**steps - 2.0 * _EYE_HEIGHT_M
         self.rise_to(height_m)
 
     def rise_to(self, height_m: float) -> None:
-        """Stand at a height; what is above the horizon stays as far above it."""
+        """Set the height; the view keeps its angle above the horizon."""
         above_rad = self.elevation_rad + dip_rad(self.eye_m[1])
         height_m = min(max(height_m, _EYE_HEIGHT_M), _HIGHEST_M)
         self.eye_m = np.array([self.eye_m[0], height_m, self.eye_m[2]])
@@ -138,12 +138,12 @@ class CameraRig:
 
 
 def dip_rad(height_m: float) -> float:
-    """How far below the level the planet's edge lies."""
+    """The dip of the planet's horizon below the level."""
     return math.acos(_GROUND_RADIUS_M / (_GROUND_RADIUS_M + max(height_m, 0.0)))
 
 
 def height_text(height_m: float) -> str:
-    """A height for people: metres up to 10 km."""
+    """A height as text: metres up to 10 km, then kilometres."""
     return f"{height_m:,.1f} m" if abs(height_m) < 1e4 else f"{height_m / 1e3:,.1f} km"
 
 

@@ -35,7 +35,7 @@ class LightProbe(QObject):
 
     @property
     def text(self) -> str:
-        """cd/m2, and lux on the surface; nothing where nothing is pointed at."""
+        """cd/m2, and lux on the surface; empty while nothing is pointed at."""
         parts = (self._luminance, self._illuminance) if self._at is not None else ()
         return "   ".join(part for part in parts if part)
 
@@ -89,7 +89,7 @@ class LightProbe(QObject):
         self.changed.emit()
 
     def _ask(self) -> None:
-        """Have the surface's lux measured; one question at a time."""
+        """Measure the surface's illuminance; one question at a time."""
         if self._at is None or self._asked:
             return
         self._asked = True

@@ -1,4 +1,4 @@
-"""Where the time goes, written over the picture."""
+"""The profiler, drawn over the picture."""
 
 from collections.abc import Iterable
 from time import perf_counter
@@ -17,12 +17,12 @@ from vrut_lite.app.engine.stage import Stage
 _LOOK_MS, _BEAT_MS = 500, 10
 _WIDTH_PX, _LINE_PX, _EDGE_PX = 330, 16, 10
 _MOST_LINES = 9
-# A bar of full length.
+# The time of a bar of full length.
 _FULL_MS = 100.0
 
 
 class Line(NamedTuple):
-    """A heading, or a name with what it took; bars are drawn where `ms` is known."""
+    """A heading, or a name with its value; a bar is drawn if `ms` is known."""
 
     name: str
     value: str = ""
@@ -71,10 +71,10 @@ class ProfilerOverlay(QWidget):
         self._looking.stop()
         self._beating.stop()
 
-    # --- what is measured --------------------------------------------------------------------
+    # --- measuring ---------------------------------------------------------------------------
 
     def _beat(self) -> None:
-        """The window's own thread: what holds it up longest is the gap in which nothing moves."""
+        """Measure the longest gap between beats of the event loop."""
         now_s = perf_counter()
         self._gap_s = max(self._gap_s, now_s - self._last_beat_s)
         self._last_beat_s = now_s
@@ -96,15 +96,15 @@ class ProfilerOverlay(QWidget):
 
     def _take(self, profile: Profile) -> None:
         self._asking = False
-        # While nothing happens, what happened last stays to be read.
+        # While nothing happens the last profile with work in it stays.
         if profile.modules or self._latest is None:
             self._latest = profile
         shown = self._session.shown
         frame_ms = 0.0 if shown is None else 1e3 * shown.seconds
         gaps = (1e3 * self._gap_s, 1e3 * self._frame_gap_s)
         self._gap_s = 0.0
-        told = self._latest._replace(passes=profile.passes)
-        self._show_lines(lines_of(told, frame_ms, *gaps))
+        latest = self._latest._replace(passes=profile.passes)
+        self._show_lines(lines_of(latest, frame_ms, *gaps))
 
     # --- painting ----------------------------------------------------------------------------
 
@@ -141,7 +141,7 @@ class ProfilerOverlay(QWidget):
 
 
 def lines_of(profile: Profile, frame_ms: float, gap_ms: float, frame_gap_ms: float) -> list[Line]:
-    """A profile for people: passes, modules and jobs in milliseconds, then what was left out."""
+    """A profile as lines: passes, modules and jobs in milliseconds, then skipped work."""
     lines = [
         Line("Frame", f"{frame_ms:.0f} ms", heading=True),
         Line("since the picture before", f"{frame_gap_ms:.0f} ms"),
@@ -159,6 +159,6 @@ def lines_of(profile: Profile, frame_ms: float, gap_ms: float, frame_gap_ms: flo
 
 
 def _measured(times: Iterable[tuple[str, float]]) -> list[Line]:
-    """The longest first; nothing that would round to nothing."""
+    """The longest first; those that would show 0.0 are left out."""
     longest = sorted(times, key=lambda item: -item[1])[:_MOST_LINES]
     return [Line(name, f"{ms:.1f}", ms) for name, ms in longest if ms >= 0.05]

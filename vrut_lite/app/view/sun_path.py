@@ -1,4 +1,4 @@
-"""The sun's way through the day, drawn over the picture."""
+"""The sun's path of the day, drawn over the picture."""
 
 from datetime import timedelta
 
@@ -32,12 +32,12 @@ class SunPath(QObject):
         self.changed.emit()
 
     def set_day(self, day: Day) -> None:
-        """The way of this day."""
+        """Show the path of this day."""
         self._day = day
         self.changed.emit()
 
     def set_sun(self, sun: SunMoved) -> None:
-        """Where on it the sun stands."""
+        """Mark the sun's position."""
         self._sun = sun
         self.changed.emit()
 
@@ -105,7 +105,7 @@ def _path(points: np.ndarray, chosen: np.ndarray, place: QRectF) -> QPainterPath
 
 
 def _inside(point: np.ndarray) -> bool:
-    """Whether a place is in the picture or just beside it; nan is not."""
+    """Whether a point is in the picture or just beside it; nan is not."""
     return bool(np.all((point > -_MARGIN) & (point < 1.0 + _MARGIN)))
 
 

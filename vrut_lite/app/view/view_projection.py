@@ -1,4 +1,4 @@
-"""From directions of the world to places in the picture."""
+"""Projection of world directions into the picture."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,7 @@ from vrut_lite.scene.camera import look_at
 def project_directions(
     directions: ArrayLike, camera: MoveCamera, aspect: float
 ) -> NDArray[np.float64]:
-    """Places (n, 2) of unit directions (n, 3) in a picture, as shares of its width and height.
+    """Points (n, 2) of unit directions (n, 3) in a picture, as fractions of width and height.
 
     x counts from the left, y from the top; what lies behind the eye is nan.
     """

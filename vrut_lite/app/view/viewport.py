@@ -48,7 +48,7 @@ _MOST_FLIGHT_S = 0.1
 
 
 class CameraMode(Enum):
-    """What the mouse does; each with its hint."""
+    """The camera's modes, each with a hint for the mouse."""
 
     ORBIT = "drag to turn, right drag to shift, wheel to go nearer"
     FLY = "drag to look, W A S D to fly, Q E down and up, Shift faster, wheel for the view's angle"
@@ -111,11 +111,11 @@ class Viewport(QWidget):
 
     @property
     def camera(self) -> MoveCamera:
-        """What is looked through."""
+        """The present camera."""
         return self._sent or self.rig.camera()
 
     def set_mode(self, mode: CameraMode) -> None:
-        """Let the mouse do something else."""
+        """Switch to another mode."""
         self.mode = mode
         self._held.clear()
         self._flight.stop()
@@ -131,11 +131,11 @@ class Viewport(QWidget):
             self.send_camera()
 
     def send_camera(self) -> None:
-        """Look from where the rig stands."""
+        """Send the rig's camera."""
         self._sent = self.rig.camera()
         self._session.send(self._sent)
 
-    # --- what comes --------------------------------------------------------------------------
+    # --- messages ----------------------------------------------------------------------------
 
     def _show_picture(self, shown: Shown) -> None:
         pixels = np.ascontiguousarray(shown.picture.display)
@@ -150,7 +150,7 @@ class Viewport(QWidget):
         self._scene = scene
 
     def _adopt(self, camera: MoveCamera) -> None:
-        """The scene's own camera, or one that a project names; not the echo of ours."""
+        """Take over the camera of a scene or a project; not the echo of our own."""
         if self._grip is not None or self._held or camera == self._sent:
             return
         self._sent = camera
@@ -161,7 +161,7 @@ class Viewport(QWidget):
         self.update()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The picture follows when the size has settled."""
+        """Resize the picture when the window's size has settled."""
         self._resized.start()
 
     def _send_size(self) -> None:
@@ -219,7 +219,7 @@ class Viewport(QWidget):
         self.send_camera()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Nearer, narrower or higher, by what the mouse does."""
+        """Move nearer, narrow the view or climb, by the mode."""
         steps = event.angleDelta().y() / 120.0
         if not steps:
             return
@@ -255,13 +255,13 @@ class Viewport(QWidget):
             super().keyPressEvent(event)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Fly no longer that way."""
+        """Stop flying in that direction."""
         if not event.isAutoRepeat():
             self._held.discard(Qt.Key(event.key()))
         super().keyReleaseEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """A key that is let go elsewhere is not heard of."""
+        """Forget held keys: their release would go to another widget."""
         self._held.clear()
         super().focusOutEvent(event)
 
@@ -284,7 +284,7 @@ class Viewport(QWidget):
         self.send_camera()
 
     def _speed_m_s(self) -> float:
-        """A walk through the scene takes some ten seconds, whatever its size; higher is faster."""
+        """Ten seconds through the scene, whatever its size; faster at height."""
         if self._scene is None:
             return 2.0
         size_m = float(np.linalg.norm(np.subtract(self._scene.upper_m, self._scene.lower_m)))
@@ -307,7 +307,7 @@ class Viewport(QWidget):
     # --- painting ----------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The picture, and what is written on it."""
+        """Paint the picture and its overlays."""
         painter = QPainter(self)
         if self._image is None:
             painter.fillRect(self.rect(), QColor("#101012"))
@@ -330,7 +330,7 @@ class Viewport(QWidget):
         return "Opening \N{HORIZONTAL ELLIPSIS}"
 
     def _write(self, painter: QPainter, place: object, where: object, text: str) -> None:
-        """Text that can be read on any picture."""
+        """Write text with a shadow, legible on any picture."""
         painter.setPen(QColor(0, 0, 0, 170))
         painter.drawText(place.translated(1, 1), where, text)  # type: ignore[attr-defined,call-overload]
         painter.setPen(QColor(theme.TEXT))
@@ -357,6 +357,6 @@ def _single_shot(parent: QWidget, after_ms: int, act: object) -> QTimer:
 
 
 def _scene_of(event: QDropEvent) -> str | None:
-    """The first file that can be opened."""
+    """The first dropped file of a known suffix."""
     paths = [url.toLocalFile() for url in event.mimeData().urls()]
     return next((p for p in paths if Path(p).suffix.lower() in SCENE_SUFFIXES), None)

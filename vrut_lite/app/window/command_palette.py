@@ -1,4 +1,4 @@
-"""Everything by its name: type a few letters, press Enter."""
+"""The command palette: every action by a few letters of its name."""
 
 from typing import TYPE_CHECKING
 
@@ -24,16 +24,16 @@ _MOVING = (Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDow
 
 
 class CommandPalette(QDialog):
-    """A line to type in, above what fits it; arrows move, Enter does it, Escape leaves."""
+    """A text field above the matching commands; arrows move, Enter runs one, Escape closes."""
 
     def __init__(self, window: "MainWindow"):
         super().__init__(window, Qt.WindowType.Popup)
         self._window = window
         self._entries = entries_of(window)
         self.found = self._entries
-        self.line = QLineEdit()
-        self.line.setPlaceholderText("What is to be done?")
-        self.line.setAccessibleName("command")
+        self.text_field = QLineEdit()
+        self.text_field.setPlaceholderText("What is to be done?")
+        self.text_field.setAccessibleName("command")
         self.list = QTreeWidget()
         self.list.setAccessibleName("commands")
         self.list.setHeaderHidden(True)
@@ -47,18 +47,18 @@ class CommandPalette(QDialog):
         header.setSectionResizeMode(1, QHeaderView.ResizeMode.ResizeToContents)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         column = QVBoxLayout(self)
-        column.addWidget(self.line)
+        column.addWidget(self.text_field)
         column.addWidget(self.list)
         self.setStyleSheet(f"QDialog {{ border: 1px solid {theme.LINE}; }}")
-        self.line.installEventFilter(self)
-        self.line.textChanged.connect(self._search)
-        self.line.returnPressed.connect(self._run)
+        self.text_field.installEventFilter(self)
+        self.text_field.textChanged.connect(self._search)
+        self.text_field.returnPressed.connect(self._run)
         self.list.itemClicked.connect(lambda *_: self._run())
         self._search("")
         self._place()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Arrows move through the list while the line is typed in."""
+        """Arrows move through the list while the text field has the focus."""
         if (
             event.type() == QEvent.Type.KeyPress
             and isinstance(event, QKeyEvent)
@@ -85,5 +85,5 @@ class CommandPalette(QDialog):
         place = self.list.currentIndex().row()
         self.accept()
         if 0 <= place < len(self.found):
-            # What is done may open a dialog of its own: first this one is to be gone.
+            # The command may open a dialog of its own, so this one is closed first.
             QTimer.singleShot(0, self._window, self.found[place].act)

@@ -1,4 +1,4 @@
-"""What every part of the window may use."""
+"""The objects that the parts of a window share."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ from vrut_lite.app.view.viewport import Viewport
 
 @dataclass
 class Desk:
-    """One window's session, and what listens to it on behalf of all panels."""
+    """A window's session, and the objects that several panels use."""
 
     session: Session
     scout: DayScout

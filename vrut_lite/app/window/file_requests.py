@@ -1,4 +1,4 @@
-"""Asks for the files to open and to write."""
+"""File dialogs: open, save, export."""
 
 from typing import TYPE_CHECKING
 

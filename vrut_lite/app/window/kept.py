@@ -1,4 +1,4 @@
-"""What outlives a window: what was open, which files were opened lately, and its shape."""
+"""Files that outlive a window: the last session, recent files, the window's layout."""
 
 import os
 from base64 import b64decode, b64encode
@@ -13,13 +13,13 @@ from vrut_lite.errors import UserError
 from vrut_lite.project import Project, daylight_inputs, load_project, save_project, view_inputs
 
 _MOST_RECENT = 10
-# Of a longer list only so many are looked for.
+# The existence of at most so many files is checked.
 _MOST_LISTED = 100
 _SESSION, _WINDOW = "session.toml", "window.json"
 
 
 class WindowShape(NamedTuple):
-    """Where the window was and how its docks lay, in Qt's own form."""
+    """The window's geometry and the state of its docks, as Qt encodes them."""
 
     geometry: bytes
     docks: bytes
@@ -36,16 +36,16 @@ class Kept:
 
     @classmethod
     def of_user(cls) -> Self:
-        """In the folder that the system has for such things."""
+        """In the user's state folder."""
         return cls(user_state_path("vrut_lite"))
 
     @property
     def recent(self) -> list[str]:
-        """Scenes and projects, the latest first, that are still there."""
+        """Scenes and projects that exist, the latest first."""
         listed = self._read().get("recent")
         paths = listed if isinstance(listed, list) else []
         texts = [path for path in paths[:_MOST_LISTED] if isinstance(path, str)]
-        # Unlike a Path it finds no fault with names that no file can have.
+        # Unlike Path.is_file it accepts names that no file can have.
         return [path for path in dict.fromkeys(texts) if os.path.isfile(path)]
 
     def add_recent(self, path: str) -> None:
@@ -55,19 +55,19 @@ class Kept:
         self._write(recent=[full, *others][:_MOST_RECENT])
 
     def session(self) -> Project | None:
-        """What was open when a window was last closed, if it can be opened again."""
+        """The project when a window was last closed, if it can be opened again."""
         if self._folder is None:
             return None
         try:
             project = load_project(self._folder / _SESSION)
-            # Said of no place or hour, it would open nothing.
+            # Raises if the place, the hour or the camera is impossible.
             _ = daylight_inputs(project), view_inputs(project)
         except UserError:
             return None
         return project if os.path.isfile(project.scene) else None
 
     def keep_session(self, project: Project) -> None:
-        """Keep what is open; as all that keeps, raises UserError where nothing can be written."""
+        """Keep the session's project; UserError if it cannot be written."""
         if project.scene and self._folder is not None:
             make_folder(self._folder)
             file = self._folder / _SESSION
@@ -84,7 +84,7 @@ class Kept:
             shape = WindowShape(b64decode(facts["geometry"]), b64decode(facts["docks"]))
         except (KeyError, TypeError, ValueError):
             return None
-        # Qt does not look whether a shape is whole before it takes memory for what it says.
+        # Qt trusts the sizes in a damaged state, and takes memory by them.
         return shape if facts.get("digest") == _digest(shape) else None
 
     def keep_shape(self, shape: WindowShape) -> None:

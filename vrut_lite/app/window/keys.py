@@ -1,4 +1,4 @@
-"""Who gets a key: the control that has the focus, or the window's shortcuts.
+"""Decides whether a key goes to the focused control or to the window's shortcuts.
 
 Qt gives shortcuts precedence over what buttons and lists do with a key, and lets a text field keep
 Ctrl+Z even where nothing was typed that it could take back.
@@ -22,10 +22,10 @@ _PLAIN = (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.KeypadModifier)
 
 
 class KeyJudge(QObject):
-    """Watches the controls of panels."""
+    """Filters the keys of the controls of panels."""
 
     def watch(self, panel: QWidget) -> None:
-        """Judge the keys of all controls in a panel, and of those that come into it later."""
+        """Filter the keys of all controls in a panel, also of those that are added later."""
         for control in (panel, *panel.findChildren(QWidget)):
             if isinstance(control, _CONTROLS):
                 control.installEventFilter(self)
@@ -59,6 +59,6 @@ def _uses(control: QObject, event: QKeyEvent) -> bool:
 
 
 def _has_typed(control: QObject) -> bool:
-    """Whether something was typed that the control can take back by itself."""
+    """Whether something was typed that the control itself can undo."""
     line = control if isinstance(control, QLineEdit) else control.findChild(QLineEdit)
     return line is not None and line.isUndoAvailable() and line.isModified()

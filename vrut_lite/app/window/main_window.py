@@ -49,7 +49,7 @@ _RIGHT_PX = 420
 
 
 class MainWindow(QMainWindow):
-    """One session's window; when it is closed, the session is."""
+    """The window of one session; closing it closes the session."""
 
     def __init__(
         self, session: Session, presets: PresetStore | None = None, kept: Kept | None = None
@@ -91,10 +91,10 @@ class MainWindow(QMainWindow):
 
     @property
     def news(self) -> QLabel:
-        """What is told below the picture."""
+        """The status line's message."""
         return self._status.news
 
-    # --- what it is made of ------------------------------------------------------------------
+    # --- widgets -----------------------------------------------------------------------------
 
     def add_dock(self, spec: DockSpec) -> None:
         """Make a dock; it joins the tabs of its group."""
@@ -103,7 +103,7 @@ class MainWindow(QMainWindow):
         dock = QDockWidget(spec.title, self)
         dock.setObjectName(spec.name)
         dock.setWidget(_scrolled(panel) if spec.scrolled else panel)
-        # Its tab is title enough.
+        # The dock's tab shows its title.
         dock.setTitleBarWidget(QWidget())
         group = [dock for dock in self.docks.values() if dock.property("group") == spec.group]
         dock.setProperty("group", spec.group)
@@ -142,10 +142,10 @@ class MainWindow(QMainWindow):
         desk.viewport.scene_dropped.connect(self.open_path)
         desk.viewport.mode_changed.connect(self._mode_changed)
 
-    # --- what can be done --------------------------------------------------------------------
+    # --- actions -----------------------------------------------------------------------------
 
     def open_path(self, path: str) -> None:
-        """Open a scene, or a project; what cannot be opened leaves the old scene as it is."""
+        """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
             self.show_news(f"Opening {path} \N{HORIZONTAL ELLIPSIS}")
             self.session.send(LoadScene(path=path))
@@ -157,7 +157,7 @@ class MainWindow(QMainWindow):
             self.show_problem(str(error))
 
     def open_project(self, project: Project) -> None:
-        """Become what a project says."""
+        """Show a project."""
         self.session.ask(
             lambda stage: inputs_of(project, stage.kernel),
             lambda inputs: self.session.begin_with(*inputs),
@@ -180,7 +180,7 @@ class MainWindow(QMainWindow):
             self.show_problem(str(error))
 
     def show_dock(self, name: str) -> None:
-        """Show a dock before the others of its place."""
+        """Show a dock, as the front tab of its group."""
         self.docks[name].show()
         self.docks[name].raise_()
 
@@ -192,13 +192,13 @@ class MainWindow(QMainWindow):
             self.docks[name].hide()
 
     def show_palette(self) -> None:
-        """Let a command be found by its name."""
+        """Open the command palette."""
         palette = CommandPalette(self)
         palette.show()
-        palette.line.setFocus()
+        palette.text_field.setFocus()
 
     def show_keys(self) -> None:
-        """List all keys."""
+        """Open the list of keys."""
         ShortcutList(self.menus.specs, self).show()
 
     def _guarded(self, act: Callable[[], None], done: str = "") -> None:
@@ -211,14 +211,14 @@ class MainWindow(QMainWindow):
                 self.show_news(done)
 
     def undo(self) -> None:
-        """Take the last change back."""
+        """Undo the last change."""
         self.session.undo(lambda title: self.show_news(f"Taken back: {title}" if title else ""))
 
     def redo(self) -> None:
-        """Do again what was taken back."""
+        """Redo the change that was undone last."""
         self.session.redo(lambda title: self.show_news(f"Done again: {title}" if title else ""))
 
-    # --- what is told ------------------------------------------------------------------------
+    # --- messages ----------------------------------------------------------------------------
 
     def show_problem(self, line: str) -> None:
         """One line on what went wrong."""
@@ -266,7 +266,7 @@ class MainWindow(QMainWindow):
         QTimer.singleShot(0, self.close)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Vanish at once; what still runs is waited for without a window."""
+        """Hide at once; threads that still run end without a window."""
         if not self.session.has_ended:
             self._guarded(self._keep)
             self.time.player.pause()
@@ -275,7 +275,7 @@ class MainWindow(QMainWindow):
         event.accept()
 
     def _keep(self) -> None:
-        """Leave what is open for the next time; what nobody has seen opened is not kept."""
+        """Keep the project and the window's layout for the next start, if the host was opened."""
         if self.session.roster.modules:
             self.kept.keep_session(project_of(self.session))
             geometry, docks = self.saveGeometry().data(), self.saveState().data()

@@ -47,13 +47,13 @@ class Menus:
         self.specs.append(spec)
 
     def show_steps(self, steps: Steps) -> None:
-        """Name what can be taken back and done again."""
+        """Show the titles of the steps to undo and redo."""
         for name, verb, title in (("undo", "Undo", steps.undo), ("redo", "Redo", steps.redo)):
             self.actions[name].setText(f"{verb} {title}".rstrip())
             self.actions[name].setEnabled(bool(title))
 
     def fill_recent(self) -> None:
-        """List the files that were opened lately and still are there."""
+        """List the recent files that exist."""
         self.recent.clear()
         for number, path in enumerate(self._recent(), 1):
             file = Path(path)

@@ -1,4 +1,4 @@
-"""All that the command palette can do: actions, panels, settings, skies and recent files."""
+"""The entries of the command palette: actions, panels, settings, skies and recent files."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class PaletteEntry(NamedTuple):
-    """What it is called, what is told beside it (a key, say), and what it does."""
+    """A title, a hint beside it (its key for example), and the command."""
 
     title: str
     hint: str
@@ -25,7 +25,7 @@ class PaletteEntry(NamedTuple):
 
 
 def entries_of(window: "MainWindow") -> list[PaletteEntry]:
-    """What can be done now, the most general first."""
+    """The present entries, the most general first."""
     return [
         *_actions(window),
         *_docks(window),
@@ -80,7 +80,7 @@ def _slots(window: "MainWindow") -> Iterator[PaletteEntry]:
 def _settings(window: "MainWindow") -> Iterator[PaletteEntry]:
     for name, dock in window.docks.items():
         for panel in dock.findChildren(ModulePanel):
-            # Of the skies' panels one is shown, the holder's.
+            # Of the skies' panels only that of the slot's holder is shown.
             if panel.isHidden():
                 continue
             for row in panel.rows.values():

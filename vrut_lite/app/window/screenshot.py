@@ -1,4 +1,4 @@
-"""What the picture looks like right now, overlays and read-outs included, as a file of its own."""
+"""Screenshots of the picture, with its overlays and read-outs."""
 
 from collections.abc import Iterator
 from itertools import count
@@ -10,7 +10,7 @@ from vrut_lite.errors import UserError
 
 
 def save_screenshot(desk: Desk, folder: Path) -> Path:
-    """Write the viewport as PNG, named by scene and local hour; none is ever written over.
+    """Write the viewport as PNG, named by scene and local hour; no file is overwritten.
 
     Raises:
         UserError: the folder cannot be written to.

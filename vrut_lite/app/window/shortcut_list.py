@@ -64,8 +64,8 @@ class ShortcutList(QDialog):
         words = text.lower().split()
         for heading, lines in self._lines.values():
             for line in lines:
-                told = f"{line.text(0)} {line.text(1)}".lower()
-                line.setHidden(not all(word in told for word in words))
+                text_of_line = f"{line.text(0)} {line.text(1)}".lower()
+                line.setHidden(not all(word in text_of_line for word in words))
             heading.setHidden(all(line.isHidden() for line in lines))
 
 

@@ -1,4 +1,4 @@
-"""The line below the window: what was done or went wrong, and facts of the picture."""
+"""The status line: the latest message, and facts of the picture."""
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QLabel, QStatusBar
@@ -10,7 +10,7 @@ _NEWS_MS = 12_000
 
 
 class StatusLine(QStatusBar):
-    """News fade after a while."""
+    """A message disappears after 12 s."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -35,7 +35,7 @@ class StatusLine(QStatusBar):
         self._tell(line, theme.TEXT)
 
     def show_facts(self, shown: Shown, renderer: str) -> None:
-        """Size and cost of a picture, and what drew it, without what stands in brackets."""
+        """Size and time of a picture, and the renderer's name without its part in brackets."""
         height, width = shown.picture.display.shape[:2]
         self.facts.setText(
             f"{width} \N{MULTIPLICATION SIGN} {height}   {1e3 * shown.seconds:.0f} ms   "
