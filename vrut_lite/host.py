@@ -16,6 +16,7 @@ from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.render.rays import Hit
 from vrut_lite.render.skips import FrameSkips
 from vrut_lite.scene.backend import Picture, SceneBackend
 from vrut_lite.scene.manager import SceneManager
@@ -126,8 +127,12 @@ class Host:
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """The same by what the scene manager knows by now."""
-        hit = self._backend.surface_at(x, y)
+        hit = self.surface_at_pixel(x, y)
         return None if hit is None else self._backend.illuminance(hit.point_m, hit.normal)
+
+    def surface_at_pixel(self, x: int, y: int) -> Hit | None:
+        """The surface that a pixel shows, by what the scene manager knows; None for the sky."""
+        return self._backend.surface_at(x, y)
 
     def close(self) -> None:
         """End background jobs, free the GPU's resources and end its thread."""

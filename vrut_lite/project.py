@@ -1,6 +1,7 @@
-"""A project: a scene, a place, a time and how to look at it; also as a TOML file."""
+"""A project: a scene, a place, a time and a view; read from TOML, written, and made inputs."""
 
 import math
+import os
 import stat
 import tomllib
 from datetime import datetime
@@ -19,10 +20,11 @@ from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
+from vrut_lite.render.write_atomic import atomic_output
 
 PROJECT_SUFFIX = ".toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
-# Beyond the planet's neighbourhood there is nothing to look at.
+# A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 _NEAREST_TARGET_M = 1e-6
@@ -77,7 +79,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def load_project(path: str | Path) -> Project:
-    """Read a project file; its scene is sought beside it.
+    """Read a project file; the scene's path is relative to it.
 
     Raises:
         UserError: the file is missing, no TOML, or says something unknown.
@@ -110,8 +112,68 @@ def load_project(path: str | Path) -> Project:
     return msgspec.structs.replace(project, scene=str(file.parent / project.scene))
 
 
+def project_of_path(path: str | None) -> Project:
+    """The project in a project file; of a scene's file, or none, a project with defaults.
+
+    Raises:
+        UserError: a project file cannot be read.
+    """
+    if path is not None and Path(path).suffix.lower() == PROJECT_SUFFIX:
+        return load_project(path)
+    return Project(scene=path or "")
+
+
+def save_project(path: str | Path, project: Project) -> None:
+    """Write a project file; the scene's path is made relative to it.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    file = Path(path)
+    scene = os.path.relpath(Path(project.scene).resolve(), file.resolve().parent)
+    text = project_text(msgspec.structs.replace(project, scene=Path(scene).as_posix()))
+    try:
+        with atomic_output(file) as beside:
+            beside.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"cannot write {file}: {error.strerror or error}") from None
+
+
+def project_text(project: Project) -> str:
+    """A project as TOML."""
+    values = msgspec.to_builtins(project)
+    camera, exposure, slots, settings = (
+        values.pop(key) for key in ("camera", "exposure", "slots", "settings")
+    )
+    tables = {"camera": camera, "exposure": exposure, "slots": slots}
+    tables |= {f"settings.{module}": table for module, table in settings.items()}
+    # TOML has no null; a missing key means none.
+    lines = [_line(*item) for item in values.items() if item[1] is not None]
+    for title, table in tables.items():
+        if table:
+            lines += ["", f"[{title}]", *(_line(*item) for item in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _line(key: str, value: Any) -> str:
+    return f"{key} = {_toml(value)}"
+
+
+def _toml(value: Any) -> str:
+    if value is None:
+        return '"none"'
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        # JSON's escapes are TOML's.
+        return msgspec.json.encode(value).decode()
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml(part) for part in value) + "]"
+    return repr(value)
+
+
 def in_words(error: msgspec.ValidationError) -> str:
-    """What a value should have been, and which: `camera.eye_m: expected array of length 3`."""
+    """The error with the path of its value, as `camera.eye_m: expected array of length 3`."""
     text, _, path = str(error).replace("`", "").partition(" - at $")
     text = text[:1].lower() + text[1:]
     return f"{path.lstrip('.')}: {text}" if path else text
@@ -148,7 +210,7 @@ def daylight_inputs(project: Project) -> list[Input]:
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """What is drawn, size, exposure, scene and camera as inputs."""
+    """Air, light shafts, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
         SetSetting(module="scene", name="air", value=project.air),

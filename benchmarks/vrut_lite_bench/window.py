@@ -20,12 +20,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from vrut_lite.app.cpu_sky import best_stage
-from vrut_lite.app.engine import Shown
-from vrut_lite.app.main_window import MainWindow
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import Stage
+from vrut_lite.app.engine.cpu_sky import best_stage
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.scene import LoadScene, SceneLoaded
 from vrut_lite.daylight.sky import BackgroundChanged

@@ -29,9 +29,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QApplication
 
-from vrut_lite.app.main_window import MainWindow
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import GlStage
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import GlStage
+from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.project import load_project
 
 SIZE = (640, 480)

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from PySide6.QtCore import QEvent, QObject
 
-from vrut_lite.app.cpu_sky import CpuSkyStage
-from vrut_lite.app.engine import Shown
+from vrut_lite.app.engine.cpu_sky import CpuSkyStage
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.stage import GlStage
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.stage import GlStage
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import ChooseSlot
 from vrut_lite.kernel.trace import Entry

@@ -23,15 +23,15 @@ from PIL import Image
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
-from vrut_lite.app.command_palette import CommandPalette
-from vrut_lite.app.engine import Shown
-from vrut_lite.app.main_window import MainWindow
+from vrut_lite.app.compare.sky_disc import SkyDisc
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.message_inspector import MessageInspector
-from vrut_lite.app.panels.sky_disc import SkyDisc
-from vrut_lite.app.presets import PresetStore
-from vrut_lite.app.session import Session
-from vrut_lite.app.shortcut_list import ShortcutList
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.command_palette import CommandPalette
+from vrut_lite.app.window.main_window import MainWindow
+from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock
 from vrut_lite.project import CameraView, Project, load_project
@@ -194,8 +194,11 @@ def profiler(sitter: Sitter) -> Pixels:
 
 def dialogs(sitter: Sitter) -> list[Pixels]:
     """The palette with a word in it, and the list of keys."""
-    palette, keys = CommandPalette(sitter.window), ShortcutList(sitter.window)
-    palette.line.setText("sun")
+    palette, keys = (
+        CommandPalette(sitter.window),
+        ShortcutList(sitter.window.menus.specs, sitter.window),
+    )
+    palette.text_field.setText("sun")
     found = []
     for dialog in (palette, keys):
         dialog.show()

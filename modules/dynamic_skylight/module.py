@@ -54,7 +54,10 @@ class DynamicSkyLight(Module):
     """
 
     manifest = Manifest(
-        name=NAME, title="DynamicSkyLight", version="0.1.0", provides=("sun", "sky")
+        name=NAME,
+        title="DynamicSkyLight",
+        version="0.1.0",
+        provides=("sun", "sky"),
     )
     settings_type = DynamicSkyLightSettings
     settings: DynamicSkyLightSettings

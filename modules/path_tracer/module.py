@@ -6,7 +6,7 @@ demands `PathTracedPicture`.
 """
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,12 +43,16 @@ class PathTracer(Module):
     The ledger counts "picture begun" and "sample", and skips "scene: nobody wants a picture".
     """
 
-    manifest = Manifest(name=NAME, title="Path tracer (mitsuba)", version="0.1.0")
+    manifest = Manifest(
+        name=NAME,
+        title="Path tracer (mitsuba)",
+        version="0.1.0",
+        auxiliary=True,
+        engine="path-tracer",
+    )
     speaks = (PathTracedPicture, PictureOutdated)
     settings_type = PathTracerSettings
     settings: PathTracerSettings
-    # What `vrut-lite render --engine` calls it, and how it is made there.
-    engine: ClassVar[str] = "path-tracer"
 
     @staticmethod
     def open_engine(

@@ -62,6 +62,7 @@ class ZenohBridge(Module):
         version="0.1.0",
         provides=("sun", "sky"),
         stand_in=False,
+        auxiliary=True,
     )
     settings_type = ZenohBridgeSettings
     settings: ZenohBridgeSettings

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable, Hashable
 from typing import Any
 
-from vrut_lite.app.mailbox import Mailbox
+from vrut_lite.mailbox import Mailbox
 
 
 class Worker:

@@ -11,7 +11,7 @@ try:
     import PySide6.QtWidgets  # noqa: F401
 except ImportError:
     # tests/conftest.py says why in the report's header.
-    collect_ignore_glob = ["test_*.py"]
+    collect_ignore_glob = ["*/test_*.py", "test_*.py"]
 
 SCENES = Path(__file__).parents[2] / "scenes"
 
@@ -31,7 +31,7 @@ def drawn_window(qtbot, tmp_path):
     """The same with real pictures, of the sundial; needs OpenGL."""
     from window_driver import WindowDriver
 
-    from vrut_lite.app.stage import GlStage
+    from vrut_lite.app.engine.stage import GlStage
 
     driver = WindowDriver(qtbot, GlStage, tmp_path)
     yield driver

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import msgspec
 
-from vrut_lite.app.kept import Kept
-from vrut_lite.app.main_window import MainWindow
-from vrut_lite.app.presets import PresetStore
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import WatchedBackend
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.session_project import project_of
+from vrut_lite.app.engine.stage import WatchedBackend
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
@@ -44,6 +45,9 @@ class HeadlessStage:
         return self.watched.draw_sized(size, lambda: self.watched.draw(still))
 
     def light_at_pixel(self, x, y):
+        return None
+
+    def surface_at_pixel(self, x, y):
         return None
 
     def close(self):
@@ -80,6 +84,11 @@ class WindowDriver:
         at = msgspec.structs.replace(project, at=NOON.isoformat())
         self.window.open_project(at)
         self.until(lambda: self.session.last(ClockMoved) is not None)
+
+    @property
+    def project(self):
+        """What would be saved."""
+        return project_of(self.session)
 
     def panel(self, name):
         return self.window.panels[name]

@@ -16,7 +16,7 @@ from vrut_lite.checks import refusal_of
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
 from vrut_lite.daylight.sky import (
@@ -88,6 +88,9 @@ SOUND = [
     LoadScene(path="a.glb"),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),
+    PictureClicked(
+        position_m=(1.0, 0.0, -2.0), normal=UP, material="brick", radiance_rgb=(9.0, 8.0, 7.0)
+    ),
     SetExposure(),
     LookAlong(direction=UP),
     SetTolerance(tolerance=0.1),

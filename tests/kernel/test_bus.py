@@ -123,6 +123,15 @@ def test_consequences_are_delivered_before_the_next_input():
     assert values == [1] * 4 + [2] * 4
 
 
+def test_a_pump_of_so_many_leaves_the_others_waiting():
+    """Who draws between inputs is not kept from it by inputs that never end."""
+    kernel = kernel_with()
+    for value in range(3):
+        kernel.inject(Poke(value=value))
+    assert (kernel.pump(most=2), kernel.waiting) == (2, 1)
+    assert (kernel.pump(most=5), kernel.waiting) == (1, 0)
+
+
 def test_pumping_inside_a_handler_is_refused():
     """A nested transaction would deliver a consequence before its cause is done."""
 

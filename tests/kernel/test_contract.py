@@ -65,8 +65,9 @@ CLASSES = {
     "handlers raise": (
         "@classmethod\n    def handlers(cls): raise Panic()", "cannot be used: Panic",
     ),
-    "engine is a number": ("engine = 5", "engine must be the name of what it draws with"),
-    "engine is a list": ("engine = []", "engine must be the name of what it draws with"),
+    "engine is a number": ("manifest = manifest(engine=5)", "engine of a manifest"),
+    "engine without a maker": ("manifest = manifest(engine='x')", "needs a method open_engine"),
+    "auxiliary by text": ("manifest = manifest(auxiliary='yes')", "auxiliary of a manifest"),
     "injects a text": ("injects = 'Tick'", "injects must be a tuple of types of inputs"),
     "injects a message": ("injects = (Manifest,)", "injects must be a tuple of types of inputs"),
 }  # fmt: skip

@@ -7,9 +7,9 @@ import pytest
 from kernel_thread import KernelThread
 from probe_messages import Heard, Poke, Slide, collect
 
-from vrut_lite.app.mailbox import Mailbox
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.mailbox import Mailbox
 
 INJECTORS, POKES = 3, 1000
 

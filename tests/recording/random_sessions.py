@@ -21,7 +21,7 @@ from typing import Annotated, Any, ClassVar
 import msgspec
 import numpy as np
 
-from vrut_lite.app.flight_recorder import FlightRecorder
+from vrut_lite.app.engine.flight_recorder import FlightRecorder
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel

@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vrut_lite.app.flight_recorder import FlightRecorder
+from vrut_lite.app.engine.flight_recorder import FlightRecorder
 from vrut_lite.array import Array
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.gpu_texture import GpuTexture

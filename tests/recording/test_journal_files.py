@@ -21,7 +21,7 @@ from mangling import (
 )
 from mcap.writer import CompressionType, Writer
 
-from vrut_lite.app.message_rows import open_journal
+from vrut_lite.app.engine.message_rows import open_journal
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.recording import limits

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from journal_toys import TOYS, Poke, record_inputs, toy_kernel
 from mangling import Parts, forged, nested, opened, sealed
 
-from vrut_lite.app.message_rows import open_journal
+from vrut_lite.app.engine.message_rows import open_journal
 from vrut_lite.array import Array
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import JobResult

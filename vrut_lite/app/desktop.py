@@ -1,4 +1,4 @@
-"""Whether a window can be opened here, asked before Qt would abort the process.
+"""Checks whether a window can be opened, before Qt would abort the process.
 
 Qt ends a process that has no display or lacks a library, without an exception. So it is asked in
 a process of its own, as OpenGL is; what that prints becomes one sentence.
@@ -12,7 +12,7 @@ import sys
 from vrut_lite.errors import UserError
 from vrut_lite.render.gl_environment import prepare_environment
 
-# Qt's platforms that show nothing and need no display.
+# Qt's platforms that need no display.
 _SCREENLESS = ("offscreen", "minimal", "vnc")
 _PROBE = "from PySide6.QtWidgets import QApplication; QApplication([])"
 _PROBE_TIMEOUT_S = 60
@@ -61,7 +61,7 @@ def has_display() -> bool:
 
 
 def objection(said: str) -> str:
-    """One sentence of what Qt printed before it gave up."""
+    """A sentence made of what Qt printed before it aborted."""
     if "No module named 'PySide6'" in said:
         return f"the window needs PySide6: pip install 'vrut-lite[app]'; {_HEADLESS}"
     missing = re.search(r"(\S+\.so[.\d]*): cannot open shared object file", said)

@@ -7,11 +7,11 @@ import sys
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from vrut_lite.app.kept import Kept
-from vrut_lite.app.main_window import MainWindow
-from vrut_lite.app.module_states import into_safe_mode, states_of
-from vrut_lite.app.session import Session
+from vrut_lite.app.engine.module_states import into_safe_mode, states_of
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.project import Project
 
 _SIZE = (1600, 1000)
@@ -30,7 +30,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     session = Session()
     session.ended.connect(app.quit)
     window = MainWindow(session, kept=kept)
-    # To look through all that is there by then for garbage takes 0.1 s, in which nothing moves.
+    # Collecting garbage among the objects of the start would stop the window for 0.1 s.
     session.ready.connect(lambda roster: gc.freeze())
     window.resize(*_SIZE)
     window.show()
@@ -47,7 +47,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
 
 
 def _hear_interrupts(window: MainWindow) -> QTimer:
-    """Let Ctrl-C in the terminal close the window: Python must run now and then to hear it."""
+    """Let Ctrl-C in the terminal close the window: signals are handled only while Python runs."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: window.close_soon())
     timer = QTimer(window)

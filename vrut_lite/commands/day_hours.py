@@ -1,4 +1,4 @@
-"""The hours of a day at a place that a daylight picture is asked for."""
+"""Four hours of a day for daylight pictures."""
 
 from datetime import datetime, timedelta
 

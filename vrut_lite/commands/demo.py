@@ -53,7 +53,7 @@ def demo(out: str, scenes: str) -> None:
         bar = progress.add_task("", total=len(hours) * len(projects))
         rows = []
         for name, project in projects.items():
-            # A host for each: no scene's settings reach the next.
+            # A host for each scene, so that no setting reaches the next.
             with open_host() as host:
                 host.inject(*setting_inputs(project, host.kernel), *view_inputs(project))
                 row = []
@@ -117,7 +117,7 @@ def contact_sheet(rows: list[list[tuple[str, Image.Image]]]) -> np.ndarray:
 
 
 def _hours() -> dict[str, datetime]:
-    """The four hours, found on a kernel of its own: no sky is computed for the search."""
+    """The four hours, found on a kernel without a demand for skies."""
     project = Project(place=PLACE, at=DAY + "T00:00")
     kernel, _ = daylight_kernel()
     kernel.inject(daylight_inputs(project)[0])

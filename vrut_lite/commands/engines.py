@@ -1,6 +1,6 @@
 """Engines that draw instead of OpenGL: modules that bring a scene backend of their own.
 
-Such a module class has the attribute `engine`, the name for `--engine`, and a static method
+Such a module names its `engine` in its manifest, for `--engine`, and has a static method
 `open_engine(settings, traced)` that makes the backend; its settings have `spp`, the samples
 per pixel, and `traced` is called with the number of samples that each step of a drawing brought.
 """
@@ -33,11 +33,11 @@ _CUBE_SIZE = 1
 
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --engine and --spp."""
+    engines = [f"{name} ({module.manifest.title}), without air" for name, module in _engines()]
     for option in (
-        click.option("--spp", metavar="N", help="Samples per pixel of --engine path-tracer."),
+        click.option("--spp", metavar="N", help="Samples per pixel of an engine that is not gl."),
         click.option("--engine", metavar="NAME", default=GL, show_default=True,
-                     help="What draws: gl, or path-tracer (extra `ref`), which traces paths of "
-                     "light without air."),
+                     help=f"What draws: {', or '.join([GL, *engines])}."),
     ):  # fmt: skip
         command = option(command)
     return command
@@ -52,7 +52,8 @@ def with_engine(project: Project, options: dict[str, Any]) -> tuple[Project, str
     engine, samples = options.pop("engine"), options.pop("spp")
     if engine == GL:
         if samples is not None:
-            raise UserError("--spp is for --engine path-tracer: OpenGL takes no samples")
+            able = " or ".join(f"--engine {name}" for name, _ in _engines()) or "other engines"
+            raise UserError(f"--spp is for {able}: OpenGL takes no samples")
         return project, engine
     name = _module_of(engine).manifest.name
     settings = {module: dict(values) for module, values in project.settings.items()}
@@ -126,7 +127,12 @@ def _samples_shown(total: int) -> Iterator[Callable[[int], None]]:
 
 
 def _module_of(engine: str) -> type[Module]:
-    modules = {module.engine: module for module in discover()[0] if hasattr(module, "engine")}
+    modules = dict(_engines())
     if engine not in modules:
         raise UserError(f"there is no engine '{engine}': there are {', '.join([GL, *modules])}")
     return modules[engine]
+
+
+def _engines() -> list[tuple[str, type[Module]]]:
+    """The engines of the installed modules by name."""
+    return [(name, module) for module in discover()[0] if (name := module.manifest.engine)]

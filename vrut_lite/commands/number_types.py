@@ -1,4 +1,4 @@
-"""Numbers as options take them: finite, within bounds, in plain digits."""
+"""Number types of options: finite, within bounds, in plain digits."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""Kernels for commands: modules that failed to load are told, and a missing light is an error."""
+"""Kernels for commands: reports modules that failed to load, and refuses missing light."""
 
 from typing import TYPE_CHECKING
 

@@ -58,7 +58,7 @@ def daylight_options(command: Command) -> Command:
 
 
 def _taken_from(command: Command) -> list[click.Parameter]:
-    """The options that click has noted on a function so far, which forgets them."""
+    """Take the options off a function to which click has attached them."""
     noted: list[click.Parameter] = getattr(command, "__click_params__", [])
     command.__click_params__ = []  # type: ignore[attr-defined]
     return noted
@@ -118,22 +118,19 @@ def _checked(project: Project) -> Project:
 
 
 def _takers(specs: dict[str, SettingSpec], value: str) -> list[str]:
-    """The modules that an option is for: a value left open only for those that know such."""
+    """The modules that an option is for; the value `none` only goes to those that accept it."""
     if value != "none":
         return list(specs)
     return [module for module, spec in specs.items() if spec.may_be_none] or list(specs)
 
 
 def _settings_by_name() -> dict[str, dict[str, SettingSpec]]:
-    """Every setting name of the installed modules, and what it is in each that has it."""
+    """Every setting name of the installed modules but the auxiliary ones, described by module."""
     found: dict[str, dict[str, SettingSpec]] = {}
-    # What a bridge to the outside or an engine needs is no matter of daylight: --set reaches it.
-    modules = [
-        module for module in discover()[0] if not (module.injects or hasattr(module, "engine"))
-    ]
-    for module in modules:
-        for name, spec in describe(module.settings_type).items():
-            found.setdefault(name, {})[module.manifest.name] = spec
+    for module in discover()[0]:
+        if not module.manifest.auxiliary:
+            for name, spec in describe(module.settings_type).items():
+                found.setdefault(name, {})[module.manifest.name] = spec
     return found
 
 
@@ -150,7 +147,7 @@ def _setting_option(name: str, specs: dict[str, SettingSpec]) -> Command:
             module
         )
     said = "; ".join(f"{', '.join(modules)}: {text}" for text, modules in each.items())
-    # A text, so that the refusal of a bad value reads the same here and in a project file.
+    # As text: a bad value is refused with the same sentence here and in a project file.
     return click.option(
         _flag(name),
         _PREFIX + name,

@@ -1,4 +1,4 @@
-"""What a picture file says of itself: place, time, model, sun, units."""
+"""Metadata of picture files: place, time, model, sun, units."""
 
 import math
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.project import Project
 from vrut_lite.render.image_files import Metadata
 
-# Headers hold texts and single numbers: these texts are several.
+# Lists of numbers; headers hold them as one text.
 _VECTORS = {
     *("sunDirection", "sunIrradianceRgb", "sunDirectionInMap", "sunPixel"),
     "skyHorizontalIrradianceRgb",
@@ -50,7 +50,7 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
 
 
 def receives_light(kernel: Kernel) -> bool:
-    """Whether there is daylight in the picture: none reaches into a closed room."""
+    """Whether daylight reaches the scene; none reaches into a closed room."""
     needs = kernel.last(SceneNeeds)
     return needs is None or needs.receives_light
 
@@ -61,7 +61,7 @@ def vector_text(values: Iterable[float]) -> str:
 
 
 def json_values(metadata: Metadata) -> dict[str, object]:
-    """The same for JSON, which has lists."""
+    """Metadata for JSON, with lists of numbers."""
     return {
         key: [float(part) for part in str(value).split()] if key in _VECTORS else value
         for key, value in metadata.items()

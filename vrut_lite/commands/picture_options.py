@@ -13,7 +13,7 @@ bits_option = click.option(
 
 
 def picture_bits(text: str | None, suffix: str) -> Bits:
-    """What --bits says.
+    """The value of --bits.
 
     Raises:
         UserError: it was said of another format, whose precision is its own.

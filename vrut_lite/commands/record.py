@@ -3,7 +3,6 @@
 from contextlib import closing
 from datetime import datetime, timedelta
 from itertools import count, takewhile
-from pathlib import Path
 from typing import Any
 
 import click
@@ -19,10 +18,9 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
 from vrut_lite.project import (
-    PROJECT_SUFFIX,
     Project,
     daylight_inputs,
-    load_project,
+    project_of_path,
     setting_inputs,
     view_inputs,
 )
@@ -78,7 +76,7 @@ def record(
     Example: vrut-lite record -o day.mcap --from 2026-06-21T04:00 --to 2026-06-21T22:00 --step 30
     """
     check_writable(output)
-    plan = with_options(_project(scene), options)
+    plan = with_options(project_of_path(scene), options)
     passing = _passing(plan, start, end, step_minutes)
     from vrut_lite.daylight.daylight_kernel import demand_light
 
@@ -98,13 +96,6 @@ def record(
         recorder.close()
     told = f", {len(faults)} of them faults, the first: {faults[0].error}" if faults else ""
     click.echo(f"{output}: {recorder.inputs} inputs and {recorder.messages} messages{told}")
-
-
-def _project(scene: str | None) -> Project:
-    if scene is None:
-        return Project()
-    is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
-    return load_project(scene) if is_project else Project(scene=scene)
 
 
 def _passing(

@@ -1,6 +1,5 @@
 """`vrut-lite render`: a picture of a scene under the daylight of a place and an hour."""
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -16,14 +15,7 @@ from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
 from vrut_lite.plain_numbers import plain_float, plain_int
-from vrut_lite.project import (
-    PROJECT_SUFFIX,
-    CameraView,
-    Exposure,
-    Project,
-    in_words,
-    load_project,
-)
+from vrut_lite.project import CameraView, Exposure, Project, in_words, project_of_path
 from vrut_lite.render.image_files import check_all_writable, picture_format
 
 FORMATS = (".png", ".exr")
@@ -95,13 +87,9 @@ def render(
 
     Example: vrut-lite render scenes/street.toml -o day_%04d.png --at 2026-06-21T00:00
     --from 05:00 --to 21:00 --step 10m
-
-    Example: vrut-lite render scenes/street.toml -o street.exr --engine path-tracer --spp 256
     """
     suffix = picture_format(output, FORMATS)
-    is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
-    project = load_project(scene) if is_project else Project(scene=scene)
-    project = _with_view(with_options(project, options), options)
+    project = _with_view(with_options(project_of_path(scene), options), options)
     project, engine = with_engine(project, options)
     wanted = wanted_pictures(output, project, options)
     check_all_writable([path for _, path in wanted])

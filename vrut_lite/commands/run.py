@@ -12,12 +12,12 @@ import msgspec
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
-from vrut_lite.project import PROJECT_SUFFIX, Project, load_project
+from vrut_lite.project import Project, load_project, project_of_path
 
 if TYPE_CHECKING:
-    from vrut_lite.app.kept import Kept
+    from vrut_lite.app.window.kept import Kept
 
-# What is shown who names nothing: a summer evening in a street.
+# Shown if no scene is given and no session was kept: a summer evening in a street.
 _DISTRIBUTION = "vrut-lite"
 _FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
 
@@ -37,7 +37,7 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 
     Example: vrut-lite run scenes/street.toml --at 2026-06-21T18:40
     """
-    from vrut_lite.app.kept import Kept
+    from vrut_lite.app.window.kept import Kept
 
     kept = Kept(None) if safe_mode else Kept.of_user()
     project = with_options(_project(scene, kept), options)
@@ -54,8 +54,7 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 def _project(scene: str | None, kept: "Kept") -> Project:
     if scene is None:
         return kept.session() or _first_project()
-    is_project = Path(scene).suffix.lower() == PROJECT_SUFFIX
-    return load_project(scene) if is_project else Project(scene=scene)
+    return project_of_path(scene)
 
 
 def _first_project() -> Project:
@@ -66,13 +65,13 @@ def _first_project() -> Project:
 
 
 def _first_scene() -> Path | None:
-    """A checkout's own, or that which a wheel has brought, wherever it was installed to."""
+    """The checkout's own, or the one that a wheel has installed."""
     checkout = Path(__file__).parents[2] / "scenes" / _FIRST_SCENE
     if checkout.is_file():
         return checkout
     try:
         listed = files(_DISTRIBUTION) or ()
-    except PackageNotFoundError:  # A folder on the path, which nobody has installed.
+    except PackageNotFoundError:  # Run from a folder that is not installed.
         return None
     brought = (Path(str(file.locate())) for file in listed)
     return next((path.resolve() for path in brought if path.name == _FIRST_SCENE), None)

@@ -1,4 +1,4 @@
-"""Pictures of the sky alone: one kernel for all of them, and no GL."""
+"""Pictures of the sky alone, by one kernel without GL."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -45,7 +45,7 @@ _ROWS_AT_A_TIME, _ROWS_WORTH_A_BAR = 64, 1000
 
 @dataclass(frozen=True)
 class SkyPlan:
-    """Whose sky, and how it is laid onto pixels.
+    """The sky of a project, and its projection onto pixels.
 
     Attributes:
         project: place and settings; its hour does not count.
@@ -98,7 +98,7 @@ class SkyPlan:
         return int(2 ** np.ceil(np.log2(max(64, self.size))))
 
     def open(self) -> "SkyStudio":
-        """A kernel that has been told all but the hour.
+        """A kernel with place and settings, ready for any hour.
 
         Raises:
             UserError: for anything that the project says wrong.
@@ -125,12 +125,12 @@ class SkyStudio:
     def shoot(self, instant: datetime) -> "SkyShot":
         """The sky of an instant."""
         if self._used:
-            # What moves too little to be seen is not made anew: it moves far away first.
+            # A sun that moved little leaves the sky as it was: it is moved far away first.
             self._move_clock(other_side(instant))
         self._used = True
         self._move_clock(instant)
         background = require_sky(self._kernel)
-        # Nobody runs GPU jobs in a kernel without GL: the cube is an array.
+        # Without GL no GPU job runs, so the cube is an array.
         assert isinstance(background.cube, Array)
         cube = decode_float16(background.cube.values, background.radiance_scale)
         sun = self._kernel.last(KeyLightChanged)
@@ -228,7 +228,7 @@ def _sampled(
 
 
 def _map_metadata(plan: SkyPlan, sun: KeyLightChanged) -> dict[str, str | float]:
-    """What places the map and its sun: for programs that light with it."""
+    """Orientation of the map and position of its sun, for programs that light with it."""
     facts: dict[str, str | float] = {
         "projection": plan.projection,
         "observerHeightM": plan.height_m,

@@ -20,7 +20,7 @@ _CLOCK = re.compile(r"\d\d:\d\d(:\d\d)?", re.ASCII)
 _STEP = re.compile(r"(\d+(?:\.\d+)?) ?(s|m|min|h)?", re.ASCII)
 _SECONDS = {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, None: 60.0}
 _NUMBER = re.compile(r"%(\d*)d", re.ASCII)
-# More digits than any picture's number has; names of files end at 255 bytes.
+# Names of files have at most 255 bytes.
 _MOST_DIGITS = 99
 
 
@@ -45,7 +45,7 @@ def span_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def wanted_pictures(output: str, project: Project, options: dict[str, Any]) -> list[Wanted]:
-    """What is to be made: one picture, or those of a span; takes its keys out of `options`.
+    """The pictures to make: one, or those of a span; takes its keys out of `options`.
 
     Raises:
         UserError: the span leads nowhere or is too long, or the name has no number.
@@ -107,7 +107,7 @@ def _check_pattern(output: str) -> None:
             f"{output} is one file, and a span of time makes many: put one %04d in its name, "
             "as day_%04d.png"
         )
-    # A width of many digits is not even made a number of.
+    # A width of very many digits is not converted to a number.
     width = found[0].lstrip("0")
     if len(width) > 2 or int(width or 0) > _MOST_DIGITS:
         raise UserError(
@@ -127,6 +127,6 @@ def at_instant(project: Project, instant: datetime) -> Project:
 
 
 def other_side(instant: datetime) -> datetime:
-    """An instant near it when the sun stands far from where it stood."""
+    """An instant half a day away, with the sun far from where it was."""
     hours = 12 if instant.year == FIRST_YEAR else -12
     return instant + timedelta(hours=hours)

@@ -1,4 +1,4 @@
-"""Who makes pictures beside this process: processes of this machine, or a Dask cluster."""
+"""Workers that make pictures: processes of this machine, or a Dask cluster."""
 
 import asyncio
 import logging
@@ -37,7 +37,7 @@ def worker_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def workers_of(jobs: int, dask: str | None, pictures: int) -> Iterator[Executor | None]:
-    """What makes this number of pictures; None for this process itself.
+    """An executor for this number of pictures; None for this process itself.
 
     Raises:
         UserError: Dask is not installed, or no scheduler answers.
@@ -53,7 +53,7 @@ def workers_of(jobs: int, dask: str | None, pictures: int) -> Iterator[Executor 
 
 
 def spawn_context() -> SpawnContext:
-    """How processes are started beside this one: a copy of one with OpenGL or threads is not sound.
+    """The way to start processes: a fork of one with OpenGL or threads is unsafe.
 
     Raises:
         UserError: they cannot share memory with it.
@@ -78,7 +78,7 @@ def _processes(count: int) -> Iterator[Executor]:
     try:
         yield executor
     except BaseException as error:
-        # Nobody will write what they still work on.
+        # Their pictures would not be written any more.
         for process in set(active_children()) - others:
             process.terminate()
         if isinstance(error, BrokenProcessPool):
@@ -92,7 +92,7 @@ def _processes(count: int) -> Iterator[Executor]:
 
 
 def _end_with_the_one_who_started() -> None:
-    """In a process that makes pictures: one that is killed cannot end those it has started."""
+    """Let a worker process end with its parent, which may be killed."""
     parent = parent_process()
     assert parent is not None
 
@@ -104,7 +104,7 @@ def _end_with_the_one_who_started() -> None:
 
 
 class _Unfazed(ProcessPoolExecutor):
-    """Processes that leave Ctrl-C to the one that started them."""
+    """Processes that ignore Ctrl-C; the parent handles it."""
 
     def submit(self, *arguments: Any, **named: Any) -> Any:
         with _interrupts_blocked():
@@ -113,7 +113,7 @@ class _Unfazed(ProcessPoolExecutor):
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Threads and processes that start meanwhile never hear of Ctrl-C; this one does, after."""
+    """Block Ctrl-C in threads and processes that start meanwhile; it comes here afterwards."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -149,12 +149,12 @@ def _dask(address: str, jobs: int) -> Iterator[Executor]:
 
 
 def _ignore_interrupts() -> None:
-    """In a worker of this machine, whose terminal sends them to it too."""
+    """Let a local worker ignore Ctrl-C, which the terminal sends to it too."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _knock(address: str) -> None:
-    """Raise UserError unless someone listens: a client would try much longer, and noisily."""
+    """Raise UserError unless a scheduler answers; a client would retry much longer."""
     from distributed.comm import connect
 
     async def visit() -> None:

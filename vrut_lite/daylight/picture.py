@@ -1,9 +1,10 @@
-"""The size of the picture, and how radiance becomes colours in it."""
+"""The picture: its size, how radiance becomes colours in it, and clicks in it."""
 
 from typing import Literal, get_args
 
 from vrut_lite import checks
 from vrut_lite.kernel.messages import Input
+from vrut_lite.numeric_types import Vector
 
 ToneMap = Literal["agx", "exponential", "none"]
 LARGEST_PICTURE_PX = 16384
@@ -48,3 +49,27 @@ class SetExposure(Input, frozen=True, kw_only=True):
         checks.choice(self, "tone_map", get_args(ToneMap))
         checks.number(self, "white_temperature_k", LOWEST_K, HIGHEST_K)
         checks.number(self, "white_duv", -MOST_DUV, MOST_DUV)
+
+
+class PictureClicked(Input, frozen=True, kw_only=True):
+    """A click on a surface in the picture; the window sends it while a module demands it.
+
+    position_m and the unit normal, towards the eye, in world axes; the material by the name that
+    the scene's file gives it, "ground" for the ground around the scene; linear sRGB radiance
+    towards the eye in W m^-2 sr^-1, as the picture shows it.
+    """
+
+    position_m: Vector
+    normal: Vector
+    material: str
+    radiance_rgb: Vector
+
+    def key(self) -> None:
+        """Every click counts."""
+
+    def check(self) -> None:
+        """A point, a unit vector, a name and a finite colour."""
+        checks.numbers(self, "position_m", 3)
+        checks.direction(self, "normal")
+        checks.text(self, "material")
+        checks.numbers(self, "radiance_rgb", 3)

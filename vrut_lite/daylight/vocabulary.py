@@ -3,7 +3,7 @@
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
@@ -20,6 +20,7 @@ INPUTS: tuple[type[Input], ...] = (
     SetExposure,
     LookAlong,
     SetTolerance,
+    PictureClicked,
 )
 DERIVED: tuple[type[Derived], ...] = (
     SceneLoaded,

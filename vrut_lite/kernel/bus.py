@@ -135,8 +135,13 @@ class Kernel:
         """Show every message, as it is delivered, with its sender's name."""
         self.dispatcher.taps.append(listener)
 
-    def pump(self) -> int:
-        """Admit inputs until none is left; the number of transactions.
+    @property
+    def waiting(self) -> int:
+        """How many inputs wait to be admitted."""
+        return len(self._inbox)
+
+    def pump(self, most: int | None = None) -> int:
+        """Admit inputs until none is left, or `most` of them; the number of transactions.
 
         Raises:
             RuntimeError: called from a handler, which would nest transactions.
@@ -149,7 +154,9 @@ class Kernel:
             if self.dispatcher.waits:
                 self.beginning.note(Step())
                 self.dispatcher.settle()
-            while (message := self._inbox.take()) is not None:
+            taken = 0
+            while taken != most and (message := self._inbox.take()) is not None:
+                taken += 1
                 # A result that nobody waits for any more never happened.
                 if not isinstance(message, JobResult) or self._is_awaited(message):
                     self._transact(message)

@@ -80,7 +80,9 @@ def _check_manifest(manifest: object) -> None:
         slots = getattr(manifest, field)
         if not (isinstance(slots, tuple) and all(map(_is_name, slots))):
             checks.refuse(manifest, field, "be a tuple of names of slots", of)
-    checks.flag(manifest, "stand_in", "exact_digits", of=of)
+    if manifest.engine != "" and not _is_name(manifest.engine):
+        checks.refuse(manifest, "engine", "be a name of letters, digits, - and _", of)
+    checks.flag(manifest, "stand_in", "auxiliary", "exact_digits", of=of)
 
 
 def _check_handlers(module_type: type[Module]) -> None:
@@ -96,8 +98,8 @@ def _check_handlers(module_type: type[Module]) -> None:
                 f"{method} must be a method that does its work when it is called, neither async "
                 "nor a generator"
             )
-    if not _is_name(getattr(module_type, "engine", "none")):
-        raise UserError("engine must be the name of what it draws with")
+    if module_type.manifest.engine and not callable(getattr(module_type, "open_engine", None)):
+        raise UserError("its manifest names an engine, so it needs a method open_engine")
     _check_types(module_type, "injects", Input)
     _check_types(module_type, "speaks", Message)
 

@@ -15,9 +15,12 @@ Handler = Callable[[Any, Any], None]
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     """What a module is called, which slots it can hold and which it needs filled.
 
-    One that does not `stand_in` holds a slot only when it is chosen, never as a replacement. Of
-    one without `exact_digits` the last digits of float32 may change from one run to the next;
-    journals compare what it says by value.
+    It holds none before each slot that it `requires` has had a holder. One that does not `stand_in`
+    holds a slot only when it is chosen, never as a replacement. An `auxiliary` module is a tool:
+    commands offer its settings by `--set` alone, and the window hides its panel at first. A module
+    that has `open_engine` is chosen to draw by the name of its `engine`. Of one without
+    `exact_digits` the last digits of float32 may change from one run to the next; journals compare
+    what it says by value.
     """
 
     name: str
@@ -26,6 +29,8 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     provides: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     stand_in: bool = True
+    auxiliary: bool = False
+    engine: str = ""
     exact_digits: bool = True
 
 

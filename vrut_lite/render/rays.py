@@ -7,16 +7,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.scene.ground_disc import PLANET_RADIUS_M, GroundDisc, fall_m
 from vrut_lite.scene.loading import LoadedScene
+from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.scene.placed import PlacedMesh
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6
 
 
 class Hit(NamedTuple):
-    """Where a ray meets a surface, and the surface's normal (3,) towards the ray's start."""
+    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material."""
 
     point_m: NDArray[np.float64]
     normal: NDArray[np.float64]
+    material: str
 
 
 class SceneRays:
@@ -24,6 +27,8 @@ class SceneRays:
 
     def __init__(self, scene: LoadedScene, ground: GroundDisc | None):
         triangles = [placed.world_triangles() for placed in scene.meshes]
+        self._ends = np.cumsum([len(t) for t in triangles])
+        self._materials = [str(_material_of(placed).name) for placed in scene.meshes]
         self._corner = np.concatenate([t[:, 0] for t in triangles])
         self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
         self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])
@@ -41,10 +46,12 @@ class SceneRays:
         if not np.isfinite(min(distance_m, ground_m)):
             return None
         if ground_m < distance_m:
-            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]))
+            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]), "ground")
         normal = np.cross(self._edge_1[nearest], self._edge_2[nearest])
         normal /= np.linalg.norm(normal)
-        return Hit(eye + distance_m * ray, normal if normal @ ray < 0.0 else -normal)
+        material = self._materials[int(np.searchsorted(self._ends, nearest, side="right"))]
+        towards_eye = normal if normal @ ray < 0.0 else -normal
+        return Hit(eye + distance_m * ray, towards_eye, material)
 
     def is_free(self, point_m: ArrayLike, normal: ArrayLike, direction: ArrayLike) -> bool:
         """Whether nothing stands between a point on a surface and what lies in a direction.
@@ -83,3 +90,7 @@ class SceneRays:
         distance_m = c / (np.sqrt(squared) - b)
         inside = np.linalg.norm(start + distance_m * along) <= self._ground.radius_m
         return float(distance_m) if inside else float(np.inf)
+
+
+def _material_of(placed: PlacedMesh) -> SurfaceMaterial:
+    return placed.mesh.visual.material  # type: ignore[union-attr]

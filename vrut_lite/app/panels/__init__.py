@@ -1,1 +1,1 @@
-"""Panels: each sends inputs to the session and listens to its messages, and knows no other."""
+"""Panels: each sends inputs to the session and listens to its messages; none knows another."""

@@ -1,9 +1,9 @@
-"""What caused a message, what it led to, and what it says."""
+"""The causes and effects of a message."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHeaderView, QTreeWidget, QTreeWidgetItem
 
-from vrut_lite.app.message_rows import MessageRow
+from vrut_lite.app.engine.message_rows import MessageRow
 from vrut_lite.app.panels.message_table import MessageModel, colour_of
 
 _NUMBER = Qt.ItemDataRole.UserRole
@@ -11,7 +11,7 @@ _MOST_EFFECTS = 400
 
 
 class CauseTree(QTreeWidget):
-    """The whole transaction of a message, from its input on; `gone_to` tells a number."""
+    """The whole transaction of a message, from its input on; `gone_to` emits a number."""
 
     gone_to = Signal(int)
 
@@ -47,7 +47,7 @@ class CauseTree(QTreeWidget):
 
 
 def causes_of(messages: MessageModel, number: int) -> list[MessageRow]:
-    """The message and all that led to it, the first cause first; as far back as is known."""
+    """The message after all its known causes, the first cause first."""
     chain: list[MessageRow] = []
     row = messages.row_of(number)
     while row is not None:
@@ -57,7 +57,7 @@ def causes_of(messages: MessageModel, number: int) -> list[MessageRow]:
 
 
 def effects_of(messages: MessageModel, number: int) -> list[MessageRow]:
-    """All that came of a message, directly or not, in the order of delivery."""
+    """All effects of a message, direct or not, in order of delivery."""
     family = {number}
     effects: list[MessageRow] = []
     first = next((i for i, row in enumerate(messages.rows) if row.number == number), 0)

@@ -1,4 +1,4 @@
-"""The day as a bar: coloured by its light, with the sun's marks to click and a hand to drag."""
+"""The day as a bar: coloured by its light, with the sun's events to click and a cursor to drag."""
 
 from collections.abc import Callable
 from datetime import datetime, timedelta
@@ -19,7 +19,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from vrut_lite.app import theme
-from vrut_lite.app.day import Day
+from vrut_lite.app.engine.day import Day
 
 # The colour of daylight by the sun's elevation in degrees, from night to a high sun.
 _LIGHT = (
@@ -34,7 +34,7 @@ _STEP, _WIDE_STEP = timedelta(minutes=5), timedelta(hours=1)
 
 
 class DayBar(QWidget):
-    """`instant_chosen` tells an instant of the day that was clicked, dragged or stepped to."""
+    """`instant_chosen` emits the instant that was clicked, dragged or stepped to."""
 
     instant_chosen = Signal(object)
 
@@ -55,14 +55,14 @@ class DayBar(QWidget):
         return QSize(600, _TOP_PX + _BAND_PX + _FOOT_PX)
 
     def minimumSizeHint(self) -> QSize:
-        """Narrower than this the hours run into each other."""
+        """Wide enough for the hours' labels."""
         return QSize(320, self.sizeHint().height())
 
     def show_day(self, day: Day) -> None:
         """Draw this day."""
         self._day = day
         shares = day.seconds / day.length_s
-        # A stop each ten minutes: between them light changes evenly.
+        # A gradient stop each ten minutes.
         self._stops = [
             (min(1.0, float(share)), light_colour(float(elevation_deg)))
             for share, elevation_deg in zip(shares[::2], day.elevation_deg[::2], strict=True)
@@ -70,23 +70,23 @@ class DayBar(QWidget):
         self.update()
 
     def show_instant(self, instant: datetime) -> None:
-        """Put the hand there."""
+        """Move the cursor to an instant."""
         self._instant = instant
         self.update()
 
     @property
     def is_dragging(self) -> bool:
-        """Whether the hand is in the user's."""
+        """Whether the cursor is being dragged."""
         return self._dragging
 
     def place_of(self, instant: datetime) -> QPointF:
-        """Where an instant lies on the band's middle."""
+        """The point of an instant on the band's middle line."""
         assert self._day is not None
         x = _MARGIN_PX + self._day.share_of(instant) * self._way_px
         return QPointF(x, _TOP_PX + 0.5 * _BAND_PX)
 
     def mark_place(self, name: str) -> QPointF:
-        """Where to click for a mark."""
+        """The point to click for an event."""
         assert self._day is not None
         return QPointF(self.place_of(self._day.marks[name]).x(), _TOP_PX - 5.0)
 
@@ -94,10 +94,10 @@ class DayBar(QWidget):
     def _way_px(self) -> float:
         return max(1.0, self.width() - 2.0 * _MARGIN_PX)
 
-    # --- by hand -----------------------------------------------------------------------------
+    # --- user input --------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """A mark is gone to, the band is taken."""
+        """Go to an event, or begin to drag."""
         if self._day is None or event.button() != Qt.MouseButton.LeftButton:
             return
         mark = self._mark_at(event.position())
@@ -108,12 +108,12 @@ class DayBar(QWidget):
         self._drag_to(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """The hand follows."""
+        """Drag the cursor."""
         if self._dragging:
             self._drag_to(event.position())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The hand stays."""
+        """End the drag."""
         self._dragging = False
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -134,7 +134,7 @@ class DayBar(QWidget):
             super().keyPressEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """Tell what is under the pointer."""
+        """Show the tooltip of the point under the pointer."""
         if event.type() == QEvent.Type.ToolTip and self._day is not None:
             position = QPointF(event.pos())  # type: ignore[attr-defined]
             QToolTip.showText(event.globalPos(), self._tip(position), self)  # type: ignore[attr-defined]
@@ -173,14 +173,14 @@ class DayBar(QWidget):
             for name, when in self._day.marks.items()
         }
         name = min(near, key=lambda mark: near[mark], default=None)
-        # Names stand beside their marks and are clicked too.
+        # The labels beside the marks can be clicked too.
         reach_px = 34.0 if name in _LABELLED and position.y() < _TOP_PX - 8 else _REACH_PX
         return name if name is not None and near[name] <= reach_px else None
 
     # --- painting ----------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Band, hours, marks, hand."""
+        """Paint band, hours, events and cursor."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         band = QRectF(_MARGIN_PX, _TOP_PX, self._way_px, _BAND_PX)
@@ -246,7 +246,7 @@ class DayBar(QWidget):
 
 
 def light_colour(elevation_deg: float) -> QColor:
-    """The bar's colour under a sun so high."""
+    """The bar's colour for a solar elevation."""
     heights = [height for height, _ in _LIGHT]
     colours = [QColor(colour) for _, colour in _LIGHT]
 
@@ -257,6 +257,6 @@ def light_colour(elevation_deg: float) -> QColor:
 
 
 def _whole_hours(day: Day) -> list[datetime]:
-    """Instants at which clocks show a whole hour, both midnights included."""
+    """Instants of whole hours on the clock, both midnights included."""
     hours = round(day.length_s / 3600.0)
     return [day.start + timedelta(hours=hour) for hour in range(hours + 1)]

@@ -1,4 +1,4 @@
-"""Pictures to files: the one that is shown, and those of a whole day."""
+"""Exports: the picture that is shown, and pictures of a whole day."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -16,12 +16,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.day_scout import DayScout
-from vrut_lite.app.day_sequence import DaySequence, instants_of, one_process
-from vrut_lite.app.export import FORMATS, export_picture
+from vrut_lite.app.engine.day_scout import DayScout
+from vrut_lite.app.engine.export import FORMATS, export_picture
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.session_project import project_of
+from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
 from vrut_lite.app.panels.form import aligned_form
-from vrut_lite.app.project_keeper import ProjectKeeper
-from vrut_lite.app.session import Session
 from vrut_lite.errors import UserError
 from vrut_lite.render.image_files import picture_format
 
@@ -29,17 +29,16 @@ _FILES = "Pictures (*.png *.exr)"
 
 
 class ExportPanel(QWidget):
-    """`open_workers` makes who draws the pictures of a day: a process of its own."""
+    """`open_workers` makes the process that draws the pictures of a day."""
 
     def __init__(
         self,
         session: Session,
         scout: DayScout,
-        keeper: ProjectKeeper,
         open_workers: Callable[[], Executor] = one_process,
     ):
         super().__init__()
-        self._session, self._scout, self._keeper = session, scout, keeper
+        self._session, self._scout = session, scout
         self._open_workers = open_workers
         self.sequence: DaySequence | None = None
         self.picture = QPushButton("Export this picture\N{HORIZONTAL ELLIPSIS}")
@@ -54,9 +53,9 @@ class ExportPanel(QWidget):
         self.progress = QProgressBar()
         self.progress.setFormat("%v of %m")
         self.cancel = QPushButton("Cancel")
-        self.told = QLabel()
-        self.told.setProperty("role", "faint")
-        self.told.setWordWrap(True)
+        self.status = QLabel()
+        self.status.setProperty("role", "faint")
+        self.status.setWordWrap(True)
         self._lay_out()
         self._show_running(False)
         self.picture.clicked.connect(self._ask_for_picture)
@@ -66,16 +65,18 @@ class ExportPanel(QWidget):
 
     def export(self, path: str) -> None:
         """Write the picture that is shown, in full size."""
-        project = self._keeper.project
+        project = project_of(self._session)
         self._session.ask(lambda stage: export_picture(stage, path, project), self._tell)
 
     def start(self, path: str) -> None:
-        """Make the pictures of the day; their number stands before the ending of the name."""
+        """Make the pictures of the day, numbered before the suffix of their name."""
         day = self._scout.day
         if day is None or (self.sequence is not None and self.sequence.running):
             return
         instants = instants_of(day, timedelta(minutes=self.step_minutes.value()))
-        sequence = DaySequence(self._keeper.project, instants, Path(path), self, self._open_workers)
+        sequence = DaySequence(
+            project_of(self._session), instants, Path(path), self, self._open_workers
+        )
         sequence.progressed.connect(self._show_progress)
         sequence.finished.connect(self._ended)
         sequence.failed.connect(self._failed)
@@ -107,7 +108,7 @@ class ExportPanel(QWidget):
         column.addLayout(form)
         column.addWidget(self.day)
         column.addLayout(row)
-        column.addWidget(self.told)
+        column.addWidget(self.status)
         column.addStretch(1)
 
     def _ask_for_picture(self) -> None:
@@ -138,4 +139,4 @@ class ExportPanel(QWidget):
         self._session.problem.emit(line)
 
     def _tell(self, line: str) -> None:
-        self.told.setText(line)
+        self.status.setText(line)

@@ -1,11 +1,11 @@
-"""Rows of a name and what it is the name of."""
+"""Forms: rows of a label and a field."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFormLayout, QWidget
 
 
 def aligned_form(parent: QWidget | None = None) -> QFormLayout:
-    """A form whose names stand in the middle of their rows; fields take the width there is."""
+    """A form with vertically centred labels; fields take the free width."""
     form = QFormLayout(parent)
     form.setLabelAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
     form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)

@@ -16,10 +16,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.flight_recorder import Recorded
-from vrut_lite.app.message_rows import OpenJournal, open_journal
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import Stage
+from vrut_lite.app.engine.flight_recorder import Recorded
+from vrut_lite.app.engine.message_rows import OpenJournal, open_journal
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.recording.codec import decode
 from vrut_lite.recording.registry import Registry
@@ -92,7 +92,7 @@ class JournalBar(QWidget):
         column.addLayout(first)
         column.addWidget(self._stepper)
 
-    # --- what can be done --------------------------------------------------------------------
+    # --- actions -----------------------------------------------------------------------------
 
     @property
     def is_open(self) -> bool:
@@ -108,7 +108,7 @@ class JournalBar(QWidget):
         self._session.follow(self._reader.submit(open_journal, path), self._opened)
 
     def step(self, by: int) -> None:
-        """Go to the next input, or to one before; and do it, if that is wished."""
+        """Go to the next input or the one before; with `play` checked, send it to this window."""
         self._at = min(max(self._at + by, 0), len(self._inputs) - 1)
         self._show_mode()
         number = self._inputs[self._at]
@@ -133,7 +133,7 @@ class JournalBar(QWidget):
         if path:
             self.open_from(path)
 
-    # --- what is shown -----------------------------------------------------------------------
+    # --- display -----------------------------------------------------------------------------
 
     def _opened(self, opened: OpenJournal) -> None:
         self._journal, self._inputs, self._at = opened, list(opened.inputs), -1
@@ -148,8 +148,8 @@ class JournalBar(QWidget):
         if not self.isVisible():
             return
         recorded = self._session.recorded
-        told = recorded.ended or f"{recorded.inputs:,} inputs recorded"
-        self.recorded.setText(told + self._saved_as)
+        text = recorded.ended or f"{recorded.inputs:,} inputs recorded"
+        self.recorded.setText(text + self._saved_as)
 
     def _show_mode(self) -> None:
         self._stepper.setVisible(self.is_open)
@@ -161,7 +161,7 @@ class JournalBar(QWidget):
 
 
 def _do(stage: Stage, opened: OpenJournal, number: int) -> None:
-    """Give this window the journal's input; results of jobs come from the jobs themselves."""
+    """Inject the journal's input; results of jobs come from the jobs of this window."""
     entry = opened.inputs[number]
     if entry.type_name != JobResult.__name__:
         registry = Registry(seat.module_type for seat in stage.kernel.seats.values())

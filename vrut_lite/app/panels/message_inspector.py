@@ -1,4 +1,4 @@
-"""What the modules say to each other: live, or from a journal."""
+"""The message inspector: messages of the modules, live or from a journal."""
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QHideEvent, QShowEvent
@@ -15,18 +15,18 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.message_rows import MessageRow, MessageWatch
+from vrut_lite.app.engine.message_rows import MessageRow, MessageWatch
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.cause_tree import CauseTree
 from vrut_lite.app.panels.journal_bar import JournalBar
 from vrut_lite.app.panels.message_table import MessageTable
-from vrut_lite.app.session import Session
-from vrut_lite.app.stage import Stage
 
 _LOOK_MS = 250
 
 
 class MessageInspector(QWidget):
-    """Messages above, below what caused the chosen one and what it says.
+    """A table of messages; below, causes, effects and fields of the chosen one.
 
     Nothing is watched while the panel is hidden or paused.
     """
@@ -53,7 +53,7 @@ class MessageInspector(QWidget):
         session.ready.connect(lambda _: self._set_watching())
         session.ended.connect(self._looking.stop)
 
-    # --- what it is made of ------------------------------------------------------------------
+    # --- widgets -----------------------------------------------------------------------------
 
     def _make_parts(self) -> None:
         self.filter = QLineEdit()
@@ -153,7 +153,7 @@ class MessageInspector(QWidget):
             item.setToolTip(1, text)
 
     def _go_to(self, number: int) -> None:
-        """Also to what the filter hides."""
+        """Go to a message, also to one that the filter hides."""
         if self.table.messages.index_of(number).isValid():
             self.table.go_to(number)
         else:

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHeaderView, QTreeView
 
 from vrut_lite.app import theme
-from vrut_lite.app.message_rows import MessageRow
+from vrut_lite.app.engine.message_rows import MessageRow
 
 # Live messages that are kept; a journal is shown whole.
 MOST_LIVE = 5000
@@ -30,21 +30,21 @@ class MessageModel(QAbstractTableModel):
 
     @property
     def rows(self) -> list[MessageRow]:
-        """All rows, whatever is shown."""
+        """All rows, also those that the filter hides."""
         return self._rows
 
     @property
     def shown(self) -> list[MessageRow]:
-        """Those that the filter lets pass."""
+        """The rows that pass the filter."""
         return self._shown
 
     def replace(self, rows: list[MessageRow]) -> None:
-        """Hold these rows and no others."""
+        """Replace the rows."""
         self._rows = rows
         self._filter()
 
     def append(self, rows: list[MessageRow]) -> None:
-        """Add later rows; the oldest make place for them."""
+        """Append rows; the oldest are dropped beyond the limit."""
         if len(self._rows) + len(rows) > MOST_LIVE:
             self.replace([*self._rows, *rows][-MOST_LIVE * 3 // 4 :])
             return
@@ -57,7 +57,7 @@ class MessageModel(QAbstractTableModel):
             self.endInsertRows()
 
     def set_filter(self, text: str) -> None:
-        """Show what has all these words in its type, sender or receivers."""
+        """Show the rows with all these words in type, sender or receivers."""
         self._words = text.lower().split()
         self._filter()
 
@@ -68,7 +68,7 @@ class MessageModel(QAbstractTableModel):
         return found[0] if found and found[0].number == number else None
 
     def index_of(self, number: int) -> QModelIndex:
-        """Where it is shown; no valid index if it is not."""
+        """The index of a shown message; invalid if it is hidden."""
         place = bisect_left(self._shown, number, key=lambda row: row.number)
         found = self._shown[place : place + 1]
         return self.index(place, 0) if found and found[0].number == number else QModelIndex()
@@ -112,7 +112,7 @@ class MessageModel(QAbstractTableModel):
 
 
 class MessageTable(QTreeView):
-    """`chosen` tells the number of the row that is gone to."""
+    """`chosen` emits the number of the current row."""
 
     chosen = Signal(int)
 
@@ -138,7 +138,7 @@ class MessageTable(QTreeView):
             self.scrollTo(index)
 
     def show_deliveries(self, shown: bool) -> None:
-        """Whether to show who received a message and what it took: no journal tells."""
+        """Show or hide receivers and times, which a journal does not hold."""
         for column in _OF_DELIVERIES:
             self.setColumnHidden(column, not shown)
         stretched = 3 if shown else 2
@@ -162,7 +162,7 @@ class MessageTable(QTreeView):
 
 
 def colour_of(row: MessageRow) -> QColor:
-    """Inputs in the colour of what the user does, faults in that of alarm."""
+    """Inputs in the accent colour, faults in the alarm colour."""
     if row.type_name == "Fault":
         return QColor(theme.ALARM)
     return QColor(theme.ACCENT if row.is_input else theme.TEXT)

@@ -1,4 +1,4 @@
-"""All modules: which run, what went wrong in those that do not, and how to mend it."""
+"""The module manager: states, last faults, enable, restart, reload, safe mode."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QFontDatabase
@@ -15,8 +15,8 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app import theme
-from vrut_lite.app.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
-from vrut_lite.app.session import Session, fault_line
+from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
+from vrut_lite.app.engine.session import Session, fault_line
 from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
 
 _NAME = Qt.ItemDataRole.UserRole
@@ -25,7 +25,7 @@ _TELLING = (Fault, EnableModule, RestartModule, ReloadModule, SlotChanged)
 
 
 class ModuleManager(QWidget):
-    """A row for each module; below, what can be done with the chosen one, and its last fault."""
+    """A row for each module; below, the actions and the last fault of the chosen one."""
 
     def __init__(self, session: Session):
         super().__init__()
@@ -57,7 +57,7 @@ class ModuleManager(QWidget):
             self.list.setCurrentItem(item)
 
     def set_safe_mode(self, on: bool) -> None:
-        """Run the host and the default sun and sky alone; or again all that ran before."""
+        """Switch off all but the host and the default sun and sky, or switch them on again."""
         running = {m.name for m in self._states.modules.values() if m.state == "running"}
         if on:
             self._before_safe_mode = running
@@ -67,7 +67,7 @@ class ModuleManager(QWidget):
             self._session.send(*(EnableModule(module=name) for name in sorted(wanted - running)))
         self._show_states(self._states)
 
-    # --- what it is made of ------------------------------------------------------------------
+    # --- widgets -----------------------------------------------------------------------------
 
     def _make_parts(self) -> None:
         self.safe_mode = QPushButton("Safe mode")
@@ -90,9 +90,9 @@ class ModuleManager(QWidget):
         self.restart.setToolTip("Start the module anew with its present settings")
         self.reload = QPushButton("Reload")
         self.reload.setToolTip("Import the module's files afresh; its settings stay")
-        self.told = QLabel()
-        self.told.setWordWrap(True)
-        self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.status = QLabel()
+        self.status.setWordWrap(True)
+        self.status.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.trace = QPlainTextEdit()
         self.trace.setReadOnly(True)
         self.trace.setAccessibleName("trace of the last fault")
@@ -116,14 +116,14 @@ class ModuleManager(QWidget):
         column.addLayout(top)
         column.addWidget(self.list, 3)
         column.addLayout(middle)
-        column.addWidget(self.told)
+        column.addWidget(self.status)
         column.addWidget(self.trace, 2)
         column.addWidget(self.failures)
 
-    # --- what comes --------------------------------------------------------------------------
+    # --- messages ----------------------------------------------------------------------------
 
     def _ask(self) -> None:
-        """Look anew; one look serves all that was told until then."""
+        """Ask for the states, once for all messages that came until the answer."""
         if not self._asking:
             self._asking = True
             self._session.ask(states_of, self._take)
@@ -176,14 +176,14 @@ class ModuleManager(QWidget):
         self.reload.setEnabled(not module.of_host)
         self.title.setText(module.title)
         fault = module.fault
-        self.told.setText("No fault so far." if fault is None else fault_line(fault))
-        self.told.setStyleSheet(f"color: {theme.FAINT if fault is None else theme.ALARM};")
+        self.status.setText("No fault so far." if fault is None else fault_line(fault))
+        self.status.setStyleSheet(f"color: {theme.FAINT if fault is None else theme.ALARM};")
         self.trace.setVisible(fault is not None)
         trace = "" if fault is None else fault.trace
         if trace != self.trace.toPlainText():
             self.trace.setPlainText(trace)
 
-    # --- what is asked for -------------------------------------------------------------------
+    # --- inputs ------------------------------------------------------------------------------
 
     def _checked(self, item: QTreeWidgetItem) -> None:
         wanted = item.checkState(0) == Qt.CheckState.Checked

@@ -1,4 +1,4 @@
-"""A module's panel, made from its settings alone."""
+"""A module's panel, made from its settings."""
 
 from functools import partial
 from typing import Any
@@ -16,26 +16,26 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.engine.roster import ModuleInfo
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.presets import PresetStore, Values
 from vrut_lite.app.panels.setting_row import SettingRow
-from vrut_lite.app.presets import PresetStore, Values
-from vrut_lite.app.roster import ModuleInfo, roster_of
-from vrut_lite.app.session import Session
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Fault, ReloadModule, SetSetting, SettingChanged
+from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
 
 
 class ModulePanel(QWidget):
     """A row for each setting; presets and reset for all of them.
 
-    `remade` tells the widget that holds the rows when a reload has brought others.
+    `remade` emits the widget that holds the rows when a reload has changed the settings.
     """
 
     remade = Signal(QWidget)
 
-    def __init__(self, session: Session, module: ModuleInfo, presets: PresetStore):
+    def __init__(self, session: Session, module: str, presets: PresetStore):
         super().__init__()
-        self._session, self._module, self._presets = session, module, presets
-        self._values: Values = dict(module.values)
+        self._session, self._name, self._presets = session, module, presets
+        self._specs = self._module.specs
         self.rows: dict[str, SettingRow] = {}
         column = QVBoxLayout(self)
         column.setContentsMargins(10, 8, 8, 10)
@@ -45,8 +45,12 @@ class ModulePanel(QWidget):
         column.addStretch(1)
         self._show_resettable()
         session.listen(SettingChanged, self._changed)
-        session.listen(ReloadModule, self._reloaded)
         session.listen(Fault, self._refused)
+        session.roster_renewed.connect(self._renew)
+
+    @property
+    def _module(self) -> ModuleInfo:
+        return self._session.roster.modules[self._name]
 
     @property
     def title(self) -> str:
@@ -57,16 +61,16 @@ class ModulePanel(QWidget):
         """Ask for these values of the settings."""
         self._session.send(
             *(
-                SetSetting(module=self._module.name, name=name, value=value)
+                SetSetting(module=self._name, name=name, value=value)
                 for name, value in values.items()
-                if name in self.rows and value != self._values[name]
+                if name in self.rows and value != self._module.values[name]
             )
         )
 
     def _heading(self) -> QHBoxLayout:
         title = QLabel(self._module.title)
         title.setProperty("role", "heading")
-        title.setToolTip(f"{self._module.name} {self._module.version}")
+        title.setToolTip(f"{self._name} {self._module.version}")
         self.presets = QToolButton()
         self.presets.setText("Presets")
         self.presets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -89,8 +93,8 @@ class ModulePanel(QWidget):
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(6)
         grid.setColumnStretch(1, 1)
-        for number, (name, spec) in enumerate(self._module.specs.items()):
-            row = SettingRow(spec, self._values[name], self)
+        for number, (name, spec) in enumerate(self._specs.items()):
+            row = SettingRow(spec, self._module.values[name], self)
             row.put_in(grid, number)
             row.edited.connect(lambda value, name=name: self._send(name, value))
             self.rows[name] = row
@@ -101,30 +105,24 @@ class ModulePanel(QWidget):
         return rows
 
     def _defaults(self) -> Values:
-        return {name: spec.default for name, spec in self._module.specs.items()}
+        return {name: spec.default for name, spec in self._specs.items()}
 
     def _send(self, name: str, value: Any) -> None:
-        self._session.send(SetSetting(module=self._module.name, name=name, value=value))
+        self._session.send(SetSetting(module=self._name, name=name, value=value))
 
     def _changed(self, message: SettingChanged) -> None:
-        if message.module == self._module.name and message.name in self.rows:
-            self._values[message.name] = message.value
+        if message.module == self._name and message.name in self.rows:
             self.rows[message.name].show_value(message.value)
             self._show_resettable()
 
     def _show_resettable(self) -> None:
-        self.reset.setEnabled(self._values != self._defaults())
+        self.reset.setEnabled(bool(self._module.changed_values))
 
-    def _reloaded(self, message: ReloadModule) -> None:
+    def _renew(self) -> None:
         """A newer version may have other settings."""
-        name = self._module.name
-        if message.module == name:
-            self._session.ask(lambda stage: roster_of(stage).modules[name], self._become)
-
-    def _become(self, module: ModuleInfo) -> None:
-        if module.specs == self._module.specs:
+        if self._module.specs == self._specs:
             return
-        self._module, self._values = module, dict(module.values)
+        self._specs = self._module.specs
         self.rows.clear()
         old, self._settings = self._settings, self._grid()
         layout = self.layout()
@@ -135,18 +133,18 @@ class ModulePanel(QWidget):
         self.remade.emit(self._settings)
 
     def _refused(self, fault: Fault) -> None:
-        """What was asked for and refused is not what holds."""
-        if fault.module == self._module.name:
+        """A value that was refused is not the setting's."""
+        if fault.module == self._name:
             for name, row in self.rows.items():
-                row.show_value(self._values[name])
+                row.show_value(self._module.values[name])
 
     # --- presets -----------------------------------------------------------------------------
 
     def fill_presets(self) -> None:
-        """Make the menu anew from what is kept."""
+        """Fill the menu with the presets that are kept."""
         self.preset_menu.clear()
         self.preset_menu.addAction("Defaults", lambda: self.choose(self._defaults()))
-        names = self._presets.names(self._module.name)
+        names = self._presets.names(self._name)
         if names:
             self.preset_menu.addSeparator()
         for name in names:
@@ -160,13 +158,13 @@ class ModulePanel(QWidget):
 
     def keep(self, name: str) -> None:
         """Keep the present settings by a name."""
-        self._guarded(lambda: self._presets.keep(self._module.name, name, self._values))
+        self._guarded(lambda: self._presets.keep(self._name, name, self._module.values))
 
     def _use(self, name: str) -> None:
-        self.choose({**self._defaults(), **self._presets.values(self._module.name, name)})
+        self.choose({**self._defaults(), **self._presets.values(self._name, name)})
 
     def _forget(self, name: str) -> None:
-        self._guarded(lambda: self._presets.forget(self._module.name, name))
+        self._guarded(lambda: self._presets.forget(self._name, name))
 
     def _ask_to_keep(self) -> None:
         name, wanted = QInputDialog.getText(self, "Keep settings", "Name of the preset:")

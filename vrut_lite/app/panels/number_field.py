@@ -1,4 +1,4 @@
-"""A number to slide and to type, of one range and unit."""
+"""A number with a slider and a spin box."""
 
 import math
 
@@ -7,14 +7,14 @@ from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QWidget
 
 _NOTCHES = 1000
-# Where the ends of a range differ by more, equal ways on the slider are equal factors.
+# From this ratio of the range's ends the slider is logarithmic.
 _LOGARITHMIC_FROM = 100.0
 _TYPED_WIDTH_PX = 92
 _UNBOUNDED = 1e9
 
 
 class NumberField(QWidget):
-    """`edited` tells a new value by the user's hand; `show_value` changes what is shown alone."""
+    """`edited` emits a value that the user set; `show_value` emits nothing."""
 
     edited = Signal(float)
 
@@ -58,11 +58,11 @@ class NumberField(QWidget):
 
     @property
     def value(self) -> float:
-        """What is shown."""
+        """The shown value."""
         return self.spin.value()
 
     def show_value(self, value: float) -> None:
-        """Show a value that came from elsewhere; a slider in the user's hand stays in it."""
+        """Show a value, unless the slider is being dragged."""
         if self.slider.isSliderDown():
             return
         self._show(value, slider=True)
@@ -92,7 +92,7 @@ class NumberField(QWidget):
 
 class _Slider(QSlider):
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """A wheel that scrolls the panel shall not change what it passes over."""
+        """Ignore the wheel without focus: it scrolls the panel."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
@@ -109,7 +109,7 @@ class _Spin(QDoubleSpinBox):
 
 
 class Scale:
-    """Values of a range as shares of a way."""
+    """Maps a range of values to 0..1, linearly or logarithmically."""
 
     def __init__(self, low: float, high: float):
         self._low, self._high = low, high
@@ -131,7 +131,7 @@ class Scale:
 
 
 def _decimals(low: float | None, high: float | None) -> int:
-    """As many as make a hundredth of the range, or of its low end, visible."""
+    """Decimals that show a hundredth of the range, or of its low end if it is logarithmic."""
     if low is None or high is None:
         return 3
     finest = low if Scale(low, high).logarithmic else high - low

@@ -5,10 +5,10 @@ from typing import Any, get_args
 import msgspec
 from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QWidget
 
-from vrut_lite.app.engine import Shown
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.session import Session
 from vrut_lite.daylight.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
 
 _TONE_TITLES = {
@@ -20,7 +20,7 @@ _LOWEST_EV, _HIGHEST_EV = -8.0, 24.0
 
 
 class PicturePanel(QWidget):
-    """All fields of `SetExposure`, which go out together."""
+    """Edits `SetExposure`; all fields are sent together."""
 
     def __init__(self, session: Session):
         super().__init__()
@@ -72,7 +72,7 @@ class PicturePanel(QWidget):
         self.reset.clicked.connect(lambda: self._session.send(SetExposure()))
 
     def _choose_mode(self, mode: str) -> None:
-        """Manual begins where automatic left off."""
+        """Choose the mode; manual exposure begins at the automatic value."""
         shown = self._session.shown
         if mode == "manual" and shown is not None:
             ev100 = shown.picture.ev100 + self._wish.compensation_ev

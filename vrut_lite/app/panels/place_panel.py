@@ -1,4 +1,4 @@
-"""Where on Earth: by a city's name, by coordinates, by a click on the map."""
+"""The place: by a city's name, by coordinates, by a click on the map."""
 
 import math
 
@@ -13,12 +13,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.cities import City, all_cities, find_cities
-from vrut_lite.app.day_scout import place_of
+from vrut_lite.app.engine.day_scout import place_of
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.cities import City, all_cities, find_cities
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.world_map import WorldMap
-from vrut_lite.app.session import Session
 from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
 from vrut_lite.daylight.place_time import parse_place, time_zone_at
 from vrut_lite.daylight.sun import SunMoved
@@ -31,7 +31,7 @@ _KM_PER_DEGREE = 111.2
 
 
 class PlacePanel(QWidget):
-    """All of `SetPlace`: the point and how the scene's north lies to the true one."""
+    """Edits `SetPlace`: the point, and the scene's north offset."""
 
     def __init__(self, session: Session):
         super().__init__()
@@ -60,7 +60,7 @@ class PlacePanel(QWidget):
         session.listen(SunMoved, self._show_sun)
 
     def go_to_city(self, city: City) -> None:
-        """Stand there."""
+        """Move to a city."""
         self._send(city.latitude_deg, city.longitude_deg, city.altitude_m)
 
     def _lay_out(self) -> None:
@@ -92,7 +92,7 @@ class PlacePanel(QWidget):
         for field in (self.latitude_deg, self.longitude_deg, self.altitude_m, self.north_deg):
             field.edited.connect(lambda _: self._send_fields())
 
-    # --- by hand -----------------------------------------------------------------------------
+    # --- user input --------------------------------------------------------------------------
 
     def _suggest(self, text: str) -> None:
         self.found.clear()
@@ -103,7 +103,7 @@ class PlacePanel(QWidget):
         self.found.setVisible(self.found.count() > 0)
 
     def _enter(self) -> None:
-        """The first city that fits, or coordinates."""
+        """Go to the first matching city, or to coordinates."""
         text = self.search.text().strip()
         cities = find_cities(text)
         if cities:
@@ -141,7 +141,7 @@ class PlacePanel(QWidget):
             )
         )
 
-    # --- what comes --------------------------------------------------------------------------
+    # --- messages ----------------------------------------------------------------------------
 
     def _show(self, place: SetPlace) -> None:
         self._place = place
@@ -154,7 +154,7 @@ class PlacePanel(QWidget):
         self.zone.setText(f"Time zone {time_zone_at(place_of(place)).key}")
 
     def _show_sun(self, sun: SunMoved) -> None:
-        """Shade the map by the point over which this sun stands."""
+        """Shade the night side of the map."""
         if self._place is not None:
             self.map.show_sun(*point_below(sun, self._place))
 
@@ -179,7 +179,7 @@ def name_of(place: SetPlace) -> str:
 
 
 def point_below(sun: SunMoved, place: SetPlace) -> tuple[float, float]:
-    """Latitude and longitude in degrees over which the sun stands in the zenith."""
+    """Latitude and longitude in degrees of the point below the sun."""
     east, north, up = enu_from_world(sun.direction, place.north_offset_rad)
     latitude, longitude = math.radians(place.latitude_deg), math.radians(place.longitude_deg)
     # From east, north, up at the place to the Earth's own axes.

@@ -1,4 +1,4 @@
-"""One setting of one module: its name, what changes it, and the way back to its default."""
+"""The row of one setting: name, editor, reset."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 from vrut_lite.app.panels.number_field import NumberField, Scale
 from vrut_lite.kernel.settings import SettingSpec
 
-# What names end with; the unit stands beside the number.
+# Endings of names that are left out, since the unit stands beside the number.
 _UNIT_ENDINGS = ("_per_m", "_m_s", "_deg", "_rad", "_nm", "_du", "_km", "_m", "_s", "_k")
 LEFT_OPEN = "as it is"
 
@@ -47,12 +47,12 @@ class SettingRow(QObject):
         self.show_value(value)
 
     def put_in(self, grid: QGridLayout, row: int) -> None:
-        """Take a row of a grid."""
+        """Place the widgets in a row of a grid."""
         for column, part in enumerate((self.name, self.editor, self.reset)):
             grid.addWidget(part, row, column)
 
     def show_value(self, value: Any) -> None:
-        """Show what the setting is now."""
+        """Show the setting's present value."""
         self.reset.setEnabled(value != self.spec.default)
         if isinstance(self.name, QCheckBox):
             self.name.blockSignals(True)
@@ -65,7 +65,7 @@ class SettingRow(QObject):
             self.editor.show_nothing()
 
     def _name(self, parent: QWidget) -> QLabel | QCheckBox:
-        """A label; for a number that may be left open, a box to tick if it is not."""
+        """A label; for a number that may be none, a check box that is off for none."""
         if not self.spec.may_be_none or self.spec.choices:
             return QLabel(label_of(self.spec), parent)
         box = QCheckBox(label_of(self.spec), parent)
@@ -73,7 +73,7 @@ class SettingRow(QObject):
         return box
 
     def _start(self) -> Any:
-        """What a setting that was left open begins with."""
+        """The first value of a setting that was none."""
         spec = self.spec
         if spec.type not in (int, float):
             return spec.type()
@@ -119,7 +119,7 @@ class SettingRow(QObject):
             line.setText(shown[0])
 
         def finished() -> None:
-            # Qt tells of every loss of focus, also where nothing was written.
+            # Qt emits it at every loss of focus, also without a change.
             if line.text() != shown[0]:
                 shown[0] = line.text()
                 self.edited.emit(line.text())
@@ -129,7 +129,7 @@ class SettingRow(QObject):
 
 
 def label_of(spec: SettingSpec) -> str:
-    """The name for people: without the unit, which stands beside the number."""
+    """The setting's name as a label: without the unit, which stands beside the number."""
     name = spec.name
     if spec.unit:
         ending = next((ending for ending in _UNIT_ENDINGS if name.endswith(ending)), "")
@@ -139,7 +139,7 @@ def label_of(spec: SettingSpec) -> str:
 
 
 def tooltip_of(spec: SettingSpec) -> str:
-    """What it is, what it may be, what it is by default, and where its formula is from."""
+    """The setting's help, range, default and source."""
     lines = [f"{spec.range_text()}; default {spec.default_text()}"]
     if spec.help:
         lines.insert(0, spec.help.rstrip(".") + ".")

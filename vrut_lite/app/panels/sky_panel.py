@@ -1,4 +1,4 @@
-"""Who holds the sun and the sky, and the settings of whoever holds the sky."""
+"""The holders of the slots, and the settings of the holder of the sky."""
 
 from PySide6.QtWidgets import (
     QComboBox,
@@ -8,12 +8,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.presets import PresetStore
-from vrut_lite.app.roster import Roster
-from vrut_lite.app.session import Session
+from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 
@@ -23,14 +23,13 @@ _LOWEST_PERCENT = 0.1
 
 
 class SkyPanel(QWidget):
-    """A chooser for each slot, the sky's first, and how exact all of them are to be."""
+    """A chooser for each slot, the sky's first, and the tolerance."""
 
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
         self._session, self._presets = session, presets
         self.choosers: dict[str, QComboBox] = {}
         self.panels: dict[str, ModulePanel] = {}
-        self._holders: dict[str, str] = {}
         self.tolerance = NumberField(_LOWEST_PERCENT, 100.0, "%", decimals=2)
         self.tolerance.show_value(100.0 * DEFAULT_TOLERANCE)
         self.tolerance.setAccessibleName("tolerance")
@@ -50,8 +49,8 @@ class SkyPanel(QWidget):
         )
         session.listen(SetTolerance, lambda m: self.tolerance.show_value(100.0 * m.tolerance))
         session.ready.connect(self._fill)
-        session.listen(SlotChanged, self._changed)
-        session.listen(Fault, lambda _: self._show_holders())
+        for kind in (SlotChanged, Fault):
+            session.listen(kind, lambda _: self._show_holders())
 
     def _fill(self, roster: Roster) -> None:
         for slot in sorted(roster.slots, key=lambda slot: (slot != SHOWN_SLOT, slot)):
@@ -65,10 +64,9 @@ class SkyPanel(QWidget):
             self._choices.addRow(QLabel(slot.capitalize()), chooser)
         self._choices.addRow("Tolerance", self.tolerance)
         for module in roster.providers(SHOWN_SLOT):
-            panel = ModulePanel(self._session, module, self._presets)
+            panel = ModulePanel(self._session, module.name, self._presets)
             self.panels[module.name] = panel
             self._stack.addWidget(panel)
-        self._holders = dict(roster.holders)
         self._show_holders()
 
     def _choose(self, slot: str) -> None:
@@ -76,13 +74,9 @@ class SkyPanel(QWidget):
         if module:
             self._session.send(ChooseSlot(slot=slot, module=module))
 
-    def _changed(self, message: SlotChanged) -> None:
-        self._holders[message.name] = message.holder
-        self._show_holders()
-
     def _show_holders(self) -> None:
-        """Also after a choice that was refused."""
-        for slot, holder in self._holders.items():
+        """Show the holders, also after a choice that was refused."""
+        for slot, holder in self._session.roster.holders.items():
             if slot in self.choosers:
                 self._show(slot, holder)
 

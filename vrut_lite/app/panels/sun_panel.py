@@ -1,24 +1,24 @@
-"""Where the sun stands: elevation and azimuth, to read and to type."""
+"""The sun's elevation and azimuth, shown and editable."""
 
 from datetime import datetime
 from math import degrees
 
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 
-from vrut_lite.app.day_scout import DayScout
+from vrut_lite.app.engine.day_scout import DayScout
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.form import aligned_form
-from vrut_lite.app.session import Session
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.kernel.messages import ClockMoved, SetClock
 
-_TWILIGHTS = ((-0.8333, "day"), (-6.0, "civil twilight"), (-12.0, "nautical twilight"),
+_TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
               (-18.0, "astronomical twilight"))  # fmt: skip
 
 
 class SunPanel(QWidget):
-    """A typed angle goes to the hour of the day at which the sun stands there."""
+    """A typed angle sets the clock to the hour at which the sun has it."""
 
     def __init__(self, session: Session, scout: DayScout):
         super().__init__()
@@ -78,7 +78,7 @@ class SunPanel(QWidget):
         elevation_deg = degrees(sun.elevation_rad)
         _show(self.elevation, elevation_deg)
         _show(self.azimuth, degrees(sun.azimuth_rad) % 360.0)
-        self.phase.setText(phase_of(elevation_deg))
+        self.phase.setText(phase_of(sun))
 
     def _show_sunlight(self, light: KeyLightChanged) -> None:
         lux = float(luminance(light.irradiance_rgb)) * LUMENS_PER_WATT
@@ -91,8 +91,11 @@ class SunPanel(QWidget):
         self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
 
 
-def phase_of(elevation_deg: float) -> str:
-    """Day, a twilight or night, by the sun's geometric elevation."""
+def phase_of(sun: SunMoved) -> str:
+    """Day while the disc is seen, then a twilight or night by the sun's geometric elevation."""
+    if sun.visible_disc_fraction > 0.0:
+        return "day"
+    elevation_deg = degrees(sun.elevation_rad)
     return next((name for lowest, name in _TWILIGHTS if elevation_deg >= lowest), "night")
 
 
@@ -112,7 +115,7 @@ def _angle(low: float, high: float, tip: str) -> QDoubleSpinBox:
 
 
 def _show(spin: QDoubleSpinBox, value: float) -> None:
-    # What is being typed stays.
+    # A text that is being typed stays.
     if spin.hasFocus() and spin.lineEdit().isModified():
         return
     spin.blockSignals(True)

@@ -1,4 +1,4 @@
-"""The time bar with what surrounds it: play, speed, now, date, clock and time zone."""
+"""The time bar with play, speed, now, date, clock and time zone."""
 
 from datetime import UTC, datetime, timedelta
 
@@ -14,11 +14,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from vrut_lite.app.day import Day
-from vrut_lite.app.day_scout import DayScout, place_of
+from vrut_lite.app.engine.day import Day
+from vrut_lite.app.engine.day_scout import DayScout, place_of
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.day_bar import DayBar
-from vrut_lite.app.player import Player
-from vrut_lite.app.session import Session
+from vrut_lite.app.panels.player import Player
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.errors import UserError
@@ -36,7 +36,7 @@ _FIRST_SPEED = "1 s = 10 min"
 
 
 class TimePanel(QWidget):
-    """All of the clock; it sends SetClock, SetClockRate and Tick."""
+    """Edits the clock: sends SetClock, SetClockRate and Tick."""
 
     def __init__(self, session: Session, scout: DayScout):
         super().__init__()
@@ -62,11 +62,11 @@ class TimePanel(QWidget):
         self._session.send(SetClock(instant=instant))
 
     def step_days(self, days: int) -> None:
-        """The same time on a clock, days later."""
+        """Go to the same local time, days later."""
         self._go_to_local(self.date.date().addDays(days), self.clock.time())
 
     def go_to_now(self) -> None:
-        """This very moment."""
+        """Go to the present moment."""
         self.go_to(datetime.now(UTC))
 
     def toggle_play(self) -> None:
@@ -76,7 +76,7 @@ class TimePanel(QWidget):
         else:
             self.player.play()
 
-    # --- what it is made of ------------------------------------------------------------------
+    # --- widgets -----------------------------------------------------------------------------
 
     def _make_controls(self) -> None:
         self.play = _button("\N{BLACK RIGHT-POINTING TRIANGLE}", "Play or pause (Space)")
@@ -125,7 +125,7 @@ class TimePanel(QWidget):
         row.addWidget(self.sun)
         return row
 
-    # --- what comes --------------------------------------------------------------------------
+    # --- messages ----------------------------------------------------------------------------
 
     def _show_place(self, message: SetPlace) -> None:
         self._place = place_of(message)
@@ -171,7 +171,7 @@ class TimePanel(QWidget):
 
 
 def zone_text(local: datetime) -> str:
-    """The zone for people: its letters, its offset, its name, and whether it is summer time."""
+    """The zone's name, offset, and whether daylight saving holds."""
     offset = local.utcoffset() or timedelta()
     minutes = int(offset.total_seconds()) // 60
     sign = "\N{MINUS SIGN}" if minutes < 0 else "+"

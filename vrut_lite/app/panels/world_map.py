@@ -1,4 +1,4 @@
-"""A small map of the world to point at: land, the place, and where it is day."""
+"""A small clickable world map: land, the place, day and night."""
 
 from functools import lru_cache
 from importlib.resources import as_file, files
@@ -36,7 +36,7 @@ _WAYS = {
 
 
 class WorldMap(QWidget):
-    """Latitude and longitude as up and right; `place_chosen` tells both in degrees."""
+    """An equirectangular map; `place_chosen` emits latitude and longitude in degrees."""
 
     place_chosen = Signal(float, float)
 
@@ -67,12 +67,12 @@ class WorldMap(QWidget):
         self.update()
 
     def show_sun(self, latitude_deg: float, longitude_deg: float) -> None:
-        """Shade where the sun, that is overhead there, is down."""
+        """Shade the night side for a sun in the zenith of this point."""
         self._shade = _night_shade(latitude_deg, longitude_deg)
         self.update()
 
     def position_of(self, latitude_deg: float, longitude_deg: float) -> QPointF:
-        """Where a place lies on the widget."""
+        """The point of a place on the widget."""
         return QPointF(
             (longitude_deg + 180.0) / 360.0 * self.width(),
             (90.0 - latitude_deg) / 180.0 * self.height(),
@@ -99,7 +99,7 @@ class WorldMap(QWidget):
         north, east = (way * (10.0 if far else 1.0) for way in _WAYS[key])
         latitude_deg = min(max(self._place[0] + north, -90.0), 90.0)
         longitude_deg = (self._place[1] + east + 180.0) % 360.0 - 180.0
-        # The next key must not wait for the kernel's answer.
+        # The next key counts from here without waiting for the kernel.
         self.show_place(latitude_deg, longitude_deg)
         self.place_chosen.emit(latitude_deg, longitude_deg)
 

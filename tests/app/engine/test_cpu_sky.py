@@ -1,0 +1,65 @@
+"""Without OpenGL the window shows the sky, from the same cube map as with it."""
+
+import numpy as np
+import pytest
+from window_driver import SCENES, WindowDriver
+
+from vrut_lite.app.engine import cpu_sky
+from vrut_lite.app.engine.cpu_sky import CpuSkyStage, best_stage, view_directions
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.errors import UserError
+from vrut_lite.render.light_meter import pixel_direction
+
+UP = MoveCamera(eye_m=(1.5, 1.5, 3.4), target_m=(0.0, 6.0, 0.0), vertical_field_of_view_rad=0.8)
+
+
+def test_directions_are_those_of_the_frame():
+    """Pixel by pixel the light meter's, which are held to the frame elsewhere."""
+    directions = view_directions(UP, 30, 20)
+    for x, y in ((0, 0), (29, 19), (12, 7)):
+        assert directions[y, x] == pytest.approx(pixel_direction(UP, (30, 20), x, y), abs=1e-12)
+
+
+def test_without_opengl_there_is_the_sky_and_a_line(monkeypatch):
+    """The reason is told among the failures; libraries there but no context is such a case."""
+
+    def refuse():
+        raise UserError("no OpenGL 4.3 through EGL here")
+
+    monkeypatch.setattr(cpu_sky, "GlStage", refuse)
+    stage = best_stage()
+    assert isinstance(stage, CpuSkyStage)
+    assert stage.failures == ["the sky alone is drawn, on the CPU: no OpenGL 4.3 through EGL here"]
+    stage.close()
+
+
+def test_the_window_draws_the_sky_on_the_cpu(qtbot, tmp_path):
+    """All panels work; the picture is blue above at noon and obeys the exposure."""
+    driver = WindowDriver(qtbot, lambda: CpuSkyStage("no context"), tmp_path)
+    driver.session.send(UP, SetExposure(mode="manual", ev100=13.0))
+    driver.until(lambda: driver.session.shown.picture.ev100 == 13.0)
+    radiance = driver.session.shown.picture.radiance
+    assert np.isfinite(radiance).all()
+    red, _, blue = radiance.mean(axis=(0, 1))
+    assert blue > 1.5 * red > 0.0
+    assert "CPU" in driver.window.statusBar().facts.text()
+    driver.close()
+
+
+@pytest.mark.gl
+def test_the_cpu_sky_is_the_frames_own(qtbot, tmp_path):
+    """Where no mesh stands both show the same radiance: 2 % for other cube sizes and filters."""
+    from vrut_lite.app.engine.session_project import inputs_of
+    from vrut_lite.app.engine.stage import GlStage
+    from vrut_lite.project import load_project
+
+    skies = []
+    for open_stage in (GlStage, lambda: CpuSkyStage("for comparison")):
+        stage = open_stage()
+        for message in [*inputs_of(load_project(SCENES / "sundial.toml"), stage.kernel), UP]:
+            stage.kernel.inject(message)
+        stage.kernel.pump_until_idle()
+        skies.append(stage.draw((120, 80), True).radiance)
+        stage.close()
+    assert np.median(np.abs(skies[1] / skies[0] - 1.0)) < 0.02

@@ -1,0 +1,88 @@
+"""The sun's day as the window samples it, against the module's own almanac."""
+
+from datetime import UTC, date, datetime, timedelta
+from zoneinfo import ZoneInfo
+
+import numpy as np
+import pytest
+from dynamic_skylight.sun.events import sun_events
+
+from vrut_lite.app.engine.day import MARKS, day_of
+from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.daylight.place import SetPlace
+
+PLACES = [
+    ("Prague", 50.0755, 14.4378, "Europe/Prague", date(2026, 6, 21)),
+    ("Sydney", -33.87, 151.21, "Australia/Sydney", date(2026, 12, 1)),
+    ("Quito", -0.18, -78.47, "America/Guayaquil", date(2026, 3, 20)),
+    ("Anchorage", 61.22, -149.9, "America/Anchorage", date(2026, 11, 1)),
+]
+
+
+@pytest.fixture(scope="module")
+def second():
+    return SecondKernel()
+
+
+def day_at(second, latitude_deg, longitude_deg, zone, day, altitude_m=0.0):
+    place = SetPlace(latitude_deg=latitude_deg, longitude_deg=longitude_deg, altitude_m=altitude_m)
+    second.set_up(place, "dynamic_skylight", {})
+    return day_of(second, day, ZoneInfo(zone))
+
+
+@pytest.mark.parametrize("altitude_m", [0.0, 3000.0])
+@pytest.mark.parametrize("place", PLACES, ids=[place[0] for place in PLACES])
+def test_marks_are_those_of_the_almanac(second, place, altitude_m):
+    """Both are roots of one sun, with one definition of sunrise; within 2 s, sunrise within 4."""
+    _, latitude_deg, longitude_deg, zone, day = place
+    found = day_at(second, latitude_deg, longitude_deg, zone, day, altitude_m)
+    zone = ZoneInfo(zone)
+    events = sun_events(day, latitude_deg, longitude_deg, time_zone=zone, altitude_m=altitude_m)
+    for name in MARKS:
+        expected = getattr(events, name.replace(" ", "_"))
+        assert (name in found.marks) == (expected is not None), name
+        if expected is not None:
+            limit_s = 4.0 if name in ("sunrise", "sunset") else 2.0
+            assert abs((found.marks[name] - expected).total_seconds()) < limit_s, name
+
+
+def test_a_day_on_which_clocks_change_is_as_long_as_it_is(second):
+    """In Prague 29 March 2026 has 23 hours, and 25 October 25: the bar spans just them."""
+    lengths = [
+        day_at(second, 50.0, 14.4, "Europe/Prague", day).length_s / 3600
+        for day in (date(2026, 3, 29), date(2026, 6, 1), date(2026, 10, 25))
+    ]
+    assert lengths == [23.0, 24.0, 25.0]
+
+
+def test_midnight_sun_has_neither_sunrise_nor_sunset(second):
+    """In Tromso the sun stays up in June: such a day has a noon alone."""
+    assert list(day_at(second, 69.65, 18.96, "Europe/Oslo", date(2026, 6, 21)).marks) == ["noon"]
+
+
+@pytest.mark.parametrize("hour", [9, 16])
+def test_an_elevation_is_found_on_the_same_side_of_noon(second, hour):
+    """Typing 30 degrees in the afternoon must not jump to the morning; good to 0.01 degrees."""
+    day = day_at(second, 50.0755, 14.4378, "Europe/Prague", date(2026, 6, 21))
+    near = datetime(2026, 6, 21, hour - 2, tzinfo=UTC)
+    when = day.when_elevation(30.0, near)
+    assert abs(np.degrees(second.sun_at(when).elevation_rad) - 30.0) < 0.01
+    assert (when < day.marks["noon"]) == (near < day.marks["noon"])
+    assert day.when_elevation(80.0, near) is None
+
+
+@pytest.mark.parametrize("azimuth_deg", [5.0, 90.0, 180.0, 270.0, 355.0])
+def test_an_azimuth_is_found_all_around(second, azimuth_deg):
+    """North, where azimuths jump from 360 to 0, is no obstacle; good to 0.05 degrees."""
+    day = day_at(second, 50.0755, 14.4378, "Europe/Prague", date(2026, 6, 21))
+    when = day.when_azimuth(azimuth_deg, day.start + timedelta(hours=12))
+    off = np.degrees(second.sun_at(when).azimuth_rad) - azimuth_deg
+    assert abs((off + 180.0) % 360.0 - 180.0) < 0.05
+
+
+def test_shares_of_the_day_lead_there_and_back(second):
+    """Where the hand is put the clock stands, to the half second; it never leaves the day."""
+    day = day_at(second, 50.0755, 14.4378, "Europe/Prague", date(2026, 10, 25))
+    for share in np.linspace(0.0, 0.999, 7):
+        assert abs(day.share_of(day.instant_at(share)) - share) * day.length_s <= 0.5
+    assert day.start <= day.instant_at(-1.0) < day.instant_at(2.0) < day.end

@@ -1,0 +1,147 @@
+"""The command palette, the list of keys, and who gets a key: all by keyboard alone."""
+
+from collections import Counter
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence
+from PySide6.QtWidgets import QApplication
+from window_driver import SCENES
+
+from vrut_lite.app.window.actions import ACTIONS
+from vrut_lite.app.window.command_palette import CommandPalette
+from vrut_lite.app.window.palette_entries import PaletteEntry, matching
+from vrut_lite.app.window.shortcut_list import ShortcutList
+from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.kernel.messages import ClockMoved, SlotChanged
+
+
+@pytest.fixture
+def driver(headless_window):
+    headless_window.window.activateWindow()
+    headless_window.until(headless_window.window.isActiveWindow)
+    return headless_window
+
+
+def palette(driver):
+    driver.window.activateWindow()
+    driver.until(driver.window.isActiveWindow)
+    driver.qtbot.keyClick(driver.window, Qt.Key.Key_K, Qt.KeyboardModifier.ControlModifier)
+    (found,) = driver.window.findChildren(CommandPalette)
+    return found
+
+
+def titles(found):
+    return [entry.title for entry in found.found]
+
+
+def run(driver, text):
+    """What is typed into the palette, and Enter."""
+    found = palette(driver)
+    driver.qtbot.keyClicks(found.text_field, text)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Return)
+    driver.until(lambda: not driver.window.findChildren(CommandPalette))
+    QApplication.processEvents()
+
+
+def test_a_command_is_found_and_done(driver):
+    """A day later, by a few letters of its name."""
+    before = driver.session.last(ClockMoved).instant
+    run(driver, "day later")
+    driver.until(lambda: driver.session.last(ClockMoved).instant.day == before.day + 1)
+
+
+def test_arrows_choose_among_what_was_found(driver):
+    """The second of several, and Escape leaves without doing anything."""
+    found = palette(driver)
+    driver.qtbot.keyClicks(found.text_field, "sky by")
+    assert titles(found)[:2] == ["Sky by Bruneton sky", "Sky by DynamicSkyLight"]
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Down)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Up)
+    driver.qtbot.keyClick(found.text_field, Qt.Key.Key_Return)
+    driver.until_heard(SlotChanged, lambda m: (m.name, m.holder) == ("sky", "bruneton_sky"))
+    driver.until(lambda: not driver.window.findChildren(CommandPalette))
+    found = palette(driver)
+    driver.qtbot.keyClick(found, Qt.Key.Key_Escape)
+    driver.until(lambda: not driver.window.findChildren(CommandPalette))
+
+
+def test_panels_and_settings_are_gone_to(driver):
+    """A hidden panel comes up; a setting has the focus, ready to be typed."""
+    run(driver, "modules panel")
+    assert driver.panel("modules").isVisible()
+    run(driver, "coverage")
+    editor = driver.panel("module clouds").rows["coverage"].editor
+    assert driver.window.focusWidget() is editor.spin
+    assert editor.isVisible()
+
+
+def test_a_recent_scene_is_opened_from_the_palette_and_from_the_menu(driver):
+    """Both list what was opened lately; what has gone is not offered."""
+    driver.window.open_path(str(SCENES / "spheres.glb"))
+    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("spheres.glb"))
+    driver.heard.clear()
+    run(driver, "open sundial")
+    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("sundial.glb"))
+    driver.window.menus.fill_recent()
+    offered = driver.window.menus.recent.actions()
+    assert "sundial.glb" in offered[0].text()
+    assert "spheres.glb" in offered[1].text()
+    driver.heard.clear()
+    offered[1].trigger()
+    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("spheres.glb"))
+
+
+def test_the_best_match_comes_first():
+    """What begins with the first word, then where a word begins with it, then any other."""
+    entries = [PaletteEntry(title, "", print) for title in ("A replay", "The play", "Play")]
+    assert [entry.title for entry in matching(entries, "play")] == ["Play", "The play", "A replay"]
+    assert matching(entries, "nothing like it") == []
+    assert matching(entries, "") == entries
+
+
+def test_all_keys_are_listed_and_can_be_searched(driver):
+    """Every key of every menu, and nothing but what was searched for."""
+    driver.qtbot.keyClick(driver.window, Qt.Key.Key_F1)
+    (keys,) = driver.window.findChildren(ShortcutList)
+    sections = [keys.list.topLevelItem(i) for i in range(keys.list.topLevelItemCount())]
+    lines = [section.child(i) for section in sections for i in range(section.childCount())]
+    listed = {line.text(0) for line in lines}
+    assert {spec.keys for spec in ACTIONS if spec.keys} <= listed
+    driver.qtbot.keyClicks(keys.filter, "undo")
+    assert [line.text(1) for line in lines if not line.isHidden()] == ["Undo"]
+    keys.close()
+
+
+def test_no_key_means_two_things(driver):
+    """Qt would do neither."""
+    shortcuts = Counter(
+        key.toString()
+        for action in driver.window.actions_by_name.values()
+        for key in action.shortcuts()
+        if not key.isEmpty()
+    )
+    assert shortcuts[QKeySequence("Ctrl+Z").toString()] == 1
+    assert max(shortcuts.values()) == 1
+
+
+@pytest.mark.parametrize("spec", [spec for spec in ACTIONS if spec.keys], ids=lambda s: s.name)
+def test_every_action_has_a_key_that_can_be_pressed(spec):
+    """A name of a key that Qt does not know would be dropped without a word."""
+    for keys in spec.keys.split(", "):
+        assert not QKeySequence(keys).isEmpty()
+        assert QKeySequence(keys)[0].key() != Qt.Key.Key_unknown
+
+
+def test_space_presses_the_control_that_has_the_focus_and_plays_from_the_picture(driver):
+    """A box cannot be ticked by keyboard where the window takes the space bar for itself."""
+    box = driver.panel("module scene").rows["light_shafts"].editor
+    driver.window.show_dock("module scene")
+    box.setFocus()
+    driver.qtbot.keyClick(box, Qt.Key.Key_Space)
+    assert box.isChecked()
+    assert not driver.window.time.player.playing
+    driver.window.desk.viewport.setFocus()
+    driver.qtbot.keyClick(driver.window.desk.viewport, Qt.Key.Key_Space)
+    assert driver.window.time.player.playing
+    driver.window.time.player.pause()

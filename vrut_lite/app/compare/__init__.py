@@ -1,0 +1,1 @@
+"""Two skies side by side at equal haze."""

@@ -1,0 +1,162 @@
+"""The panel of two skies side by side, at equal haze."""
+
+from PySide6.QtGui import QHideEvent, QShowEvent
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+
+from vrut_lite.app import theme
+from vrut_lite.app.compare.sky_comparison import (
+    ANGLES_DEG,
+    SLOT,
+    Compared,
+    SkyComparison,
+    Spectra,
+    comparable,
+)
+from vrut_lite.app.compare.sky_disc import SkyDisc
+from vrut_lite.app.compare.sky_plots import SkyPlots
+from vrut_lite.app.engine.roster import ModuleInfo, Roster
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.form import aligned_form
+from vrut_lite.app.panels.number_field import NumberField
+from vrut_lite.app.panels.setting_row import label_of, tooltip_of
+from vrut_lite.app.view.viewport import Viewport
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
+
+_TURBIDITY = "turbidity"
+# As the curves of `sky_plots` are drawn.
+_MARKS = ((theme.ACCENT, "\N{EM DASH}"), ("#8fb4e8", "\N{EN DASH} \N{EN DASH}"))
+
+
+class ComparePanel(QWidget):
+    """Fisheyes of both at one exposure, and curves; compares only while it is visible."""
+
+    def __init__(self, session: Session, viewport: Viewport):
+        super().__init__()
+        self.comparison = SkyComparison(session, self)
+        self._modules: list[ModuleInfo] = []
+        self.choosers = (QComboBox(), QComboBox())
+        self.discs = (SkyDisc("left sky"), SkyDisc("right sky"))
+        self.fields: dict[str, NumberField] = {}
+        self._form = aligned_form()
+        self.aerosol, self.ratio, self.status = QLabel(), QLabel(), QLabel()
+        for label in (self.aerosol, self.ratio, self.status):
+            label.setProperty("role", "faint")
+            label.setWordWrap(True)
+        self.plots: SkyPlots | None = None
+        self._lay_out()
+        self._connect(session, viewport)
+
+    def _lay_out(self) -> None:
+        grid = QGridLayout()
+        for side, (chooser, disc) in enumerate(zip(self.choosers, self.discs, strict=True)):
+            colour, line = _MARKS[side]
+            mark = QLabel(f'<span style="color: {colour}">{line}</span>')
+            chooser.setAccessibleName(disc.accessibleName())
+            grid.addWidget(mark, 0, 2 * side)
+            grid.addWidget(chooser, 0, 2 * side + 1)
+            grid.addWidget(disc, 1, 2 * side, 1, 2)
+            grid.setColumnStretch(2 * side + 1, 1)
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(10, 10, 10, 10)
+        self._column.addLayout(grid)
+        self._column.addLayout(self._form)
+        for label in (self.aerosol, self.ratio):
+            self._column.addWidget(label)
+        self._column.addStretch(1)
+        self._column.addWidget(self.status)
+
+    def _connect(self, session: Session, viewport: Viewport) -> None:
+        for chooser in self.choosers:
+            chooser.activated.connect(lambda _: self._choose())
+        for disc in self.discs:
+            disc.pointed.connect(self.comparison.look_along)
+        viewport.sky_pointed.connect(self.comparison.look_along)
+        self.comparison.compared.connect(self._show)
+        self.comparison.spectra_seen.connect(self._show_spectra)
+        self.comparison.refused.connect(self.status.setText)
+        self.comparison.shared_changed.connect(
+            lambda name, value: self.fields[name].show_value(value)
+        )
+        session.ready.connect(self._fill)
+
+    def _fill(self, roster: Roster) -> None:
+        shown = roster.holders.get(SLOT)
+        # The window's own sky first.
+        self._modules = sorted(comparable(roster), key=lambda module: module.name != shown)
+        for side, chooser in enumerate(self.choosers):
+            for module in self._modules:
+                chooser.addItem(module.title, module.name)
+            chooser.setCurrentIndex(min(side, chooser.count() - 1))
+        if self._modules:
+            self._choose()
+        else:
+            self.status.setText("There are no two skies to compare.")
+
+    def _choose(self) -> None:
+        """What both skies share is shown anew: another pair may share something else."""
+        left, right = (self._modules[chooser.currentIndex()] for chooser in self.choosers)
+        while self._form.rowCount():
+            self._form.removeRow(0)
+        self.fields.clear()
+        for spec in self.comparison.choose(left, right):
+            field = NumberField(spec.at_least, spec.at_most, spec.unit)
+            field.show_value(self.comparison.shared[spec.name])
+            field.setToolTip(f"{tooltip_of(spec)}\nOf both skies alike")
+            field.setAccessibleName(f"{label_of(spec)} of both")
+            field.edited.connect(lambda v, name=spec.name: self.comparison.share(name, v))
+            self._form.addRow(label_of(spec), field)
+            self.fields[spec.name] = field
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Begin to work."""
+        if self.plots is None and self._modules:
+            self.status.setText("Making both skies\N{HORIZONTAL ELLIPSIS}")
+        self.comparison.set_active(True)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Rest."""
+        self.comparison.set_active(False)
+
+    def _show(self, compared: Compared) -> None:
+        two = compared.two
+        for disc, pixels in zip(self.discs, compared.discs, strict=True):
+            disc.show_sky(pixels, two.sun.direction, two.wish.place.north_offset_rad)
+        self.aerosol.setText(depth_text(two.wish.shared))
+        low, middle, high = compared.ratios
+        self.ratio.setText(
+            f"Luminance, right over left: {middle:.2f} in the middle, {low:.2f} to {high:.2f} "
+            f"for nine tenths of the sky from 5\N{DEGREE SIGN} up; both at EV100 "
+            f"{compared.ev100:.1f}."
+        )
+        self.status.clear()
+        self._plots().show_meridian(ANGLES_DEG, compared.meridian_cd_m2)
+
+    def _show_spectra(self, spectra: Spectra) -> None:
+        for disc in self.discs:
+            disc.show_direction(spectra.direction)
+        without = [
+            chooser.currentText()
+            for chooser, seen in zip(self.choosers, spectra.seen, strict=True)
+            if seen is None or not seen.wavelength_nm
+        ]
+        self.status.setText(f"Without a spectrum here: {', '.join(without)}" if without else "")
+        self._plots().show_spectra(spectra.seen)
+
+    def _plots(self) -> SkyPlots:
+        """The plots, made for the first data."""
+        if self.plots is None:
+            self.plots = SkyPlots()
+            self._column.insertWidget(self._column.count() - 2, self.plots)
+        return self.plots
+
+
+def depth_text(shared: dict[str, float]) -> str:
+    """Turbidity as an optical depth, with the difference of the two scales."""
+    if _TURBIDITY not in shared:
+        return ""
+    turbidity = shared[_TURBIDITY]
+    return (
+        f"Turbidity {turbidity:.2f} is an aerosol optical depth of "
+        f"{float(optical_depth_of_turbidity(turbidity)):.3f} at 550 nm in both (Preetham 1999, "
+        "A.1; the definition of turbidity asks for 7 to 8 % more from 2 up)."
+    )

@@ -1,0 +1,210 @@
+"""Two skies compared in the background, while the panel is seen."""
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, Signal
+
+from vrut_lite.app.compare.two_skies import (
+    SkyWish,
+    TwoSkies,
+    look_at_skies,
+    luminance_ratios,
+    meridian_luminance,
+    spectra_along,
+)
+from vrut_lite.app.engine.roster import ModuleInfo, Roster
+from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.session import Session
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import SpectrumSeen
+from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SettingChanged, SlotChanged
+from vrut_lite.kernel.settings import SettingSpec
+from vrut_lite.numeric_types import Vector
+from vrut_lite.render.display import display_picture
+from vrut_lite.render.exposure import automatic_ev100
+
+SLOT = "sky"
+DISC_SIZE = 192
+ANGLES_DEG = np.linspace(-90.0, 90.0, 181)
+
+
+class Compared(NamedTuple):
+    """Two skies as shown: fisheyes (size, size, 3) at one exposure, and numbers.
+
+    `meridian_cd_m2` holds (2, n) at `ANGLES_DEG`; `ratios` are those of `luminance_ratios`.
+    """
+
+    two: TwoSkies
+    discs: tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    ev100: float
+    meridian_cd_m2: NDArray[np.float64]
+    ratios: tuple[float, float, float]
+
+
+class Spectra(NamedTuple):
+    """Spectra of two skies in a world direction; None of a sky without one."""
+
+    direction: Vector
+    seen: list[SpectrumSeen | None]
+
+
+class SkyComparison(QObject):
+    """Signals: `compared` (a `Compared`), then `spectra_seen` (a `Spectra`), which takes longer;
+    `refused` (a line), `shared_changed` (name, value).
+
+    Works only while it is active. `shared` are the settings that both skies have by one name: they
+    are set alike, by hand or as the window's own sky was set last.
+    """
+
+    compared = Signal(object)
+    spectra_seen = Signal(object)
+    shared_changed = Signal(str, float)
+    refused = Signal(str)
+
+    def __init__(self, session: Session, parent: QObject | None = None):
+        super().__init__(parent)
+        self.shared: dict[str, float] = {}
+        self._session = session
+        self._modules: tuple[str, str] | None = None
+        self._direction: Vector = (0.0, 1.0, 0.0)
+        self._active = False
+        # The latest wish and direction, and the wish of the skies that were made last.
+        self._asked: tuple[SkyWish, Vector] | None = None
+        self._made: SkyWish | None = None
+        session.listen(SettingChanged, self._setting_changed)
+        for kind in (SlotChanged, SetPlace, ClockMoved):
+            session.listen(kind, lambda _: self._look())
+        session.closing.connect(self.close)
+
+    def set_active(self, active: bool) -> None:
+        """Whether someone looks."""
+        self._active = active
+        self._look()
+
+    def choose(self, left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
+        """Compare these modules' skies; the settings that both have."""
+        self._modules = (left.name, right.name)
+        specs = shared_settings(left, right)
+        self.shared = {spec.name: _value_of(spec, left, right) for spec in specs}
+        self._look()
+        return specs
+
+    def share(self, name: str, value: float) -> None:
+        """Set a setting of both skies."""
+        self.shared[name] = value
+        self._look()
+
+    def look_along(self, direction: Vector) -> None:
+        """Ask for the spectra of a direction."""
+        self._direction = direction
+        self._look()
+
+    def close(self) -> None:
+        """Compare no more."""
+        self._active, self._asked = False, None
+
+    def _setting_changed(self, message: SettingChanged) -> None:
+        ours = message.name in self.shared and message.module in (self._modules or ())
+        if ours and message.value is not None:
+            self.shared[message.name] = float(message.value)
+            self.shared_changed.emit(message.name, self.shared[message.name])
+        self._look()
+
+    def _look(self) -> None:
+        place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
+        if not self._active or self._modules is None or place is None or clock is None:
+            return
+        roster = self._session.roster
+        settings = {
+            key: self.shared.get(key[1], value) for key, value in roster.settings_of().items()
+        }
+        wish = SkyWish(
+            modules=self._modules,
+            sun=roster.holders.get("sun", ""),
+            place=place,
+            clock=SetClock(instant=clock.instant),
+            settings=settings,
+            shared=dict(self.shared),
+        )
+        asked = (wish, self._direction)
+        if asked != self._asked:
+            self._asked = asked
+            for question in (self._compare, self._see_spectra):
+                self._session.look_up(
+                    partial(question, asked), self._take, partial(self._refuse, asked)
+                )
+
+    def _compare(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Compared | None:
+        """On the second kernel's thread: both skies, unless they are made or others are asked."""
+        wish, _ = asked
+        if asked is not self._asked or wish == self._made:
+            return None
+        self._made = None
+        try:
+            answer = compared(look_at_skies(second, wish))
+        except UserError:
+            raise
+        except Exception as error:
+            raise UserError(f"the skies cannot be compared: {sentence_of(error)}") from error
+        self._made = wish
+        return answer
+
+    def _see_spectra(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Spectra | None:
+        """On the same thread: the spectra of skies that were made."""
+        wish, direction = asked
+        if asked is not self._asked or wish != self._made:
+            return None
+        return Spectra(direction, spectra_along(second, wish, direction))
+
+    def _take(self, answer: Compared | Spectra | None) -> None:
+        if isinstance(answer, Compared):
+            self.compared.emit(answer)
+        elif answer is not None:
+            self.spectra_seen.emit(answer)
+
+    def _refuse(self, asked: tuple[SkyWish, Vector], line: str) -> None:
+        if asked is self._asked:
+            self.refused.emit(line)
+
+
+def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:
+    """What one of the modules has in the window, or the default."""
+    known = (module.values[spec.name] for module in modules)
+    value = next((v for v in known if v is not None), spec.default)
+    return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
+
+
+def compared(two: TwoSkies) -> Compared:
+    """Pictures and numbers of two skies."""
+    directions, inside = fisheye_directions(DISC_SIZE, two.wish.place.north_offset_rad)
+    discs = [sample_sky(look.cube, directions) * inside[..., None] for look in two.looks]
+    ev100 = automatic_ev100(discs[0][inside])
+    left, right = (display_picture(disc, ev100).astype(np.uint8) for disc in discs)
+    meridian = [meridian_luminance(look.cube, two.sun, ANGLES_DEG) for look in two.looks]
+    return Compared(two, (left, right), ev100, np.array(meridian), luminance_ratios(two))
+
+
+def shared_settings(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
+    """Numbers that two modules have by one name, as the one describes them that has a default."""
+    both = [
+        (spec, right.specs[name])
+        for name, spec in left.specs.items()
+        if name in right.specs and spec.type is float and right.specs[name].type is float
+    ]
+    return [next((s for s in pair if s.default is not None), pair[0]) for pair in both]
+
+
+def comparable(roster: Roster) -> list[ModuleInfo]:
+    """The modules with a sky that have a setting in common with another's."""
+    skies = roster.providers(SLOT)
+    return [
+        module
+        for module in skies
+        if any(shared_settings(module, other) for other in skies if other is not module)
+    ]

@@ -1,0 +1,84 @@
+"""Plots of two skies: luminance along the sun's meridian, spectra of one direction.
+
+pyqtgraph is imported with the window's other parts, though it takes 0.4 s. It goes through all
+of Qt's classes, which PySide makes when they are first asked for: on a thread of its own, beside
+a window at work, that ended the process now and then.
+"""
+
+from typing import Any
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from vrut_lite.app import theme
+from vrut_lite.daylight.sky import SpectrumSeen
+
+# Told apart by colour and by line.
+LINES = ((theme.ACCENT, Qt.PenStyle.SolidLine), ("#8fb4e8", Qt.PenStyle.DashLine))
+_HEIGHT_PX = 170
+_LEAST_CD_M2 = 1e-6
+
+
+class SkyPlots(QWidget):
+    """Both plots, one below the other."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.meridian = _plot(
+            "angle from the zenith towards the sun, degrees", "cd/m\N{SUPERSCRIPT TWO}"
+        )
+        self.meridian.setLogMode(y=True)
+        self.meridian.setXRange(-90.0, 90.0, padding=0.02)
+        self.meridian.setAccessibleName("luminance along the sun's meridian")
+        self.spectrum = _plot(
+            "wavelength, nm",
+            "W m\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT TWO} sr\N{SUPERSCRIPT MINUS}"
+            "\N{SUPERSCRIPT ONE} nm\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}",
+        )
+        self.spectrum.setAccessibleName("spectrum of the direction that is pointed at")
+        self.curves = [self.meridian.plot(pen=_pen(*line)) for line in LINES]
+        self.spectra = [
+            self.spectrum.plot(
+                pen=_pen(*line), symbol="o", symbolSize=4, symbolBrush=line[0], symbolPen=None
+            )
+            for line in LINES
+        ]
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.meridian)
+        column.addWidget(self.spectrum)
+
+    def show_meridian(self, angle_deg: NDArray[np.float64], cd_m2: NDArray[np.float64]) -> None:
+        """Luminances (2, n) at angles (n,)."""
+        for curve, values in zip(self.curves, cd_m2, strict=True):
+            curve.setData(angle_deg, np.maximum(values, _LEAST_CD_M2))
+
+    def show_spectra(self, spectra: list[SpectrumSeen | None]) -> None:
+        """Show a curve for each; none for a sky without a spectrum."""
+        for curve, seen in zip(self.spectra, spectra, strict=True):
+            if seen is None:
+                curve.setData([], [])
+            else:
+                curve.setData(seen.wavelength_nm, seen.radiance)
+
+
+def _plot(bottom: str, left: str) -> Any:
+    plot = pg.PlotWidget(background=theme.PANEL)
+    plot.setFixedHeight(_HEIGHT_PX)
+    plot.setMenuEnabled(False)
+    plot.hideButtons()
+    plot.showGrid(x=True, y=True, alpha=0.15)
+    for side, text in (("bottom", bottom), ("left", left)):
+        axis = plot.getAxis(side)
+        axis.setPen(theme.LINE)
+        axis.setTextPen(theme.FAINT)
+        axis.enableAutoSIPrefix(False)
+        axis.setLabel(text, color=theme.FAINT)
+    return plot
+
+
+def _pen(colour: str, style: Qt.PenStyle) -> Any:
+    return pg.mkPen(colour, width=1.6, style=style)

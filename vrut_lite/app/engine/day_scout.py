@@ -1,0 +1,70 @@
+"""Keeps the sun's day of the window's place and date, computed in the background."""
+
+from datetime import date, datetime
+from typing import NamedTuple
+
+from PySide6.QtCore import QObject, Signal
+
+from vrut_lite.app.engine.day import Day, day_of
+from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.session import Session
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.place_time import Place, time_zone_at
+from vrut_lite.kernel.messages import ClockMoved, SettingChanged, SlotChanged
+
+
+class _Wanted(NamedTuple):
+    place: SetPlace
+    day: date
+    sun_holder: str
+    settings: dict[tuple[str, str], object]
+
+
+class DayScout(QObject):
+    """Emits `day_changed` (a `Day`) whenever place, date or the sun's module change it."""
+
+    day_changed = Signal(object)
+
+    def __init__(self, session: Session, parent: QObject | None = None):
+        super().__init__(parent)
+        self.day: Day | None = None
+        self._wanted: _Wanted | None = None
+        self._session = session
+        session.ready.connect(lambda _: self._look())
+        for kind in (SetPlace, ClockMoved, SlotChanged, SettingChanged):
+            session.listen(kind, lambda _: self._look())
+
+    def _look(self) -> None:
+        place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
+        holder = self._session.roster.holders.get("sun", "")
+        if place is None or clock is None or not holder:
+            return
+        settings = self._session.roster.settings_of(holder)
+        wanted = _Wanted(place, local_date(clock.instant, place), holder, settings)
+        if wanted != self._wanted:
+            self._wanted = wanted
+            self._session.look_up(
+                lambda second: self._search(second, wanted), lambda day: self._take(wanted, day)
+            )
+
+    def _search(self, second: SecondKernel, wanted: _Wanted) -> Day | None:
+        """On the second kernel's thread; nothing if another day is wanted by now."""
+        if wanted is not self._wanted:
+            return None
+        second.set_up(wanted.place, wanted.sun_holder, wanted.settings)
+        return day_of(second, wanted.day, time_zone_at(place_of(wanted.place)))
+
+    def _take(self, wanted: _Wanted, day: Day | None) -> None:
+        if wanted is self._wanted and day is not None:
+            self.day = day
+            self.day_changed.emit(day)
+
+
+def place_of(message: SetPlace) -> Place:
+    """The place of a message."""
+    return Place(message.latitude_deg, message.longitude_deg, message.altitude_m)
+
+
+def local_date(instant: datetime, place: SetPlace) -> date:
+    """The date on a calendar at the place."""
+    return instant.astimezone(time_zone_at(place_of(place))).date()

@@ -1,0 +1,229 @@
+"""The host on a thread of its own: it pumps, draws when something changed, answers questions.
+
+The kernel admits what waited when it was pumped, then a frame is drawn: inputs that come meanwhile
+merge in its inbox, however many they are. A finished picture, which may take seconds, is given up
+for them.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+from contextlib import AbstractContextManager, nullcontext
+from itertools import count
+from time import perf_counter
+from typing import Any, NamedTuple, TypeVar
+
+from vrut_lite.app.engine.pacing import Pacing, scaled
+from vrut_lite.app.engine.roster import roster_of
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.kernel.messages import Input, Message
+from vrut_lite.render.patience import GivenUp
+from vrut_lite.scene.backend import Picture
+
+T = TypeVar("T")
+Question = Callable[[Stage], Any]
+# First parts of the keys under which the engine tells something.
+READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
+    "ready", "heard", "picture", "camera", "problem", "ended",
+)  # fmt: skip
+
+
+class Shown(NamedTuple):
+    """A picture, its time, and whether it is the finished one (`still`)."""
+
+    picture: Picture
+    still: bool
+    seconds: float
+    pass_seconds: dict[str, float]
+
+
+class Engine:
+    """`tell(key, value)` is called on the engine's thread and must be quick.
+
+    What `attend(stage)` returns is entered while the stage is open, on the engine's thread.
+    """
+
+    def __init__(
+        self,
+        open_stage: Callable[[], Stage],
+        tell: Callable[[Hashable, Any], None],
+        attend: Callable[[Stage], AbstractContextManager[object]] = nullcontext,
+    ):
+        self._open_stage = open_stage
+        self._tell = tell
+        self._attend = attend
+        self._lock = threading.Lock()
+        # Inputs that were sent before there was a kernel.
+        self._early: list[Input] = []
+        self._inject: Callable[[Input], None] = self._early.append
+        self._questions: deque[tuple[Question, Future[Any]]] = deque()
+        self._awake = threading.Event()
+        # Set by a new input, an undo or the end: a finished picture of the old state is given up.
+        self._moved_on = threading.Event()
+        self._ending = threading.Event()
+        self._pacing = Pacing()
+        self._finish_at_s: float | None = None
+        # A finished picture was given up, and nothing visible has changed since.
+        self._in_vain = False
+        self._camera: Any = None
+        self._numbers = count()
+        self._thread = threading.Thread(target=self._run, name="vrut-lite engine", daemon=True)
+
+    # --- from any thread -------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Open the stage and begin."""
+        self._thread.start()
+
+    def send(self, *inputs: Input) -> None:
+        """Send inputs to the kernel, also before the stage is open."""
+        with self._lock:
+            for message in inputs:
+                self._inject(message)
+        self._move_on()
+
+    def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
+        """Call `question` on the engine's thread, after the inputs that were sent before.
+
+        What `changes` something does not wait for a picture to be finished.
+        """
+        answer: Future[T] = Future()
+        self._questions.append((question, answer))
+        if changes:
+            self._moved_on.set()
+        self._awake.set()
+        if self._ending.is_set():
+            answer.cancel()
+        return answer
+
+    def stop(self) -> None:
+        """Ask the thread to end soon; ENDED is told when it has."""
+        self._ending.set()
+        self._move_on()
+
+    def _move_on(self) -> None:
+        self._moved_on.set()
+        self._awake.set()
+
+    def join(self, timeout_s: float | None = None) -> bool:
+        """Wait for the end; whether it came."""
+        self._thread.join(timeout_s)
+        return not self._thread.is_alive()
+
+    # --- on the engine's thread ------------------------------------------------------------
+
+    def _run(self) -> None:
+        stage = self._opened()
+        try:
+            if stage is not None:
+                with self._attend(stage):
+                    self._live(stage)
+                stage.close()
+        finally:
+            self._ending.set()
+            for _, answer in self._questions:
+                answer.cancel()
+            self._tell(ENDED, None)
+
+    def _opened(self) -> Stage | None:
+        try:
+            stage = self._open_stage()
+        except BaseException as error:
+            self._trouble(error)
+            return None
+        stage.kernel.tap(self._hear)
+        stage.kernel.on_inject(self._awake.set)
+        for failure in stage.failures:
+            self._tell((PROBLEM, next(self._numbers)), failure)
+        self._tell(READY, roster_of(stage))
+        with self._lock:
+            self._inject = stage.kernel.inject
+            for message in self._early:
+                self._inject(message)
+        return stage
+
+    def _live(self, stage: Stage) -> None:
+        self._awake.set()
+        while not self._ending.is_set():
+            self._awake.wait(self._patience_s())
+            self._awake.clear()
+            self._moved_on.clear()
+            # Counted before the pump: inputs that were sent before a question are acted on first.
+            questions = len(self._questions)
+            self._pump(stage)
+            self._answer(stage, questions)
+            if not self._ending.is_set():
+                self._draw(stage)
+        stage.kernel.on_inject(None)
+
+    def _patience_s(self) -> float | None:
+        return None if self._finish_at_s is None else max(0.0, self._finish_at_s - perf_counter())
+
+    def _pump(self, stage: Stage) -> None:
+        waiting = stage.kernel.waiting
+        while True:
+            try:
+                stage.kernel.pump(most=waiting)
+            # The host's own error: it costs the one message at which it was raised.
+            except BaseException as error:
+                self._trouble(error)
+            else:
+                break
+        camera = stage.watched.camera
+        if camera is not None and camera is not self._camera:
+            self._camera = camera
+            self._tell(CAMERA, camera)
+
+    def _answer(self, stage: Stage, count: int) -> None:
+        for _ in range(count):
+            question, answer = self._questions.popleft()
+            if not answer.set_running_or_notify_cancel():
+                continue
+            try:
+                answer.set_result(question(stage))
+            except BaseException as error:
+                answer.set_exception(error)
+
+    def _draw(self, stage: Stage) -> None:
+        now_s = perf_counter()
+        if not stage.watched.can_draw:
+            return
+        if stage.watched.changed:
+            stage.watched.changed = self._in_vain = False
+            self._draw_one(stage, self._pacing.quick_scale(), still=False)
+            self._finish_at_s = perf_counter() + self._pacing.rest_s()
+        elif self._awake.is_set():
+            # The answer to a question has injected inputs, as an undo does: they come first.
+            return
+        elif self._finish_at_s is not None and now_s >= self._finish_at_s:
+            self._finish_at_s = None
+            self._draw_one(stage, 1.0, still=True)
+
+    def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
+        start_s = perf_counter()
+        size = scaled(stage.watched.size, scale)
+        is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
+        try:
+            picture = stage.draw(size, still, is_given_up if still else None)
+        except GivenUp:
+            # If the input changes nothing visible the picture is finished after all, without
+            # interruption: a playing clock sends inputs more often than pictures can be drawn.
+            self._finish_at_s, self._in_vain = start_s, True
+            return
+        except BaseException as error:
+            self._trouble(error)
+            return
+        seconds = perf_counter() - start_s
+        self._pacing.drew(scale, seconds)
+        self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds))
+
+    def _hear(self, message: Message, sender: str) -> None:
+        key = message.key()
+        self._tell(
+            (HEARD, type(message), next(self._numbers) if key is None else key), (message, sender)
+        )
+
+    def _trouble(self, error: BaseException) -> None:
+        self._tell((PROBLEM, next(self._numbers)), sentence_of(error))

@@ -1,0 +1,231 @@
+"""Undo and redo, from the inputs as the kernel admits them.
+
+A step is what one act of the user changed: inputs that were sent together, or those of one control
+that follow each other closely, as those of a slider that is dragged. Taking a step back is an input
+too, so that a journal holds it and a replay repeats it.
+"""
+
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from itertools import count
+from time import perf_counter
+from typing import NamedTuple
+
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    ClockMoved,
+    EnableModule,
+    Input,
+    SetClock,
+    SetSetting,
+)
+
+GESTURE_S = 0.6
+_MOST_STEPS = 500
+_MOST_EXPECTED = 1000
+# Inputs of the history's own, and those with which it begins anew.
+_OWN, _BEGINNING = 0, -1
+Key = tuple[type[Input], str | None]
+Pair = tuple[Input, Input]
+
+
+class Steps(NamedTuple):
+    """Titles of the steps that can be undone and redone; empty if there is none."""
+
+    undo: str = ""
+    redo: str = ""
+
+
+class _Step:
+    def __init__(self, act: int):
+        self.act = act
+        self.last_s = 0.0
+        self.pairs: dict[Key, Pair] = {}
+
+    def add(self, key: Key, forth: Input, back: Input, now_s: float) -> None:
+        """Keep the first inverse and the last input of a key."""
+        first = self.pairs.pop(key, (forth, back))[1]
+        self.pairs[key] = (forth, first)
+        self.last_s = now_s
+
+    @property
+    def title(self) -> str:
+        """The step's title in a menu."""
+        titles = [title_of(forth) for forth, _ in self.pairs.values()]
+        return titles[0] if len(titles) == 1 else f"{len(titles)} changes"
+
+
+class History:
+    """The steps of a session; `expect` is called on the sending thread, all else on the kernel's.
+
+    `changed` is told the titles whenever they change.
+    """
+
+    def __init__(
+        self, changed: Callable[[Steps], None], now_s: Callable[[], float] = perf_counter
+    ) -> None:
+        self._changed = changed
+        self._now_s = now_s
+        self._kernel: Kernel | None = None
+        self._acts = count(1)
+        # By identity (the input is kept so that its id stays its own), with the time of sending:
+        # on a busy machine the inputs of one drag may be admitted far apart.
+        self._expected: OrderedDict[int, tuple[Input, int, float]] = OrderedDict()
+        self._done: deque[_Step] = deque(maxlen=_MOST_STEPS)
+        self._undone: list[_Step] = []
+        self._closed = True
+
+    def expect(self, inputs: tuple[Input, ...], beginning: bool = False) -> None:
+        """Note inputs as one act of the user; a `beginning` and all before it cannot be undone.
+
+        Inputs of which nothing was said here are not the user's.
+        """
+        self._note(inputs, _BEGINNING if beginning else next(self._acts))
+
+    def attach(self, kernel: Kernel) -> None:
+        """Watch the inputs that this kernel admits."""
+        self._kernel = kernel
+        kernel.watch_admission(self._admitted)
+
+    def undo(self) -> str:
+        """Undo the last step; its title, empty if there is none."""
+        if not self._done:
+            return ""
+        step = self._done.pop()
+        self._undone.append(step)
+        self._send(back for _, back in reversed(step.pairs.values()))
+        return step.title
+
+    def redo(self) -> str:
+        """Redo the step that was undone last; its title, empty if there is none."""
+        if not self._undone:
+            return ""
+        step = self._undone.pop()
+        self._done.append(step)
+        self._send(forth for forth, _ in step.pairs.values())
+        return step.title
+
+    def _send(self, inputs: object) -> None:
+        own: tuple[Input, ...] = tuple(inputs)  # type: ignore[arg-type]
+        assert self._kernel is not None
+        self._closed = True
+        self._note(own, _OWN)
+        for message in own:
+            self._kernel.inject(message)
+        self._tell()
+
+    def _note(self, inputs: tuple[Input, ...], act: int) -> None:
+        for message in inputs:
+            self._expected[id(message)] = (message, act, self._now_s())
+        # Inputs that merged with a later one are never admitted.
+        while len(self._expected) > _MOST_EXPECTED:
+            self._expected.popitem(last=False)
+
+    def _admitted(self, message: Input) -> None:
+        _, act, sent_s = self._expected.pop(id(message), (message, _OWN, 0.0))
+        if act == _BEGINNING:
+            self._done.clear()
+            self._undone.clear()
+            self._tell()
+            return
+        assert self._kernel is not None
+        back = inverse_of(message, self._kernel) if act != _OWN else None
+        if back is not None:
+            self._add(message, back, act, sent_s)
+
+    def _add(self, forth: Input, back: Input, act: int, now_s: float) -> None:
+        key: Key = (type(forth), forth.key())
+        last = self._done[-1] if self._done and not self._closed else None
+        if last is None or not _continues(last, key, act, now_s):
+            last = _Step(act)
+            self._done.append(last)
+        self._closed = False
+        last.add(key, forth, back, now_s)
+        self._undone.clear()
+        self._tell()
+
+    def _tell(self) -> None:
+        self._changed(
+            Steps(
+                self._done[-1].title if self._done else "",
+                self._undone[-1].title if self._undone else "",
+            )
+        )
+
+
+def _continues(step: _Step, key: Key, act: int, now_s: float) -> bool:
+    return step.act == act or (set(step.pairs) == {key} and now_s - step.last_s < GESTURE_S)
+
+
+def title_of(message: Input) -> str:
+    """The title of a step with this input."""
+    match message:
+        case SetSetting():
+            value = "none" if message.value is None else message.value
+            shown = f"{value:.4g}" if isinstance(value, float) else str(value)
+            return f"{message.name.replace('_', ' ')} {shown}"
+        case ChooseSlot():
+            return f"{message.slot} by {message.module}"
+        case EnableModule():
+            return f"{message.module} {'on' if message.enabled else 'off'}"
+        case SetPlace():
+            return "place"
+        case SetExposure():
+            return "exposure"
+        case SetClock():
+            return "time"
+        case SetTolerance():
+            return f"tolerance {message.tolerance:.4g}"
+    return type(message).__name__
+
+
+def inverse_of(message: Input, kernel: Kernel) -> Input | None:
+    """The input that restores the present state; called before the kernel acts on the message.
+
+    None for an input that changes nothing, that will be refused, or of a kind that is not taken
+    back: views, scenes, and whatever is not the user's own.
+    """
+    try:
+        message.check()
+        back = _inverse(message, kernel)
+        return None if back is None or back == _as_kept(message, kernel) else back
+    except UserError:
+        return None
+
+
+def _inverse(message: Input, kernel: Kernel) -> Input | None:
+    match message:
+        case SetSetting():
+            value = getattr(kernel.check_module(message.module).settings, message.name, None)
+            return SetSetting(module=message.module, name=message.name, value=value)
+        case ChooseSlot():
+            kernel.check_holder(message.slot, message.module)
+            holder = kernel.slots.holder(message.slot)
+            able = holder and kernel.seats[message.module].running
+            return ChooseSlot(slot=message.slot, module=holder) if able else None
+        case EnableModule():
+            running = kernel.check_module(message.module).running
+            return EnableModule(module=message.module, enabled=running)
+        case SetPlace():
+            return kernel.last(SetPlace)
+        case SetExposure():
+            return kernel.last(SetExposure) or SetExposure()
+        case SetTolerance():
+            return SetTolerance(tolerance=tolerance_of(kernel))
+        case SetClock():
+            clock = kernel.last(ClockMoved)
+            return None if clock is None else SetClock(instant=clock.instant)
+    return None
+
+
+def _as_kept(message: Input, kernel: Kernel) -> Input:
+    """The message with its value as the setting converts it."""
+    if isinstance(message, SetSetting):
+        value = kernel.check_setting(message.module, message.name, message.value)
+        return SetSetting(module=message.module, name=message.name, value=value)
+    return message

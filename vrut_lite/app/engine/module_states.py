@@ -1,0 +1,68 @@
+"""The state of each module, for the module manager; taken on the engine's thread."""
+
+from typing import NamedTuple
+
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.kernel.messages import EnableModule, Fault, Input
+from vrut_lite.kernel.module import Manifest
+from vrut_lite.kernel.reload import root_package
+
+_HOST_PACKAGE = __name__.partition(".")[0]
+
+
+class ModuleState(NamedTuple):
+    """One module; `needed` are the host's own and those that hold a slot by default."""
+
+    name: str
+    title: str
+    version: str
+    state: str
+    holds: tuple[str, ...]
+    fault: Fault | None
+    of_host: bool
+    needed: bool
+
+
+class ModuleStates(NamedTuple):
+    """All modules in load order, and a sentence for each that could not be loaded."""
+
+    modules: dict[str, ModuleState]
+    failures: tuple[str, ...]
+
+    @property
+    def safe(self) -> bool:
+        """Whether only needed modules run."""
+        return not any(m.state == "running" and not m.needed for m in self.modules.values())
+
+
+def states_of(stage: Stage) -> ModuleStates:
+    """The states at this moment."""
+    kernel = stage.kernel
+    modules = {}
+    for name, seat in kernel.seats.items():
+        of_host = root_package(seat.module_type) == _HOST_PACKAGE
+        modules[name] = ModuleState(
+            name=name,
+            title=seat.manifest.title,
+            version=seat.manifest.version,
+            state=seat.state,
+            holds=tuple(sorted(kernel.slots.held_by(name))),
+            fault=seat.last_fault,
+            of_host=of_host,
+            needed=of_host or _holds_alone(seat.manifest),
+        )
+    return ModuleStates(modules, tuple(stage.failures))
+
+
+def _holds_alone(manifest: Manifest) -> bool:
+    """Whether a module can fill a slot without any other module."""
+    return bool(manifest.provides) and manifest.stand_in and not manifest.requires
+
+
+def into_safe_mode(states: ModuleStates) -> list[Input]:
+    """Inputs that switch the needed modules on and all others off."""
+    return [
+        EnableModule(module=module.name, enabled=module.needed)
+        for module in states.modules.values()
+        if module.needed != (module.state == "running")
+    ]

@@ -1,0 +1,277 @@
+"""The engine for Qt: takes inputs from Qt's thread, and delivers messages and pictures on it.
+
+What the engine tells waits in a mailbox, the latest of each key, until Qt's event loop takes it:
+however busy either side is, there is one delivery and no backlog.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Future
+from contextlib import closing, contextmanager
+from itertools import count
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from vrut_lite.app.engine import engine
+from vrut_lite.app.engine.cpu_sky import best_stage
+from vrut_lite.app.engine.engine import Engine, Shown
+from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
+from vrut_lite.app.engine.history import History
+from vrut_lite.app.engine.roster import Roster, roster_of
+from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.kernel.messages import Fault, Input, Message, ReloadModule
+from vrut_lite.mailbox import Mailbox
+
+M = TypeVar("M", bound=Message)
+T = TypeVar("T")
+Listener = Callable[[Any], None]
+_STEPS = "steps"
+
+
+class Session(QObject):
+    """One host behind a window.
+
+    Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `roster_renewed` when
+    a reload may have changed a module's settings, `sent` (an input) whenever something was sent,
+    `heard` (message, sender), `picture_shown` (a `Shown`), `camera_moved` (the `MoveCamera` of the
+    view), `steps_changed` (`Steps` to take back and to do again), `problem` (a line for people),
+    `closing` when the end begins, `ended` when nothing runs any more.
+
+    `roster` follows every change of a setting or a slot; listeners find the new value in it.
+    """
+
+    ready = Signal(object)
+    roster_renewed = Signal()
+    sent = Signal(object)
+    heard = Signal(object, str)
+    picture_shown = Signal(object)
+    camera_moved = Signal(object)
+    steps_changed = Signal(object)
+    problem = Signal(str)
+    closing = Signal()
+    ended = Signal()
+    _mail_came = Signal()
+
+    def __init__(self, open_stage: Callable[[], Stage] = best_stage, parent: QObject | None = None):
+        super().__init__(parent)
+        self.roster = Roster({}, {}, "")
+        self.shown: Shown | None = None
+        self.camera: MoveCamera | None = None
+        self._last: dict[type[Message], Message] = {}
+        self._listeners: defaultdict[type[Message], list[Listener]] = defaultdict(list)
+        self._numbers = count()
+        self._has_ended = self._is_closing = False
+        self._mailbox = Mailbox(self._mail_came.emit)
+        self._second = SecondKernel()
+        self._mail_came.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
+        self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
+        self._recorder: FlightRecorder | None = None
+        self._engine = Engine(open_stage, self._mailbox.put, self._attend)
+
+    def start(self) -> None:
+        """Open the host, in the background."""
+        self._engine.start()
+
+    def send(self, *inputs: Input) -> None:
+        """Send inputs to the kernel; of waiting ones the latest of each key counts.
+
+        Together they are one step to be taken back.
+        """
+        self.history.expect(inputs)
+        self._bring(inputs)
+
+    def begin_with(self, *inputs: Input) -> None:
+        """Send inputs that cannot be undone, nor anything before them."""
+        self.history.expect(inputs, beginning=True)
+        self._bring(inputs)
+
+    def _bring(self, inputs: tuple[Input, ...]) -> None:
+        self._engine.send(*inputs)
+        for message in inputs:
+            self.sent.emit(message)
+
+    def undo(self, then: Callable[[str], None] | None = None) -> None:
+        """Undo the last step; `then` gets its title, empty if there was none."""
+        self.follow(self._engine.ask(lambda stage: self.history.undo(), changes=True), then)
+
+    def redo(self, then: Callable[[str], None] | None = None) -> None:
+        """Redo the step that was undone last; `then` gets its title, empty if there was none."""
+        self.follow(self._engine.ask(lambda stage: self.history.redo(), changes=True), then)
+
+    @property
+    def recorded(self) -> Recorded:
+        """How much of this session a journal would hold."""
+        return Recorded() if self._recorder is None else self._recorder.recorded
+
+    def save_journal(self, path: str, then: Callable[[Recorded], None]) -> None:
+        """Write all that happened since the session began; the window goes on meanwhile."""
+
+        def save(stage: Stage) -> "Future[Recorded]":
+            if self._recorder is None:
+                raise UserError("this session is not recorded")
+            return self._recorder.save(path)
+
+        self.ask(save, lambda answer: self.follow(answer, then))
+
+    def listen(self, kind: type[M], listener: Callable[[M], None]) -> None:
+        """Call `listener` with each message of a type, and at once with the latest if any."""
+        self._listeners[kind].append(listener)
+        last = self.last(kind)
+        if last is not None:
+            listener(last)
+
+    def last(self, kind: type[M]) -> M | None:
+        """The latest message of a type that was delivered on Qt's thread."""
+        return self._last.get(kind)  # type: ignore[return-value]
+
+    def ask(
+        self,
+        question: Callable[[Stage], T],
+        then: Callable[[T], None] | None = None,
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """Call `question` on the engine's thread and `then` with the answer on Qt's.
+
+        What it raises becomes a `problem`, or goes to `failed` as a line.
+        """
+        self.follow(self._engine.ask(question), then, failed)
+
+    def look_up(
+        self,
+        question: Callable[[SecondKernel], T],
+        then: Callable[[T], None],
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """As `ask`, of the second kernel; after `close` nothing is looked up or told."""
+        if not self._is_closing:
+            self.follow(self._second.ask(question), then, failed)
+
+    def follow(
+        self,
+        answer: "Future[T]",
+        then: Callable[[T], None] | None = None,
+        failed: Callable[[str], None] | None = None,
+    ) -> None:
+        """As `ask`, with a future that another thread completes."""
+
+        def done(answer: "Future[T]") -> None:
+            self._mailbox.put(("answer", next(self._numbers)), (answer, then, failed))
+
+        answer.add_done_callback(done)
+
+    def close(self) -> None:
+        """Begin to end; `ended` is emitted when all threads have."""
+        self._engine.stop()
+        self._begin_to_end()
+
+    def join(self, timeout_s: float | None = None) -> bool:
+        """Wait for the engine's end; whether it came. No signal is emitted after it."""
+        came = self._engine.join(timeout_s)
+        if came:
+            self._mailbox.close()
+        return came
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether `ended` was emitted."""
+        return self._has_ended
+
+    @contextmanager
+    def _attend(self, stage: Stage) -> Iterator[None]:
+        """Write the session's history and its journal, on the engine's thread."""
+        self.history.attach(stage.kernel)
+        try:
+            recorder = self._recorder = FlightRecorder(stage.kernel)
+        except (UserError, OSError) as error:
+            line = f"this session is not recorded: {error}"
+            self._mailbox.put((engine.PROBLEM, next(self._numbers)), line)
+            yield
+            return
+        with closing(recorder):
+            yield
+
+    def _deliver(self) -> None:
+        for key, value in self._mailbox.take_all().items():
+            kind = key[0] if isinstance(key, tuple) else key
+            self._deliver_one(str(kind), value)
+
+    def _deliver_one(self, kind: str, value: Any) -> None:
+        if kind == engine.HEARD:
+            self._hear(*value)
+        elif kind == engine.PICTURE:
+            self.shown = value
+            self.picture_shown.emit(value)
+        elif kind == engine.CAMERA:
+            self.camera = value
+            self.camera_moved.emit(value)
+        elif kind == _STEPS:
+            self.steps_changed.emit(value)
+        elif kind == engine.PROBLEM:
+            self.problem.emit(one_line(value))
+        elif kind == engine.READY:
+            self.roster = value
+            self.ready.emit(value)
+        elif kind == engine.ENDED:
+            self._has_ended = True
+            self._begin_to_end()
+            self.ended.emit()
+        else:
+            self._take_answer(*value)
+
+    def _hear(self, message: Message, sender: str) -> None:
+        self._last[type(message)] = message
+        self.roster.note(message)
+        for listener in tuple(self._listeners[type(message)]):
+            listener(message)
+        self.heard.emit(message, sender)
+        if isinstance(message, Fault):
+            self.problem.emit(fault_line(message))
+        elif isinstance(message, ReloadModule):
+            self.renew_roster()
+
+    def renew_roster(self) -> None:
+        """Ask the kernel for its modules again."""
+        self.ask(roster_of, self._take_roster)
+
+    def _take_roster(self, roster: Roster) -> None:
+        self.roster = roster
+        self.roster_renewed.emit()
+
+    def _begin_to_end(self) -> None:
+        self._is_closing = True
+        self._second.close()
+        self.closing.emit()
+
+    def _take_answer(
+        self,
+        answer: "Future[Any]",
+        then: Callable[[Any], None] | None,
+        failed: Callable[[str], None] | None,
+    ) -> None:
+        try:
+            result = answer.result()
+        except CancelledError:
+            return
+        except BaseException as error:
+            (failed or self.problem.emit)(one_line(sentence_of(error)))
+            return
+        if then is not None:
+            then(result)
+
+
+def fault_line(fault: Fault) -> str:
+    """A fault in one line: what the user can mend, or which module failed where."""
+    if fault.for_user:
+        return one_line(fault.error)
+    fate = "; it is suspended: restart it, or go on without" if fault.suspended else ""
+    return one_line(f"module {fault.module} failed in {fault.where}: {fault.error}{fate}")
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks."""
+    return " ".join(str(text).split())

@@ -1,0 +1,68 @@
+"""Small JSON files of the user; a damaged one counts as empty and is renamed."""
+
+import json
+import os
+import stat
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from vrut_lite.errors import UserError
+from vrut_lite.render.write_atomic import atomic_output
+
+# The window keeps some kilobytes.
+_MOST_BYTES = 1 << 20
+_ASIDE = ".damaged"
+
+
+def read_object(file: Path) -> dict[str, Any]:
+    """The object in a file; empty if the file is missing or damaged."""
+    return _read(file) or {}
+
+
+def write_object(file: Path, facts: dict[str, Any]) -> None:
+    """Write a file, and its folder if there is none.
+
+    One that cannot be read is given a longer name before: it may hold what its user wants back.
+
+    Raises:
+        UserError: the folder takes no files.
+    """
+    make_folder(file.parent)
+    if _read(file) is None:
+        set_aside(file)
+    with atomic_output(file) as beside:
+        beside.write_text(json.dumps(facts, indent=1), encoding="utf-8")
+
+
+def set_aside(file: Path) -> None:
+    """Rename the file, if it can be."""
+    with suppress(OSError):
+        os.replace(file, file.with_name(file.name + _ASIDE))
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder, and those that it lies in.
+
+    Raises:
+        UserError: it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot make the folder {folder}: {error.strerror}") from None
+
+
+def _read(file: Path) -> dict[str, Any] | None:
+    """The object in a file, empty if there is no file; None if it is damaged."""
+    try:
+        state = file.stat()
+        # Reading a pipe would block, reading a device would never end.
+        if not stat.S_ISREG(state.st_mode) or state.st_size > _MOST_BYTES:
+            return None
+        facts = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, RecursionError):
+        return None
+    return facts if isinstance(facts, dict) else None

@@ -1,0 +1,131 @@
+"""The light under the pointer, and clicks on surfaces as messages for the modules."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.picture import PictureClicked
+from vrut_lite.numeric_types import Vector
+from vrut_lite.render.light_meter import Illuminance
+
+# The pointer stands still for so long before lux is measured.
+_STILL_MS = 120
+
+
+class LightProbe(QObject):
+    """`text` tells the luminance in the picture and lux by the light meter; `changed` says so."""
+
+    changed = Signal()
+
+    def __init__(self, session: Session, parent: QObject | None = None):
+        super().__init__(parent)
+        self._session = session
+        self._at: tuple[float, float] | None = None
+        self._luminance = ""
+        self._illuminance = ""
+        self._asked = False
+        self._measuring = QTimer(self)
+        self._measuring.setSingleShot(True)
+        self._measuring.setInterval(_STILL_MS)
+        self._measuring.timeout.connect(self._ask)
+        session.picture_shown.connect(self._read)
+
+    @property
+    def text(self) -> str:
+        """cd/m2, and lux on the surface; empty while nothing is pointed at."""
+        parts = (self._luminance, self._illuminance) if self._at is not None else ()
+        return "   ".join(part for part in parts if part)
+
+    def point_at(self, x: float, y: float) -> None:
+        """Point at shares of the picture's width and height."""
+        self._at = (min(max(x, 0.0), 0.9999), min(max(y, 0.0), 0.9999))
+        self._illuminance = ""
+        if self._session.shown is not None:
+            self._read(self._session.shown)
+        self._measuring.start()
+
+    def leave(self) -> None:
+        """Point at nothing."""
+        self._at = None
+        self._measuring.stop()
+        self.changed.emit()
+
+    def click(self) -> None:
+        """Send `PictureClicked` for the surface under the pointer, if a module demands it."""
+        at, shown = self._at, self._session.shown
+        if at is None or shown is None:
+            return
+        height, width = shown.picture.radiance.shape[:2]
+        radiance_rgb = shown.picture.radiance[int(at[1] * height), int(at[0] * width)]
+
+        def send(stage: Stage) -> None:
+            width, height = stage.watched.size
+            if stage.kernel.wanted(PictureClicked) is None:
+                return
+            hit = stage.surface_at_pixel(int(at[0] * width), int(at[1] * height))
+            if hit is not None:
+                stage.kernel.inject(
+                    PictureClicked(
+                        position_m=_vector(hit.point_m),
+                        normal=_vector(hit.normal),
+                        material=hit.material,
+                        radiance_rgb=_vector(radiance_rgb),
+                    )
+                )
+
+        self._session.ask(send)
+
+    def _read(self, shown: Shown) -> None:
+        if self._at is None:
+            return
+        height, width = shown.picture.display.shape[:2]
+        x, y = int(self._at[0] * width), int(self._at[1] * height)
+        self._luminance = luminance_text(shown.picture.luminance_cd_m2(x, y))
+        if shown.still:
+            self._measuring.start()
+        self.changed.emit()
+
+    def _ask(self) -> None:
+        """Measure the surface's illuminance; one question at a time."""
+        if self._at is None or self._asked:
+            return
+        self._asked = True
+        at = self._at
+
+        def measure(stage: Stage) -> Illuminance | None:
+            width, height = stage.watched.size
+            return stage.light_at_pixel(int(at[0] * width), int(at[1] * height))
+
+        self._session.ask(
+            measure, lambda light: self._take(at, light), lambda _: self._take(at, None)
+        )
+
+    def _take(self, at: tuple[float, float], light: Illuminance | None) -> None:
+        self._asked = False
+        if at != self._at:
+            self._measuring.start()
+            return
+        self._illuminance = "" if light is None else illuminance_text(light)
+        self.changed.emit()
+
+
+def luminance_text(cd_m2: float) -> str:
+    """Luminance in three figures."""
+    return (
+        f"{cd_m2:,.0f} cd/m\N{SUPERSCRIPT TWO}"
+        if cd_m2 >= 100
+        else f"{cd_m2:.3g} cd/m\N{SUPERSCRIPT TWO}"
+    )
+
+
+def illuminance_text(light: Illuminance) -> str:
+    """Lux by sun and by sky."""
+    return f"{light.lux:,.0f} lx (sun {light.sun_lux:,.0f} + sky {light.sky_lux:,.0f})"
+
+
+def _vector(values: ArrayLike) -> Vector:
+    x, y, z = np.asarray(values, dtype=float).tolist()
+    return x, y, z

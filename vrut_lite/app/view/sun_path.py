@@ -1,0 +1,116 @@
+"""The sun's path of the day, drawn over the picture."""
+
+from datetime import timedelta
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
+
+from vrut_lite.app import theme
+from vrut_lite.app.engine.day import Day
+from vrut_lite.app.view.view_projection import project_directions
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.sun import SunMoved
+
+_MARGIN = 0.2
+
+
+class SunPath(QObject):
+    """The arc above the horizon, dotted below; a dot and a number each full hour."""
+
+    changed = Signal()
+
+    def __init__(self, parent: QObject | None = None):
+        super().__init__(parent)
+        self.shown = False
+        self._day: Day | None = None
+        self._sun: SunMoved | None = None
+
+    def show(self, shown: bool) -> None:
+        """Draw it, or not."""
+        self.shown = shown
+        self.changed.emit()
+
+    def set_day(self, day: Day) -> None:
+        """Show the path of this day."""
+        self._day = day
+        self.changed.emit()
+
+    def set_sun(self, sun: SunMoved) -> None:
+        """Mark the sun's position."""
+        self._sun = sun
+        self.changed.emit()
+
+    def paint(self, painter: QPainter, place: QRectF, camera: MoveCamera) -> None:
+        """Draw over a picture of this camera that fills `place`."""
+        if not self.shown or self._day is None:
+            return
+        day = self._day
+        points = project_directions(day.direction, camera, place.width() / place.height())
+        up = day.direction[:, 1] >= 0.0
+        colour = QColor(theme.ACCENT)
+        for above, style in ((True, Qt.PenStyle.SolidLine), (False, Qt.PenStyle.DotLine)):
+            painter.setPen(QPen(colour, 1.6 if above else 1.0, style))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawPath(_path(points, up == above, place))
+        self._paint_hours(painter, place, camera)
+        if self._sun is not None:
+            self._paint_sun(painter, place, camera, self._sun)
+
+    def _paint_hours(self, painter: QPainter, place: QRectF, camera: MoveCamera) -> None:
+        day = self._day
+        assert day is not None
+        hours = [day.start + timedelta(hours=h) for h in range(round(day.length_s / 3600.0))]
+        seconds = [(hour - day.start).total_seconds() for hour in hours]
+        directions = np.stack(
+            [np.interp(seconds, day.seconds, day.direction[:, axis]) for axis in range(3)], axis=-1
+        )
+        points = project_directions(directions, camera, place.width() / place.height())
+        for hour, direction, point in zip(hours, directions, points, strict=True):
+            if direction[1] < 0.0 or not _inside(point):
+                continue
+            spot = _on(place, point)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(theme.ACCENT))
+            painter.drawEllipse(spot, 2.5, 2.5)
+            painter.setPen(QColor(theme.ACCENT))
+            painter.drawText(spot + QPointF(5, -5), f"{hour.astimezone(day.zone):%H}")
+
+    def _paint_sun(
+        self, painter: QPainter, place: QRectF, camera: MoveCamera, sun: SunMoved
+    ) -> None:
+        aspect = place.width() / place.height()
+        (point,) = project_directions([sun.direction], camera, aspect)
+        if _inside(point):
+            painter.setPen(QPen(QColor("#ffffff"), 1.5))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawEllipse(_on(place, point), 9, 9)
+
+
+def _path(points: np.ndarray, chosen: np.ndarray, place: QRectF) -> QPainterPath:
+    """Lines between neighbours that are both chosen and near the picture."""
+    path = QPainterPath()
+    pen_down = False
+    for point, wanted in zip(points, chosen, strict=True):
+        if not (wanted and _inside(point)):
+            pen_down = False
+            continue
+        spot = _on(place, point)
+        if pen_down:
+            path.lineTo(spot)
+        else:
+            path.moveTo(spot)
+        pen_down = True
+    return path
+
+
+def _inside(point: np.ndarray) -> bool:
+    """Whether a point is in the picture or just beside it; nan is not."""
+    return bool(np.all((point > -_MARGIN) & (point < 1.0 + _MARGIN)))
+
+
+def _on(place: QRectF, point: np.ndarray) -> QPointF:
+    return QPointF(
+        place.left() + float(point[0]) * place.width(),
+        place.top() + float(point[1]) * place.height(),
+    )

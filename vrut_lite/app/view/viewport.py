@@ -1,0 +1,362 @@
+"""The picture, and the camera in the user's hands.
+
+Frames are drawn on the GL owner's thread and handed over as images. A `QOpenGLWidget` would draw
+them on the window's own thread instead: with a software renderer a frame takes some hundred
+milliseconds, during which no slider moves; and modules' GPU jobs, which live in the owner's
+context, would need a second one to share with. The frame is read back anyway, for its exposure.
+"""
+
+from enum import Enum
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QColor,
+    QDragEnterEvent,
+    QDropEvent,
+    QFocusEvent,
+    QImage,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from vrut_lite.app import theme
+from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.view.camera_rig import CameraRig, height_text
+from vrut_lite.app.view.light_probe import LightProbe
+from vrut_lite.app.view.sun_path import SunPath
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.render.light_meter import pixel_direction
+from vrut_lite.scene.camera import frame_bounds
+
+SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
+_SETTLED_MS, _FLIGHT_MS = 60, 16
+_SMALLEST_PX = 16
+# A press that moves farther is a drag.
+_CLICK_PX = 3
+_MOST_FLIGHT_S = 0.1
+
+
+class CameraMode(Enum):
+    """The camera's modes, each with a hint for the mouse."""
+
+    ORBIT = "drag to turn, right drag to shift, wheel to go nearer"
+    FLY = "drag to look, W A S D to fly, Q E down and up, Shift faster, wheel for the view's angle"
+    SPACE = "wheel to climb, drag to look around"
+
+
+class Viewport(QWidget):
+    """Signals: `scene_dropped` (a file's path), `mode_changed` (a `CameraMode`), `sky_pointed`.
+
+    The last tells the world direction under the pointer where it leads above the horizon.
+    """
+
+    scene_dropped = Signal(str)
+    mode_changed = Signal(object)
+    sky_pointed = Signal(object)
+
+    def __init__(self, session: Session, sun_path: SunPath):
+        super().__init__()
+        self._session = session
+        self.rig = CameraRig()
+        self.mode = CameraMode.ORBIT
+        self.probe = LightProbe(session, self)
+        self._sun_path = sun_path
+        self._image: QImage | None = None
+        self._sent: MoveCamera | None = None
+        self._scene: SceneLoaded | None = None
+        self._held: set[Qt.Key] = set()
+        self._grip: QPointF | None = None
+        self._pressed: QPointF | None = None
+        self._flew_s = 0.0
+        self._resized = _single_shot(self, _SETTLED_MS, self._send_size)
+        self._flight = QTimer(self)
+        self._flight.setInterval(_FLIGHT_MS)
+        self._flight.timeout.connect(self._fly_on)
+        self.setAcceptDrops(True)
+        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setMinimumSize(160, 120)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setAccessibleName("picture")
+        session.picture_shown.connect(self._show_picture)
+        session.camera_moved.connect(self._adopt)
+        session.listen(SceneLoaded, self._note_scene)
+        sun_path.changed.connect(self.update)
+        self.probe.changed.connect(self.update)
+
+    def sizeHint(self) -> QSize:
+        """As large as there is room."""
+        return QSize(960, 640)
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        """Width and height of a full picture."""
+        ratio = self.devicePixelRatioF()
+        return (
+            max(_SMALLEST_PX, round(self.width() * ratio)),
+            max(_SMALLEST_PX, round(self.height() * ratio)),
+        )
+
+    @property
+    def camera(self) -> MoveCamera:
+        """The present camera."""
+        return self._sent or self.rig.camera()
+
+    def set_mode(self, mode: CameraMode) -> None:
+        """Switch to another mode."""
+        self.mode = mode
+        self._held.clear()
+        self._flight.stop()
+        self.mode_changed.emit(mode)
+        self.update()
+
+    def frame_scene(self) -> None:
+        """See all of the scene, from the south-west."""
+        if self._scene is not None:
+            width, height = self.pixels
+            framed = frame_bounds(self._scene.lower_m, self._scene.upper_m, width / height)
+            self.rig.adopt(framed)
+            self.send_camera()
+
+    def send_camera(self) -> None:
+        """Send the rig's camera."""
+        self._sent = self.rig.camera()
+        self._session.send(self._sent)
+
+    # --- messages ----------------------------------------------------------------------------
+
+    def _show_picture(self, shown: Shown) -> None:
+        pixels = np.ascontiguousarray(shown.picture.display)
+        height, width = pixels.shape[:2]
+        # The image copies: numpy's memory may go at any time.
+        self._image = QImage(
+            pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888
+        ).copy()
+        self.update()
+
+    def _note_scene(self, scene: SceneLoaded) -> None:
+        self._scene = scene
+
+    def _adopt(self, camera: MoveCamera) -> None:
+        """Take over the camera of a scene or a project; not the echo of our own."""
+        if self._grip is not None or self._held or camera == self._sent:
+            return
+        self._sent = camera
+        centre = None
+        if self._scene is not None:
+            centre = 0.5 * (np.array(self._scene.lower_m) + np.array(self._scene.upper_m))
+        self.rig.adopt(camera, centre)
+        self.update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Resize the picture when the window's size has settled."""
+        self._resized.start()
+
+    def _send_size(self) -> None:
+        width, height = self.pixels
+        self._session.send(Resize(width_px=width, height_px=height))
+
+    # --- by mouse ----------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin to drag, or to click."""
+        self._grip = self._pressed = event.position()
+        self.probe.leave()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Move the camera, or read the light under the pointer."""
+        if self._grip is None:
+            self._point(event.position())
+            self._tell_direction(event.position())
+            return
+        way = (event.position() - self._grip) / max(1, self.height())
+        self._grip = event.position()
+        shifting = event.buttons() & (Qt.MouseButton.RightButton | Qt.MouseButton.MiddleButton) or (
+            event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+        )
+        self._drag(way.x(), -way.y(), bool(shifting))
+
+    def _point(self, spot: QPointF) -> None:
+        self.probe.point_at(spot.x() / self.width(), spot.y() / self.height())
+
+    def _tell_direction(self, spot: QPointF) -> None:
+        size = (self.width(), self.height())
+        x, y, z = pixel_direction(self.camera, size, int(spot.x()), int(spot.y())).tolist()
+        if y > 0.0:
+            self.sky_pointed.emit((x, y, z))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End to drag; without one it was a click."""
+        way = event.position() - (self._pressed or event.position())
+        self._grip = self._pressed = None
+        if event.button() == Qt.MouseButton.LeftButton and way.manhattanLength() <= _CLICK_PX:
+            self._point(event.position())
+            self.probe.click()
+
+    def leaveEvent(self, event: object) -> None:
+        """Nothing is pointed at."""
+        self.probe.leave()
+
+    def _drag(self, right: float, up: float, shifting: bool) -> None:
+        if shifting:
+            self.rig.pan(right, up)
+        elif self.mode is CameraMode.ORBIT:
+            self.rig.orbit(right, up)
+        else:
+            self.rig.look_around(right, up)
+        self.send_camera()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Move nearer, narrow the view or climb, by the mode."""
+        steps = event.angleDelta().y() / 120.0
+        if not steps:
+            return
+        if self.mode is CameraMode.ORBIT:
+            self.rig.dolly(steps)
+        elif self.mode is CameraMode.FLY:
+            self.rig.zoom(steps)
+        else:
+            self.rig.climb(steps)
+        self.send_camera()
+
+    # --- by key ------------------------------------------------------------------------------
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Arrows turn; W A S D Q E fly; PageUp and PageDown climb; plus and minus go nearer."""
+        key = Qt.Key(event.key())
+        turns = {
+            Qt.Key.Key_Left: (0.02, 0.0), Qt.Key.Key_Right: (-0.02, 0.0),
+            Qt.Key.Key_Up: (0.0, -0.02), Qt.Key.Key_Down: (0.0, 0.02),
+        }  # fmt: skip
+        if key in turns:
+            self._drag(*turns[key], shifting=False)
+        elif key in _FLIGHT and self.mode is CameraMode.FLY:
+            if not event.isAutoRepeat():
+                self._hold(key)
+        elif key in _CLIMBS:
+            self.rig.climb(_CLIMBS[key])
+            self.send_camera()
+        elif key in _DOLLIES:
+            self.rig.dolly(_DOLLIES[key])
+            self.send_camera()
+        else:
+            super().keyPressEvent(event)
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """Stop flying in that direction."""
+        if not event.isAutoRepeat():
+            self._held.discard(Qt.Key(event.key()))
+        super().keyReleaseEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Forget held keys: their release would go to another widget."""
+        self._held.clear()
+        super().focusOutEvent(event)
+
+    def _hold(self, key: Qt.Key) -> None:
+        self._held.add(key)
+        if not self._flight.isActive():
+            self._flew_s = perf_counter()
+            self._flight.start()
+
+    def _fly_on(self) -> None:
+        if not self._held:
+            self._flight.stop()
+            return
+        now_s = perf_counter()
+        elapsed_s = min(now_s - self._flew_s, _MOST_FLIGHT_S)
+        self._flew_s = now_s
+        ways = [np.array(_FLIGHT[key]) for key in self._held if key in _FLIGHT]
+        speed_m_s = self._speed_m_s() * (4.0 if Qt.Key.Key_Shift in self._held else 1.0)
+        self.rig.fly(*(sum(ways, np.zeros(3)) * speed_m_s * elapsed_s))
+        self.send_camera()
+
+    def _speed_m_s(self) -> float:
+        """Ten seconds through the scene, whatever its size; faster at height."""
+        if self._scene is None:
+            return 2.0
+        size_m = float(np.linalg.norm(np.subtract(self._scene.upper_m, self._scene.lower_m)))
+        return max(0.1 * size_m, 0.3 * abs(float(self.rig.eye_m[1])), 0.2)
+
+    # --- files -------------------------------------------------------------------------------
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Take scenes and projects."""
+        if _scene_of(event) is not None:
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open what was dropped."""
+        path = _scene_of(event)
+        if path is not None:
+            event.acceptProposedAction()
+            self.scene_dropped.emit(path)
+
+    # --- painting ----------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint the picture and its overlays."""
+        painter = QPainter(self)
+        if self._image is None:
+            painter.fillRect(self.rect(), QColor("#101012"))
+            self._write(painter, self.rect(), Qt.AlignmentFlag.AlignCenter, self._invitation())
+            return
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        painter.drawImage(self.rect(), self._image)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        self._sun_path.paint(painter, QRectF(self.rect()), self.camera)
+        edge = self.rect().adjusted(10, 8, -10, -8)
+        corner = Qt.AlignmentFlag
+        self._write(painter, edge, corner.AlignLeft | corner.AlignBottom, self.probe.text)
+        if self.mode is CameraMode.SPACE or self.rig.eye_m[1] > 1000.0:
+            height = height_text(float(self.rig.eye_m[1]))
+            self._write(painter, edge, corner.AlignRight | corner.AlignBottom, height)
+
+    def _invitation(self) -> str:
+        if self._scene is None and self._session.roster.modules:
+            return "Drop a glTF or OBJ file here, or open one with Ctrl+O"
+        return "Opening \N{HORIZONTAL ELLIPSIS}"
+
+    def _write(self, painter: QPainter, place: object, where: object, text: str) -> None:
+        """Write text with a shadow, legible on any picture."""
+        painter.setPen(QColor(0, 0, 0, 170))
+        painter.drawText(place.translated(1, 1), where, text)  # type: ignore[attr-defined,call-overload]
+        painter.setPen(QColor(theme.TEXT))
+        painter.drawText(place, where, text)  # type: ignore[call-overload]
+
+
+# Right, up and forward.
+_FLIGHT = {
+    Qt.Key.Key_D: (1.0, 0.0, 0.0), Qt.Key.Key_A: (-1.0, 0.0, 0.0),
+    Qt.Key.Key_E: (0.0, 1.0, 0.0), Qt.Key.Key_Q: (0.0, -1.0, 0.0),
+    Qt.Key.Key_W: (0.0, 0.0, 1.0), Qt.Key.Key_S: (0.0, 0.0, -1.0),
+    Qt.Key.Key_Shift: (0.0, 0.0, 0.0),
+}  # fmt: skip
+_CLIMBS = {Qt.Key.Key_PageUp: 2.0, Qt.Key.Key_PageDown: -2.0}
+_DOLLIES = {Qt.Key.Key_Plus: 1.0, Qt.Key.Key_Minus: -1.0}
+
+
+def _single_shot(parent: QWidget, after_ms: int, act: object) -> QTimer:
+    timer = QTimer(parent)
+    timer.setSingleShot(True)
+    timer.setInterval(after_ms)
+    timer.timeout.connect(act)
+    return timer
+
+
+def _scene_of(event: QDropEvent) -> str | None:
+    """The first dropped file of a known suffix."""
+    paths = [url.toLocalFile() for url in event.mimeData().urls()]
+    return next((p for p in paths if Path(p).suffix.lower() in SCENE_SUFFIXES), None)

@@ -1,0 +1,1 @@
+"""The window: menus, docks, keys, and the files that it keeps."""

@@ -1,0 +1,20 @@
+"""The objects that the parts of a window share."""
+
+from dataclasses import dataclass, field
+
+from vrut_lite.app.engine.day_scout import DayScout
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.presets import PresetStore
+from vrut_lite.app.view.sun_path import SunPath
+from vrut_lite.app.view.viewport import Viewport
+
+
+@dataclass
+class Desk:
+    """A window's session, and the objects that several panels use."""
+
+    session: Session
+    scout: DayScout
+    sun_path: SunPath
+    viewport: Viewport
+    presets: PresetStore = field(default_factory=PresetStore)

@@ -1,0 +1,150 @@
+"""The docks of the window: the host's own, and those of the modules.
+
+A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
+QWidget class with a `title` and, if it is to have a shortcut, `keys`; it is called with the
+`Session`. It is imported when the window is ready, so that a module needs no Qt elsewhere.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from importlib.metadata import entry_points
+from typing import NamedTuple
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QWidget
+
+from vrut_lite.app.compare.compare_panel import ComparePanel
+from vrut_lite.app.engine.roster import Roster
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.export_panel import ExportPanel
+from vrut_lite.app.panels.message_inspector import MessageInspector
+from vrut_lite.app.panels.module_manager import ModuleManager
+from vrut_lite.app.panels.module_panel import ModulePanel
+from vrut_lite.app.panels.picture_panel import PicturePanel
+from vrut_lite.app.panels.place_panel import PlacePanel
+from vrut_lite.app.panels.sky_panel import SHOWN_SLOT, SkyPanel
+from vrut_lite.app.panels.sun_panel import SunPanel
+from vrut_lite.app.panels.time_panel import TimePanel
+from vrut_lite.app.window.desk import Desk
+from vrut_lite.errors import UserError
+from vrut_lite.foreign_errors import sentence_of
+from vrut_lite.interrupts import pass_interrupt
+
+PANEL_GROUP = "vrut_lite.panels"
+Area = Qt.DockWidgetArea
+
+
+class DockSpec(NamedTuple):
+    """A dock: docks of one `group` share a place as tabs, in this order.
+
+    A dock that is not `scrolled` is as high as its content. `keys` show it and hide it.
+    """
+
+    name: str
+    title: str
+    group: str
+    make: Callable[[Desk], QWidget]
+    shown: bool = True
+    scrolled: bool = True
+    keys: str = ""
+
+
+# Where each group stands, from top to bottom.
+GROUPS: dict[str, Area] = {
+    "where and when": Area.RightDockWidgetArea,
+    "light": Area.RightDockWidgetArea,
+    "time": Area.BottomDockWidgetArea,
+    "tools": Area.LeftDockWidgetArea,
+}
+
+DOCKS: list[DockSpec] = [
+    DockSpec("place", "Place", "where and when", lambda desk: PlacePanel(desk.session)),
+    DockSpec("sun", "Sun", "where and when", lambda desk: SunPanel(desk.session, desk.scout)),
+    DockSpec("picture", "Picture", "where and when", lambda desk: PicturePanel(desk.session)),
+    DockSpec(
+        "export",
+        "Export",
+        "where and when",
+        lambda desk: ExportPanel(desk.session, desk.scout),
+    ),
+    DockSpec("sky", "Sky", "light", lambda desk: SkyPanel(desk.session, desk.presets)),
+    DockSpec(
+        "compare",
+        "Compare skies",
+        "tools",
+        lambda desk: ComparePanel(desk.session, desk.viewport),
+        shown=False,
+    ),
+    DockSpec(
+        "time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout), scrolled=False
+    ),
+    DockSpec(
+        "modules",
+        "Modules",
+        "tools",
+        lambda desk: ModuleManager(desk.session),
+        shown=False,
+        scrolled=False,
+    ),
+    DockSpec(
+        "messages",
+        "Messages",
+        "tools",
+        lambda desk: MessageInspector(desk.session),
+        shown=False,
+        scrolled=False,
+    ),
+]
+
+
+class ModulePanels(NamedTuple):
+    """The docks of the modules, and a sentence for each panel that cannot be shown."""
+
+    docks: list[DockSpec]
+    failures: list[str]
+
+
+def module_docks(roster: Roster) -> ModulePanels:
+    """A dock for the settings of each module, and one for each panel that a module brings.
+
+    The dock of the sky shows the settings of the modules that provide it.
+    """
+    docks = [
+        DockSpec(
+            f"module {module.name}",
+            module.title,
+            "light",
+            partial(_settings_panel, module.name),
+            shown=not module.auxiliary,
+        )
+        for module in roster.modules.values()
+        if module.specs and SHOWN_SLOT not in module.provides
+    ]
+    failures = []
+    for point in sorted(entry_points(group=PANEL_GROUP), key=lambda point: point.name):
+        if point.name in roster.modules:
+            try:
+                docks.append(_own_dock(point.name, point.load()))
+            except BaseException as error:
+                pass_interrupt(error)
+                failures.append(f"the panel of module {point.name} failed: {sentence_of(error)}")
+    return ModulePanels(docks, failures)
+
+
+def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
+    title, keys = (getattr(panel, name, "") for name in ("title", "keys"))
+    if not (isinstance(title, str) and title and isinstance(keys, str)):
+        raise UserError("its class needs a `title`, a text, and may have `keys`, a shortcut")
+    return DockSpec(
+        f"panel {module}",
+        title,
+        "tools",
+        lambda desk: panel(desk.session),
+        shown=False,
+        scrolled=False,
+        keys=keys,
+    )
+
+
+def _settings_panel(module: str, desk: Desk) -> QWidget:
+    return ModulePanel(desk.session, module, desk.presets)

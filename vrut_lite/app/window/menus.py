@@ -1,0 +1,71 @@
+"""The menus, made from the list of actions."""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence
+from PySide6.QtWidgets import QMenu
+
+from vrut_lite.app.engine.history import Steps
+from vrut_lite.app.window.actions import ACTIONS, ActionSpec
+
+if TYPE_CHECKING:
+    from vrut_lite.app.window.main_window import MainWindow
+
+_RECENT_AFTER = "open"
+
+
+class Menus:
+    """The menus; `actions` by name, and the `specs` that they are made from."""
+
+    def __init__(self, window: "MainWindow", recent: Callable[[], list[str]]):
+        self.actions: dict[str, QAction] = {}
+        self.specs: list[ActionSpec] = []
+        self._window = window
+        self._recent = recent
+        self._menus: dict[str, QMenu] = {}
+        self._groups: dict[str, QActionGroup] = {}
+        for spec in ACTIONS:
+            self.add(spec)
+            if spec.name == _RECENT_AFTER:
+                self.recent = self._menus[spec.menu].addMenu("Open recent")
+        self.recent.aboutToShow.connect(self.fill_recent)
+        self.panels = self._menus["View"].addMenu("Panels")
+        self.actions["orbit"].setChecked(True)
+        self.show_steps(Steps())
+
+    def add(self, spec: ActionSpec) -> None:
+        """Append an action to its menu."""
+        if spec.menu not in self._menus:
+            self._menus[spec.menu] = self._window.menuBar().addMenu(spec.menu)
+        action = self._action(spec)
+        self._menus[spec.menu].addAction(action)
+        if spec.group:
+            self._groups.setdefault(spec.group, QActionGroup(self._window)).addAction(action)
+        self.specs.append(spec)
+
+    def show_steps(self, steps: Steps) -> None:
+        """Show the titles of the steps to undo and redo."""
+        for name, verb, title in (("undo", "Undo", steps.undo), ("redo", "Redo", steps.redo)):
+            self.actions[name].setText(f"{verb} {title}".rstrip())
+            self.actions[name].setEnabled(bool(title))
+
+    def fill_recent(self) -> None:
+        """List the recent files that exist."""
+        self.recent.clear()
+        for number, path in enumerate(self._recent(), 1):
+            file = Path(path)
+            title = f"&{number % 10}  {file.name}   {file.parent}"
+            self.recent.addAction(title, partial(self._window.open_path, path))
+        if self.recent.isEmpty():
+            self.recent.addAction("nothing yet").setEnabled(False)
+
+    def _action(self, spec: ActionSpec) -> QAction:
+        action = QAction(spec.title, self._window)
+        action.setShortcuts([QKeySequence(keys) for keys in spec.keys.split(", ")])
+        action.setCheckable(spec.checkable)
+        action.triggered.connect(lambda on: spec.act(self._window, bool(on)))
+        self.actions[spec.name] = action
+        return action

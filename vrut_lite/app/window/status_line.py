@@ -1,0 +1,49 @@
+"""The status line: the latest message, and facts of the picture."""
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QLabel, QStatusBar
+
+from vrut_lite.app import theme
+from vrut_lite.app.engine.engine import Shown
+
+_NEWS_MS = 12_000
+
+
+class StatusLine(QStatusBar):
+    """A message disappears after 12 s."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.news = QLabel()
+        self.news.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.facts = QLabel()
+        self.facts.setProperty("role", "faint")
+        self.addWidget(self.news, 1)
+        self.addPermanentWidget(self.facts)
+        self.setSizeGripEnabled(False)
+        self._fades = QTimer(self)
+        self._fades.setSingleShot(True)
+        self._fades.setInterval(_NEWS_MS)
+        self._fades.timeout.connect(self.news.clear)
+
+    def show_problem(self, line: str) -> None:
+        """One line on what went wrong."""
+        self._tell(line, theme.ALARM)
+
+    def show_news(self, line: str) -> None:
+        """One line on what was done."""
+        self._tell(line, theme.TEXT)
+
+    def show_facts(self, shown: Shown, renderer: str) -> None:
+        """Size and time of a picture, and the renderer's name without its part in brackets."""
+        height, width = shown.picture.display.shape[:2]
+        self.facts.setText(
+            f"{width} \N{MULTIPLICATION SIGN} {height}   {1e3 * shown.seconds:.0f} ms   "
+            f"{renderer.partition(' (')[0]}   "
+        )
+
+    def _tell(self, line: str, colour: str) -> None:
+        self.news.setText(line)
+        self.news.setToolTip(line)
+        self.news.setStyleSheet(f"color: {colour}; padding-left: 6px;")
+        self._fades.start()
