@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.gltf_writer import GltfWriter
-from scenes.noise import uniform_hash
-from scenes.shapes import Shape, box, joined, polygon
-from scenes.terrain_surface import FOREST, forest_share, height_m, slope
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.noise import uniform_hash
+from tools.scenes.shapes import Shape, box, joined, polygon
+from tools.scenes.terrain_surface import FOREST, forest_share, height_m, slope
 from vrut_lite.numeric_types import FloatArray
 
 HUT_X_M, HUT_Z_M = -172.0, 30.0

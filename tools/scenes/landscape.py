@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes.erosion import drainage, drained_cells, erode, river_levels
-from scenes.noise import fractal_noise, gradient_noise, ridged_noise
+from tools.scenes.erosion import drainage, drained_cells, erode, river_levels
+from tools.scenes.noise import fractal_noise, gradient_noise, ridged_noise
 from vrut_lite.numeric_types import FloatArray
 
 # The view is from the origin to the west: most of the land lies there.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes.shapes import Shape
+from tools.scenes.shapes import Shape
 
 _FLOAT, _SHORT, _SIGNED_BYTE, _BYTE = 5126, 5123, 5120, 5121
 _VERTICES, _INDICES = 34962, 34963

@@ -1,7 +1,7 @@
 """Balls from mirror to chalk on plinths: what the sky does to metal, plastic and grey."""
 
-from scenes.gltf_writer import GltfWriter
-from scenes.shapes import Shape, box, disc, joined, lathe, polygon, sphere
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.shapes import Shape, box, disc, joined, lathe, polygon, sphere
 
 _RADIUS_M = 0.5
 _PITCH_M = 1.5

@@ -8,9 +8,9 @@ origin needs, which looks west; far away and behind they miss the land by more.
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.adaptive_mesh import adaptive_triangles
-from scenes.gltf_writer import GltfWriter
-from scenes.landscape import (
+from tools.scenes.adaptive_mesh import adaptive_triangles
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.landscape import (
     LAKE_LONG_M,
     LAKE_M,
     LAKE_WIDE_M,
@@ -20,10 +20,10 @@ from scenes.landscape import (
     WEST_M,
     WIDTH_M,
 )  # fmt: skip
-from scenes.shapes import Shape, disc, joined
-from scenes.terrain_objects import place_reference_objects
-from scenes.terrain_surface import albedo, curvature_m, height_m, slope
-from scenes.textures import ground_bumps, ground_grain
+from tools.scenes.shapes import Shape, disc, joined
+from tools.scenes.terrain_objects import place_reference_objects
+from tools.scenes.terrain_surface import albedo, curvature_m, height_m, slope
+from tools.scenes.textures import ground_bumps, ground_grain
 from vrut_lite.numeric_types import FloatArray, IntArray
 
 _LATTICE = 32768

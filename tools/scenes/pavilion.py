@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from scenes import textures
-from scenes.gltf_writer import GltfWriter
-from scenes.shapes import Shape, box, disc, joined, lathe, sphere
+from tools.scenes import textures
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.shapes import Shape, box, disc, joined, lathe, sphere
 
 _COLUMNS = 8
 _FLOOR_M = 0.48

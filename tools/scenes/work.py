@@ -1,24 +1,18 @@
-"""Scenes that need little of what a renderer can do: `python scenes/work_scenes.py [FOLDER]`.
+"""Scenes that need little of a renderer's work: room, ground, indoor, planet.
 
-They show the work that is left out: benchmarks/vrut_lite_bench/work_skipped.py. Without a
-folder they go to `work/` beside this script; the bytes are the same each time and everywhere.
+tools/work_skipped.py measures the work that is left out in them.
 """
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from scenes.gltf_writer import GltfWriter
-from scenes.shapes import Shape, box, disc, joined, lathe, obelisk, sphere
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.shapes import Shape, box, disc, joined, lathe, obelisk, sphere
 
 _PLANET_M, _SEEN_RAD = 6.36e6, 0.2
 _PEAKS = 7
 
 
-def build_work_scenes() -> dict[str, bytes]:
+def build() -> dict[str, bytes]:
     """All files: names and bytes."""
     return {"room.glb": room(), "ground.glb": ground(), "indoor.glb": indoor(),
             "planet.glb": planet()}  # fmt: skip
@@ -107,14 +101,6 @@ def planet() -> bytes:
     return writer.glb()
 
 
-def main(folder: Path) -> None:
-    """Write the scenes into a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, data in build_work_scenes().items():
-        (folder / name).write_bytes(data)
-        print(f"{name}: {len(data)} bytes")
-
-
 def _turned(shape: Shape) -> Shape:
     """The shape seen from within."""
     return Shape(shape.positions, -shape.normals, shape.uv, shape.faces[:, ::-1])
@@ -158,7 +144,3 @@ def _around(number: int, count: int, radius_m: float) -> tuple[float, float, flo
     """A place on a circle about the origin, clockwise from north."""
     turn = 2.0 * np.pi * number / count
     return round(radius_m * float(np.sin(turn)), 5), 0.0, round(-radius_m * float(np.cos(turn)), 5)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent / "work")

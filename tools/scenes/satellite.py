@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from scenes.gltf_writer import GltfWriter
-from scenes.shapes import Shape, box, joined, lathe, polygon
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.shapes import Shape, box, joined, lathe, polygon
 
 ALTITUDE_M = 400e3
 _PANEL_M, _CELLS = (3.2, 1.1), (8, 3)

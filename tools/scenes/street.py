@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from scenes import textures
-from scenes.obj_writer import ObjMaterial, write_obj
-from scenes.shapes import Shape, box, joined, lathe, obelisk, polygon, relief, sphere
+from tools.scenes import textures
+from tools.scenes.obj_writer import ObjMaterial, write_obj
+from tools.scenes.shapes import Shape, box, joined, lathe, obelisk, polygon, relief, sphere
 
 _FRONT_M = 4.5
 _DEPTH_M = 8.0

@@ -9,7 +9,7 @@ import zlib
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes.noise import gradient_pull
+from tools.scenes.noise import gradient_pull
 from vrut_lite.geometry.colour import srgb_encode
 from vrut_lite.numeric_types import FloatArray
 

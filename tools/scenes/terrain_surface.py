@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes.landscape import landscape, rim_share, sample, smooth_step
-from scenes.noise import fractal_noise, gradient_noise, ridged_noise
+from tools.scenes.landscape import landscape, rim_share, sample, smooth_step
+from tools.scenes.noise import fractal_noise, gradient_noise, ridged_noise
 from vrut_lite.numeric_types import FloatArray
 
 PLANET_M = 6.36e6

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.shapes import Shape
+from tools.scenes.shapes import Shape
 
 
 @dataclass(frozen=True)

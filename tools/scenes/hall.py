@@ -1,7 +1,7 @@
 """A dark hall with three high windows to the south: `hall.glb`, made to show light shafts."""
 
-from scenes.gltf_writer import GltfWriter
-from scenes.shapes import Shape, box, joined, lathe
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.shapes import Shape, box, joined, lathe
 
 _HALF_WIDTH_M, _DEEP_M, _HIGH_M, _WALL_M = 30.0, 70.0, 28.0, 1.5
 _WINDOWS_M, _WINDOW_M, _SILL_M, _LINTEL_M = (-17.0, 0.0, 17.0), 4.4, 13.0, 22.0

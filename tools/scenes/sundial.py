@@ -6,8 +6,8 @@ as far, for shadows down to a sun 9.5 degrees high. All marks lie outside the pl
 
 import numpy as np
 
-from scenes.gltf_writer import GltfWriter
-from scenes.shapes import Shape, box, disc, joined, lathe, obelisk, polygon, sector
+from tools.scenes.gltf_writer import GltfWriter
+from tools.scenes.shapes import Shape, box, disc, joined, lathe, obelisk, polygon, sector
 
 GNOMON_HEIGHT_M = 1.0
 PLATE_RADIUS_M = 6.0
