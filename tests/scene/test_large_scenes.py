@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from light_messages import light_messages
-from vrut_lite_bench.climb import heights_m, steps_between
 
+from tools.pictures.climb import heights_m, steps_between
 from tools.scenes import hall, terrain
 from tools.scenes import satellite as satellite_script
 from tools.scenes.satellite import ALTITUDE_M, satellite

@@ -17,9 +17,9 @@ from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
-from vrut_lite_bench.photograph_fit import MODELS, Fit, chromaticity
-from vrut_lite_bench.photograph_mask import elevations_deg
-from vrut_lite_bench.sky_photographs import Comparison
+from vrut_lite_studies.photographs.comparison import Comparison
+from vrut_lite_studies.photographs.fit import MODELS, Fit, chromaticity
+from vrut_lite_studies.photographs.mask import elevations_deg
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt

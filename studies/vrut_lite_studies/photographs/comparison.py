@@ -1,14 +1,5 @@
-"""Both sky models beside real photographs of the sky.
+"""Fits both sky models to a photograph of the sky, and tells the fits as Markdown tables."""
 
-    python -m vrut_lite_bench.sky_photographs PHOTO_FOLDER OUT_FOLDER
-
-Reads park.exr, sunrise.exr and dawn.exr (lat-long, linear RGB, +Y up; by Poly Haven, CC0),
-leaves out what is not clear sky, finds the sun, fits turbidity, exposure and gains, and writes
-photo_NAME.jpg (strips) and photo_NAME_profile.png for each. Prints two Markdown tables: the
-fits, and what other air does to Bruneton's.
-"""
-
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +7,7 @@ import numpy as np
 import OpenEXR
 
 from vrut_lite.errors import UserError
-from vrut_lite_bench.photograph_fit import (
+from vrut_lite_studies.photographs.fit import (
     MODELS,
     Fit,
     FloatArray,
@@ -30,16 +21,15 @@ from vrut_lite_bench.photograph_fit import (
     residual_log10,
     spread_log10,
 )
-from vrut_lite_bench.photograph_mask import Masks, Sun, find_azimuth_deg, find_disc, masks_of
+from vrut_lite_studies.photographs.mask import Masks, Sun, find_azimuth_deg, find_disc, masks_of
 
-PHOTOGRAPHS = ("park", "sunrise", "dawn")
 TURBIDITIES = tuple(float(t) for t in np.arange(1.0, 10.01, 0.5))
 # A sun that is not in view stands somewhere here: not yet up, or behind hills.
 HIDDEN_SUN_DEG = tuple(float(e) for e in np.arange(-9.0, 1.01, 0.5))
 # The search looks at every third row and column, the result at all.
 _SEARCH_STEP = 3
 _MOST_PIXELS = 64_000_000
-_HEADER = (
+HEADER = (
     "| photograph | sun elevation, azimuth | model | turbidity (as good) | exposure "
     "| gains R, G, B | rms log10 luminance | rms u'v' |\n|---|---|---|---:|---:|---|---:|---:|"
 )
@@ -56,7 +46,7 @@ OTHER_AIR: dict[str, Model] = {
     "no ozone": bruneton_with(ozone_du=0.0),
     "450 DU of ozone": bruneton_with(ozone_du=450.0),
 }
-_AIR_HEADER = (
+AIR_HEADER = (
     "| photograph | Bruneton's sky | turbidity | rms log10 luminance | rms u'v' "
     "| mean log10 within 25° of the sun | contrast |\n|---|---|---:|---:|---:|---:|---:|"
 )
@@ -156,29 +146,3 @@ def air_rows(
             f"| {contrast(pixels, residual):.2f} |"
         )
     return rows
-
-
-def main(photo_folder: Path, out_folder: Path) -> None:
-    """Fit, print and draw all photographs, then try other air."""
-    # Drawing needs matplotlib, an extra; fitting does not.
-    from vrut_lite_bench.photograph_figures import profile_figure, strips
-
-    out_folder.mkdir(parents=True, exist_ok=True)
-    print(_HEADER)
-    comparisons = {}
-    for name in PHOTOGRAPHS:
-        comparison = compare(read_photograph(photo_folder / f"{name}.exr"))
-        comparisons[name] = comparison
-        print("\n".join(table_rows(name, comparison)), flush=True)
-        strips(comparison).save(out_folder / f"photo_{name}.jpg", quality=85)
-        profile_figure(comparison, out_folder / f"photo_{name}_profile.png")
-    print(f"\n{_AIR_HEADER}")
-    for name, comparison in comparisons.items():
-        print("\n".join(air_rows(name, comparison)), flush=True)
-
-
-if __name__ == "__main__":
-    try:
-        main(Path(sys.argv[1]), Path(sys.argv[2]))
-    except UserError as error:
-        sys.exit(str(error))

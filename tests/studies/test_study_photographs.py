@@ -4,7 +4,8 @@ import struct
 
 import numpy as np
 import pytest
-from vrut_lite_bench.photograph_fit import (
+from vrut_lite_studies.photographs.comparison import compare, read_photograph, table_rows
+from vrut_lite_studies.photographs.fit import (
     MODELS,
     bruneton,
     bruneton_with,
@@ -14,7 +15,7 @@ from vrut_lite_bench.photograph_fit import (
     pixels_of,
     residual_log10,
 )
-from vrut_lite_bench.photograph_mask import (
+from vrut_lite_studies.photographs.mask import (
     HORIZON_MARGIN_DEG,
     Sun,
     elevations_deg,
@@ -22,7 +23,6 @@ from vrut_lite_bench.photograph_mask import (
     find_disc,
     masks_of,
 )
-from vrut_lite_bench.sky_photographs import compare, read_photograph, table_rows
 
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, luminance

@@ -1,6 +1,6 @@
 """Memory and time that broken and hostile files take until they are opened or refused.
 
-    python -m vrut_lite_bench.broken_files [--mangled 130] [--only WORD]
+    python -m tools.broken_files.measure [--mangled 130] [--only WORD]
 
 Each file is opened in a process of its own with a limited address space. Memory is the most that
 was resident above what the process began with; time is CPU time of all its threads.
@@ -16,11 +16,11 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from tools.broken_files.bombs import BOMBS, Files, bomb
+from tools.broken_files.mangled import broken
 from vrut_lite.errors import UserError
 from vrut_lite.scene.budget import budget_of_environment
 from vrut_lite.scene.loading import load_scene
-from vrut_lite_bench.mangled_scenes import Files, broken
-from vrut_lite_bench.scene_bombs import BOMBS, bomb
 
 ADDRESS_SPACE_BYTES = 7 * 2**30
 MANGLED = "mangled scene"

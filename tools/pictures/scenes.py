@@ -1,6 +1,6 @@
 """Every scene under both skies at the same haze, morning, noon and dusk, on one sheet.
 
-    python -m vrut_lite_bench.scene_pictures SHEET.jpg [FOLDER]
+    python -m tools.pictures.scenes SHEET.jpg [FOLDER]
 
 Prague's sun at sea level, 21 June, turbidity 3 and ground of albedo 0.1 for both. Each picture
 is what `vrut-lite render SCENE --at HOUR --place 50.0755,14.4378,0 --sky MODULE --turbidity 3
@@ -16,14 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
-from vrut_lite.commands.scene_pictures import ScenePlan
+from tools.pictures.drawing import SKIES, scene_project, sheet, shots
 from vrut_lite.commands.sky_pictures import SkyPlan
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.project import Project, load_project
+from vrut_lite.project import Project
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAWN = (
     "sundial.toml",
     "street.toml",
@@ -34,12 +33,11 @@ DRAWN = (
     "work/ground.glb",
     "work/planet.glb",
 )
-SKIES = {"dynamic_skylight": "Hosek-Wilkie", "bruneton_sky": "Bruneton"}
 HOURS = ("07:00", "12:30", "21:10")
-# At sea level: above it Bruneton's air has less haze, and Hosek and Wilkie's the same.
+# At sea level, where both skies have the same optical depth.
 _DAY, _PLACE = "2026-06-21", "50.0755,14.4378,0"
 _TURBIDITY, _ALBEDO = 3.0, 0.1
-_SIZE, _THUMBNAIL, _CAPTION_PX = (480, 300), (320, 200), 18
+_SIZE, _THUMBNAIL = (480, 300), (320, 200)
 # Rows of the sky that the table's light is summed over.
 _SKY_HEIGHT = 256
 
@@ -67,8 +65,7 @@ class GroundLight(NamedTuple):
 
 def project_of(scene: str, sky: str) -> Project:
     """The scene under a sky, at the first hour."""
-    path = SCENES / scene
-    project = load_project(path) if path.suffix == ".toml" else Project(scene=str(path))
+    project = scene_project(scene)
     return Project(
         scene=project.scene,
         camera=project.camera,
@@ -82,18 +79,13 @@ def project_of(scene: str, sky: str) -> Project:
 
 def draw(scene: str, sky: str) -> Iterator[Drawn]:
     """The scene's pictures at all hours."""
-    project = project_of(scene, sky)
-    studio = ScenePlan(project).open()
-    try:
-        for hour in HOURS:
-            shot = studio.shoot(_instant(hour))
-            sun, name = shot.metadata["sunElevationDeg"], Path(scene).stem
-            ev100 = shot.picture.ev100
-            caption = f"{name} {hour}, sun {sun:.1f}°, {SKIES[sky]}, EV {ev100:.1f}"
-            file_name = f"{name}_{hour.replace(':', '')}_{sky}"
-            yield Drawn(file_name, caption, ev100, shot.picture.display)
-    finally:
-        studio.close()
+    shot_of_hour = shots(project_of(scene, sky), [f"{_DAY}T{hour}" for hour in HOURS])
+    for hour, shot in zip(HOURS, shot_of_hour, strict=True):
+        sun, name = shot.metadata["sunElevationDeg"], Path(scene).stem
+        ev100 = shot.picture.ev100
+        caption = f"{name} {hour}, sun {sun:.1f}°, {SKIES[sky]}, EV {ev100:.1f}"
+        file_name = f"{name}_{hour.replace(':', '')}_{sky}"
+        yield Drawn(file_name, caption, ev100, shot.picture.display)
 
 
 def ground_light(sky: str, hour: str) -> GroundLight:
@@ -166,20 +158,6 @@ def pairs(scene: str) -> list[Drawn]:
     return [drawn for hour in zip(*by_sky, strict=True) for drawn in hour]
 
 
-def sheet(rows: list[list[Drawn]]) -> Image.Image:
-    """All pictures, captioned, a scene a row."""
-    width, height = _THUMBNAIL
-    pitch = height + _CAPTION_PX
-    paper = Image.new("RGB", (width * len(rows[0]), pitch * len(rows)), (24, 24, 24))
-    pen, font = ImageDraw.Draw(paper), ImageFont.load_default(12)
-    for i, row in enumerate(rows):
-        for j, drawn in enumerate(row):
-            small = Image.fromarray(drawn.display).resize(_THUMBNAIL, Image.Resampling.LANCZOS)
-            paper.paste(small, (j * width, i * pitch + _CAPTION_PX))
-            pen.text((j * width + 4, i * pitch + 2), drawn.caption, (230, 230, 230), font=font)
-    return paper
-
-
 def main(path: Path, folder: Path | None) -> None:
     """Draw all, and write the sheet."""
     rows = []
@@ -188,7 +166,8 @@ def main(path: Path, folder: Path | None) -> None:
         if folder is not None:
             for drawn in rows[-1]:
                 Image.fromarray(drawn.display).save(folder / f"{drawn.name}.png")
-    sheet(rows).save(path, quality=80)
+    captioned = [(drawn.caption, drawn.display) for row in rows for drawn in row]
+    sheet(captioned, len(rows[0]), _THUMBNAIL).save(path, quality=80)
     print("\n".join([*light_table(), "", *exposure_table(rows)]))
 
 

@@ -1,4 +1,4 @@
-"""Good scene files, broken in the ways that files break: deterministic, each from a number."""
+"""Good scene files, damaged as files get damaged; each number gives the same damage every time."""
 
 import json
 import struct
@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from tools.broken_files.bombs import Files
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES, MODELS = ROOT / "scenes", ROOT / "tests" / "data" / "models"
@@ -19,7 +21,6 @@ GOOD = {
     "pavilion.gltf": (SCENES, ("pavilion.bin", "pavilion_floor.png")),
     "street.obj": (SCENES, ("street.mtl", "street_brick.png", "street_paving.png")),
 }
-Files = dict[str, bytes]
 _STRANGE: tuple[Any, ...] = (
     *(-1, 0, 1, 7, 255, 65536, 2**31, 2**63, 2**200, -0.5, 1e300, True, None),
     *("", "x", "../x", "POSITION", "file:///etc/passwd", "data:,", "NaN", "\0", "é" * 300),

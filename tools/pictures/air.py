@@ -1,9 +1,9 @@
-"""Pictures of the air to look at: a land with and without it, fog, light shafts, the planet.
+"""Pictures of the air: a valley with and without it, fog, light shafts, the planet.
 
-    python -m vrut_lite_bench.air_pictures FOLDER
+    python -m tools.pictures.air FOLDER
 
 Writes air_terrain.jpg (four hours, both skies, without air and with it), air_fog.jpg,
-air_shafts.jpg and air_planet.jpg. The climb is drawn by `vrut_lite_bench.climb`.
+air_shafts.jpg and air_planet.jpg. The climb is drawn by tools/pictures/climb.py.
 """
 
 import sys
@@ -12,26 +12,17 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-import msgspec
-import numpy as np
-from numpy.typing import NDArray
+from tools.pictures.drawing import SKIES, Captioned, scene_project, sheet, shots
+from vrut_lite.project import Project
 
-from vrut_lite.commands.scene_pictures import ScenePlan
-from vrut_lite.project import Project, load_project
-from vrut_lite_bench.bruneton_pictures import sheet
-
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SIZE, LARGE = (480, 270), (720, 405)
-SKIES = {"dynamic_skylight": "Hosek-Wilkie", "bruneton_sky": "Bruneton"}
 HOURS = ("06:30", "13:00", "19:00", "20:45")
 _BRUNETON = "bruneton_sky"
 _DAWN_FOG = {"fog_visibility_m": 800.0, "fog_height_m": 120.0}
 
-Captioned = tuple[str, NDArray[np.uint8]]
-
 
 class Shot(NamedTuple):
-    """A project file's scene at an hour, and what is otherwise than the file has it."""
+    """A project file's scene at a time, and what differs from that file."""
 
     caption: str
     scene: str
@@ -40,16 +31,12 @@ class Shot(NamedTuple):
     changes: Mapping[str, Any] = MappingProxyType({})
 
 
-def draw(shots: Sequence[Shot], size: tuple[int, int], sky: str = _BRUNETON) -> list[Captioned]:
+def draw(wanted: Sequence[Shot], size: tuple[int, int], sky: str = _BRUNETON) -> list[Captioned]:
     """The pictures, captioned with the sun's height."""
     drawn = []
-    for shot in shots:
+    for shot in wanted:
         project = project_of(shot, size, sky)
-        studio = ScenePlan(project).open()
-        try:
-            taken = studio.shoot(project.instant())
-        finally:
-            studio.close()
+        (taken,) = shots(project, [project.at])
         sun = f", sun {taken.metadata['sunElevationDeg']:.1f} deg"
         drawn.append((shot.caption + sun, taken.picture.display))
     return drawn
@@ -57,27 +44,24 @@ def draw(shots: Sequence[Shot], size: tuple[int, int], sky: str = _BRUNETON) -> 
 
 def project_of(shot: Shot, size: tuple[int, int], sky: str) -> Project:
     """What a shot draws under a sky."""
-    project = load_project(SCENES / shot.scene)
-    settings = dict(project.settings)
-    settings[sky] = {**settings.get(sky, {}), **shot.settings}
-    project = msgspec.structs.replace(
-        project, size=size, slots={"sky": sky}, settings=settings, **shot.changes
-    )
-    return project if shot.at is None else msgspec.structs.replace(project, at=shot.at)
+    own = scene_project(shot.scene)
+    settings = {**own.settings, sky: {**own.settings.get(sky, {}), **shot.settings}}
+    changes = {"at": shot.at or own.at, "settings": settings, **shot.changes}
+    return scene_project(shot.scene, size=size, slots={"sky": sky}, **changes)
 
 
 def terrain() -> list[Captioned]:
-    """A row for each sky without and with air; four hours across."""
+    """Each sky without and with air, a row each, at four hours."""
     pictures = []
     for sky, name in SKIES.items():
         for air in (False, True):
             told = "through air" if air else "no air"
-            shots = [
+            wanted = [
                 Shot(f"{name}, {hour}, {told}", "large/terrain.toml", f"2026-06-28T{hour}",
                      changes={"air": air})
                 for hour in HOURS
             ]  # fmt: skip
-            pictures += draw(shots, SIZE, sky)
+            pictures += draw(wanted, SIZE, sky)
     return pictures
 
 
@@ -97,7 +81,7 @@ def fog() -> list[Captioned]:
 
 
 def shafts() -> list[Captioned]:
-    """A hall in mist and a valley in haze, without and with the shadows in their air."""
+    """A hall in mist and a valley in haze, without and with light shafts."""
     hall, land = "large/hall.toml", "large/terrain.toml"
     dusk, haze = "2026-06-28T20:40", {"turbidity": 6.0}
     shown = {"light_shafts": True}
@@ -115,8 +99,8 @@ def shafts() -> list[Captioned]:
 def planet() -> list[Captioned]:
     """400 km up, by day, and where the sun sets below."""
     hours = {"day": "2026-06-21T08:00", "low sun": "2026-06-21T05:10", "dusk": "2026-06-21T04:35"}
-    shots = [Shot(name, "large/planet.toml", at) for name, at in hours.items()]
-    return draw(shots, LARGE)
+    wanted = [Shot(name, "large/planet.toml", at) for name, at in hours.items()]
+    return draw(wanted, LARGE)
 
 
 def main(folder: Path) -> None:

@@ -1,6 +1,6 @@
 """The camera climbs over the terrain, from a person's eye to 3,000 km: pictures, and their steps.
 
-    python -m vrut_lite_bench.climb FOLDER [--measure] [--sky NAME]
+    python -m tools.pictures.climb FOLDER [--measure] [--sky NAME]
 
 Writes climb.jpg, a film strip of twelve heights. With --measure it also draws pictures at heights
 2 % apart and compares each with the one before: what moves by a pixel is blurred away, and what
@@ -16,18 +16,17 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, median_filter
 
+from tools.pictures.drawing import scene_project, sheet
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.host import Host
-from vrut_lite.project import daylight_inputs, load_project, setting_inputs, view_inputs
+from vrut_lite.project import daylight_inputs, setting_inputs, view_inputs
 from vrut_lite.scene.loading import load_scene
-from vrut_lite_bench.bruneton_pictures import sheet
 
-PROJECT = Path("scenes/large/terrain.toml")
+SCENE = "large/terrain.toml"
 PLANET_M, EYE_M, HIGHEST_M = 6.36e6, 1.7, 3e6
 STRIP, STRIP_PX = 12, (480, 270)
 STEP, STEP_PX = 1.02, (320, 180)
@@ -92,11 +91,9 @@ def draw_climb(
     heights: NDArray[np.float64], size: tuple[int, int], sky: str
 ) -> list[NDArray[np.uint8]]:
     """Pictures (h, w, 3) at heights above the ground, in turn, as an application would."""
-    project = load_project(PROJECT)
-    project = msgspec.structs.replace(project, size=size, slots={"sky": sky})
+    project = scene_project(SCENE, size=size, slots={"sky": sky})
     ground_m = ground_under_origin_m(project.scene)
-    host = Host()
-    try:
+    with Host() as host:
         host.inject(*setting_inputs(project, host.kernel), *daylight_inputs(project))
         host.inject(*view_inputs(project))
         pictures = []
@@ -104,8 +101,6 @@ def draw_climb(
             host.inject(view_from(float(height_m), ground_m))
             pictures.append(np.asarray(host.draw().display))
         return pictures
-    finally:
-        host.close()
 
 
 def steps_between(

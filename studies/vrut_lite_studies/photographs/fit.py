@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, SRGB_FROM_XYZ, luminance
 from vrut_lite.geometry.panorama import lat_long_directions, sample_sky
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_bench.photograph_mask import Sun, elevations_deg
+from vrut_lite_studies.photographs.mask import Sun, elevations_deg
 
 # Radiance (n, 3), W m^-2 sr^-1, of a turbidity and a sun at directions (n, 3).
 Model = Callable[[float, Sun, FloatArray], FloatArray]

@@ -1,11 +1,11 @@
 """Every bundled scene in the GL frame and path-traced, side by side, and what differs.
 
-    python -m vrut_lite_bench.path_traced_scenes SHEET.jpg [SCENE ...]
+    python -m tools.pictures.path_traced SHEET.jpg [SCENE ...]
 
 Prague, 21 June, turbidity 3 and ground of albedo 0.1, no air; both backends are told the same.
 Printed are Markdown tables: HDR-FLIP and the difference in luminance by region, and single balls
 without neighbours or ground. Needs the extra `ref`; some half an hour of one core. Scenes are
-files in scenes/, all of `DRAWN` without any; the sheet is written after each row.
+files in scenes/, all of `DRAWN` without any; the sheet is saved after each row.
 """
 
 import sys
@@ -22,31 +22,28 @@ from numpy.typing import NDArray
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
-from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import minimum_filter
 
+from tools.pictures.drawing import SKIES, Captioned, scene_project, sheet
 from vrut_lite.array import Array
 from vrut_lite.commands.engines import EngineHost
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
+from vrut_lite.project import Project, daylight_inputs, view_inputs
 from vrut_lite.render import mesh_renderer
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.scene.darkness import no_ambient, no_background, no_sun
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAWN = ("sundial.toml", "street.toml", "spheres.glb", "pavilion.gltf", "large/terrain.toml",
          "large/hall.toml", "work/ground.glb", "work/indoor.glb")  # fmt: skip
 # Lit through windows, which few paths find.
 INDOORS = ("large/hall.toml", "work/indoor.glb")
-SKIES = {"dynamic_skylight": "Hosek-Wilkie", "bruneton_sky": "Bruneton"}
 HOURS = ("07:00", "12:30", "20:00")
 REGIONS = ("sunlit", "shadowed", "sky")
 SIZE, SAMPLES, INDOOR_SAMPLES, DIRECT_SAMPLES = (240, 150), 48, 64, 24
-_CAPTION_PX = 14
 _BALL_SIZE, _BALL_SAMPLES = (128, 128), 32
 _BESIDE_RAD = np.radians(40.0)
 Picture = NDArray[np.float32]
@@ -75,10 +72,8 @@ class Case(NamedTuple):
 
 def project_of(scene: str, sky: str, hour: str) -> Project:
     """A scene under a sky at an hour."""
-    path = SCENES / scene
-    project = load_project(path) if path.suffix == ".toml" else Project(scene=str(path))
-    return msgspec.structs.replace(
-        project,
+    return scene_project(
+        scene,
         place="50.0755,14.4378,200",
         at=f"2026-06-21T{hour}",
         slots={"sky": sky},
@@ -276,35 +271,26 @@ def _disc_mask(size: tuple[int, int]) -> NDArray[np.bool_]:
     return np.asarray(np.hypot(x, y) < 0.9 * np.tan(np.arcsin(0.5 / 4.0)) / np.tan(0.15))
 
 
-def sheet(rows: list[list[Case]]) -> Image.Image:
-    """Frame and path-traced picture of every case, a scene and sky a row, at one exposure."""
-    width, height = SIZE
-    pitch = height + _CAPTION_PX
-    paper = Image.new("RGB", (2 * width * len(HOURS), pitch * len(rows)), (24, 24, 24))
-    pen, font = ImageDraw.Draw(paper), ImageFont.load_default(11)
-    for i, cases_of_row in enumerate(rows):
-        for j, drawn in enumerate(cases_of_row):
-            for k, radiance in enumerate((drawn.frame, drawn.traced)):
-                picture = Image.fromarray(display_picture(radiance, drawn.ev100))
-                paper.paste(picture, ((2 * j + k) * width, i * pitch + _CAPTION_PX))
-            place = (2 * j * width + 4, i * pitch + 1)
-            pen.text(place, f"{drawn.caption}: frame, path-traced", (230, 230, 230), font=font)
-    return paper
+def captioned(drawn: Case) -> list[Captioned]:
+    """Frame and path-traced picture, at one exposure."""
+    return [
+        (f"{drawn.caption}, {told}", display_picture(radiance, drawn.ev100))
+        for told, radiance in (("frame", drawn.frame), ("path-traced", drawn.traced))
+    ]
 
 
 def main(path: Path, scenes: Sequence[str]) -> None:
     """Draw and trace these scenes and the balls, write the sheet, print the tables."""
     owner = GlOwner()
     gl = PyrenderBackend(owner)
-    rows: list[list[Case]] = []
+    pictures: list[Captioned] = []
     print("\n".join(HEADER))
     for scene in scenes:
         for sky in SKIES:
-            rows.append([])
             for drawn in cases(gl, scene, sky):
-                rows[-1].append(drawn)
+                pictures += captioned(drawn)
                 print(row(drawn), flush=True)
-            sheet(rows).save(path, quality=80)
+            sheet(pictures, 2 * len(HOURS)).save(path, quality=80)
     print("\n" + "\n".join(balls(gl)))
     gl.close()
     owner.close()

@@ -1,6 +1,6 @@
 """Pictures of the desktop application: the window with three scenes, and every panel on a sheet.
 
-    xvfb-run -a -s "-screen 0 1920x1200x24" python -m vrut_lite_bench.window_pictures FOLDER
+    xvfb-run -a -s "-screen 0 1920x1200x24" python -m tools.pictures.window FOLDER
 
 Writes app_street.jpg, app_sundial.jpg, app_pavilion.jpg, app_compare.jpg and app_panels.jpg. On the
 sheet panels are shown whole, also what a window would scroll.
@@ -16,13 +16,13 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
+from tools.pictures.drawing import scene_project
 from vrut_lite.app.command_palette import CommandPalette
 from vrut_lite.app.engine import Shown
 from vrut_lite.app.main_window import MainWindow
@@ -34,21 +34,20 @@ from vrut_lite.app.shortcut_list import ShortcutList
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetClock
-from vrut_lite.project import CameraView, Project, load_project
+from vrut_lite.project import CameraView, Project
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
-STREET = msgspec.structs.replace(load_project(str(SCENES / "street.toml")), at="2026-06-21T18:40")
+STREET = scene_project("street.toml", at="2026-06-21T18:40")
 # The camera looks up toward the morning's sun, over the dial.
-SUNDIAL = Project(
-    scene=str(SCENES / "sundial.glb"),
+SUNDIAL = scene_project(
+    "sundial.glb",
     at="2026-06-21T10:00",
     slots={"sky": "bruneton_sky"},
     camera=CameraView(
         eye_m=(-7.0, 1.7, -2.5), target_m=(2.4, 5.8, 0.9), vertical_field_of_view_deg=66.0
     ),
 )
-PAVILION = Project(
-    scene=str(SCENES / "pavilion.gltf"),
+PAVILION = scene_project(
+    "pavilion.gltf",
     at="2026-05-21T16:30",
     settings={"clouds": {"coverage": 0.45}},
 )
@@ -64,7 +63,7 @@ _REST_S, _LIMIT_S = 1.5, 120.0
 Pixels = NDArray[np.uint8]
 
 
-class Sitter:
+class PosedWindow:
     """A window that can be waited for and looked at, part by part."""
 
     def __init__(self, app: QApplication, folder: Path):
@@ -159,90 +158,90 @@ def sheet(parts: list[Pixels], strip: Pixels) -> Image.Image:
     return whole
 
 
-def later(sitter: Sitter) -> None:
+def later(posed: PosedWindow) -> None:
     """Move the clock by a minute, and wait."""
-    clock = sitter.session.last(ClockMoved)
+    clock = posed.session.last(ClockMoved)
     assert clock is not None
-    sitter.session.send(SetClock(instant=clock.instant + timedelta(minutes=1)))
-    sitter.rest()
+    posed.session.send(SetClock(instant=clock.instant + timedelta(minutes=1)))
+    posed.rest()
 
 
-def messages(sitter: Sitter) -> Pixels:
+def messages(posed: PosedWindow) -> Pixels:
     """The message inspector with what a move of the clock caused."""
-    inspector = sitter.window.panels["messages"]
+    inspector = posed.window.panels["messages"]
     assert isinstance(inspector, MessageInspector)
-    sitter.window.show_dock("messages")
-    sitter.rest()
-    later(sitter)
+    posed.window.show_dock("messages")
+    posed.rest()
+    later(posed)
     rows = inspector.table.messages.shown
     chosen = [row.number for row in rows if row.type_name == "SunMoved"] or [rows[-1].number]
     inspector.table.go_to(chosen[-1])
-    return sitter.panel("messages")
+    return posed.panel("messages")
 
 
-def profiler(sitter: Sitter) -> Pixels:
+def profiler(posed: PosedWindow) -> Pixels:
     """The overlay over the picture, while the day passes."""
-    actions = sitter.window.actions_by_name
+    actions = posed.window.actions_by_name
     actions["profiler"].trigger()
     actions["play"].trigger()
-    sitter.until(lambda: len(sitter.window.profiler.lines) > 12)
-    found = seen(sitter.window.profiler)
+    posed.until(lambda: len(posed.window.profiler.lines) > 12)
+    found = seen(posed.window.profiler)
     actions["play"].trigger()
     actions["profiler"].trigger()
     return found
 
 
-def dialogs(sitter: Sitter) -> list[Pixels]:
+def dialogs(posed: PosedWindow) -> list[Pixels]:
     """The palette with a word in it, and the list of keys."""
-    palette, keys = CommandPalette(sitter.window), ShortcutList(sitter.window)
+    palette, keys = CommandPalette(posed.window), ShortcutList(posed.window)
     palette.line.setText("sun")
     found = []
     for dialog in (palette, keys):
         dialog.show()
-        sitter.rest()
+        posed.rest()
         found.append(seen(dialog))
         dialog.close()
     return found
 
 
-def all_parts(sitter: Sitter) -> list[Pixels]:
+def all_parts(posed: PosedWindow) -> list[Pixels]:
     """Each panel, in the order of the sheet."""
-    parts = [sitter.panel(name) for name in ("place", "sun", "picture", "export")]
+    parts = [posed.panel(name) for name in ("place", "sun", "picture", "export")]
     for sky in ("dynamic_skylight", "bruneton_sky"):
-        sitter.session.send(ChooseSlot(slot="sky", module=sky))
-        sitter.rest()
-        parts.append(sitter.panel("sky"))
-    parts += [sitter.panel(name) for name in sitter.window.docks if name.startswith("module ")]
-    sitter.window.show_dock("compare")
-    sitter.rest()
-    disc = sitter.window.panels["compare"].findChildren(SkyDisc)[0]
+        posed.session.send(ChooseSlot(slot="sky", module=sky))
+        posed.rest()
+        parts.append(posed.panel("sky"))
+    parts += [posed.panel(name) for name in posed.window.docks if name.startswith("module ")]
+    posed.window.show_dock("compare")
+    posed.rest()
+    disc = posed.window.panels["compare"].findChildren(SkyDisc)[0]
     disc.pointed.emit(POINTED)
     # An atmosphere of twelve wavelengths is solved for it.
     for _ in range(4):
-        sitter.rest()
-    parts += [sitter.panel("compare"), sitter.panel("modules"), messages(sitter)]
-    return [trimmed(part) for part in [*parts, profiler(sitter), *dialogs(sitter)]]
+        posed.rest()
+    parts += [posed.panel("compare"), posed.panel("modules"), messages(posed)]
+    return [trimmed(part) for part in [*parts, profiler(posed), *dialogs(posed)]]
 
 
-def windows(sitter: Sitter) -> Iterator[tuple[str, Pixels]]:
+def windows(posed: PosedWindow) -> Iterator[tuple[str, Pixels]]:
     """The window as it is first seen, and at three more occasions, by name."""
-    window = sitter.window
+    window = posed.window
     yield "street", seen(window)
     window.show_dock("compare")
-    sitter.finish()
+    posed.finish()
     yield "compare", seen(window)
     window.docks["compare"].hide()
     window.show_dock("sun")
     window.actions_by_name["sun path"].trigger()
-    sitter.open(SUNDIAL)
+    posed.open(SUNDIAL)
     yield "sundial", seen(window)
     window.actions_by_name["sun path"].trigger()
     window.show_dock("picture")
     window.show_dock("module clouds")
-    sitter.open(PAVILION)
+    posed.open(PAVILION)
     # Clouds are made on a thread, and drawn when they are there.
-    sitter.until(lambda: sitter.session.last(CloudsChanged) is not None)
-    sitter.finish()
+    posed.until(lambda: posed.session.last(CloudsChanged) is not None)
+    posed.finish()
     yield "pavilion", seen(window)
 
 
@@ -252,18 +251,18 @@ def main() -> None:
     app = QApplication([])
     apply_theme(app)
     with tempfile.TemporaryDirectory() as presets:
-        sitter = Sitter(app, Path(presets))
+        posed = PosedWindow(app, Path(presets))
         try:
-            for name, picture in windows(sitter):
+            for name, picture in windows(posed):
                 Image.fromarray(picture).save(folder / f"app_{name}.jpg", quality=90)
-            sitter.window.resize(*LARGE)
-            sitter.open(STREET)
-            parts = all_parts(sitter)
-            whole = sheet(parts, sitter.panel("time"))
+            posed.window.resize(*LARGE)
+            posed.open(STREET)
+            parts = all_parts(posed)
+            whole = sheet(parts, posed.panel("time"))
             whole.save(folder / "app_panels.jpg", quality=88)
         finally:
-            sitter.window.close()
-            sitter.session.join()
+            posed.window.close()
+            posed.session.join()
 
 
 if __name__ == "__main__":

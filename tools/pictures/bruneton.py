@@ -1,6 +1,6 @@
-"""Pictures of the Bruneton sky to look at: a climb to space, a day, the thesis's, the tables.
+"""Pictures of the Bruneton sky: a climb to space, a day, the thesis's figures, the tables.
 
-    python -m vrut_lite_bench.bruneton_pictures FOLDER
+    python -m tools.pictures.bruneton FOLDER
 
 Writes bruneton_climb.jpg, bruneton_day.jpg, bruneton_thesis.jpg (figures A.6 to A.9 of Hvezda
 2020, which print the sun's elevation but neither camera nor field of view) and
@@ -9,7 +9,6 @@ host's; there is no sun's disc.
 """
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,14 +19,13 @@ from bruneton_sky.solver import SourceField, irradiance_table, march_tables, sol
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.sizes import TableSizes
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
+from PIL import Image
 
+from tools.pictures.drawing import HEIGHT, WIDTH, sheet, sun_direction, view_directions
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
 from vrut_lite.render.display import display_picture
-from vrut_lite_bench.hosek_wilkie_thesis import view_directions
 
 CUBE_SIZE, FISHEYE_PX = 1024, 280
-_CAPTION_HEIGHT = 22
 Picture = NDArray[np.integer]
 
 
@@ -60,24 +58,18 @@ DAY_DEG = (45.0, 20.0, 8.0, 2.0, 0.0, -2.0, -4.0, -6.0, -9.0, -12.0)
 
 def draw(field: SourceField, view: View) -> Picture:
     """What the camera sees (300, 480, 3)."""
-    around = surroundings(field, view.height_m, sun(view.sun_elevation_deg, view.sun_azimuth_deg))
+    sun = sun_direction(view.sun_elevation_deg, view.sun_azimuth_deg)
+    around = surroundings(field, view.height_m, sun)
     cube = background_cube(around, CUBE_SIZE)
     return display_picture(sample_sky(cube, view_directions(view.pitch_deg)).astype(np.float32))
 
 
 def fisheye(field: SourceField, sun_elevation_deg: float) -> Picture:
-    """All of the sky from the ground, the sun toward the top."""
-    around = surroundings(field, 0.0, sun(sun_elevation_deg, 0.0))
+    """The whole sky from the ground, the sun towards the top."""
+    around = surroundings(field, 0.0, sun_direction(sun_elevation_deg, 0.0))
     directions, inside = fisheye_directions(FISHEYE_PX)
     radiance = sample_sky(background_cube(around, 256), directions) * inside[..., None]
     return display_picture(radiance.astype(np.float32), inside=inside)
-
-
-def sun(elevation_deg: float, azimuth_deg: float) -> NDArray[np.float64]:
-    """Direction (3,) to the sun in world axes, azimuth from north, clockwise."""
-    elevation, azimuth = np.radians(elevation_deg), np.radians(azimuth_deg)
-    level = np.cos(elevation)
-    return np.array([level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)])
 
 
 def table_pictures() -> list[tuple[str, Picture]]:
@@ -102,23 +94,9 @@ def table_pictures() -> list[tuple[str, Picture]]:
 
 
 def _as_bytes(values: NDArray[np.floating]) -> Picture:
-    """Square roots: the dark parts of a table matter too. Nodes stay visible as they are."""
+    """Square roots of the values, so that dark parts show; a node is a block of pixels."""
     picture = (255.0 * np.sqrt(np.clip(values, 0.0, 1.0))).astype(np.uint8)
-    return np.asarray(Image.fromarray(picture).resize((480, 300), Image.Resampling.NEAREST))
-
-
-def sheet(pictures: Sequence[tuple[str, Picture]], columns: int) -> Image.Image:
-    """Pictures of one size in rows, captioned."""
-    height, width = pictures[0][1].shape[:2]
-    rows = -(-len(pictures) // columns)
-    paper = Image.new("RGB", (columns * width, rows * (height + _CAPTION_HEIGHT)), "white")
-    pen = ImageDraw.Draw(paper)
-    for number, (caption, picture) in enumerate(pictures):
-        left = width * (number % columns)
-        top = (height + _CAPTION_HEIGHT) * (number // columns)
-        paper.paste(Image.fromarray(picture), (left, top))
-        pen.text((left + 6, top + height + 5), caption, fill="black")
-    return paper
+    return np.asarray(Image.fromarray(picture).resize((WIDTH, HEIGHT), Image.Resampling.NEAREST))
 
 
 def main(folder: Path) -> None:
