@@ -33,7 +33,7 @@ class Shot(NamedTuple):
 
 def draw(wanted: Sequence[Shot], size: tuple[int, int], sky: str = _BRUNETON) -> list[Captioned]:
     """The pictures, captioned with the sun's height."""
-    drawn = []
+    drawn: list[Captioned] = []
     for shot in wanted:
         project = project_of(shot, size, sky)
         (taken,) = shots(project, [project.at])
