@@ -1,14 +1,14 @@
 """Whether windows that are opened and closed leave anything behind.
 
-    QT_QPA_PLATFORM=offscreen python -m vrut_lite_bench.window_cycles [TIMES]
+    QT_QPA_PLATFORM=offscreen python -m tools.window_cycles [TIMES]
 
-Each time a window with a host of its own draws one finished picture with OpenGL and is closed. Told
-are the process's memory, its files and threads, how many windows and hosts are still alive, and
-how many objects OpenGL had in the window's context before it was closed.
+Each time a window with a host of its own draws one finished picture with OpenGL and is closed. It
+prints the process's memory, its files and threads, how many windows and sessions are still alive,
+and how many objects OpenGL had in the window's context before it was closed.
 
 Blocks of a MiB and more are given back to the system at once. glibc would learn from the first of
-them to keep its like, in holes that later ones do not quite fit: memory of no one, which comes and
-goes by 80 MiB and hides what is left behind.
+them to keep its like, in holes that later ones do not quite fit: 80 MiB of free
+memory that come and go and hide what is left behind.
 """
 
 import ctypes
@@ -37,7 +37,7 @@ from vrut_lite.project import load_project
 SIZE = (640, 480)
 _TOLD_EACH = 20
 _NAMES = range(1, 2000)
-# Until then caches fill: of Mesa's shaders, Python's modules and the allocator.
+# Until then the caches of Mesa's shaders, of Python's modules and of the allocator fill.
 _SETTLED = 60
 _M_MMAP_THRESHOLD, _LARGE_BYTES = -3, 2**20
 

@@ -1,25 +1,66 @@
-"""Messages a second through the kernel, and through signal libraries, in the same run.
+"""A thousand messages through the kernel, and through libraries of signals, in the same run.
 
-    python -m vrut_lite_bench.dispatch
-
-Everyone passes one message object, made beforehand, to handlers that count it. The kernel
-does so with isolation and trace on, either as posts after one input or as an input each.
-The contestants take turns; each figure is the least CPU time of all rounds, which is the one
-that other work on the machine disturbed least.
+All pass one message object, made beforehand, to handlers that count it. The kernel does so with
+isolation and trace on, either as posts after one input or as an input each.
 """
 
 import importlib
-import time
-from collections.abc import Callable, Iterator
-from importlib.metadata import version
+from collections.abc import Callable
+from functools import partial
+from importlib.util import find_spec
 from typing import Any, NamedTuple
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite_bench.bench_path import BenchPath, Group, Work
 
-MESSAGES = 10_000
-ROUNDS = 40
+MESSAGES, THOUSANDS = 10_000, 10
+
+
+def groups(_quick: bool) -> list[Group]:
+    """To one subscriber and to four."""
+    left_out = {
+        name: f"{package} is not installed"
+        for name, (package, _) in CONTESTANTS.items()
+        if find_spec(package) is None
+    }
+    return [
+        Group(
+            name=f"dispatch-{count}",
+            title=f"Messages to {count} subscriber{'s' if count > 1 else ''}",
+            unit="a thousand messages",
+            norm="none: every message arrives",
+            truth="none",
+            paths=tuple(_path(name, count) for name in CONTESTANTS if name not in left_out),
+            left_out=left_out,
+        )
+        for count in (1, 4)
+    ]
+
+
+def _path(name: str, subscribers: int) -> BenchPath:
+    return BenchPath(
+        name=name,
+        family=name,
+        parameters={"subscribers": subscribers},
+        prepare=partial(_prepare, name, subscribers),
+        error=None,
+        units=THOUSANDS,
+    )
+
+
+def _prepare(name: str, subscribers: int) -> Work:
+    """The contestant's work, run once to see that no message is lost.
+
+    Raises:
+        RuntimeError: a subscriber missed a message, or heard one twice.
+    """
+    contestant = CONTESTANTS[name][1](subscribers)
+    contestant.run()
+    if any(counter.count != MESSAGES for counter in contestant.counters):
+        raise RuntimeError(f"{name} lost or doubled messages")
+    return contestant.run
 
 
 class Burst(Input, frozen=True, kw_only=True):
@@ -58,9 +99,8 @@ class Counter:
 
 
 class Contestant(NamedTuple):
-    """A way to pass messages: `run()` passes `MESSAGES`, `counters` are who hears them."""
+    """`run()` passes `MESSAGES` messages to the `counters`."""
 
-    name: str
     run: Callable[[], None]
     counters: list[Counter]
 
@@ -107,7 +147,7 @@ def kernel_posts(subscribers: int) -> Contestant:
         kernel.inject(Burst(count=MESSAGES))
         kernel.pump()
 
-    return Contestant("vrut_lite, posts after one input", run, counters)
+    return Contestant(run, counters)
 
 
 def kernel_inputs(subscribers: int) -> Contestant:
@@ -121,7 +161,7 @@ def kernel_inputs(subscribers: int) -> Contestant:
             inject(single)
             pump()
 
-    return Contestant("vrut_lite, an input each", run, counters)
+    return Contestant(run, counters)
 
 
 def _repeat(send: Callable[[Moved], Any]) -> Callable[[], None]:
@@ -140,7 +180,7 @@ def psygnal_signal(subscribers: int) -> Contestant:
     owner = type("Owner", (), {"moved": psygnal.Signal(object)})()
     for counter in counters:
         owner.moved.connect(counter.on_moved)
-    return Contestant(f"psygnal {version('psygnal')}", _repeat(owner.moved.emit), counters)
+    return Contestant(_repeat(owner.moved.emit), counters)
 
 
 def pluggy_hook(subscribers: int) -> Contestant:
@@ -167,7 +207,7 @@ def pluggy_hook(subscribers: int) -> Contestant:
         for _ in range(MESSAGES):
             hook(message=moved)
 
-    return Contestant(f"pluggy {version('pluggy')}", run, counters)
+    return Contestant(run, counters)
 
 
 def blinker_signal(subscribers: int) -> Contestant:
@@ -177,7 +217,7 @@ def blinker_signal(subscribers: int) -> Contestant:
     signal = blinker.Signal()
     for counter in counters:
         signal.connect(counter.on_moved)
-    return Contestant(f"blinker {version('blinker')}", _repeat(signal.send), counters)
+    return Contestant(_repeat(signal.send), counters)
 
 
 def pyside_signal(subscribers: int) -> Contestant:
@@ -197,57 +237,14 @@ def pyside_signal(subscribers: int) -> Contestant:
         for _ in range(MESSAGES):
             emit(moved)
 
-    return Contestant(f"PySide6 signal {core.__version__}", run, counters)
+    return Contestant(run, counters)
 
 
-CONTESTANTS = (
-    kernel_posts,
-    kernel_inputs,
-    psygnal_signal,
-    pluggy_hook,
-    blinker_signal,
-    pyside_signal,
-)
-
-
-def measure(subscribers: int, rounds: int = ROUNDS) -> tuple[dict[str, float], list[str]]:
-    """CPU time per message in seconds by contestant, and the names of what is not installed.
-
-    Raises:
-        RuntimeError: a subscriber missed a message.
-    """
-    contestants, missing = [], []
-    for make in CONTESTANTS:
-        try:
-            contestants.append(make(subscribers))
-        except ModuleNotFoundError as error:
-            missing.append(str(error.name).partition(".")[0])
-    least_s = {contestant.name: float("inf") for contestant in contestants}
-    for _ in range(rounds):
-        for contestant in contestants:
-            start_s = time.process_time()
-            contestant.run()
-            spent_s = time.process_time() - start_s
-            least_s[contestant.name] = min(least_s[contestant.name], spent_s / MESSAGES)
-    for contestant in contestants:
-        if any(counter.count != rounds * MESSAGES for counter in contestant.counters):
-            raise RuntimeError(f"{contestant.name} lost or doubled messages")
-    return least_s, missing
-
-
-def report(rounds: int = ROUNDS) -> Iterator[str]:
-    """The figures as lines of text: microseconds, million messages a second, and the ratio."""
-    for subscribers in (1, 4):
-        least_s, missing = measure(subscribers, rounds)
-        ours_s = next(iter(least_s.values()))
-        yield f"{subscribers} subscriber{'s' if subscribers > 1 else ''}"
-        for name, spent_s in least_s.items():
-            speed = f"{spent_s * 1e6:6.2f} us  {1e-6 / spent_s:5.2f} M/s"
-            yield f"  {name:34s} {speed}  {spent_s / ours_s:5.2f} x"
-        if missing:
-            yield f"  not installed, not compared: {', '.join(missing)}"
-
-
-if __name__ == "__main__":
-    for line in report():
-        print(line)
+CONTESTANTS: dict[str, tuple[str, Callable[[int], Contestant]]] = {
+    "vrut_lite, posts after one input": ("vrut_lite", kernel_posts),
+    "vrut_lite, an input each": ("vrut_lite", kernel_inputs),
+    "psygnal": ("psygnal", psygnal_signal),
+    "pluggy": ("pluggy", pluggy_hook),
+    "blinker": ("blinker", blinker_signal),
+    "PySide6": ("PySide6", pyside_signal),
+}

@@ -1,12 +1,20 @@
-"""What is measured: ways to compute something, and all that a way is made of."""
+"""What is measured: a benchmark path is one way to compute something; a group holds rivals."""
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 Work = Callable[[], Any]
 Parameter = int | float | str
+_FLOOR = 1e-3
+PICTURE_NORM = (
+    "difference over the larger of the value and a thousandth of the picture's maximum, "
+    "each channel; 99th percentile over the picture"
+)
 
 
 class Spent(NamedTuple):
@@ -23,6 +31,18 @@ class Errors(NamedTuple):
     mean: float
     p99: float
     largest: float
+
+
+def relative_errors(found: NDArray[Any], exact: NDArray[Any]) -> Errors:
+    """Errors relative to the larger of each value and a thousandth of the picture's maximum."""
+    right = np.asarray(exact, dtype=float)
+    least = _FLOOR * float(right.max())
+    return sizes_of(np.abs(np.asarray(found, dtype=float) - right) / np.maximum(right, least))
+
+
+def sizes_of(errors: NDArray[Any]) -> Errors:
+    """Mean, 99th percentile and largest."""
+    return Errors(float(errors.mean()), float(np.quantile(errors, 0.99)), float(errors.max()))
 
 
 class Clock(NamedTuple):
@@ -52,7 +72,7 @@ WALL_TIME = Clock("wall time", wall_spent)
 
 
 @dataclass(frozen=True)
-class Path:
+class BenchPath:
     """One way to compute something.
 
     Attributes:
@@ -101,6 +121,6 @@ class Group:
     unit: str
     norm: str
     truth: str
-    paths: tuple[Path, ...]
+    paths: tuple[BenchPath, ...]
     front_of: str = ""
     left_out: dict[str, str] = field(default_factory=dict)

@@ -1,6 +1,6 @@
 """Mitsuba's sunsky on the directions of a cube map, of its sky or all, in a process of its own.
 
-    python -m vrut_lite_bench.hosek_wilkie_mitsuba SIZE...
+    python -m vrut_lite_bench.paths.hosek_wilkie_mitsuba SIZE...
 
 Prints JSON: the variant, CPU seconds by size on one thread, for the sky texels and for every
 texel, and the errors of the smallest map's sky. llvm_ad_rgb needs an LLVM that drjit takes
@@ -23,7 +23,7 @@ _LLVM_PLACES = ("/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1", "/usr/lib/libLLVM.s
 
 def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
     """The figures of a process that uses LLVM, or of one that does not if that one ends badly."""
-    command = [sys.executable, "-m", "vrut_lite_bench.hosek_wilkie_mitsuba", *map(str, sizes)]
+    command = [sys.executable, "-m", "vrut_lite_bench.paths.hosek_wilkie_mitsuba", *map(str, sizes)]
     for library in (*filter(os.path.exists, _LLVM_PLACES), ""):
         environment = {**os.environ, "DRJIT_LIBLLVM_PATH": library}
         answer = subprocess.run(
@@ -36,8 +36,8 @@ def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
 
 def _main(sizes: list[int]) -> dict[str, Any]:
     from vrut_lite.geometry.cube_map import texel_directions
-    from vrut_lite_bench.errors import relative_errors
-    from vrut_lite_bench.hosek_wilkie_formats import SKY, SUN, exact_radiance, sky_directions
+    from vrut_lite_bench.bench_path import relative_errors
+    from vrut_lite_bench.paths.hosek_wilkie_formats import SKY, SUN, exact_radiance, sky_directions
 
     mitsuba: Any = importlib.import_module("mitsuba")
     vectorised = bool(os.environ.get("DRJIT_LIBLLVM_PATH"))
