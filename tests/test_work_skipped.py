@@ -6,14 +6,24 @@ from datetime import timedelta
 import msgspec
 import pytest
 from long_parameters import mostly_long
-from vrut_lite_bench.work_of_a_day import DAY_SCENES
-from vrut_lite_bench.work_skipped import NOTHING, PLAYED, difference, play, play_frames, rows
+from vrut_lite_bench.paths.frame import NOTHING
 
-from vrut_lite.project import load_project
+from tools.work_skipped import DAY_SCENES, SCENES, difference, play_frames, rows
+from vrut_lite.project import Project, load_project
 from vrut_lite.render.skips import FrameSkips
 
 pytestmark = pytest.mark.gl
 SIZE = (96, 60)
+# A closed room, a camera to the ground, a small indoor scene, a planet, and a street.
+PLAYED = {
+    "closed room": SCENES / "work" / "room.glb",
+    "camera to the ground": SCENES / "work" / "ground.glb",
+    "small indoor scene": SCENES / "work" / "indoor.glb",
+    "planet-sized": SCENES / "work" / "planet.glb",
+    "street": SCENES / "street.obj",
+}
+# The first frame; the same again; a second later; twenty minutes later.
+LATERS = (timedelta(0), timedelta(0), timedelta(seconds=1), timedelta(minutes=20))
 # What each scene spares in full, of the work that frames do.
 SPARED = {
     "closed room": {"reflection slice", "shadow map", "sky sample"},
@@ -31,7 +41,8 @@ def plays():
 
     def get(name, skips):
         if (name, skips) not in made:
-            made[name, skips] = play(PLAYED[name], SIZE, skips)
+            project = Project(scene=str(PLAYED[name]), at="2026-06-21T16:00", size=SIZE)
+            made[name, skips] = play_frames(project, skips, LATERS)
         return made[name, skips]
 
     return get

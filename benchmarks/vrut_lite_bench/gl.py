@@ -1,7 +1,12 @@
-"""Work on whatever OpenGL there is, timed by a clock that can be trusted there."""
+"""Work on whatever OpenGL there is, timed by a clock that can be trusted there.
+
+On a graphics card work is timed by timer queries. llvmpipe, which draws on the CPU, does not count
+compute shaders in them: there it is the CPU time of all threads until everything is finished.
+"""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from functools import lru_cache
 from typing import Any
 
@@ -11,8 +16,11 @@ from numpy.typing import NDArray
 from vrut_lite.gpu_job import GpuJob
 from vrut_lite.render.gl_environment import probe_gl
 from vrut_lite.render.gl_owner import GlOwner
-from vrut_lite_bench.gpu_clock import clock_name, has_timer
-from vrut_lite_bench.path import WALL_TIME, Clock, Spent, Work, cpu_spent
+from vrut_lite_bench.bench_path import WALL_TIME, Clock, Spent, Work, cpu_spent
+
+# A card at rest runs slowly at first: `least_s` measures at least so long, and so many rounds.
+_WARM_S, _ROUNDS = 0.3, 7
+_CLOSERS: list[Callable[[], None]] = []
 
 
 @lru_cache(maxsize=1)
@@ -25,16 +33,13 @@ def gl_owner() -> GlOwner:
     return GlOwner()
 
 
-_CLOSERS: list[Callable[[], None]] = []
-
-
 def on_close(close: Callable[[], None]) -> None:
     """Have something closed at the end, before the owner."""
     _CLOSERS.append(close)
 
 
 def close_gl() -> None:
-    """Give back what a run made."""
+    """Close all that a run made."""
     while _CLOSERS:
         _CLOSERS.pop(0)()
     if gl_owner.cache_info().currsize:
@@ -43,7 +48,7 @@ def close_gl() -> None:
 
 
 def missing_gl() -> str:
-    """Why there is no OpenGL; nothing where there is."""
+    """Why there is no OpenGL; empty where there is."""
     name, reason = probe_gl()
     return "" if name else f"no OpenGL 4.3 through EGL ({reason})"
 
@@ -53,16 +58,25 @@ def renderer() -> str:
     return probe_gl()[0].split(" (")[0] or "none"
 
 
+def has_timer(renderer: str) -> bool:
+    """Whether timer queries see compute shaders; llvmpipe's do not."""
+    return not renderer.startswith("llvmpipe")
+
+
+def clock_name(renderer: str) -> str:
+    """What GPU work is timed by."""
+    return "timer query" if has_timer(renderer) else "CPU time of all threads"
+
+
 def gl_clock() -> Clock:
-    """By timer query; where that sees nothing, CPU time of all threads until all is finished."""
+    """The clock of a `GlWork`."""
     name = probe_gl()[0]
     return Clock(clock_name(name), _by_query if has_timer(name) else cpu_spent)
 
 
 def gl_read_back_clock() -> Clock:
     """For work whose results are read back: wall time, or CPU time where the CPU does it all."""
-    name = probe_gl()[0]
-    return WALL_TIME if has_timer(name) else gl_clock()
+    return WALL_TIME if has_timer(probe_gl()[0]) else gl_clock()
 
 
 def _by_query(work: Work) -> Spent:
@@ -71,43 +85,76 @@ def _by_query(work: Work) -> Spent:
     return Spent(result, float(result.gpu_s), time.perf_counter() - wall_s)
 
 
-class GlCube:
-    """A job's shader, run again and again into one texture that is kept.
+def least_s(context: Any, work: Callable[[], Any]) -> float:
+    """The shortest of many rounds of GPU work, in seconds; called on the context's thread."""
+    by_query = has_timer(context.info["GL_RENDERER"])
+    end = time.perf_counter() + _WARM_S
+    spent: list[float] = []
+    while len(spent) < _ROUNDS or time.perf_counter() < end:
+        query = context.query(time=True)
+        start = time.process_time()
+        with query:
+            work()
+        context.finish()
+        spent.append(query.elapsed * 1e-9 if by_query else time.process_time() - start)
+    return min(spent)
 
-    `scale` is what texels are multiplied by when they are read.
+
+class GlWork:
+    """Work that is prepared once, on the GL thread, and run again and again.
+
+    `gpu_s` is what the last run took by timer query.
     """
 
-    def __init__(self, job: GpuJob, scale: float = 1.0):
+    def __init__(self, prepare: Callable[[Any], Callable[[], Any]]):
         self.gpu_s = 0.0
-        self._job, self._scale = job, scale
-        gl_owner().call(self._prepare)
+        self._work = gl_owner().call(prepare)
 
-    def _prepare(self, context: Any) -> None:
-        job = self._job
-        self._program = context.compute_shader(job.compute_shader)
-        for name, value in job.uniforms.items():
-            if name in self._program:
-                self._program[name].value = value
-        self._buffers = {
-            binding: context.buffer(array.values.tobytes()) for binding, array in job.buffers
-        }
-        kind = "f2" if job.format == "rgba16f" else "f4"
-        self._texture = context.texture_cube((job.size, job.size), 4, dtype=kind)
-
-    def __call__(self) -> "GlCube":
+    def __call__(self) -> "GlWork":
         """Run it, and wait until it is done."""
         gl_owner().call(self._run)
         return self
 
     def _run(self, context: Any) -> None:
-        self._texture.bind_to_image(0, read=False, write=True)
-        for binding, buffer in self._buffers.items():
-            buffer.bind_to_storage_buffer(binding)
         query = context.query(time=True)
         with query:
-            self._program.run(*self._job.groups)
+            self._work()
         context.finish()
         self.gpu_s = query.elapsed * 1e-9
+
+
+class GlTexture(GlWork):
+    """A job's shader, run again and again into one texture, of a cube or of three dimensions.
+
+    `scale` is what texels are multiplied by when they are read.
+    """
+
+    def __init__(self, job: GpuJob, scale: float = 1.0):
+        self._job, self._scale = job, scale
+        super().__init__(self._prepare)
+
+    def _prepare(self, context: Any) -> Callable[[], None]:
+        job = self._job
+        program = context.compute_shader(job.compute_shader)
+        for name, value in job.uniforms.items():
+            if name in program:
+                program[name].value = value
+        buffers = {
+            binding: context.buffer(array.values.tobytes()) for binding, array in job.buffers
+        }
+        kind = "f2" if job.format == "rgba16f" else "f4"
+        if isinstance(job.size, tuple):
+            self._texture = context.texture3d(job.size, 4, dtype=kind)
+        else:
+            self._texture = context.texture_cube((job.size, job.size), 4, dtype=kind)
+
+        def work() -> None:
+            self._texture.bind_to_image(0, read=False, write=True)
+            for binding, buffer in buffers.items():
+                buffer.bind_to_storage_buffer(binding)
+            program.run(*job.groups)
+
+        return work
 
     def read(self) -> NDArray[np.float64]:
         """The cube (6, size, size, 3)."""
@@ -121,14 +168,44 @@ class GlCube:
         return cube[..., :3].astype(float)
 
 
-class GlCubes:
-    """Some cubes, one after another."""
+class GlTextures:
+    """Some textures, one after another."""
 
-    def __init__(self, cubes: list[GlCube]):
-        self.cubes = cubes
+    def __init__(self, textures: list[GlTexture]):
+        self.textures = textures
         self.gpu_s = 0.0
 
-    def __call__(self) -> "GlCubes":
+    def __call__(self) -> "GlTextures":
         """Run them all."""
-        self.gpu_s = sum(cube().gpu_s for cube in self.cubes)
+        for texture in self.textures:
+            texture()
+        self.gpu_s = sum(texture.gpu_s for texture in self.textures)
         return self
+
+
+class PassTimer:
+    """Keeps the seconds of each pass in the last frame; used on the GL thread."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._by_query = has_timer(context.info["GL_RENDERER"])
+        self.spent: dict[str, float] = {}
+
+    def __call__(self, name: str) -> AbstractContextManager[None]:
+        """Time what is done inside."""
+        return self._by_gpu(name) if self._by_query else self._by_cpu(name)
+
+    @contextmanager
+    def _by_gpu(self, name: str) -> Iterator[None]:
+        query = self._context.query(time=True)
+        with query:
+            yield
+        self.spent[name] = query.elapsed * 1e-9
+
+    @contextmanager
+    def _by_cpu(self, name: str) -> Iterator[None]:
+        self._context.finish()
+        start = time.process_time()
+        yield
+        self._context.finish()
+        self.spent[name] = time.process_time() - start

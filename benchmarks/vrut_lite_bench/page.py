@@ -1,4 +1,4 @@
-"""The page of a run: plots, tables, peers, in one HTML file; plots and tables lie beside it too."""
+"""The files of a run: an HTML page of plots and tables, the plots, tables as CSV and Markdown."""
 
 import csv
 import io
@@ -6,10 +6,10 @@ from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from html import escape
 
-from vrut_lite_bench.markdown import markdown
+from vrut_lite_bench.front import on_front
 from vrut_lite_bench.peers import Row, peer_rows
 from vrut_lite_bench.plots import plot_png
-from vrut_lite_bench.results import Measured, Results, to_json
+from vrut_lite_bench.results import GroupNote, Measured, Results, to_json
 
 PAGE, JSON = "index.html", "bench.json"
 _STYLE = """
@@ -34,7 +34,7 @@ def files_of(results: Results) -> dict[str, bytes]:
             files[f"bench_{group.name}.png"] = plot_png(group, paths)
     files["paths.csv"] = _csv(("group", *_PATH_HEADER), _all_rows(results))
     files["peers.csv"] = _csv(_PEER_HEADER, peer_rows(results.paths))
-    files["tables.md"] = markdown(results).encode()
+    files["tables.md"] = "".join(f"{line}\n" for line in _markdown(results)).encode()
     files[PAGE] = _page(results, files).encode()
     return files
 
@@ -114,3 +114,38 @@ def _csv(header: Sequence[str], rows: Iterator[Sequence[object]] | Sequence[Row]
     writer.writerow(header)
     writer.writerows(rows)
     return file.getvalue().encode()
+
+
+def _markdown(results: Results) -> Iterator[str]:
+    """Fronts of the groups that have errors, times of the others, and others' figures."""
+    for group in results.groups:
+        paths = [path for path in results.paths if path.group == group.name]
+        if paths:
+            judged = any(path.errors for path in paths)
+            yield from (f"### {group.title}", "")
+            yield from (*(_front_lines(group, paths) if judged else _time_lines(paths)), "")
+    yield from ("### Beside others", "")
+    yield "| what | who, on what | theirs, ms | ours, ms | theirs / ours |"
+    yield "|---|---|---:|---:|---:|"
+    for row in peer_rows(results.paths):
+        who = f"{row.who}, {row.hardware}"
+        yield _cells(row.what, who, row.theirs_ms, row.ours_ms, row.ratio)
+
+
+def _front_lines(group: GroupNote, paths: Sequence[Measured]) -> Iterator[str]:
+    yield f"| on the front | ms for {group.unit} | error, mean | 99 % | at night, 99 % |"
+    yield "|---|---:|---:|---:|---:|"
+    for path in on_front(group, paths):
+        errors = path.worst(size="mean"), path.worst(), path.worst(at_night=True)
+        yield _cells(path.name, 1e3 * path.seconds, *errors)
+
+
+def _time_lines(paths: Sequence[Measured]) -> Iterator[str]:
+    yield "| what | ms |"
+    yield "|---|---:|"
+    for path in paths:
+        yield _cells(path.name, 1e3 * path.seconds)
+
+
+def _cells(*cells: object) -> str:
+    return f"| {' | '.join(map(_cell, cells))} |"

@@ -3,17 +3,21 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vrut_lite_bench.hosek_wilkie_published import THESIS_MS
 from vrut_lite_bench.results import Measured
 
 THESIS = "thesis (Hvezda 2020)"
-LAPTOP, CARD = "i7-8750H", "GTX 1060"
-# Section 5.2 and table 5.2 of the thesis, in milliseconds.
+CPU, CARD = "i7-8750H", "GTX 1060"
+# Table 5.1 of the thesis: milliseconds by size of a Hosek-Wilkie cube map.
+THESIS_MS = {
+    CPU: {256: 108.5, 512: 383.65, 1024: 1564.39, 2048: 6360.62, 4096: 26079.375},
+    CARD: {256: 1.74, 512: 3.07, 1024: 6.96, 2048: 6.01, 4096: 9.65},
+}
+# Section 5.2 and table 5.2.
 THESIS_PRECOMPUTATION_MS = 1138.03
 THESIS_CUBE_MS = {256: 0.89, 512: 2.87, 1024: 4.48, 2048: 10.58, 4096: 30.05}
 # Hillaire 2020: a 1280 x 720 frame with all its small tables made anew.
 HILLAIRE_MS = 0.31
-_FLOAT32 = "cube_map, float32"
+_FLOAT32, _LIVE = "cube_map, float32", "this machine, live"
 
 
 class Peer(NamedTuple):
@@ -49,28 +53,37 @@ def peers() -> list[Peer]:
 
 def _cube_maps() -> list[Peer]:
     """Table 5.1."""
-    rows = []
-    for size in THESIS_MS["thesis, CPU"]:
-        what = f"Hosek-Wilkie cube map, {size}²"
-        ours = "hosek-wilkie", f"{_FLOAT32}, {size}²"
-        rows.append(Peer(what, THESIS, LAPTOP, THESIS_MS["thesis, CPU"][size], ours))
-        rows.append(Peer(what, THESIS, CARD, THESIS_MS["thesis, GPU"][size], ours))
-    return rows
+    return [
+        Peer(f"Hosek-Wilkie cube map, {size}²", THESIS, hardware, ms, _ours(size))
+        for size in THESIS_MS[CPU]
+        for hardware in (CPU, CARD)
+        for ms in [THESIS_MS[hardware][size]]
+    ]
+
+
+def _ours(size: int) -> tuple[str, str]:
+    return "hosek-wilkie", f"{_FLOAT32}, {size}²"
 
 
 def _live() -> list[Peer]:
+    """What was measured in the same run: numpy, mitsuba, and others' signals."""
     rows = []
+    for name in ("psygnal", "pluggy", "blinker", "PySide6"):
+        for count, who in ((1, "1 subscriber"), (4, "4 subscribers")):
+            group = f"dispatch-{count}"
+            what, ours = f"a thousand messages, {who}", (group, "vrut_lite, posts after one input")
+            rows.append(Peer(what, name, _LIVE, None, ours, (group, name)))
     for size in (64, 256, 1024):
         what, group = f"Hosek-Wilkie cube map, {size}²", "hosek-wilkie"
         sky_only = group, f"{_FLOAT32}, sky rows only, {size}²"
         for name, ours in (
-            ("numpy float64, all texels", (group, f"{_FLOAT32}, {size}²")),
+            ("numpy float64, all texels", _ours(size)),
             ("numpy float64, sky texels", sky_only),
-            ("mitsuba's sunsky, all texels", (group, f"{_FLOAT32}, {size}²")),
+            ("mitsuba's sunsky, all texels", _ours(size)),
             ("mitsuba's sunsky, sky texels", sky_only),
         ):
             theirs = group, f"{name}, {size}²"
-            rows.append(Peer(what, name, "this machine, live", None, ours, theirs))
+            rows.append(Peer(what, name, _LIVE, None, ours, theirs))
     return rows
 
 
@@ -81,11 +94,11 @@ def _bruneton() -> list[Peer]:
         Peer("tables, four orders", THESIS, CARD, THESIS_PRECOMPUTATION_MS, tables),
         Peer(
             "tables, four orders, a quarter the nodes an axis", "published pipeline, numpy float64",
-            "this machine, live", None, ("tables", "fast solver, 4 orders, quarter size"),
+            _LIVE, None, ("tables", "fast solver, 4 orders, quarter size"),
             ("tables", "published pipeline, numpy float64, 4 orders, quarter size"),
         ),
         Peer(
-            "tables, four orders", "published pipeline as shaders", "this machine, live", None,
+            "tables, four orders", "published pipeline as shaders", _LIVE, None,
             tables, ("tables", "published pipeline, GPU shaders, 4 orders, published size"),
         ),
     ]  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite_bench.markdown import on_front
+from vrut_lite_bench.front import on_front
 from vrut_lite_bench.results import GroupNote, Measured
 
 _MARKS = "osD^vPXphd*<>"

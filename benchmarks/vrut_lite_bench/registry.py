@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 from vrut_lite.errors import UserError
-from vrut_lite_bench.path import Group
+from vrut_lite_bench.bench_path import Group
 from vrut_lite_bench.paths import (
     air,
+    dispatch,
     frame,
     hosek_wilkie,
     single_scattering,
@@ -13,9 +14,10 @@ from vrut_lite_bench.paths import (
     solver,
     sun,
     tables,
+    window,
 )
 
-# Frames come last: they take the one context of OpenGL for themselves.
+# Frames and the window come last: frames take the one context of OpenGL for themselves.
 KINDS: dict[str, Callable[[bool], list[Group]]] = {
     "sun": sun.groups,
     "hosek-wilkie": hosek_wilkie.groups,
@@ -24,7 +26,9 @@ KINDS: dict[str, Callable[[bool], list[Group]]] = {
     "sky-view": sky_view.groups,
     "tables": tables.groups,
     "air": air.groups,
+    "dispatch": dispatch.groups,
     "frame": frame.groups,
+    "window": window.groups,
 }
 
 

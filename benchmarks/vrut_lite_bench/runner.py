@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrut_lite_bench.path import CPU_TIME, Errors, Group, Path, Work
+from vrut_lite_bench.bench_path import CPU_TIME, BenchPath, Errors, Group, Work
 from vrut_lite_bench.results import ErrorSize, Measured
 
 Tell = Callable[[str], None]
@@ -31,7 +31,7 @@ FULL, QUICK = Effort(5, 0.5), Effort(3, 0.12)
 class _Running(NamedTuple):
     """A path that is being timed; `first_s` is what its first call took."""
 
-    path: Path
+    path: BenchPath
     work: Work
     first_s: float
     first_wall_s: float
@@ -49,7 +49,7 @@ def measure_group(group: Group, effort: Effort, tell: Tell) -> list[Measured]:
 
 
 def _measure_batch(
-    group: Group, paths: Iterable[Path], effort: Effort, tell: Tell
+    group: Group, paths: Iterable[BenchPath], effort: Effort, tell: Tell
 ) -> list[Measured]:
     running = [_start(path, group.name, tell) for path in paths]
     turns = [e for e in running if e.first_s < _ONCE_FROM_S and not e.path.once]
@@ -64,7 +64,7 @@ def _measure_batch(
     return [_measured(group, each) for each in running]
 
 
-def _start(path: Path, group: str, tell: Tell) -> _Running:
+def _start(path: BenchPath, group: str, tell: Tell) -> _Running:
     """Run a path once, which may compile; judge the result, and time a second call."""
     tell(f"{group}: {path.name}")
     work = path.prepare()

@@ -9,9 +9,9 @@ from typing import Self
 import msgspec
 
 from vrut_lite_bench import gl
+from vrut_lite_bench.bench_path import Group
 from vrut_lite_bench.compare import Key
 from vrut_lite_bench.machine import load, machine
-from vrut_lite_bench.path import Group
 from vrut_lite_bench.registry import KINDS
 from vrut_lite_bench.results import FORMAT, GroupNote, Measured, Results
 from vrut_lite_bench.runner import FULL, QUICK, measure_group, pace_s

@@ -9,7 +9,7 @@
 | `altitude_steps` | of an unfollowed observer, in usual ones | proportion |
 
 Orders that someone sets are not exceeded. The fronts are measured by
-`vrut_lite_bench.tolerance_fronts`.
+`tools/tolerance_fronts.py`.
 """
 
 from collections.abc import Mapping

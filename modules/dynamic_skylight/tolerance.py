@@ -8,7 +8,7 @@
 | `altitude_change` | share by which air may thin below an unfollowed eye | proportion |
 
 The model itself is a formula: no order or sample of it depends on the tolerance. The fronts are
-measured by `vrut_lite_bench.tolerance_fronts`.
+measured by `tools/tolerance_fronts.py`.
 """
 
 from functools import lru_cache

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from vrut_lite_bench import sky_truth
+from vrut_lite_bench.bench_path import BenchPath, Errors
 from vrut_lite_bench.gl import close_gl
-from vrut_lite_bench.path import Errors, Path
 from vrut_lite_bench.paths import (
     air,
     frame,
@@ -17,12 +17,12 @@ from vrut_lite_bench.paths import (
 )
 
 
-def path_of(groups, name: str) -> Path:
+def path_of(groups, name: str) -> BenchPath:
     """The path of a name in any of the groups."""
     return next(path for group in groups for path in group.paths if path.name == name)
 
 
-def errors_of(path: Path) -> dict[str, Errors]:
+def errors_of(path: BenchPath) -> dict[str, Errors]:
     """Run it once, and judge."""
     assert path.error is not None
     found = path.error(path.prepare()())

@@ -13,8 +13,7 @@ from bruneton_sky.solver import real_time_sizes
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, rung_tolerance
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
-from vrut_lite_bench.tolerance_bruneton import error, shown
-from vrut_lite_bench.tolerance_bruneton_truth import Air, evaluated, random_airs
+from bruneton_sky.tolerance_knobs import Air, air_errors, evaluated, random_airs
 
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sun import SunMoved
@@ -86,23 +85,15 @@ def test_random_pictures_stay_within(held: tuple[Air, list[np.ndarray]], toleran
     """Fifteen suns and observers, where 99 of 100 are promised, plus the 1 % by which the finer
     rung itself may be off; docs/tolerance.md has the long run against converged skies."""
     air, truth = held
-    quality = quality_for(tolerance)
-    field = solve_air(atmosphere_of(air.settings), rung=quality.solver)
-    for view, sky in zip(air.views, truth, strict=True):
-        assert error(shown(field, air, view, quality), sky) <= tolerance + 0.01, view
+    errors = air_errors(air, truth, quality_for(tolerance))
+    assert max(errors) <= tolerance + 0.01, errors
 
 
 @pytest.mark.long
 def test_a_draft_would_not_do(held: tuple[Air, list[np.ndarray]]) -> None:
     """The promise is not kept by just any rung: what serves 100 % is beyond 2 %."""
     air, truth = held
-    quality = quality_for(1.0)
-    field = solve_air(atmosphere_of(air.settings), rung=quality.solver)
-    errors = [
-        error(shown(field, air, view, quality), sky)
-        for view, sky in zip(air.views, truth, strict=True)
-    ]
-    assert max(errors) > 0.02
+    assert max(air_errors(air, truth, quality_for(1.0))) > 0.02
 
 
 class FakeLink:

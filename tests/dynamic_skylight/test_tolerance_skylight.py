@@ -8,9 +8,9 @@ from dynamic_skylight.module import DynamicSkyLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun_step import RADIANCE_TOLERANCE
 from dynamic_skylight.tolerance import FRONTS, Quality, quality_for
+from dynamic_skylight.tolerance_knobs import hour_error, random_hours, truth
 from long_parameters import mostly_long
 from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
-from vrut_lite_bench.tolerance_skylight import picture_error, random_hours
 
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sun import SunMoved
@@ -76,12 +76,13 @@ def test_random_pictures_stay_within(tolerance):
     """Hours that no front was measured with, each shown with its sun astray within the step:
     all of a dozen, where 99 of 100 are promised (docs/tolerance.md has the long run)."""
     for hour in random_hours(12, seed=77):
-        assert picture_error(hour, quality_for(tolerance)) <= tolerance, hour
+        assert hour_error(hour, truth(hour), quality_for(tolerance)) <= tolerance, hour
 
 
 def test_a_coarse_choice_would_not_do():
     """The promise is not kept by just any size: what serves 100 % is beyond 0.3 %."""
-    errors = [picture_error(hour, quality_for(1.0)) for hour in random_hours(6, seed=77)]
+    hours = random_hours(6, seed=77)
+    errors = [hour_error(hour, truth(hour), quality_for(1.0)) for hour in hours]
     assert max(errors) > 0.003
 
 

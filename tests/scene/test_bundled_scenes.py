@@ -29,7 +29,10 @@ def rebuilt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder into which the script was run."""
     folder = tmp_path_factory.mktemp("scenes")
     subprocess.run(
-        [sys.executable, SCENES / "build_scenes.py", folder], check=True, capture_output=True
+        [sys.executable, "-m", "tools.scenes.build_scenes", "small", "--into", folder],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
     )
     return folder
 

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from vrut_lite_bench.mangled_scenes import GOOD, broken
-
+from tools.broken_files.mangled import GOOD, broken
 from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene
 

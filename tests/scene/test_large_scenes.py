@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from light_messages import light_messages
-from vrut_lite_bench.climb import heights_m, steps_between
 
-from scenes import hall, terrain
-from scenes import satellite as satellite_script
-from scenes.satellite import ALTITUDE_M, satellite
+from tools.pictures.climb import heights_m, steps_between
+from tools.scenes import hall, terrain
+from tools.scenes import satellite as satellite_script
+from tools.scenes.satellite import ALTITUDE_M, satellite
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.project import load_project

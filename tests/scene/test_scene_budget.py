@@ -16,9 +16,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from loaded_scenes import MODELS
 from scene_files import SQUARE, TRIANGLES
-from vrut_lite_bench.broken_files import measured, open_scene, scene_files, table
-from vrut_lite_bench.scene_bombs import BOMBS, Files, bomb, document, gltf, obj, png
 
+from tools.broken_files.bombs import BOMBS, Files, bomb, document, gltf, obj, png
+from tools.broken_files.measure import measured, open_scene, scene_files, table
 from vrut_lite.errors import UserError
 from vrut_lite.memory_limit import VARIABLE
 from vrut_lite.scene.budget import (

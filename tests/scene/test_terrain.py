@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenes.adaptive_mesh import adaptive_triangles
-from scenes.erosion import drainage, drained_cells, erode
-from scenes.noise import gradient_noise
-from scenes.terrain_surface import curvature_m
+from tools.scenes.adaptive_mesh import adaptive_triangles
+from tools.scenes.erosion import drainage, drained_cells, erode
+from tools.scenes.noise import gradient_noise
+from tools.scenes.terrain_surface import curvature_m
 from vrut_lite.project import load_project
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import load_scene

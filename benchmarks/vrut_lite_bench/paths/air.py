@@ -1,23 +1,29 @@
 """The air between eye and things: the volume by its sizes, against its float64 twin."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
 from bruneton_sky.air_exact import light_before
 from bruneton_sky.air_volume import AirSizes, air_volume
 from bruneton_sky.geometry import altitude_along
+from bruneton_sky.gpu_air import air_volume_job
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
+from dynamic_skylight.air import air_volume as exponential_air_volume
+from dynamic_skylight.daylight import Daylight
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_volume import look_up_air
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_bench.errors import relative_errors
-from vrut_lite_bench.path import Errors, Group, Path, Work
-from vrut_lite_bench.skies import Condition, air
+from vrut_lite_bench.bench_path import BenchPath, Errors, Group, Work, relative_errors
+from vrut_lite_bench.gl import GlTexture, gl_clock, missing_gl
+from vrut_lite_bench.skies import Condition, air, sun_at
 
 SIZES = {
     "least": AirSizes(slices=8, rows_above=10, rows_below=8, columns=10, steps=2),
@@ -35,6 +41,7 @@ CONDITIONS = tuple(
 )
 QUICK_CONDITIONS = CONDITIONS[:2]
 _REACH_M = 1.2e5
+_LIT_DEG = 30.0
 _WALLS_M = np.array([300.0, 1e3, 3e3, 1e4, 3e4, 1e5])
 # Of a wall, matt and in the full sun of space.
 _ALBEDO = 0.2
@@ -43,8 +50,8 @@ _AZIMUTHS_DEG = (0.0, 9.0, 35.0, 90.0, 140.0, 171.0)
 
 
 def groups(quick: bool) -> list[Group]:
-    """The one group."""
-    return [
+    """The volume by its sizes; in the full form also other airs and devices, without a twin."""
+    by_sizes = [
         Group(
             name="air",
             title=f"Air before things, {AIR}",
@@ -56,14 +63,72 @@ def groups(quick: bool) -> list[Group]:
             paths=tuple(_path(said, quick) for said in (QUICK_SIZES if quick else SIZES)),
         )
     ]
+    return by_sizes if quick else [*by_sizes, _others()]
+
+
+def _others() -> Group:
+    paths = [_other_path(name, partial(_work_of, name)) for name in _OTHERS]
+    left_out = {}
+    if missing_gl():
+        left_out["volumes of air on the GPU"] = missing_gl()
+    else:
+        on_gpu = _other_path("Bruneton, GPU shader", _prepare_gpu)
+        paths.append(replace(on_gpu, clock=gl_clock(), device="GPU", batch="GPU"))
+    return Group(
+        name="air-others",
+        title="Air before things: other airs, observers and devices",
+        unit="a volume",
+        norm="none: times alone",
+        truth="none",
+        paths=tuple(paths),
+        left_out=left_out,
+    )
+
+
+def _other_path(name: str, prepare: Callable[[], Work]) -> BenchPath:
+    return BenchPath(name=name, family=name, prepare=prepare, error=None)
+
+
+# Of fog: visibility in metres; and the observer's height.
+_OTHERS: dict[str, tuple[float | None, float]] = {
+    "Bruneton": (None, 2.0),
+    "Bruneton, the CPU's part for the GPU": (None, 2.0),
+    "Bruneton, fog": (1000.0, 2.0),
+    "Bruneton, from 400 km": (None, 4e5),
+    "Hosek-Wilkie": (None, 2.0),
+}
+
+
+def _work_of(name: str) -> Work:
+    visibility_m, height_m = _OTHERS[name]
+    where = (height_m, sun_at(_LIT_DEG), 5e6 if height_m > _REACH_M else _REACH_M)
+    if name == "Hosek-Wilkie":
+        hour = Daylight(
+            turbidity=3.0,
+            albedo=0.1,
+            sun_colour="disc",
+            apparent_elevation_rad=np.radians(_LIT_DEG),
+            sun_azimuth_rad=0.0,
+            visible_disc_fraction=1.0,
+        )
+        return partial(exponential_air_volume, hour, tuple(where[1].tolist()), where[0], where[2])
+    field = solve_air(atmosphere_of(BrunetonSkySettings(fog_visibility_m=visibility_m)))
+    if "GPU" in name:
+        return partial(air_volume_job, field, *where, "bench", "air")
+    return partial(air_volume, field, *where)
+
+
+def _prepare_gpu() -> Work:
+    job, _ = air_volume_job(_solved(), 2.0, sun_at(_LIT_DEG), _REACH_M, "bench", "air")
+    return GlTexture(job)
 
 
 def _conditions(quick: bool) -> tuple[Condition, ...]:
     return QUICK_CONDITIONS if quick else CONDITIONS
 
 
-def _path(said: str, quick: bool) -> Path:
-    return Path(
+def _path(said: str, quick: bool) -> BenchPath:
+    return BenchPath(
         name=said,
         family="steps" if "step" in said else "nodes",
         parameters=dict(SIZES[said]._asdict()),

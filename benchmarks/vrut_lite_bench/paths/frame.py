@@ -1,101 +1,151 @@
-"""The frame on whatever OpenGL there is: whole, and pass by pass; it has no twin to err from.
+"""The frame on whatever OpenGL there is: whole, and pass by pass; a frame has no error.
 
-Every pass is done in every frame, also what a frame would skip: shadow map and reflection are
-those of a sky that has just changed. On a GPU passes are timed by timer query; llvmpipe's does not
-see compute shaders, so there it is the CPU time of all threads until the pass is finished. Air has
-no pass of its own: the passes that draw are timed with it and without. A "film frame" skips all
-that may be, from a camera that stands still.
+Every pass is done in every frame, also what a frame would skip: shadow maps and reflection are
+those of a sky that has just changed. On a GPU passes are timed by timer query, on llvmpipe by the
+CPU time of all threads until the pass is finished. Air and light shafts have no pass of their own:
+the passes that draw are timed with them and without. A "film frame" skips all that may be skipped,
+from a camera that stands still.
 """
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from functools import lru_cache, partial
-from pathlib import Path as FilePath
+from dataclasses import fields
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetSetting
-from vrut_lite.project import Project, daylight_inputs, view_inputs
+from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
 from vrut_lite.render.skips import FrameSkips
 from vrut_lite.scene.backend import Picture
-from vrut_lite_bench.gl import close_gl, missing_gl, on_close, renderer
-from vrut_lite_bench.gpu_clock import clock_name, has_timer
-from vrut_lite_bench.pass_timer import PassTimer
-from vrut_lite_bench.path import (
+from vrut_lite_bench.bench_path import (
     CPU_TIME,
     WALL_TIME,
+    BenchPath,
     Clock,
     Group,
-    Path,
     Spent,
     Work,
     cpu_spent,
 )
-from vrut_lite_bench.work_skipped import NOTHING
+from vrut_lite_bench.gl import (
+    PassTimer,
+    clock_name,
+    close_gl,
+    has_timer,
+    missing_gl,
+    on_close,
+    renderer,
+)
 
-SCENE = FilePath(__file__).resolve().parents[3] / "scenes" / "pavilion.gltf"
-SIZES, QUICK_SIZES = ((320, 200), (960, 600)), ((320, 200),)
+SCENES = Path(__file__).resolve().parents[3] / "scenes"
+PAVILION, VALLEY = "pavilion.gltf", "large/terrain.toml"
+NOTHING = FrameSkips(**{field.name: False for field in fields(FrameSkips)})
+SIZES, QUICK_SIZES, VALLEY_SIZE = ((320, 200), (960, 600)), ((320, 200),), (480, 270)
 # Those in which air is drawn, and all others but the whole.
 DRAWING = ("mesh", "sky", "blended mesh")
 PASSES = (*DRAWING, "shadow", "reflection", "resolve", "tone map", "copy and meter")
 Size = tuple[int, int]
+# Module, name and value of settings.
+Settings = tuple[tuple[str, str, Any], ...]
+_AIR: Settings = (("scene", "air", True),)
+_NO_AIR: Settings = (("scene", "air", False),)
+
+
+def _in_valley(fog_m: float | None = None, shafts: bool = False, cover: float = 0.0) -> Settings:
+    return (
+        *_AIR,
+        ("bruneton_sky", "fog_visibility_m", fog_m),
+        ("scene", "light_shafts", shafts),
+        ("clouds", "coverage", cover),
+    )
+
+
+# Settings of the valley, and the passes that are theirs.
+_SOLID, _CLOUDY = ("shadow", "mesh", "sky"), ("cloud shadows", "clouds", "mesh", "sky")
+CASES: dict[str, tuple[Settings, tuple[str, ...]]] = {
+    "no air": ((*_in_valley(), *_NO_AIR), _SOLID),
+    "air": (_in_valley(), _SOLID),
+    "air, fog": (_in_valley(fog_m=1000.0), _SOLID),
+    "air, shafts": (_in_valley(shafts=True), _SOLID),
+    "air, clouds 0.5": (_in_valley(cover=0.5), _CLOUDY),
+    "air, shafts, clouds 0.5": (_in_valley(shafts=True, cover=0.5), _CLOUDY),
+}
 
 
 def groups(quick: bool) -> list[Group]:
-    """The one group."""
-    sizes, left_out = QUICK_SIZES if quick else SIZES, {}
-    if reason := missing_gl() or ("" if SCENE.exists() else f"there is no {SCENE.name}"):
-        left_out["frames"] = reason
-    return [
-        Group(
-            name="frame",
-            title=f"A frame of {SCENE.name}, by pass",
-            unit="a frame",
-            norm="none: a frame has no twin",
-            truth="none",
-            paths=() if left_out else tuple(path for size in sizes for path in _paths(size)),
-            left_out=left_out,
-        )
-    ]
+    """The pavilion; in the full form also a valley in different air."""
+    made = [_group("frame", PAVILION, _pavilion_paths, QUICK_SIZES if quick else SIZES)]
+    return made if quick else [*made, _group("frame-valley", VALLEY, _valley_paths, (VALLEY_SIZE,))]
+
+
+def _group(
+    name: str, scene: str, paths: Callable[[Size], list[BenchPath]], sizes: tuple[Size, ...]
+) -> Group:
+    reason = missing_gl() or ("" if (SCENES / scene).exists() else f"there is no {scene}")
+    return Group(
+        name=name,
+        title=f"A frame of {scene}, by pass",
+        unit="a frame",
+        norm="none: a frame has no twin",
+        truth="none",
+        paths=() if reason else tuple(path for size in sizes for path in paths(size)),
+        left_out={name: reason} if reason else {},
+    )
 
 
 class Stage:
-    """A host with the scene at eleven in the morning, in pictures of a size."""
+    """A host with a scene open, in pictures of a size."""
 
-    def __init__(self, size: Size):
-        project = Project(scene=str(SCENE), at="2026-06-21T11:00", size=size)
+    def __init__(self, scene: str, size: Size):
+        project = _project(scene, size)
         self.host = Host()
-        self.host.inject(*daylight_inputs(project), *view_inputs(project))
+        self.host.inject(*setting_inputs(project, self.host.kernel), *daylight_inputs(project))
+        self.host.inject(*view_inputs(project))
         self.host.draw()
-        by_query = has_timer(self.host.gl.renderer)
-        self._timed: dict[bool, dict[str, list[Spent]]] = {False: {}, True: {}}
-        self._timer = self.host.gl.call(lambda context: PassTimer(context, by_query))
+        self._timed: dict[tuple[Settings, str], list[Spent]] = {}
+        self._timer = self.host.gl.call(PassTimer)
 
-    def next_pass(self, name: str, air: bool) -> Spent:
-        """A pass that has been timed and not yet told; else of a frame that is drawn now."""
-        waiting = self._timed[air]
-        if not waiting.get(name):
-            self.host.inject(SetSetting(module="scene", name="air", value=air))
+    def next_pass(self, name: str, settings: Settings) -> Spent:
+        """A pass that was timed in an earlier frame and not yet used; else one of a new frame."""
+        if not self._timed.get((settings, name)):
+            self._set(settings)
             self.host.measure_passes(self._timer)
+            self._timer.spent.clear()
             whole = cpu_spent(self._frame)
             self.host.measure_passes(_untimed)
             for each, seconds in self._timer.spent.items():
-                waiting.setdefault(each, []).append(Spent(None, seconds, whole.wall_s))
-        return waiting[name].pop()
+                spent = Spent(None, seconds, whole.wall_s)
+                self._timed.setdefault((settings, each), []).append(spent)
+        return self._timed[settings, name].pop()
 
     def frame(self) -> Picture:
         """A frame with air in which nothing is skipped."""
-        self.host.inject(SetSetting(module="scene", name="air", value=True))
+        self._set(_AIR)
         return self._frame()
+
+    def film_frame(self) -> Picture:
+        """A frame with air in which all is skipped that may be."""
+        self._set(_AIR)
+        self.host.frame_skips = FrameSkips()
+        return self.host.draw(still=False)
 
     def _frame(self) -> Picture:
         self.host.frame_skips = NOTHING
         return self.host.draw()
 
-    def film_frame(self) -> Picture:
-        """A frame in which all is skipped that may be."""
-        self.host.inject(SetSetting(module="scene", name="air", value=True))
-        self.host.frame_skips = FrameSkips()
-        return self.host.draw(still=False)
+    def _set(self, settings: Settings) -> None:
+        self.host.inject(*(SetSetting(module=m, name=n, value=v) for m, n, v in settings))
+
+
+def _project(scene: str, size: Size) -> Project:
+    if scene == PAVILION:
+        return Project(scene=str(SCENES / scene), at="2026-06-21T11:00", size=size)
+    project, sky = load_project(SCENES / scene), {"sky": "bruneton_sky"}
+    return msgspec.structs.replace(project, size=size, slots=sky, at="2026-06-28T13:00")
 
 
 def _untimed(_name: str) -> AbstractContextManager[None]:
@@ -103,46 +153,53 @@ def _untimed(_name: str) -> AbstractContextManager[None]:
 
 
 @lru_cache(maxsize=1)
-def stage(size: Size) -> Stage:
-    """The stage of a size. There is one at a time, and no other context of OpenGL beside it."""
+def stage(scene: str, size: Size) -> Stage:
+    """The stage of a scene and size. There is one at a time, and no other OpenGL context."""
     close_gl()
-    made = Stage(size)
+    made = Stage(scene, size)
     on_close(stage.cache_clear)
     on_close(made.host.close)
     return made
 
 
-def _paths(size: Size) -> list[Path]:
-    by_query = has_timer(renderer())
-    whole = WALL_TIME if by_query else CPU_TIME
+def _pavilion_paths(size: Size) -> list[BenchPath]:
+    whole = WALL_TIME if has_timer(renderer()) else CPU_TIME
     paths = [
-        _path(size, "whole frame", lambda: stage(size).frame, whole),
-        _path(size, "film frame", lambda: stage(size).film_frame, whole),
+        _path(size, "whole frame", lambda: stage(PAVILION, size).frame, whole),
+        _path(size, "film frame", lambda: stage(PAVILION, size).film_frame, whole),
     ]
-    paths += [_pass_path(size, name, True) for name in PASSES]
-    return paths + [_pass_path(size, name, False) for name in DRAWING]
+    paths += [_pass_path(PAVILION, size, name, name, _AIR) for name in PASSES]
+    return paths + [
+        _pass_path(PAVILION, size, f"{name}, without air", name, _NO_AIR) for name in DRAWING
+    ]
 
 
-def _pass_path(size: Size, name: str, air: bool) -> Path:
-    clock = Clock(clock_name(renderer()), partial(_pass_spent, size, name, air))
-    said = name if air else f"{name}, without air"
+def _valley_paths(size: Size) -> list[BenchPath]:
+    return [
+        _pass_path(VALLEY, size, f"{case}: {name}", name, settings)
+        for case, (settings, passes) in CASES.items()
+        for name in passes
+    ]
+
+
+def _pass_path(scene: str, size: Size, said: str, name: str, settings: Settings) -> BenchPath:
+    def spent(_work: Work) -> Spent:
+        """One of a frame's passes; a frame serves all its passes, each once."""
+        return stage(scene, size).next_pass(name, settings)
+
+    clock = Clock(clock_name(renderer()), spent)
     return _path(size, said, lambda: lambda: None, clock)
 
 
-def _pass_spent(size: Size, name: str, air: bool, _work: Work) -> Spent:
-    """One of a frame's passes; a frame serves all its passes, each once."""
-    return stage(size).next_pass(name, air)
-
-
-def _path(size: Size, name: str, prepare: Callable[[], Work], clock: Clock) -> Path:
+def _path(size: Size, name: str, prepare: Callable[[], Work], clock: Clock) -> BenchPath:
     width, height = size
-    return Path(
+    return BenchPath(
         name=f"{name}, {width} x {height}",
         family=name,
         parameters={"width": width, "height": height},
         prepare=prepare,
         error=None,
-        batch=f"{width}",
+        batch=f"{width} {name.partition(':')[0] if ':' in name else ''}",
         clock=clock,
         device="GPU",
     )

@@ -1,9 +1,11 @@
-"""Hosek-Wilkie cube maps by format and size, and what looking them up adds."""
+"""Hosek-Wilkie cube maps by format and size, and the error that looking them up adds."""
 
+from collections.abc import Callable
 from functools import lru_cache, partial
 from importlib.util import find_spec
 from typing import Any
 
+import msgspec
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
@@ -11,10 +13,20 @@ from dynamic_skylight.hosek_wilkie.sky import half_scale
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.panorama import sample_sky
-from vrut_lite_bench import hosek_wilkie_mitsuba
-from vrut_lite_bench.errors import PICTURE_NORM, relative_errors
-from vrut_lite_bench.gl import GlCube, gl_clock, missing_gl
-from vrut_lite_bench.hosek_wilkie_formats import (
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite_bench.bench_path import (
+    PICTURE_NORM,
+    BenchPath,
+    Clock,
+    Errors,
+    Group,
+    Spent,
+    Work,
+    relative_errors,
+)
+from vrut_lite_bench.gl import GlTexture, GlWork, gl_clock, has_timer, missing_gl, renderer
+from vrut_lite_bench.paths import hosek_wilkie_mitsuba
+from vrut_lite_bench.paths.hosek_wilkie_formats import (
     AZIMUTH_RAD,
     FORMATS,
     SKY,
@@ -25,19 +37,40 @@ from vrut_lite_bench.hosek_wilkie_formats import (
     judged,
     of_half,
 )
-from vrut_lite_bench.path import Clock, Errors, Group, Path, Spent, Work
 from vrut_lite_bench.skies import random_directions
 
 SIZES = (64, 256, 512, 1024, 2048, 4096)
 QUICK_SIZES = (64, 256)
 LOOK_UP_SIZES = (16, 32, 64, 128, 256, 512, 1024)
-GPU_SIZES = (64, 256, 1024)
+GPU_SIZES, CARD_SIZES = (64, 256, 1024), (64, 256, 512, 1024, 2048, 4096)
 MITSUBA_SIZES = (64, 256, 1024)
 # Other hours than the one that is timed at all sizes: turbidity, albedo, elevation in degrees.
 HOURS = ((1.0, 0.0, 2.0), (10.0, 1.0, 2.0), (5.0, 0.1, 10.0), (10.0, 0.5, 88.0))
 # Larger maps are made for one hour.
 _MANY_HOURS_TO = 256
 _LOOK_UPS = 20_000
+_TEXEL_BYTES = 8
+# As many stores as a map takes, of values that cost nothing to compute.
+_STORES = """#version 430
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba16f, binding = 0) writeonly uniform imageCube sky;
+void main() {
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    imageStore(sky, at, vec4(at & 1023, 1.0));
+}
+"""
+_FILL_GROUPS = 16384
+_FILL = """#version 430
+layout(local_size_x = 256) in;
+layout(std430, binding = 0) writeonly buffer Words { uvec4 words[]; };
+void main() {
+    // No two alike, lest the memory compress them.
+    uint step = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+    for (uint i = gl_GlobalInvocationID.x; i < uint(words.length()); i += step) {
+        words[i] = uvec4(i, i * 3u, i * 7u, ~i);
+    }
+}
+"""
 
 
 def groups(quick: bool) -> list[Group]:
@@ -56,7 +89,11 @@ def _formats(quick: bool) -> Group:
     if missing_gl():
         left_out["Hosek-Wilkie on the GPU"] = missing_gl()
     else:
-        paths += [_gpu_path(size) for size in GPU_SIZES if not quick or size in sizes]
+        gpu_sizes = CARD_SIZES if has_timer(renderer()) else GPU_SIZES
+        paths += [_gpu_path(size) for size in gpu_sizes if not quick or size in sizes]
+        if not quick:
+            paths += [_stores_path(size) for size in gpu_sizes]
+            paths += [_buffer_path(name, gpu_sizes[-1]) for name in ("filled", "copied")]
     return Group(
         name="hosek-wilkie",
         title="Hosek-Wilkie cube map",
@@ -79,9 +116,9 @@ def skies(many: bool) -> dict[str, HosekWilkieSky]:
     return hours
 
 
-def _path(kind: Format, size: int) -> Path:
+def _path(kind: Format, size: int) -> BenchPath:
     many = size <= _MANY_HOURS_TO
-    return Path(
+    return BenchPath(
         name=f"{kind.name}, {size}²",
         family=kind.name,
         parameters={"size": size},
@@ -113,8 +150,8 @@ def _exact(sky: HosekWilkieSky, size: int) -> NDArray[np.float64]:
     return exact_radiance(sky, judged(size).directions)
 
 
-def _gpu_path(size: int) -> Path:
-    return Path(
+def _gpu_path(size: int) -> BenchPath:
+    return BenchPath(
         name=f"GPU shader, float16, {size}²",
         family="GPU shader, float16",
         parameters={"size": size},
@@ -126,27 +163,78 @@ def _gpu_path(size: int) -> Path:
     )
 
 
-def _prepare_gpu(size: int) -> Work:
+def _prepare_gpu(size: int) -> GlTexture:
+    return GlTexture(_gpu_job(size))
+
+
+def _gpu_job(size: int) -> GpuJob:
     scale = half_scale(SKY.brightest)
-    return GlCube(gpu_cube_job("bench", "cube", SKY, AZIMUTH_RAD, (0.0, 0.0, 0.0), size, scale))
+    return gpu_cube_job("bench", "cube", SKY, AZIMUTH_RAD, (0.0, 0.0, 0.0), size, scale)
 
 
-def _gpu_error(size: int, cube: GlCube) -> dict[str, Errors]:
+def _stores_path(size: int) -> BenchPath:
+    """What the memory alone takes of a map: the same texels stored, nothing computed."""
+    name = "GPU, stores alone"
+
+    def prepare() -> Work:
+        job = msgspec.structs.replace(_gpu_job(size), compute_shader=_STORES, uniforms={})
+        return GlTexture(job)
+
+    return _memory_path(f"{name}, {size}²", name, size, prepare)
+
+
+def _buffer_path(done: str, size: int) -> BenchPath:
+    """A buffer as large as a map, filled or copied: what the memory's bandwidth is."""
+    name = f"GPU, buffer {done}"
+    return _memory_path(f"{name}, {size}²", name, size, partial(_prepare_buffer, done, size))
+
+
+def _prepare_buffer(done: str, size: int) -> Work:
+    def prepare(context: Any) -> Callable[[], None]:
+        count = 6 * size * size * _TEXEL_BYTES
+        first, second = (context.buffer(reserve=count) for _ in range(2))
+        if done == "copied":
+            return lambda: context.copy_buffer(second, first)
+        program = context.compute_shader(_FILL)
+
+        def fill() -> None:
+            first.bind_to_storage_buffer(0)
+            program.run(_FILL_GROUPS)
+
+        return fill
+
+    return GlWork(prepare)
+
+
+def _memory_path(name: str, family: str, size: int, prepare: Callable[[], Work]) -> BenchPath:
+    return BenchPath(
+        name=name,
+        family=family,
+        parameters={"size": size, "bytes": 6 * size * size * _TEXEL_BYTES},
+        prepare=prepare,
+        error=None,
+        batch=f"GPU {size}",
+        clock=gl_clock(),
+        device="GPU",
+    )
+
+
+def _gpu_error(size: int, cube: GlTexture) -> dict[str, Errors]:
     (name,) = skies(False)
     return {name: _texel_errors(SKY, of_half(SKY, judged(size).of(cube.read())), size)}
 
 
-def _mitsuba_paths(sizes: tuple[int, ...]) -> list[Path]:
+def _mitsuba_paths(sizes: tuple[int, ...]) -> list[BenchPath]:
     return [_mitsuba_path(texels, size, sizes) for texels in ("sky", "all") for size in sizes]
 
 
-def _mitsuba_path(texels: str, size: int, sizes: tuple[int, ...]) -> Path:
+def _mitsuba_path(texels: str, size: int, sizes: tuple[int, ...]) -> BenchPath:
     def measured(_work: Work) -> Spent:
         live = _live_mitsuba(sizes)
         seconds = live[texels][str(size)]
         return Spent(Errors(*live["errors"]), seconds, seconds)
 
-    return Path(
+    return BenchPath(
         name=f"mitsuba's sunsky, {texels} texels, {size}²",
         family=f"mitsuba's sunsky, {texels} texels",
         parameters={"size": size},
@@ -176,8 +264,8 @@ def _look_ups(quick: bool) -> Group:
     )
 
 
-def _look_up_path(kind: Format, size: int) -> Path:
-    return Path(
+def _look_up_path(kind: Format, size: int) -> BenchPath:
+    return BenchPath(
         name=f"{kind.name}, {size}²",
         family=kind.name,
         parameters={"size": size},

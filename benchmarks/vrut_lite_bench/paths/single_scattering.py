@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_bench.errors import relative_errors
-from vrut_lite_bench.gl import GlCube, GlCubes, gl_clock, missing_gl
-from vrut_lite_bench.path import Errors, Group, Path, Work
+from vrut_lite_bench.bench_path import BenchPath, Errors, Group, Work, relative_errors
+from vrut_lite_bench.gl import GlTexture, GlTextures, gl_clock, missing_gl
 from vrut_lite_bench.skies import air, sun_at
 
 Samples = int | tuple[int, int]
@@ -97,22 +96,22 @@ def truths(name: str) -> list[FloatArray]:
     return _all_by_rule(name, "gauss-legendre", _TRUE_NODES)()
 
 
-def _by_rule(name: str, rule: Rule, samples: Samples) -> Path:
+def _by_rule(name: str, rule: Rule, samples: Samples) -> BenchPath:
     prepare = partial(_all_by_rule, name, rule, samples)
     return _path(name, f"numpy, {rule}", samples, prepare)
 
 
-def _compiled(name: str, nodes: int) -> Path:
+def _compiled(name: str, nodes: int) -> BenchPath:
     return _path(name, "compiled, gauss-legendre", nodes, partial(_all_compiled, name, nodes))
 
 
-def _by_bins(name: str, counts: tuple[int, int]) -> Path:
+def _by_bins(name: str, counts: tuple[int, int]) -> BenchPath:
     return _path(name, "ray bins, float32", counts, partial(_all_by_bins, name, counts))
 
 
-def _path(name: str, family: str, samples: Samples, prepare: Callable[[], Work]) -> Path:
+def _path(name: str, family: str, samples: Samples, prepare: Callable[[], Work]) -> BenchPath:
     view, light = samples if isinstance(samples, tuple) else (samples, 0)
-    return Path(
+    return BenchPath(
         name=f"{family}, {_in_words(samples)}",
         family=family,
         parameters={"samples": view, "second_samples": light},
@@ -181,8 +180,8 @@ def _dark(atmosphere: Atmosphere, counts: tuple[int, int]) -> SourceField:
 _GPU_SUNS_DEG = (60.0, 10.0)
 
 
-def _as_shader(rule: Rule, samples: Samples) -> Path:
-    return Path(
+def _as_shader(rule: Rule, samples: Samples) -> BenchPath:
+    return BenchPath(
         name=f"GPU shader, {rule}, {_in_words(samples)}",
         family=f"GPU shader, {rule}",
         prepare=partial(_prepare_shader, rule, samples),
@@ -195,9 +194,9 @@ def _as_shader(rule: Rule, samples: Samples) -> Path:
 
 
 def _prepare_shader(rule: Rule, samples: Samples) -> Work:
-    return GlCubes(
+    return GlTextures(
         [
-            GlCube(
+            GlTexture(
                 single_scattering_cube_job(
                     "bench", "cube", preset("earth-clear"), 0.0, sun_at(sun), _GPU_SIZE,
                     rule=rule, samples=samples, format="rgba32f",
@@ -208,12 +207,12 @@ def _prepare_shader(rule: Rule, samples: Samples) -> Work:
     )  # fmt: skip
 
 
-def _shader_error(done: GlCubes) -> dict[str, Errors]:
+def _shader_error(done: GlTextures) -> dict[str, Errors]:
     return {
         f"three wavelengths, sun {sun:g}°, 0 m up": relative_errors(
             cube.read()[_above()], _shader_truth(sun)
         )
-        for sun, cube in zip(_GPU_SUNS_DEG, done.cubes, strict=True)
+        for sun, cube in zip(_GPU_SUNS_DEG, done.textures, strict=True)
     }
 
 

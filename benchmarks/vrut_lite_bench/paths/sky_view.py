@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_bench.errors import PICTURE_NORM, relative_errors
-from vrut_lite_bench.gl import GlCube, GlCubes, gl_clock, missing_gl
-from vrut_lite_bench.path import Errors, Group, Path, Work
+from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors
+from vrut_lite_bench.gl import GlTexture, GlTextures, gl_clock, has_timer, missing_gl, renderer
 from vrut_lite_bench.skies import (
     PICTURE,
     SETTINGS,
@@ -37,7 +36,7 @@ from vrut_lite_bench.sky_truth import (
 FINER, QUICK_FINER = (0.2, 0.35, 0.5, 0.7, 1.0, 1.6), (0.5, 1.0)
 LIGHT = "for light alone"
 SIZES, QUICK_SIZES = (32, 64, 128, 256, 512, 1024), (32, 256)
-GPU_SIZES, QUICK_GPU_SIZES = (64, 256), (64,)
+GPU_SIZES, QUICK_GPU_SIZES, CARD_SIZES = (64, 256), (64,), (64, 256, 512, 1024, 2048)
 _BLACK = np.zeros(3)
 # Whose sky is looked up in cube maps, and in how many directions.
 _AIR, _LOOK_UPS = "clear air", 5000
@@ -71,8 +70,8 @@ def _tables(name: str, quick: bool) -> Group:
     )
 
 
-def _table_path(name: str, quick: bool, said: str, finer: float | None) -> Path:
-    return Path(
+def _table_path(name: str, quick: bool, said: str, finer: float | None) -> BenchPath:
+    return BenchPath(
         name=said,
         family=LIGHT if finer is None else "table for pictures",
         parameters={} if finer is None else {"finer": finer},
@@ -119,7 +118,8 @@ def _cubes(quick: bool) -> Group:
     if missing_gl():
         left_out["cube maps of a sky-view table on the GPU"] = missing_gl()
     else:
-        sizes = QUICK_GPU_SIZES if quick else GPU_SIZES
+        usual = CARD_SIZES if has_timer(renderer()) else GPU_SIZES
+        sizes = QUICK_GPU_SIZES if quick else usual
         paths += [_gpu_cube_path(size, quick) for size in sizes]
     return Group(
         name="sky-cube",
@@ -141,8 +141,8 @@ def _views(quick: bool) -> list[SkyView]:
     return [sky_view(field, each.height_m, each.sun) for each in _from_ground(quick)]
 
 
-def _cube_path(size: int, quick: bool) -> Path:
-    return Path(
+def _cube_path(size: int, quick: bool) -> BenchPath:
+    return BenchPath(
         name=f"fill_cube, float32, {size}²",
         family="fill_cube, float32",
         parameters={"size": size},
@@ -176,8 +176,8 @@ def _exact_looked_up(condition: Condition) -> FloatArray:
     return right
 
 
-def _gpu_cube_path(size: int, quick: bool) -> Path:
-    return Path(
+def _gpu_cube_path(size: int, quick: bool) -> BenchPath:
+    return BenchPath(
         name=f"GPU shader, float16, {size}²",
         family="GPU shader, float16",
         parameters={"size": size},
@@ -192,11 +192,11 @@ def _gpu_cube_path(size: int, quick: bool) -> Path:
 
 def _prepare_gpu_cubes(size: int, quick: bool) -> Work:
     jobs = [sky_view_job(view, size, _BLACK, "bench", "cube") for view in _views(quick)]
-    return GlCubes([GlCube(job, scale) for job, scale in jobs])
+    return GlTextures([GlTexture(job, scale) for job, scale in jobs])
 
 
-def _gpu_cube_errors(quick: bool, done: GlCubes) -> dict[str, Errors]:
-    return _cube_errors(quick, [cube.read().astype(np.float32) for cube in done.cubes])
+def _gpu_cube_errors(quick: bool, done: GlTextures) -> dict[str, Errors]:
+    return _cube_errors(quick, [cube.read().astype(np.float32) for cube in done.textures])
 
 
 def _chains(names: list[str], quick: bool) -> Group:
@@ -213,9 +213,9 @@ def _chains(names: list[str], quick: bool) -> Group:
     )
 
 
-def _chain_path(name: str, quick: bool, changed: bool) -> Path:
+def _chain_path(name: str, quick: bool, changed: bool) -> BenchPath:
     what = "changed atmosphere" if changed else "moved sun"
-    return Path(
+    return BenchPath(
         name=f"{what}, {name}",
         family=what,
         prepare=partial(_prepare_chain, name, quick, changed),

@@ -6,8 +6,7 @@ from functools import partial
 from bruneton_sky.solver import SolverSizes, SourceField, real_time_sizes, solve
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, SolverRung, rung_sizes, rung_tolerance
 
-from vrut_lite_bench.errors import PICTURE_NORM, relative_errors
-from vrut_lite_bench.path import Errors, Group, Path, Work
+from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors
 from vrut_lite_bench.skies import SETTINGS, air, conditions
 from vrut_lite_bench.sky_truth import exact_skies, in_words, sky_rgb
 
@@ -77,9 +76,9 @@ def _path(
     all_orders: bool,
     sizes: SolverSizes | None = None,
     tolerance: float | None = None,
-) -> Path:
+) -> BenchPath:
     taken = sizes or real_time_sizes(air(name))
-    return Path(
+    return BenchPath(
         name=said,
         family=family,
         parameters={

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from bruneton_sky import Tables, TableSizes, precompute
@@ -10,9 +11,16 @@ from bruneton_sky.gpu_pipeline import GpuPipeline
 from bruneton_sky.pipeline.pipeline import run_pipeline
 from numpy.typing import NDArray
 
-from vrut_lite_bench.errors import PICTURE_NORM, relative_errors
-from vrut_lite_bench.gl import gl_owner, gl_read_back_clock, missing_gl
-from vrut_lite_bench.path import Errors, Group, Path, Work
+from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors
+from vrut_lite_bench.gl import (
+    GlWork,
+    gl_clock,
+    gl_owner,
+    gl_read_back_clock,
+    has_timer,
+    missing_gl,
+    renderer,
+)
 from vrut_lite_bench.skies import DEMO, Condition, air, conditions, sky_directions
 from vrut_lite_bench.sky_truth import exact_skies, in_words
 
@@ -47,6 +55,8 @@ def groups(quick: bool) -> list[Group]:
     else:
         on_gpu = ("quarter",) if quick else ("quarter", "published")
         paths += [_gpu_path(quick, size) for size in on_gpu]
+        if has_timer(renderer()):
+            paths += [_shaders_path(size) for size in on_gpu]
     return [
         Group(
             name="tables",
@@ -60,19 +70,19 @@ def groups(quick: bool) -> list[Group]:
     ]
 
 
-def _solver_path(quick: bool, orders: int, size: str) -> Path:
+def _solver_path(quick: bool, orders: int, size: str) -> BenchPath:
     family = "fast solver, by size" if orders == _USUAL_ORDERS else "fast solver, by orders"
     work = partial(precompute, air(DEMO), orders, "cpu", SIZES[size])
     return _path(quick, "fast solver", family, orders, size, lambda: work)
 
 
-def _plain_path(quick: bool, size: str) -> Path:
+def _plain_path(quick: bool, size: str) -> BenchPath:
     name = "published pipeline, numpy float64"
     work = partial(run_pipeline, air(DEMO), SIZES[size], _USUAL_ORDERS)
     return _path(quick, name, name, _USUAL_ORDERS, size, lambda: work)
 
 
-def _gpu_path(quick: bool, size: str) -> Path:
+def _gpu_path(quick: bool, size: str) -> BenchPath:
     name = "published pipeline, GPU shaders"
     made = _path(quick, name, name, _USUAL_ORDERS, size, partial(_prepare_gpu, size))
     return replace(made, clock=gl_read_back_clock(), device="GPU", batch="GPU")
@@ -83,11 +93,28 @@ def _prepare_gpu(size: str) -> Work:
     return lambda: gl_owner().call(lambda _: pipeline.run(air(DEMO), _USUAL_ORDERS))
 
 
+def _shaders_path(size: str) -> BenchPath:
+    """What the card alone takes, without reading anything back."""
+    name = "published pipeline, GPU shaders without read-back"
+    made = _path(True, name, name, _USUAL_ORDERS, size, lambda: GlWork(partial(_shaders, size)))
+    return replace(made, clock=gl_clock(), error=None, device="GPU", batch="GPU")
+
+
+def _shaders(size: str, context: Any) -> Callable[[], None]:
+    pipeline = GpuPipeline(context, SIZES[size])
+
+    def work() -> None:
+        for made in pipeline.run_on_gpu(air(DEMO), _USUAL_ORDERS):
+            made.release()
+
+    return work
+
+
 def _path(
     quick: bool, name: str, family: str, orders: int, size: str, prepare: Callable[[], Work]
-) -> Path:
+) -> BenchPath:
     sizes = SIZES[size]
-    return Path(
+    return BenchPath(
         name=f"{name}, {orders} orders, {size} size",
         family=family,
         parameters={

@@ -11,7 +11,7 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.gpu_single_scattering import MOST_GAUSS_NODES, single_scattering_cube_job
 from bruneton_sky.single_scattering import Rule
-from vrut_lite_bench.gpu_clock import clock_name, has_timer, least_s
+from vrut_lite_bench.gl import clock_name, has_timer, least_s
 
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions

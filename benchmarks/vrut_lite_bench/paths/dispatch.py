@@ -1,0 +1,260 @@
+"""A thousand messages through the kernel, and through libraries of signals, in the same run.
+
+All pass one message object, made beforehand, to handlers that count it. The kernel does so with
+isolation and trace on, either as posts after one input or as an input each.
+"""
+
+import importlib
+from collections.abc import Callable
+from functools import partial
+from importlib.util import find_spec
+from typing import Any, NamedTuple
+
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import Derived, Input
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite_bench.bench_path import BenchPath, Errors, Group, Work
+
+MESSAGES, THOUSANDS = 10_000, 10
+
+
+class Burst(Input, frozen=True, kw_only=True):
+    """Asks for so many posts."""
+
+    count: int
+
+
+class Single(Input, frozen=True, kw_only=True):
+    """An input of its own, never coalesced."""
+
+    elevation_rad: float
+
+    def key(self) -> None:
+        """Every one counts."""
+
+
+class Moved(Derived, frozen=True, kw_only=True):
+    """What is posted, never coalesced."""
+
+    elevation_rad: float
+
+    def key(self) -> None:
+        """Every one counts."""
+
+
+class Counter:
+    """A subscriber that counts."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def on_moved(self, message: Any) -> None:
+        """Count it."""
+        self.count += 1
+
+
+class Contestant(NamedTuple):
+    """`run()` passes `MESSAGES` messages to the `counters`."""
+
+    run: Callable[[], None]
+    counters: list[Counter]
+
+
+class _Poster(Module):
+    manifest = Manifest(name="poster", title="Poster", version="1")
+
+    @handles(Burst)
+    def on_burst(self, message: Burst) -> None:
+        post, moved = self.link.post, Moved(elevation_rad=0.5)
+        for _ in range(message.count):
+            post(moved)
+
+
+def _kernel(subscribers: int) -> tuple[Kernel, list[Counter]]:
+    kernel = Kernel()
+    kernel.add_module(_Poster)
+    counters: list[Counter] = []
+    for number in range(subscribers):
+
+        class Subscriber(Module, Counter):
+            manifest = Manifest(name=f"subscriber {number}", title="Subscriber", version="1")
+
+            def __init__(self, link: Link, settings: Any):
+                super().__init__(link, settings)
+                self.count = 0
+
+            @handles(Moved)
+            @handles(Single)
+            def on_moved(self, message: Moved | Single) -> None:
+                self.count += 1
+
+        kernel.add_module(Subscriber)
+        counters.append(kernel.seats[Subscriber.manifest.name].module)  # type: ignore[arg-type]
+    kernel.pump()
+    return kernel, counters
+
+
+def kernel_posts(subscribers: int) -> Contestant:
+    """The kernel: one input, whose handler posts."""
+    kernel, counters = _kernel(subscribers)
+
+    def run() -> None:
+        kernel.inject(Burst(count=MESSAGES))
+        kernel.pump()
+
+    return Contestant(run, counters)
+
+
+def kernel_inputs(subscribers: int) -> Contestant:
+    """The kernel: an input each, pumped at once."""
+    kernel, counters = _kernel(subscribers)
+    single = Single(elevation_rad=0.5)
+
+    def run() -> None:
+        inject, pump = kernel.inject, kernel.pump
+        for _ in range(MESSAGES):
+            inject(single)
+            pump()
+
+    return Contestant(run, counters)
+
+
+def _repeat(send: Callable[[Moved], Any]) -> Callable[[], None]:
+    def run() -> None:
+        moved = Moved(elevation_rad=0.5)
+        for _ in range(MESSAGES):
+            send(moved)
+
+    return run
+
+
+def psygnal_signal(subscribers: int) -> Contestant:
+    """A psygnal Signal on an object."""
+    psygnal = importlib.import_module("psygnal")
+    counters = [Counter() for _ in range(subscribers)]
+    owner = type("Owner", (), {"moved": psygnal.Signal(object)})()
+    for counter in counters:
+        owner.moved.connect(counter.on_moved)
+    return Contestant(_repeat(owner.moved.emit), counters)
+
+
+def pluggy_hook(subscribers: int) -> Contestant:
+    """A pluggy hook, whose plugins all hear it."""
+    pluggy = importlib.import_module("pluggy")
+    specify, implement = pluggy.HookspecMarker("bench"), pluggy.HookimplMarker("bench")
+
+    class Specification:
+        @specify
+        def on_moved(self, message: Any) -> None:
+            """A message."""
+
+    class Plugin(Counter):
+        on_moved = implement(Counter.on_moved)
+
+    manager = pluggy.PluginManager("bench")
+    manager.add_hookspecs(Specification)
+    counters: list[Counter] = [Plugin() for _ in range(subscribers)]
+    for counter in counters:
+        manager.register(counter)
+
+    def run() -> None:
+        hook, moved = manager.hook.on_moved, Moved(elevation_rad=0.5)
+        for _ in range(MESSAGES):
+            hook(message=moved)
+
+    return Contestant(run, counters)
+
+
+def blinker_signal(subscribers: int) -> Contestant:
+    """A blinker Signal; the message is its sender argument, the cheapest way to pass one."""
+    blinker = importlib.import_module("blinker")
+    counters = [Counter() for _ in range(subscribers)]
+    signal = blinker.Signal()
+    for counter in counters:
+        signal.connect(counter.on_moved)
+    return Contestant(_repeat(signal.send), counters)
+
+
+def pyside_signal(subscribers: int) -> Contestant:
+    """A PySide6 signal, connected directly."""
+    core: Any = importlib.import_module("PySide6.QtCore")
+    counters = [Counter() for _ in range(subscribers)]
+
+    class Owner(core.QObject):
+        moved = core.Signal(object)
+
+    owner = Owner()
+    for counter in counters:
+        owner.moved.connect(counter.on_moved)
+
+    def run() -> None:
+        emit, moved = owner.moved.emit, Moved(elevation_rad=0.5)
+        for _ in range(MESSAGES):
+            emit(moved)
+
+    return Contestant(run, counters)
+
+
+CONTESTANTS: dict[str, tuple[str, Callable[[int], Contestant]]] = {
+    "vrut_lite, posts after one input": ("vrut_lite", kernel_posts),
+    "vrut_lite, an input each": ("vrut_lite", kernel_inputs),
+    "psygnal": ("psygnal", psygnal_signal),
+    "pluggy": ("pluggy", pluggy_hook),
+    "blinker": ("blinker", blinker_signal),
+    "PySide6": ("PySide6", pyside_signal),
+}
+
+
+def groups(_quick: bool) -> list[Group]:
+    """To one subscriber and to four."""
+    left_out = {
+        name: f"{package} is not installed"
+        for name, (package, _) in CONTESTANTS.items()
+        if find_spec(package) is None
+    }
+    return [
+        Group(
+            name=f"dispatch-{count}",
+            title=f"Messages to {count} subscriber{'s' if count > 1 else ''}",
+            unit="a thousand messages",
+            norm="none: every message arrives",
+            truth="none",
+            paths=tuple(_path(name, count) for name in CONTESTANTS if name not in left_out),
+            left_out=left_out,
+        )
+        for count in (1, 4)
+    ]
+
+
+def _path(name: str, subscribers: int) -> BenchPath:
+    return BenchPath(
+        name=name,
+        family=name,
+        parameters={"subscribers": subscribers},
+        prepare=partial(_prepare, name, subscribers),
+        error=_check,
+        units=THOUSANDS,
+    )
+
+
+def _prepare(name: str, subscribers: int) -> Work:
+    """The contestant's work; `_check` sees that no message was lost."""
+    contestant = CONTESTANTS[name][1](subscribers)
+
+    def work() -> list[Counter]:
+        # The closure keeps the counters alive: some libraries hold subscribers by weak reference.
+        contestant.run()
+        return contestant.counters
+
+    return work
+
+
+def _check(counters: list[Counter]) -> dict[str, Errors]:
+    """No errors: a lost or doubled message is a fault of the benchmark.
+
+    Raises:
+        RuntimeError: a subscriber missed a message of the first call, or heard one twice.
+    """
+    if any(counter.count != MESSAGES for counter in counters):
+        raise RuntimeError("messages were lost or doubled")
+    return {}

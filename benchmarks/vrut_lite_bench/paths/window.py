@@ -1,0 +1,90 @@
+"""The window: how soon a picture follows a slider, and how long its event loop is held up.
+
+It runs in a process of its own (`window_process`), which has Qt and its OpenGL contexts to itself.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+
+from vrut_lite.errors import ModuleFailed
+from vrut_lite_bench.bench_path import BenchPath, Clock, Group, Spent, Work
+from vrut_lite_bench.gl import missing_gl
+
+RENDERERS, SKIES = ("OpenGL", "CPU"), ("dynamic_skylight", "bruneton_sky")
+# Handlers of the kernel, in which sky, light and air are made; the frame; the viewport's paint
+# event; and everything from the slider's signal to the end of that event.
+PARTS = ("kernel", "draw", "paint", "whole")
+# What goes on meanwhile; of a gap, all of it, what lies outside drawing, the window's own CPU time.
+ACTS = ("nothing", "atmosphere solved anew", "scene loaded", "clouds made", "module sleeps 0.4 s")
+GAPS = ("longest gap", "outside drawing", "own work")
+_LATENCY = tuple(
+    f"{renderer}, {sky}: {part}" for renderer in RENDERERS for sky in SKIES for part in PARTS
+)
+_GAPS = tuple(f"{act}: {gap}" for act in ACTS for gap in GAPS)
+# Seconds that a process has measured and no path has used yet.
+_measured: dict[str, float] = {}
+
+
+def groups(quick: bool) -> list[Group]:
+    """Latency and gaps; the quick form leaves them out, as they take a minute."""
+    reason = "takes a minute, which the quick form has not" if quick else missing_gl()
+    if find_spec("PySide6") is None:
+        reason = "PySide6 is not installed (the extra `app`)"
+    left_out = {"the window": reason} if reason else {}
+    return [
+        _group("window-latency", "From the turbidity's slider to the picture", _LATENCY, left_out),
+        _group("window-gaps", "Gaps of the window's event loop", _GAPS, left_out),
+    ]
+
+
+def _group(name: str, title: str, paths: tuple[str, ...], left_out: dict[str, str]) -> Group:
+    return Group(
+        name=name,
+        title=title,
+        unit="a move of the slider" if "latency" in name else "the longest gap",
+        norm="none: times alone",
+        truth="none",
+        paths=() if left_out else tuple(map(_path, paths)),
+        left_out=left_out,
+    )
+
+
+def _path(name: str) -> BenchPath:
+    def spent(_work: Work) -> Spent:
+        if name not in _measured:
+            _measured.update(_measure())
+        seconds = _measured.pop(name)
+        return Spent(None, seconds, seconds)
+
+    return BenchPath(
+        name=name,
+        family=name.partition(":")[0],
+        prepare=lambda: lambda: None,
+        error=None,
+        batch="window",
+        clock=Clock("wall time, or CPU time of the window's thread for its own work", spent),
+        once=True,
+    )
+
+
+def _measure() -> dict[str, float]:
+    """Seconds of every path, by a new process.
+
+    Raises:
+        ModuleFailed: the process ended without them.
+    """
+    environment = {"QT_QPA_PLATFORM": "offscreen", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    answer = subprocess.run(
+        [sys.executable, "-m", "vrut_lite_bench.paths.window_process"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if answer.returncode != 0:
+        last = (answer.stderr.strip().splitlines() or ["no message"])[-1]
+        raise ModuleFailed(f"the window could not be measured: {last}")
+    return dict(json.loads(answer.stdout.splitlines()[-1]))
