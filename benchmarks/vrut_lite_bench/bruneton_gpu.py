@@ -15,11 +15,11 @@ from bruneton_sky import Atmosphere
 from bruneton_sky.air_volume import AirSizes
 from bruneton_sky.gpu_air import air_volume_job
 from bruneton_sky.gpu_cube import sky_view_job
-from bruneton_sky.gpu_pipeline.air import buffers_of_air
-from bruneton_sky.gpu_pipeline.passes import Pass, Workspace, passes
-from bruneton_sky.gpu_pipeline.programs import compile_programs
-from bruneton_sky.gpu_pipeline.tables import GpuTables
-from bruneton_sky.gpu_single_scattering import single_scattering_cube_job
+from bruneton_sky.reference.gpu_pipeline.air_buffer import buffers_of_air
+from bruneton_sky.reference.gpu_pipeline.passes import Pass, Workspace, passes
+from bruneton_sky.reference.gpu_pipeline.programs import compile_programs
+from bruneton_sky.reference.gpu_pipeline.tables import GpuTables
+from bruneton_sky.reference.gpu_single_scattering import single_scattering_cube_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.single_scattering import Rule
 from bruneton_sky.sky_view import SkyView, sky_view

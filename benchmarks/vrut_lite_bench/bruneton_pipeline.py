@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.pipeline import setting
-from bruneton_sky.pipeline.pipeline import run_pipeline
-from bruneton_sky.solver import irradiance_table, march_tables, solve
+from bruneton_sky.precompute import irradiance_table, march_tables
+from bruneton_sky.reference.pipeline import setting
+from bruneton_sky.reference.pipeline.pipeline import run_pipeline
+from bruneton_sky.solver import solve
 from bruneton_sky.tables.sizes import TableSizes
 from numpy.typing import NDArray
 

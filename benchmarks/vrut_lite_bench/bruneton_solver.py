@@ -18,12 +18,11 @@ import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.precompute import irradiance_table, march_tables
 from bruneton_sky.single_scattering import single_scattering
 from bruneton_sky.solver import (
     SolverSizes,
     SourceField,
-    irradiance_table,
-    march_tables,
     multiple_scattering,
     single_scattering_fast,
     solve,
@@ -45,7 +44,7 @@ import numba
 numba.njit(lambda x: x + 1)(1)
 numba_s = time.process_time() - start
 from bruneton_sky import Atmosphere
-from bruneton_sky.solver import irradiance_table, march_tables, multiple_scattering, solve
+from bruneton_sky.solver import multiple_scattering, solve
 start = time.process_time()
 field = solve(Atmosphere.earth())
 march_tables(field)

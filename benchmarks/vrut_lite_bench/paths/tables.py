@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 from bruneton_sky import Tables, TableSizes, precompute
-from bruneton_sky.gpu_pipeline import GpuPipeline
-from bruneton_sky.pipeline.pipeline import run_pipeline
+from bruneton_sky.reference.gpu_pipeline import GpuPipeline
+from bruneton_sky.reference.pipeline.pipeline import run_pipeline
 from numpy.typing import NDArray
 
 from vrut_lite_bench.errors import PICTURE_NORM, relative_errors

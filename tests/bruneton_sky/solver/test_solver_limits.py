@@ -7,6 +7,7 @@ import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.geometry import distance_to_ground, make_ray
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.precompute import march_tables
 from bruneton_sky.single_scattering import (
     optical_depth,
     optical_depth_to_top,
@@ -16,7 +17,6 @@ from bruneton_sky.solver import (
     SolverSizes,
     SourceField,
     ground_irradiance,
-    march_tables,
     multiple_scattering,
     single_scattering_fast,
     solve,
