@@ -17,7 +17,7 @@ from typing import Any
 import msgspec
 import numpy as np
 from bruneton_sky.air_volume import air_volume
-from bruneton_sky.gpu_air import air_volume_job
+from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver_job import solve_air
 from dynamic_skylight.air import air_volume as exponential_air_volume

@@ -17,9 +17,9 @@ import numpy as np
 from bruneton_sky import products
 from bruneton_sky.background import Surroundings, background_cube, surroundings
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from bruneton_sky.solver_job import solve_air

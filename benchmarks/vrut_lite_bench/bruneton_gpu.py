@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.air_volume import AirSizes
-from bruneton_sky.gpu_air import air_volume_job
-from bruneton_sky.gpu_cube import sky_view_job
+from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.reference.gpu_pipeline.air_buffer import buffers_of_air
 from bruneton_sky.reference.gpu_pipeline.passes import Pass, Workspace, passes
 from bruneton_sky.reference.gpu_pipeline.programs import compile_programs
@@ -23,6 +22,7 @@ from bruneton_sky.reference.gpu_single_scattering import single_scattering_cube_
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.single_scattering import Rule
 from bruneton_sky.sky_view import SkyView, sky_view
+from bruneton_sky.sky_view.gpu import sky_view_job
 from bruneton_sky.solver import solve
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.sizes import TableSizes

@@ -16,10 +16,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.precompute import irradiance_table, march_tables
 from bruneton_sky.single_scattering import single_scattering
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import (
     SolverSizes,
     SourceField,

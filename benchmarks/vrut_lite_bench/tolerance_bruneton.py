@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.observer import sun_step_rad
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import SkyView, fill_cube, sky_view
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes
 from bruneton_sky.tolerance import TABLES, Quality
+from bruneton_sky.unseen_moves import sun_step_rad
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.tolerance import Point

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from numpy.typing import NDArray
 

@@ -20,7 +20,7 @@ from bruneton_sky.quadrature import sun_cosine, view_nodes
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 from vrut_lite.numeric_types import FloatArray
 
-# Its nodes are the eigenvalues of a matrix of so many rows.
+# The nodes are the eigenvalues of a matrix of this size.
 _MOST_SAMPLES = 1024
 Rule = Literal["gauss-legendre", "midpoint", "trapezoid", "simpson"]
 

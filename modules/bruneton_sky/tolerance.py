@@ -18,8 +18,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
-from bruneton_sky.observer import RADIANCE_TOLERANCE
 from bruneton_sky.solver_rungs import SolverRung
+from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"

@@ -3,8 +3,8 @@
 from functools import lru_cache
 
 import numpy as np
-from bruneton_sky.air_exact import light_before
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.reference.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air

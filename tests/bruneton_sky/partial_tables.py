@@ -3,9 +3,9 @@
 import numpy as np
 from bruneton_sky.precompute import transmittance_table
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import groups_of_air
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view_kernels import march_rays
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.coordinates import Coordinates, State, node_coordinates, parametrisation_of
 from bruneton_sky.tables.interpolate import neighbours
 from bruneton_sky.tables.sizes import TableSizes

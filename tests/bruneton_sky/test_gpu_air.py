@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.air_volume import AirSizes, air_volume
-from bruneton_sky.gpu_air import air_volume_job
+from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
-from bruneton_sky.gpu_cube import sky_view_job
 from bruneton_sky.sky_view import fill_cube, sky_view
+from bruneton_sky.sky_view.gpu import sky_view_job
 from bruneton_sky.solver import SolverSizes, solve
 
 GROUND = (3.0, 2.0, 1.0)

@@ -7,16 +7,16 @@ import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.background import background_cube, surroundings
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.observer import (
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
+from bruneton_sky.sky_view import sky_view
+from bruneton_sky.solver import SourceField, solve
+from bruneton_sky.unseen_moves import (
     HORIZON_TOLERANCE_RAD,
     RADIANCE_TOLERANCE,
     altitude_step_m,
     same_to_the_eye,
     sun_step_rad,
 )
-from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from bruneton_sky.sky_view import sky_view
-from bruneton_sky.solver import SourceField, solve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from long_parameters import mostly_long

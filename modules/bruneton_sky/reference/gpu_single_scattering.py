@@ -42,14 +42,14 @@ def single_scattering_cube_job(
     compiled shader. Texels of faces that are not wanted are left undefined.
 
     Args:
-        module, job: who asks, and the job's name.
+        module, job: names of the module that asks and of the job.
         atmosphere: with three wavelengths.
         altitude_m: of the observer, from 0 to the top of the atmosphere.
         sun_direction: unit vector (3,) to the sun, world axes.
         size: edge in texels.
         ground_rgb: radiance (3,) of the ground, linear sRGB, dimmed by the air before it.
         rule, samples: as of `single_scattering`; at most 32 nodes of `gauss-legendre`.
-        scale: what the texels are divided by.
+        scale: divisor of the texels.
         format: of the texels.
         wanted: the faces to compute.
         read_back: whether the result is an array, not a texture.

@@ -1,8 +1,9 @@
-"""The textbook rules compiled: one ray at a time, float64, as `bruneton_sky.kernels` has the other.
+"""The textbook rules compiled: one ray at a time, float64.
 
 The formulas are those of `bruneton_sky.reference.classical_rules`, for an observer at sea level
 who looks up through molecules and aerosol. Simpson's odd nodes get the optical depth before them by
 the parabola through their neighbours, as there, or by the trapezoid rule.
+`bruneton_sky.single_scattering_kernels` has the other rule.
 
 Importing this module imports numba.
 """

@@ -1,7 +1,7 @@
 """Node values for linear interpolation: what lies between the nodes is kept."""
 
 import numpy as np
-from bruneton_sky.solver.linear_fit import fit_lines
+from bruneton_sky.solver.scattering_operator import fit_lines
 
 SUNS = 2.0 * np.arcsin(np.linspace(0.0, 1.0, 12))
 

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from bruneton_sky.phase import cornette_shanks_phase, henyey_greenstein_phase, rayleigh_phase
 from bruneton_sky.solver import SolverSizes
-from bruneton_sky.solver.directions import azimuths
-from bruneton_sky.solver.harmonics import phase_coefficients
-from bruneton_sky.solver.linear_fit import fit_lines
-from bruneton_sky.solver.scattering_operator import ScatteringOperator, scattering_operator
+from bruneton_sky.solver.grid import azimuths
+from bruneton_sky.solver.scattering_operator import (
+    ScatteringOperator,
+    fit_lines,
+    phase_coefficients,
+    scattering_operator,
+)
 
 SIZES = SolverSizes(direction_mu=64, degree=12, source_mu=9, source_azimuth=7)
 

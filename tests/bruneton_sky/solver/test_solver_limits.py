@@ -21,9 +21,9 @@ from bruneton_sky.solver import (
     single_scattering_fast,
     solve,
 )
-from bruneton_sky.solver.air import groups_of_air
-from bruneton_sky.solver.directions import azimuths
+from bruneton_sky.solver.grid import azimuths
 from bruneton_sky.solver.nodes import make_nodes
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.coordinates import node_states
 from bruneton_sky.tables.sizes import TableSizes
 

@@ -8,8 +8,8 @@ from bruneton_sky import Atmosphere
 from bruneton_sky.geometry import distance_to_ground, distance_to_top, make_ray
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.solver import SolverSizes
-from bruneton_sky.solver.air import groups_of_air
 from bruneton_sky.solver.nodes import Nodes, make_nodes
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 
 SIZES = SolverSizes(altitude=6, mu_s=4, direction_mu=12, direction_azimuth=4, degree=4)
 

@@ -16,10 +16,10 @@ from bruneton_sky.solver import (
     multiple_scattering,
     solve,
 )
-from bruneton_sky.solver.air import LANES, groups_of_air
-from bruneton_sky.solver.coordinates import SunGrid
-from bruneton_sky.solver.ray_bins_kernels import Bins, bins_of_ray
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.bin_kernels import Bins, bins_of_ray
+from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.coordinates import node_states
 from bruneton_sky.tables.sizes import TableSizes

@@ -1,4 +1,4 @@
-"""Algorithm 1 as a list: which shader runs when, on which textures, in how many slices."""
+"""Algorithm 1 as a list of passes: shader, textures and slices of each."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple, Self
@@ -7,7 +7,7 @@ from bruneton_sky.reference.gpu_pipeline.programs import DENSITY_GROUP, FLAT_GRO
 from bruneton_sky.reference.gpu_pipeline.tables import GpuTables, flat_texture, scattering_texture
 from bruneton_sky.tables.sizes import TableSizes
 
-# Altitudes of a scattering table that one dispatch computes: so short that a frame fits between.
+# Altitudes of a scattering table per dispatch: short enough for a frame in between.
 LAYERS_AT_ONCE = 4
 
 
@@ -20,7 +20,7 @@ class Workspace(NamedTuple):
 
     @classmethod
     def empty(cls, context: Any, sizes: TableSizes) -> Self:
-        """Textures with nothing in them as yet."""
+        """Textures without content."""
         return cls(
             flat_texture(context, sizes.irradiance_altitude, sizes.irradiance_mu_s),
             scattering_texture(context, sizes),
@@ -34,7 +34,7 @@ class Pass(NamedTuple):
     Attributes:
         shader: its name.
         order: of scattering; 0 for the transmittance.
-        results: textures by the names that the twin `run_pipeline` tells its observer.
+        results: textures by the names that `run_pipeline` gives its observer.
         images: what is written, by image unit.
         inputs: what is read, by texture unit; None where nothing is.
         groups: work groups along x and y.

@@ -1,4 +1,4 @@
-"""Algorithm 1 on the GPU: runs the passes, and reads back what they made."""
+"""Algorithm 1 on the GPU: runs the passes and reads the tables back."""
 
 from collections.abc import Callable, Generator
 from typing import Any, Self
@@ -48,11 +48,11 @@ class GpuPipeline:
         """The tables of an atmosphere, read back.
 
         Args:
-            orders: how often light is scattered or reflected at most, 1 or more.
-            progress: is told the share done, from 0 to 1.
+            orders: scatterings and reflections of light at most, 1 or more.
+            progress: called with the share done, from 0 to 1.
 
         Raises:
-            ValueError: for no order at all, or for fog.
+            ValueError: orders is below 1, or there is fog.
         """
         made = self.run_on_gpu(atmosphere, orders, progress)
         try:
@@ -71,7 +71,7 @@ class GpuPipeline:
         """The tables as textures, of four wavelengths each; the caller releases them.
 
         Args:
-            observe: is told every pass when its textures are complete.
+            observe: called with every pass when its textures are complete.
         """
         slices = self.slices(atmosphere, orders, observe)
         while True:
@@ -107,7 +107,7 @@ class GpuPipeline:
         return tuple(made)
 
     def release(self) -> None:
-        """Give back all that lies on the GPU, and the context if it is the pipeline's own."""
+        """Free the GPU's memory, and the context if it is the pipeline's own."""
         for part in (*self._work, *self.programs.values()):
             part.release()
         if self._own_context:

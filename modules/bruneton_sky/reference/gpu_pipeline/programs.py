@@ -1,4 +1,4 @@
-"""The shaders of the precomputation, compiled for table sizes; no atmosphere compiles any anew."""
+"""The shaders of the precomputation, compiled for table sizes and usable for any atmosphere."""
 
 from typing import Any
 
@@ -23,7 +23,7 @@ NAMES = (
 FLAT_GROUP, DENSITY_GROUP, RAY_GROUP = 8, 128, 64
 _VERSION = "#version 430\n"
 _VEC4_BYTES = 16
-# What every OpenGL 4.3 has for a work group.
+# Shared memory of a work group that every OpenGL 4.3 has.
 _SHARED_BYTES = 32768
 
 

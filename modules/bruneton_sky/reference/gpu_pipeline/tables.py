@@ -1,4 +1,4 @@
-"""Precomputed tables as textures, and how they come back as arrays."""
+"""Precomputed tables as textures, and reading them back as arrays."""
 
 from typing import Any, NamedTuple, Self
 
@@ -10,7 +10,7 @@ from vrut_lite.numeric_types import FloatArray
 
 
 class GpuTables(NamedTuple):
-    """Tables of up to four wavelengths, RGBA32F, owned by whoever holds them.
+    """Tables of up to four wavelengths, RGBA32F, owned by the caller.
 
     The flat ones are (x: mu or mu_s, y: altitude); the four axes of the others are packed in
     three: x = nu * sizes.mu_s + mu_s, y = mu, z = altitude.
@@ -27,7 +27,7 @@ class GpuTables(NamedTuple):
 
     @classmethod
     def empty(cls, context: Any, sizes: TableSizes) -> Self:
-        """Textures with nothing in them as yet."""
+        """Textures without content."""
         return cls(
             flat_texture(context, sizes.transmittance_altitude, sizes.transmittance_mu),
             flat_texture(context, sizes.irradiance_altitude, sizes.irradiance_mu_s),
@@ -36,7 +36,7 @@ class GpuTables(NamedTuple):
         )
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Free the memory."""
         for texture in self:
             texture.release()
 

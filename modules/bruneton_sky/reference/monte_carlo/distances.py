@@ -21,7 +21,7 @@ from bruneton_sky.reference.monte_carlo.medium import (
 
 BINS = 16
 FOG_BINS = 32
-# The last bin is so many powers of e wider than the first.
+# Logarithm of the ratio of widths of the last bin to the first.
 CLUSTERING = 4.0
 # The sun's cosine below which distances are drawn by sunlight too.
 SUNLIT_BELOW = 0.2
@@ -76,7 +76,7 @@ def _cluster(first, last, at_first, edges):  # type: ignore[no-untyped-def]
 
 @compiled
 def _cluster_so(first, last, at_first, clustering, edges):  # type: ignore[no-untyped-def]
-    """The same, with the last bin so many powers of e wider than the first."""
+    """The same; the last bin is exp(clustering) times as wide as the first."""
     n = edges.size - 1
     whole = math.expm1(clustering)
     for k in range(n + 1):

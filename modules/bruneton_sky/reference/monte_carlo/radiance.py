@@ -27,9 +27,9 @@ from vrut_lite.numeric_types import FloatArray
 
 Start = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 BATCHES = 16
-# So many events of each path take their three numbers from a Sobol sequence.
+# Events of each path that take their three numbers from a Sobol sequence.
 SOBOL_EVENTS = 4
-# What Sobol's sequence has points for.
+# Length of Sobol's sequence.
 _MOST_PATHS = 1 << 30
 
 

@@ -1,4 +1,4 @@
-"""Algorithm 1: the order of all the others."""
+"""Algorithm 1: runs algorithms 2 to 7 in their order."""
 
 from collections.abc import Callable
 
@@ -36,14 +36,14 @@ def run_pipeline(
     """The tables of an atmosphere.
 
     Args:
-        orders: how often light is scattered or reflected at most, 1 or more.
-        observe: told the name, the order of scattering and the array of every step, when it is
-            done: transmittance (order 0); delta_irradiance (1: of the sun's disc; n: of the
-            sky's light scattered n - 1 times), single_rayleigh and single_mie (1);
-            scattering_density and delta_multiple_scattering (2 and more).
+        orders: scatterings and reflections of light at most, 1 or more.
+        observe: called after every step with its name, order of scattering and array:
+            transmittance (order 0); delta_irradiance (1: of the sun's disc; n: of the sky's light
+            scattered n - 1 times), single_rayleigh and single_mie (1); scattering_density and
+            delta_multiple_scattering (2 and more).
 
     Raises:
-        ValueError: for no order at all, for fog, or a parametrisation that does not exist.
+        ValueError: orders is below 1, there is fog, or the parametrisation does not exist.
     """
     if orders < 1:
         raise ValueError(f"orders must be 1 or more, not {orders}")

@@ -10,28 +10,31 @@ import math
 
 import numpy as np
 
-from bruneton_sky.solver.cells_kernels import ZERO, empty_cells, fast, inner
-from bruneton_sky.solver.ray_bins_kernels import Bins
+from bruneton_sky.solver.bin_kernels import Bins
+from bruneton_sky.solver.cell_kernels import ZERO, empty_cells, fast, inner
+from bruneton_sky.solver.first_order_kernels import gather_first
+from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
     altitude_along,
+    altitude_place,
     hits_ground,
     mean_density,
     ray_length,
 )
-from bruneton_sky.solver.source_kernels import empty_slab, gather_later
-from bruneton_sky.solver.sun_kernels import gather_first
 
 _f4 = np.float32
-# A slice that scatters less than this share of what all before it do is left out.
+# A slice that scatters less than this share of all slices before it is left out.
 NEGLIGIBLE = 1e-6
+# Numbers of a slice in the GPU's buffer.
+SLICE_FLOATS = 32
 
 
 @fast
 def slice_rows(air, altitude, mu, distance, steps, centre, weight, passed):  # type: ignore[no-untyped-def]
     """The matter of rays (rows,) between distances (rows, slices + 1), the first of them 0.
 
-    Each slice is marched in so many `steps`. `centre` (rows, slices, 4), `weight` (rows, slices,
+    Each slice is marched in `steps` steps. `centre` (rows, slices, 4), `weight` (rows, slices,
     2, 4): see `Bins`. `passed` (rows, slices, 4): transmittance up to each slice's end.
     """
     light = np.empty(4)
@@ -171,3 +174,34 @@ def settle_colours(light, molecules, phase):  # type: ignore[no-untyped-def]
                     direct, aerosol = max(direct, ZERO), max(aerosol, ZERO)
                     light[0, k, i, n, c], light[1, k, i, n, c] = shaded, direct
                     light[2, k, i, n, c] = aerosol
+
+
+@fast
+def pack_slices(air, distance, centre, weight, colour, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (rows, slices, SLICE_FLOATS), zeros, in the order of `Slice` in air_volume.comp.
+
+    Arguments as for `light_rows`.
+    """
+    ground, top = air.ground_radius_m, air.top_altitude_m
+    whole = top * (2.0 * ground + top)
+    for i in range(out.shape[0]):
+        mass = 0.0
+        for k in range(out.shape[1]):
+            here, packed = centre[i, k], out[i, k]
+            for c in range(4):
+                for channel in range(3):
+                    packed[20 + 4 * channel + c] = colour[i, k, c, channel]
+            mass += here[3]
+            if here[3] > NEGLIGIBLE * mass:
+                altitude, mu = here[1], here[2]
+                r, squared = ground + altitude, altitude * (2.0 * ground + altitude)
+                span = (math.sqrt(squared) + math.sqrt(whole) - (top - altitude)) / r
+                packed[0], packed[1], packed[2] = here[0], distance[i, k], distance[i, k + 1]
+                packed[3] = 1.0
+                packed[4], packed[5] = 1.0 / r, mu
+                packed[6] = 1.0 / math.sqrt(max((1.0 - mu) * (1.0 + mu), 1e-9))
+                packed[7] = altitude_place(air, altitude)
+                packed[8] = (whole - squared) / (r * r)
+                packed[9], packed[10] = (top - altitude) / r, 1.0 / span
+                for c in range(4):
+                    packed[12 + c], packed[16 + c] = weight[i, k, 0, c], weight[i, k, 1, c]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from bruneton_sky.atmosphere import Atmosphere
 
 LANES = 4
-# Where fog or haze is dense, light changes within a part of its scale height.
+# Reach of a dense layer in scale heights, and its share of an axis of altitudes.
 FOG_REACH, FOG_SHARE = 3.0, 0.4
 HAZE_REACH, HAZE_SHARE = 1.0, 0.4
 # Optical depths from which on aerosol counts as haze, and as thick haze: at 445 nm turbidity 2 has
@@ -26,7 +26,7 @@ class Air(NamedTuple):
     `extinction` (4, 4): of molecules, aerosol, absorber, fog; `scattering` (3, 4): of molecules,
     aerosol, fog; `absorber` (2, n): altitudes and relative densities of its nodes; one
     node makes no layer, where it absorbs nothing. `fog_scale_height_m` is 0 where there is no
-    fog. `layer_reach_m`, `layer_share`: see `altitude_kernels`; a share of 0 is no layer.
+    fog. `layer_reach_m`, `layer_share`: see `ray_kernels`; a share of 0 is no layer.
     """
 
     ground_radius_m: float
@@ -82,7 +82,7 @@ def is_hazy(atmosphere: Atmosphere) -> bool:
 
 
 def is_thick_haze(atmosphere: Atmosphere) -> bool:
-    """Whether it does so by a third: then orders of scattering fall off slowly."""
+    """Whether the aerosol dims it by a third: then orders of scattering fall off slowly."""
     return _aerosol_depth(atmosphere) >= _THICK_HAZE
 
 
@@ -91,7 +91,7 @@ def _aerosol_depth(atmosphere: Atmosphere) -> float:
 
 
 def dense_layer(atmosphere: Atmosphere) -> tuple[float, float]:
-    """How far a layer of dense air reaches, in m, and its share of an axis of altitudes."""
+    """Reach in m of the layer of dense air, and its share of an axis of altitudes."""
     if atmosphere.foggy:
         return FOG_REACH * atmosphere.fog_scale_height_m, FOG_SHARE
     if is_hazy(atmosphere):

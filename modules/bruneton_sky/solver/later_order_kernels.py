@@ -13,9 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bruneton_sky.solver.altitude_kernels import altitude_place
-from bruneton_sky.solver.cells_kernels import HALF, ONE, ZERO, inner
-from bruneton_sky.solver.four_lanes import add_four
+from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_four, inner
+from bruneton_sky.solver.ray_kernels import altitude_place
 
 _f4 = np.float32
 _TINY = np.float32(1e-9)
@@ -25,7 +24,7 @@ class Source(NamedTuple):
     """The source function as the kernels take it, float32.
 
     `rayleigh` (altitudes, 4, suns * 4): coefficients of 1, 3 mu^2 - 1, mu sin(theta) cos(phi)
-    and sin^2(theta) cos(2 phi). `mie` (altitudes, mu, azimuths, suns * 4). One that has no
+    and sin^2(theta) cos(2 phi). `mie` (altitudes, mu, azimuths, suns * 4). An array without
     altitudes is left out. `azimuth_cosine` (azimuths,), `grid` (4,): see `SunGrid.constants`.
     """
 
@@ -44,7 +43,7 @@ class Slab(NamedTuple):
 
 @inner
 def empty_slab(source):  # type: ignore[no-untyped-def]
-    """Room for a bin's light."""
+    """Arrays for the light of one bin."""
     columns = source.rayleigh.shape[2]
     return Slab(np.empty(source.azimuth_cosine.size * columns, _f4), np.empty((4, columns), _f4))
 
@@ -63,7 +62,7 @@ def gather_later(air, altitude, bins, cells, source, slab, out):  # type: ignore
 
 @inner
 def sun_place(mu_s, grid0, grid1, grid2, grid3):  # type: ignore[no-untyped-def]
-    """Place in [0, 1] on the solver's axis of suns; see `coordinates.SunGrid`."""
+    """Place in [0, 1] on the solver's axis of suns; see `grid.SunGrid`."""
     d = math.sqrt(ONE - mu_s) - grid0
     return min(max((grid2 - d / (grid1 + abs(d))) * grid3, ZERO), ONE)
 

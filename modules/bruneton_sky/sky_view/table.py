@@ -1,12 +1,12 @@
-"""All that one observer sees of the air and the planet under one sun, by view direction.
+"""The radiance that one observer sees under one sun, tabulated by view direction.
 
-The table serves an observer on the ground, inside the air or above it; `sky_view_rows` says
+The table serves an observer on the ground, inside the air or above it; `rays` says
 where its nodes lie. The sky is symmetric about the sun's vertical plane, so half of it is kept.
 The light that aerosol scatters once is kept without its phase function, which is applied per
 texel: the aureole stays sharp.
 
 The table holds the fourth root of linear sRGB radiance: in twilight radiance falls by powers
-of ten between neighbouring rows, and a straight line through the roots follows that. A radiance
+of ten between neighbouring rows, and linear interpolation of the roots follows that. A radiance
 below zero, a colour outside the gamut, becomes zero.
 """
 
@@ -19,31 +19,31 @@ from numpy.typing import NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
 from bruneton_sky.phase import MiePhase, mie_phase_parameters
-from bruneton_sky.sky_view_rows import Rows, table_rows
+from bruneton_sky.sky_view.rays import Rows, table_rows
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import LANES, groups_of_air, is_hazy
-from bruneton_sky.solver.coordinates import SunGrid
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, is_hazy
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 
-# Rows above and below the horizon for an observer who stands, inside the air, and above it, from
-# where all of the air is a thin limb.
+# Rows above and below the horizon for an observer on the ground, inside the air, and above it, who
+# sees all of the air as a thin limb.
 _STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (32, 64)
 COLUMNS = 40
-# Below this altitude the ground fills what is below the level, and the air before it is left
-# to whoever draws the ground.
+# Below this altitude all that is below the level is ground; the renderer adds the air before it.
 STANDING_M = 10.0
-# Of a fog's height, where that is lower: fog is a fifth thinner there.
+# The same as a share of the fog's scale height, the lower of both: fog is a fifth thinner there.
 _STANDING_IN_FOG = 0.2
 # Steps along a ray, and bins for light scattered once and more. In twilight the planet's shadow
 # cuts through the rays, and a bin that it cuts is coarse: more are taken; from above the air for
 # the limb alone.
 _DAY, _TWILIGHT, _TWILIGHT_ALOFT = (48, 24, 12), (96, 48, 12), (64, 32, 12)
 _TWILIGHT_BELOW_MU_S = 0.1
-# In haze light that is scattered more than once changes within less air, for who is in it.
+# Bins for light scattered more than once in haze, for an observer inside the air: it changes
+# within shorter distances.
 _HAZE_BINS = 16
-# Rows and columns of a table that only light is made from, by day and in twilight.
+# Rows and columns of a table for the light on the scene, by day and in twilight.
 _LIGHT_BY_DAY, _LIGHT_IN_TWILIGHT = (32, 24), (24, 16)
 # Suns between which the ground's colour is interpolated, and numbers of a node.
 _SUNS, _NODE = 192, 8
@@ -53,7 +53,7 @@ _AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.flo
 class GroundColours(NamedTuple):
     """The ground's colours (suns * 4 * 4,) by wavelength, under suns with zenith cosines mu_s.
 
-    A fourth number fills each colour up to a register. `grid` places a cosine among `mu_s`: see
+    A fourth number pads each colour to a register. `grid` places a cosine among `mu_s`: see
     `SunGrid.constants`.
     """
 
@@ -68,7 +68,7 @@ class SkyView(NamedTuple):
     Attributes:
         nodes: (rows * columns, 8) float32: fourth roots of linear sRGB radiance in
             W m^-2 sr^-1, three of the light with its phase and three of aerosol without.
-        shape: rows above the horizon, rows below it (0 for an observer who stands), columns.
+        shape: rows above the horizon, rows below it (0 for an observer on the ground), columns.
         depth: (2,) 1 + mu of the ground's horizon and of the air's end.
         sun_direction: (3,) in world axes.
         phase: the phase function of the aerosol.
@@ -90,7 +90,7 @@ def sky_view(
         field: the solved atmosphere.
         altitude_m: above the ground; above the air's top too.
         sun_direction: unit vector (3,) in world axes, at the observer.
-        finer: so many times as many rows, columns, steps and bins.
+        finer: factor on the numbers of rows, columns, steps and bins.
     """
     top_m = field.atmosphere.top_altitude_m
     above, below = _INSIDE_ROWS if altitude_m <= top_m else _OUTSIDE_ROWS
@@ -103,16 +103,16 @@ def sky_view(
 
 
 def standing_m(atmosphere: Atmosphere) -> float:
-    """Below which altitude an observer stands: his table is that of the ground."""
+    """Altitude in m up to which the observer's table is that of the ground."""
     if not atmosphere.foggy:
         return STANDING_M
     return min(STANDING_M, _STANDING_IN_FOG * atmosphere.fog_scale_height_m)
 
 
 def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyView:
-    """A small table for one who stands on the ground, to make light from: nobody looks at it.
+    """A small table for an observer on the ground, for the light on the scene; it is not shown.
 
-    What falls on a level surface is that of the large table within 0.2 %, as near to the truth.
+    Irradiance of a level surface is that of the large table within 0.2 %.
     """
     day = sun_direction[1] > _TWILIGHT_BELOW_MU_S
     rows, columns = _LIGHT_BY_DAY if day else _LIGHT_IN_TWILIGHT
@@ -151,7 +151,7 @@ def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tupl
 def _in_this_air(
     atmosphere: Atmosphere, counts: tuple[int, int, int], inside: bool
 ) -> tuple[int, int, int]:
-    """More bins in fog, which lies in one half of a ray's, the air beyond in the other."""
+    """More bins in fog: half of a ray's bins lie in it, half in the air beyond."""
     steps, once, more = counts
     if atmosphere.foggy:
         return steps, 2 * once, 2 * more
@@ -160,7 +160,7 @@ def _in_this_air(
 
 def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDArray[np.float32]:
     """What a table holds for its rays; `counts`: steps, bins for light scattered once, and more."""
-    from bruneton_sky.sky_view_kernels import add_rows, finish_rows
+    from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
@@ -227,7 +227,7 @@ def fill_cube(
 
     Where the table has no rows below the horizon, `ground_radiance_rgb` (3,) is there.
     """
-    from bruneton_sky.sky_view_fill import fill_faces
+    from bruneton_sky.sky_view.cube_kernels import fill_faces
 
     cube = np.empty((6, size, size, 3), dtype=np.float32)
     sun = np.concatenate([view.sun_direction, level_direction(view.sun_direction)])

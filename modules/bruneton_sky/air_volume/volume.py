@@ -1,4 +1,4 @@
-"""The air between one observer and whatever stands around: from a solved field to an `AirVolume`.
+"""The air between an observer and the scene: from a solved field to an `AirVolume`.
 
 Where the nodes lie is said in `vrut_lite.daylight.air_volume`. The light up to a node is divided
 by 1 - T: a mean along the ray, which has a limit in the observer's eye and changes slowly, so
@@ -15,8 +15,8 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.phase import mie_phase, mie_phase_parameters, rayleigh_phase
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import LANES, groups_of_air, wavelengths_of_groups
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
@@ -32,8 +32,8 @@ from vrut_lite.numeric_types import FloatArray
 class AirSizes(NamedTuple):
     """How many slices, rows above and below the horizon, columns; and steps in a slice.
 
-    Below the horizon things are near, or the eye is so high that rays change slowly: fewer rows
-    do there.
+    Below the horizon the ground is near, or the eye so high that neighbouring rays differ little:
+    fewer rows suffice there.
     """
 
     slices: int = 32
@@ -43,12 +43,12 @@ class AirSizes(NamedTuple):
     steps: int = 2
 
 
-# The first node is in the eye, where the light is its own limit: that of so much of a slice.
+# The first node is in the eye, where 1 - T is 0: it gets the mean of this share of a slice.
 _FIRST_SHARE = 0.01
 
 
 class Matter(NamedTuple):
-    """What of the air lies along the rays of a volume.
+    """The matter along the rays of a volume.
 
     Attributes:
         distance_m: (rows, slices + 1), from 0 to each slice's end.
@@ -79,7 +79,7 @@ def air_volume(
         field: the solved atmosphere.
         altitude_m: above the ground.
         sun_direction: unit vector (3,) in world axes, at the observer.
-        reach_m: how much air to give light to along a ray, at most.
+        reach_m: length of a ray in the air, at most.
     """
     matter = matter_before(field, altitude_m, sun_direction, reach_m, sizes or AirSizes())
     values, scale = encode_float16(_light(field, matter))
@@ -93,7 +93,7 @@ def volume_of(
     light: Array | GpuTexture,
     radiance_scale: float,
 ) -> AirVolume:
-    """The volume of this matter and of the light that it scatters."""
+    """The volume of this matter and the light that it scatters."""
     x, y, z = (float(v) for v in np.asarray(sun_direction, dtype=float))
     return AirVolume(
         light=light,
@@ -107,7 +107,7 @@ def volume_of(
 
 
 def air_is_seen(atmosphere: Atmosphere, altitude_m: float, reach_m: float) -> bool:
-    """Whether so many metres of air may show: none of it is denser than the lowest within reach."""
+    """Whether `reach_m` of air may be visible, as dense as the lowest air within reach."""
     if reach_m <= 0.0:
         return False
     lowest_m = max(min(altitude_m, atmosphere.top_altitude_m) - reach_m, 0.0)
@@ -127,7 +127,7 @@ def matter_before(
     sizes: AirSizes,
 ) -> Matter:
     """The matter along the rays of a volume; arguments as for `air_volume`."""
-    from bruneton_sky.air_volume_kernels import slice_rows
+    from bruneton_sky.air_volume.kernels import slice_rows
 
     air, height = field.atmosphere, float(np.asarray(sun_direction, dtype=float)[1])
     grid = Grid(
@@ -152,7 +152,7 @@ def matter_before(
 
 def _light(field: SourceField, matter: Matter) -> NDArray[np.float32]:
     """Mean radiance (3, slices, rows, columns, 3)."""
-    from bruneton_sky.air_volume_kernels import light_rows, settle_colours
+    from bruneton_sky.air_volume.kernels import light_rows, settle_colours
 
     rays = matter.rays
     light = np.zeros((3, matter.distance_m.shape[1] - 1, *rays.nu.shape, 3), dtype=np.float32)

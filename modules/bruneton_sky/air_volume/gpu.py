@@ -1,6 +1,6 @@
-"""The light of a volume of air as a job for the GPU: the solved field goes up once, light stays.
+"""The light of a volume of air as a job for the GPU; the solved field is uploaded once.
 
-What lies along the rays is worked out here, row by row; the light of all their columns there.
+The CPU computes the matter along the rays, row by row, the GPU the light of all columns.
 """
 
 from functools import lru_cache
@@ -9,13 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.air_volume import AirSizes, Matter, matter_before, volume_of
+from bruneton_sky.air_volume.volume import AirSizes, Matter, matter_before, volume_of
 from bruneton_sky.phase import mie_phase_parameters
-from bruneton_sky.shader_source import shader_source
-from bruneton_sky.sky_view_shader import floats
+from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import LANES, groups_of_air
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.gpu_job import GpuJob, GpuTexture, Number
@@ -40,12 +39,12 @@ def air_volume_job(
     sizes: AirSizes | None = None,
     read_back: bool = False,
 ) -> tuple[GpuJob, AirVolume]:
-    """A job that makes the light of `air_volume`, and the volume that it is for.
+    """A job that makes the light of `air_volume`, and the volume that waits for its texture.
 
     Args:
         field: the solved atmosphere, of four wavelengths at most.
         altitude_m, sun_direction, reach_m, sizes: as for `air_volume`.
-        module, job: who asks, and the job's name.
+        module, job: names of the module that asks and of the job.
         read_back: whether the result is an array (3 * slices, rows, columns, 4), not a texture.
     """
     count = sizes or AirSizes()
@@ -64,7 +63,7 @@ def air_volume_job(
         buffers=(*_buffers_of(field, matter), *tables.buffers),
         output="3d",
         size=size,
-        # Single precision: nobody here knows how bright the brightest node will be.
+        # Single precision: the brightest node is not known before the job has run.
         format="rgba32f",
         groups=(-(-count.columns // _GROUP), -(-rows // _GROUP), 1),
         read_back=read_back,
@@ -74,8 +73,8 @@ def air_volume_job(
 
 
 def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], ...]:
-    """What changes with sun and observer, by binding."""
-    from bruneton_sky.gpu_air_kernels import SLICE_FLOATS, pack_slices
+    """The buffers that change with sun and observer, by binding."""
+    from bruneton_sky.air_volume.kernels import SLICE_FLOATS, pack_slices
 
     (air,), rays = groups_of_air(field.atmosphere), matter.rays
     slices = np.zeros((*matter.centre.shape[1:3], SLICE_FLOATS), dtype=np.float32)
@@ -89,7 +88,7 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
     return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns))
 
 
-# Not made again, and not sent again, while sun and observer move.
+# Kept while sun and observer move: neither made nor uploaded again.
 @lru_cache(maxsize=1)
 def _on_gpu(field: SourceField) -> _FieldOnGpu:
     source, transmittance = source_of_group(field, 0), field.transmittance[0]
@@ -113,7 +112,7 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
 
 
 def _or_one(table: NDArray[np.float32]) -> NDArray[np.float32]:
-    """A buffer of nothing cannot be made."""
+    """The table, or four zeros: an empty buffer cannot be made."""
     return table if table.size else np.zeros(LANES, dtype=np.float32)
 
 

@@ -8,16 +8,15 @@ import math
 
 import numpy as np
 
-from bruneton_sky.solver.cells_kernels import ONE, ZERO, empty_cells, fast, inner
-from bruneton_sky.solver.four_lanes import add_four
-from bruneton_sky.solver.ray_bins_kernels import (
+from bruneton_sky.solver.bin_kernels import (
     empty_bins,
     empty_steps,
     fill_steps,
     merge_steps,
 )
-from bruneton_sky.solver.source_kernels import empty_slab, gather_later, sun_place
-from bruneton_sky.solver.sun_kernels import gather_first
+from bruneton_sky.solver.cell_kernels import ONE, ZERO, add_four, empty_cells, fast, inner
+from bruneton_sky.solver.first_order_kernels import gather_first
+from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later, sun_place
 
 _f4 = np.float32
 _SMALLEST = np.float32(1e-30)

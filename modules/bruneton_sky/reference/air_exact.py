@@ -1,4 +1,4 @@
-"""The air before a point, exactly: the float64 twin of `air_volume_kernels`.
+"""The air before a point, in float64: the reference for `air_volume`.
 
 A ray is cut where it meets the level, the edges of the planet's shadow and its own perigee, and
 each piece is integrated by Gauss and Legendre's rule on shrinking intervals, with optical depths
@@ -25,8 +25,8 @@ from bruneton_sky.geometry import (
 )
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import dense_layer, wavelengths_of_groups
-from bruneton_sky.solver.coordinates import SunGrid
+from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.wavelength_groups import dense_layer, wavelengths_of_groups
 from vrut_lite.numeric_types import FloatArray
 
 _NODES = 6
@@ -141,7 +141,7 @@ def source_at(
 
 
 def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:
-    """Place (n,) in [0, 1] on the source's axis of altitudes: see `solver.altitude_kernels`."""
+    """Place (n,) in [0, 1] on the source's axis of altitudes: see `solver.ray_kernels`."""
     radius, top = air.ground_radius_m, air.top_altitude_m
     squares = altitude_m * (2.0 * radius + altitude_m) / (top * (2.0 * radius + top))
     place = np.sqrt(np.clip(squares, 0.0, 1.0))

@@ -1,23 +1,87 @@
-"""Four wavelengths as one SIMD register, in two operations.
+"""Cells: the suns for which a ray is computed, all at once.
 
-numba leaves LLVM's vectorisation of straight-line code off, and a loop over four lanes is too
-short for its loop vectoriser: written out, four lanes would take four times the instructions.
-These intrinsics say it to LLVM directly. Arrays are float32, contiguous and flat; indices are
-the caller's to keep inside.
+A cell is one sun as seen from a ray: its zenith cosine mu_s at the ray's start, and the cosine
+nu of the angle between them, which stays the same along the ray. Cells come in long arrays, so
+that the compiler works on sixteen at a time: a first pass finds where each lies in a table, a
+second adds what is there.
+
+The second pass takes the four wavelengths of a cell as one SIMD register. numba leaves LLVM's
+vectorisation of straight-line code off, and a loop over four lanes is too short for its loop
+vectoriser: `add_two` and `add_four` say it to LLVM directly. Their arrays are float32, contiguous
+and flat; their callers keep indices inside.
 
 Importing this module imports numba.
 """
 
+import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from llvmlite import ir
 from numba.core import types
 from numba.extending import intrinsic
+from numpy.typing import NDArray
 
+from vrut_lite.njit import SUMS_IN_ORDER, njit
+
+_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": SUMS_IN_ORDER}
+# For kernels that only kernels call: without the wrappers for Python they compile faster.
+_NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+fast = njit(nogil=True, **_OPTIONS)
+inner = njit(**_NO_WRAPPERS, **_OPTIONS)
+_f4 = np.float32
+ZERO, HALF, ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 _LANES = ir.VectorType(ir.FloatType(), 4)
-_FAST = ("fast",)
+_FLAGS = tuple(sorted(SUMS_IN_ORDER))
 _Value = Any
+
+
+class Cells(NamedTuple):
+    """Arrays over cells (n,), float32 but for `offset`.
+
+    `mu_s`, `nu`: the suns. The rest is scratch of the passes: `offset` into a table, the
+    shares `along` and `across` of the next nodes, and `shadow_from`, `shadow_to`, the
+    distances between which the ray lies in the planet's shadow.
+    """
+
+    mu_s: NDArray[np.float32]
+    nu: NDArray[np.float32]
+    offset: NDArray[np.int32]
+    along: NDArray[np.float32]
+    across: NDArray[np.float32]
+    shadow_from: NDArray[np.float32]
+    shadow_to: NDArray[np.float32]
+
+
+@inner
+def empty_cells(count):  # type: ignore[no-untyped-def]
+    """Arrays for `count` cells."""
+    return Cells(
+        np.empty(count, _f4), np.empty(count, _f4), np.empty(count, np.int32),
+        np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4), np.empty(count, _f4),
+    )  # fmt: skip
+
+
+@inner
+def some_cells(cells, start, stop):  # type: ignore[no-untyped-def]
+    """The cells from `start` to before `stop`."""
+    return Cells(
+        cells.mu_s[start:stop], cells.nu[start:stop], cells.offset[start:stop],
+        cells.along[start:stop], cells.across[start:stop],
+        cells.shadow_from[start:stop], cells.shadow_to[start:stop],
+    )  # fmt: skip
+
+
+@inner
+def fill_cells(mu, sun, turn_cosine, cells):  # type: ignore[no-untyped-def]
+    """All suns (n,) at all azimuths from the view, azimuth first, as seen along mu."""
+    sine = math.sqrt(max((1.0 - mu) * (1.0 + mu), 0.0))
+    for k in range(sun.size):
+        across = sine * math.sqrt(max((1.0 - sun[k]) * (1.0 + sun[k]), 0.0))
+        for p in range(turn_cosine.size):
+            cells.mu_s[p * sun.size + k] = sun[k]
+            cells.nu[p * sun.size + k] = mu * sun[k] + across * turn_cosine[p]
 
 
 @intrinsic
@@ -83,6 +147,6 @@ def _tools(
 def _sum(builder: _Value, products: list[tuple[_Value, _Value]], start: _Value = None) -> _Value:
     total = start
     for factor, value in products:
-        product = builder.fmul(factor, value, flags=_FAST)
-        total = product if total is None else builder.fadd(total, product, flags=_FAST)
+        product = builder.fmul(factor, value, flags=_FLAGS)
+        total = product if total is None else builder.fadd(total, product, flags=_FLAGS)
     return total

@@ -1,4 +1,4 @@
-"""Where the observer is and where the sun: what of their moves nobody would see."""
+"""Moves of observer and sun that leave the picture the same to the eye."""
 
 import math
 
@@ -7,17 +7,17 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from vrut_lite.numeric_types import Vector
 
-# What a texel may change unseen where nobody says otherwise, relative to the larger of its value
-# and 1 % of the map's maximum.
+# Change of a texel that is not seen, relative to the larger of its value and 1 % of the map's
+# maximum; the default.
 RADIANCE_TOLERANCE = 1e-3
 # A fifth of a texel at 256 texels an edge.
 HORIZON_TOLERANCE_RAD = math.radians(0.07)
-# By what share air and fog may thin over a step.
+# Share by which air and fog may thin over a step.
 _THINNING = 0.01
 
 
 def altitude_step_m(altitude_m: float, atmosphere: Atmosphere) -> float:
-    """By how much an observer may rise or sink unseen.
+    """Altitude change in m below which the picture stays the same.
 
     The horizon moves by 0.07 degrees at most: on the ground that is the dip from 4.7 m. Molecules
     thin by 1 % at most, and so does fog where it is denser than a hundredth of what it is on the
@@ -38,7 +38,7 @@ def altitude_step_m(altitude_m: float, atmosphere: Atmosphere) -> float:
 def sun_step_rad(
     elevation_rad: float, mie_g: float = 0.8, change: float = RADIANCE_TOLERANCE
 ) -> float:
-    """By what angle the sun may stray without changing any texel by more than `change`.
+    """Angle by which the sun may move without changing any texel by more than `change`.
 
     The largest relative change per degree, for haze from none to turbidity 10 and observers from
     the ground to space (measured, and measured again by `test_observer`): 7.1 in twilight, 1.9 at
@@ -57,7 +57,7 @@ def sun_step_rad(
 def same_to_the_eye(
     shown: Vector, now: Vector, mie_g: float = 0.8, change: float = RADIANCE_TOLERANCE
 ) -> bool:
-    """Whether two directions to the sun make the same picture, but for a `change` of a texel."""
+    """Whether the pictures of two directions to the sun differ by no more than `change` a texel."""
     chord = float(np.linalg.norm(np.subtract(shown, now)))
     elevation_rad = float(np.arcsin(np.clip(shown[1], -1.0, 1.0)))
     return chord <= sun_step_rad(elevation_rad, mie_g, change)

@@ -8,9 +8,8 @@ import math
 import numpy as np
 
 from bruneton_sky.path_kernels import exponential_path, layered_path, make_ray
-from bruneton_sky.solver.altitude_kernels import altitude_at, altitude_place
-from bruneton_sky.solver.cells_kernels import HALF, ONE, ZERO, fast, inner
-from bruneton_sky.solver.four_lanes import add_two
+from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner
+from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place
 
 _f4 = np.float32
 _OUT_OF_REACH = np.float32(3e38)
@@ -111,7 +110,7 @@ def _find_shadow(air, altitude, mu, cells):  # type: ignore[no-untyped-def]
 def _blend_row(air, altitude, table, offset, row):  # type: ignore[no-untyped-def]
     """The row (columns * 4,) of the transmittance at an altitude, as far as cells look at it.
 
-    One observer's one sun hardly moves along a ray: that is a small part of the row.
+    The sun of one observer moves little along a ray: only a small part of the row is needed.
     """
     low, high = offset[0], offset[0]
     for n in range(offset.size):

@@ -50,7 +50,7 @@ def table_rows(
     below: int,
     columns: int,
 ) -> Rows:
-    """The rays of a table with so many rows above and below the horizon."""
+    """The rays of a table with `above` and `below` rows above and below the horizon."""
     inside = altitude_m <= atmosphere.top_altitude_m
     depth = np.array([_depth(atmosphere, 0.0, altitude_m), 2.0])
     if not inside:

@@ -1,4 +1,4 @@
-"""A ray's air in few bins: the matter that scatters, seen through the air before it.
+"""The matter along a ray in a few bins, each as seen through the air before it.
 
 Any integral of a source function J along a ray is the sum over bins of weight times J at the
 bin's centre. The weights are sums over fine steps of transmittance times scattering, so that
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.quadrature import FOG_TOP
-from bruneton_sky.solver.cells_kernels import fast, inner
+from bruneton_sky.solver.cell_kernels import fast, inner
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
     altitude_along,
@@ -47,13 +47,13 @@ class Bins(NamedTuple):
 
 @inner
 def empty_bins(count):  # type: ignore[no-untyped-def]
-    """Room for so many bins."""
+    """Arrays for `count` bins."""
     return Bins(np.empty(count + 1), np.empty((count, 4)), np.empty((count, 2, 4)), np.empty(5))
 
 
 @inner
 def empty_steps(air, count):  # type: ignore[no-untyped-def]
-    """Room for so many fine steps of a ray, and for as many in fog if there is any."""
+    """Arrays for `count` fine steps of a ray; twice as many where there is fog."""
     return np.empty((2 * count if air.fog_scale_height_m > 0.0 else count, STEP_COLUMNS))
 
 
@@ -61,7 +61,7 @@ def empty_steps(air, count):  # type: ignore[no-untyped-def]
 def fill_bins(air, altitude, mu, hits, steps, bins):  # type: ignore[no-untyped-def]
     """Bin the ray from an altitude along mu; `steps` (n, STEP_COLUMNS) is scratch.
 
-    `hits` tells whether the ray ends on the ground.
+    `hits`: whether the ray ends on the ground.
     """
     fill_steps(air, altitude, mu, hits, steps, bins.end)
     merge_steps(air, altitude, mu, steps, bins)
@@ -210,9 +210,9 @@ def _dense_place(along, length, hits, count):  # type: ignore[no-untyped-def]
 
 @inner
 def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-untyped-def]
-    """What `fill_steps` does, for air with fog: half of the steps lie in it.
+    """The steps of `_fill_steps_in_clear_air` in air with fog: half of them lie in the fog.
 
-    It stands apart so that compiled code for clear air, to its last digit, knows of no fog.
+    A function of its own, so that fog costs clear air nothing.
     """
     count = steps.shape[0]
     radius = air.ground_radius_m + altitude
@@ -242,7 +242,7 @@ def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-
 
 @inner
 def _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, light, step):  # type: ignore[no-untyped-def]
-    """What `_weigh_step` does, with fog."""
+    """`_weigh_step` with fog."""
     mass, moment = 0.0, 0.0
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
@@ -262,7 +262,7 @@ def _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, light, step):  # 
 
 @inner
 def _length_in_fog(air, altitude, along, hits):  # type: ignore[no-untyped-def]
-    """How far fog reaches along a ray from its densest place, in m: on either side the same."""
+    """Length in m of a ray in fog from its densest place, the same on either side."""
     double = 2.0 * air.ground_radius_m + altitude
     top = FOG_TOP * air.fog_scale_height_m
     # Squared distances from the perigee to an altitude, on the ray's line.

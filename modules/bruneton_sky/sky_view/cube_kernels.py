@@ -1,35 +1,41 @@
 """Compiled look-up of a sky-view table for every texel of a cube map, in single precision.
 
 A row of texels is worked in two passes over short buffers: coordinates in the table and the phase
-function (a loop that vectorises over texels), and the bilinear look-up (vectorised over a node's
-eight numbers). From above the air the limb may be as thin as a texel: there the mean of a few
-samples is taken. Importing this module imports numba: do it only where the first cube is filled.
+function (a loop that vectorises over texels), and the bilinear look-up of a node's eight numbers,
+one SIMD register. That is straight-line code, which numba does not vectorise: `shade_texel` says it
+to LLVM directly. From above the air the limb may be as thin as a texel: there the mean of a few
+samples is taken.
+
+Importing this module imports numba: do it only where the first cube is filled.
 """
 
 import math
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
 
-from bruneton_sky.sky_view_lanes import shade_texel
-from bruneton_sky.sky_view_rows import TURN_INSIDE, TURN_OUTSIDE
-from vrut_lite.njit import njit
+from bruneton_sky.sky_view.rays import TURN_INSIDE, TURN_OUTSIDE
+from vrut_lite.njit import SUMS_IN_ORDER, njit
 
 # Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
 NODE = 8
 _f4 = np.float32
 _ZERO, _ONE, _HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 _SMALLEST = np.float32(1e-30)
-# Samples of a texel in the limb, and a stride by which no two of them lie in one row or column; and
-# those for a limb that is hardly as thick as a texel.
+# Samples of a texel in the limb, and a stride that puts no two into one row or column; the same for
+# a limb about as thick as a texel.
 SAMPLES, STRIDE = 5, 2
 THIN_SAMPLES, THIN_STRIDE = 13, 5
-# So many texels above the horizon the limb is sampled so: a thicker one is smooth there.
+# Texels above the horizon up to which the limb is supersampled; a thicker limb is smooth there.
 LIMB_TEXELS = 6.0
-# NaN, infinity and signed zero do not occur; sums keep their order, so that every vector width
-# gives the same digits.
-_compiled = njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "ninf", "nsz", "contract"}
-)
+_compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS_IN_ORDER)
+_FLOAT, _INT = ir.FloatType(), ir.IntType(32)
+_NODE = ir.VectorType(_FLOAT, 8)
+_FLAGS = tuple(sorted(SUMS_IN_ORDER))
+_Value = Any
 
 
 @_compiled
@@ -54,8 +60,8 @@ def fill_faces(  # type: ignore[no-untyped-def]
                 cube[face, i, :, :] = ground
                 continue
             if horizon[1] <= _ONE and _depth(axes[face], _ZERO, centres[i]) >= horizon[1]:
-                # From above the air nothing shines above its edge. A row looks down most steeply
-                # in its middle, and least at its ends.
+                # An observer above the air sees no light above the air's edge. A row looks down
+                # most steeply in its middle.
                 cube[face, i, :, :] = _ZERO
                 continue
             level[:] = centres[i]
@@ -196,7 +202,7 @@ def _place(  # type: ignore[no-untyped-def]
 
 @_compiled
 def _shade(nodes, columns, first_node, fraction, mie_phase, row):  # type: ignore[no-untyped-def]
-    """Radiance (n * 3,) of the texels; the table holds fourth roots: see `sky_view`."""
+    """Radiance (n * 3,) of the texels; the table holds fourth roots: see `table`."""
     node, three = np.uintp(NODE), np.uintp(3)
     below = np.uintp(columns) * node
     for j in range(mie_phase.size):
@@ -205,3 +211,50 @@ def _shade(nodes, columns, first_node, fraction, mie_phase, row):  # type: ignor
             row, np.uintp(j) * three, mie_phase[j], nodes, near, near + below,
             fraction[1, j], fraction[0, j],
         )  # fmt: skip
+
+
+@intrinsic
+def shade_texel(typingctx, out, place, mie_phase, nodes, near, far, across, along):  # type: ignore[no-untyped-def]
+    """out[place:+3] = the radiance between four nodes of fourth roots.
+
+    `nodes` is flat; the nodes are those that begin at `near`, `near` + 8, `far` and `far` + 8,
+    `across` the share of the second of each pair, `along` that of the second pair. The first four
+    numbers of a node are light with its phase, the others aerosol's, to be multiplied by
+    `mie_phase`. Indices are the caller's to keep inside.
+    """
+
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        def pointer(argument: int, index: _Value) -> _Value:
+            array = context.make_array(signature.args[argument])(context, builder, args[argument])
+            return builder.gep(array.data, [index])
+
+        def node(index: _Value) -> _Value:
+            return builder.load(builder.bitcast(pointer(3, index), _NODE.as_pointer()), align=4)
+
+        def between(first: _Value, second: _Value, share: _Value) -> _Value:
+            change = builder.fsub(second, first, flags=_FLAGS)
+            return builder.fadd(first, builder.fmul(share, change, flags=_FLAGS), flags=_FLAGS)
+
+        next_node = args[4].type(8)
+        share = _splat(builder, args[6])
+        rows = [between(node(at), node(builder.add(at, next_node)), share) for at in args[4:6]]
+        light = between(*rows, _splat(builder, args[7]))
+        for _ in range(2):
+            light = builder.fmul(light, light, flags=_FLAGS)
+        for lane in range(3):
+            phased, aerosol = (builder.extract_element(light, _INT(k)) for k in (lane, lane + 4))
+            aerosol = builder.fmul(args[2], aerosol, flags=_FLAGS)
+            total = builder.fadd(phased, aerosol, flags=_FLAGS)
+            builder.store(total, pointer(0, builder.add(args[1], args[1].type(lane))))
+        return context.get_dummy_value()
+
+    index, real = types.uintp, types.float32
+    return types.void(out, index, real, nodes, index, index, real, real), codegen
+
+
+def _splat(builder: _Value, scalar: _Value) -> _Value:
+    undefined = ir.Constant(_NODE, ir.Undefined)
+    first = builder.insert_element(undefined, scalar, _INT(0))
+    return builder.shuffle_vector(
+        first, undefined, ir.Constant(ir.VectorType(_INT, 8), [_INT(0)] * 8)
+    )
