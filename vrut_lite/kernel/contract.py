@@ -75,7 +75,7 @@ def _check_manifest(manifest: object) -> None:
         slots = getattr(manifest, field)
         if not (isinstance(slots, tuple) and all(map(_is_name, slots))):
             checks.refuse(manifest, field, "be a tuple of names of slots", of)
-    checks.flag(manifest, "stand_in", "exact_digits", of=of)
+    checks.flag(manifest, "stand_in", of=of)
 
 
 def _check_handlers(module_type: type[Module]) -> None:

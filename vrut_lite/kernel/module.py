@@ -15,9 +15,7 @@ Handler = Callable[[Any, Any], None]
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     """What a module is called, which slots it can hold and which it needs filled.
 
-    One that does not `stand_in` holds a slot only when it is chosen, never as a replacement. Of
-    one without `exact_digits` the last digits of float32 may change from one run to the next;
-    journals compare what it says by value.
+    One that does not `stand_in` holds a slot only when it is chosen, never as a replacement.
     """
 
     name: str
@@ -26,7 +24,6 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     provides: tuple[str, ...] = ()
     requires: tuple[str, ...] = ()
     stand_in: bool = True
-    exact_digits: bool = True
 
 
 class NoSettings(msgspec.Struct, frozen=True):
