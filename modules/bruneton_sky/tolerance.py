@@ -5,7 +5,7 @@
 | `solver` | nodes, directions, suns, bins, orders of an atmosphere's solution | front "solver" |
 | `table` | rows, columns, steps and bins of the sky-view table | front "table" |
 | `cube_size` | edge of the background's cube map, for who names none | front "cube_size" |
-| `sun_change` | share by which an unfollowed sun may change a texel | `observer` and its test |
+| `sun_change` | share by which an unfollowed sun may change a texel | `unseen_moves` and its test |
 | `altitude_steps` | of an unfollowed observer, in usual ones | proportion |
 
 Orders that someone sets are not exceeded. The fronts are measured by

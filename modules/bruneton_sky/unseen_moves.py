@@ -41,7 +41,7 @@ def sun_step_rad(
     """Angle by which the sun may move without changing any texel by more than `change`.
 
     The largest relative change per degree, for haze from none to turbidity 10 and observers from
-    the ground to space (measured, and measured again by `test_observer`): 7.1 in twilight, 1.9 at
+    the ground to space (measured; `test_unseen_moves` measures it again): 7.1 in twilight, 1.9 at
     sunset, 0.8 at 4 and at 10 degrees, 0.3 at 15, 0.12 from 25 up. A narrow aureole changes
     faster.
     """

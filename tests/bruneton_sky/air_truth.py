@@ -1,4 +1,4 @@
-"""The module's own air, walls in it, and what is seen of them: exactly, and through a volume."""
+"""The module's air, and walls seen through it: by the reference, and through a volume."""
 
 from functools import lru_cache
 

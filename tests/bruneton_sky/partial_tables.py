@@ -1,4 +1,4 @@
-"""Tables of any sizes, as the solver marches them, but only at the nodes that are looked at."""
+"""Tables of any sizes, filled by the solver only at the nodes that are looked at."""
 
 import numpy as np
 from bruneton_sky.precompute import transmittance_table
@@ -18,7 +18,7 @@ YEAR = "2017"
 
 
 def empty_tables(field: SourceField, sizes: TableSizes) -> Tables:
-    """Transmittance, and no light yet: memory that is never written is never there."""
+    """The transmittance, and no light yet; untouched memory is never allocated."""
     shapes = table_shapes(field.atmosphere, sizes)
     dark = {
         name: np.zeros(shapes[name], np.float32)

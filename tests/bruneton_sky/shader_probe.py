@@ -1,4 +1,4 @@
-"""Runs the GLSL of single scattering on rays of a test's choosing, outside any cube."""
+"""Runs the GLSL of single scattering along given rays."""
 
 import numpy as np
 from bruneton_sky import Atmosphere

@@ -1,4 +1,4 @@
-"""What the sky-view table's kernel adds up along rays, each wavelength a colour of its own."""
+"""Spectral radiance along rays by the kernel of the sky-view table."""
 
 import numpy as np
 from bruneton_sky.phase import mie_phase

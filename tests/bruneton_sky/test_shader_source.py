@@ -27,7 +27,7 @@ def test_nested_includes_keep_the_version_first() -> None:
     assert source.count("uniform float ground_radius_m;") == 1
 
 
-def test_missing_include_is_named() -> None:
+def test_missing_include_is_refused_by_name() -> None:
     """A misspelt file is not silently left out."""
     with pytest.raises(FileNotFoundError, match=r"no_such\.glsl"):
         expand_includes('#include "no_such.glsl"\n')

@@ -197,7 +197,7 @@ def test_one_order_is_light_scattered_once(make, other_planet):
     assert tables.orders == 1
 
 
-def test_other_work_may_come_between_slices(make, other_planet, monkeypatch):
+def test_other_gl_work_may_run_between_slices(make, other_planet, monkeypatch):
     """A frame drawn in between binds its own textures; slices of one altitude change nothing."""
     monkeypatch.setattr(passes, "LAYERS_AT_ONCE", 1)
 
@@ -224,8 +224,8 @@ def test_other_work_may_come_between_slices(make, other_planet, monkeypatch):
     assert shares == sorted(shares)
 
 
-def test_progress_ends_with_all_of_it(make, other_planet):
-    """From little to 1, never back: a bar follows it."""
+def test_progress_rises_to_one(make, other_planet):
+    """The share done never falls and ends at 1."""
     told = []
     make(ODD, lambda p: p.run(other_planet, 2, told.append))
     assert told == sorted(told)
@@ -233,7 +233,7 @@ def test_progress_ends_with_all_of_it(make, other_planet):
     assert told[-1] == 1.0
 
 
-def test_a_context_of_its_own(other_planet, make):
+def test_pipeline_makes_a_context_where_none_is_given(other_planet, make):
     """Without a context one is made; the tables are the same."""
     with GpuPipeline(sizes=ODD) as own:
         alone = own.run(other_planet, 2)
@@ -243,8 +243,8 @@ def test_a_context_of_its_own(other_planet, make):
             np.testing.assert_array_equal(getattr(alone, field.name), getattr(shared, field.name))
 
 
-def test_without_opengl_one_sentence_says_so(monkeypatch):
-    """Whoever asked for the GPU learns why not, and what serves instead."""
+def test_missing_opengl_is_told_in_one_sentence(monkeypatch):
+    """The refusal names the reason, and the CPU as the way out."""
     import moderngl
 
     def fail(**_):
@@ -255,7 +255,7 @@ def test_without_opengl_one_sentence_says_so(monkeypatch):
         GpuPipeline()
 
 
-def test_what_cannot_be_done_is_refused(make, other_planet):
+def test_no_orders_and_too_large_axes_are_refused(make, other_planet):
     """No order at all; an axis that a work group has no memory for."""
     with pytest.raises(ValueError, match="orders must be 1 or more"):
         make(ODD, lambda p: p.run(other_planet, 0))

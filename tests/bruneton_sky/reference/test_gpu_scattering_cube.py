@@ -39,7 +39,7 @@ def twin_cube(air: Atmosphere, altitude_m: float, sun, size: int, **options):
 @pytest.mark.gl
 @pytest.mark.parametrize("altitude_m", [0.0, 2000.0, 30_000.0, 60_000.0])
 @pytest.mark.parametrize("size", [16, 7])
-def test_every_texel_is_the_twins(compute, altitude_m: float, size: int) -> None:
+def test_texels_agree_with_the_cpu(compute, altitude_m: float, size: int) -> None:
     """From the ground to the top, faces in OpenGL's order, in an even and an odd size."""
     air = preset("earth-clear")
     cube = compute(cube_job(air, altitude_m, size=size, ground_rgb=GROUND))
@@ -48,7 +48,7 @@ def test_every_texel_is_the_twins(compute, altitude_m: float, size: int) -> None
 
 @pytest.mark.gl
 @pytest.mark.parametrize("rule", ["midpoint", "trapezoid", "simpson"])
-def test_every_rule_makes_the_same_cube_as_its_twin(compute, rule: str) -> None:
+def test_every_rule_agrees_with_the_cpu(compute, rule: str) -> None:
     """The rule is a uniform: the cube of any of them is right to float32."""
     air, options = earth_spectral(COLOUR_NM), {"rule": rule, "samples": (16, 8)}
     cube = compute(cube_job(air, 100.0, ground_rgb=GROUND, **options))
@@ -90,8 +90,8 @@ def test_only_the_faces_asked_for_are_computed(compute) -> None:
     assert cube_job(air, wanted=(2, 5)).groups == (2, 2, 2)
 
 
-def test_another_atmosphere_is_no_other_shader() -> None:
-    """Every parameter is a uniform: the driver compiles once, whatever is turned."""
+def test_another_atmosphere_uses_the_same_shader() -> None:
+    """Every parameter is a uniform: the driver compiles once."""
     job = cube_job(preset("earth-clear"))
     others = [
         cube_job(preset("mars-like")),
@@ -106,7 +106,7 @@ def test_another_atmosphere_is_no_other_shader() -> None:
     assert lengths == [[np.size(value) for value in job.uniforms.values()]] * len(others)
 
 
-def test_absorber_that_absorbs_nothing_costs_nothing() -> None:
+def test_shader_skips_an_absorber_that_absorbs_nothing() -> None:
     """Without ozone the shader is told of no absorber, and skips its paths."""
     assert cube_job(preset("earth-2008")).uniforms["absorber_nodes"] == 0
     assert cube_job(preset("earth-clear")).uniforms["absorber_nodes"] == 3
@@ -136,7 +136,7 @@ def test_absorber_that_absorbs_nothing_costs_nothing() -> None:
         ),
     ],
 )
-def test_what_the_shader_has_no_room_for_is_refused(options: dict, words: str) -> None:
+def test_what_does_not_fit_the_shader_is_refused(options: dict, words: str) -> None:
     """One sentence, before anything reaches the GPU."""
     given = {"air": preset("earth-clear")} | options
     with pytest.raises(ValueError, match=words):

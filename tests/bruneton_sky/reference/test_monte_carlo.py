@@ -51,7 +51,7 @@ def ground_truth():
 
 
 @pytest.mark.long
-def test_higher_orders_are_another_program_s(ground_truth):
+def test_higher_orders_agree_with_another_program(ground_truth):
     """Orders 2 and up at the ground, sun at 0, 60, 87 deg: chi square of the joint errors.
 
     tests/data/sky_truth_ground.npz holds 400,000 paths of a tracer that shares nothing with
@@ -66,7 +66,7 @@ def test_higher_orders_are_another_program_s(ground_truth):
     assert np.abs(deviation.mean(axis=(1, 2))).max() < 0.84
 
 
-def test_each_order_is_another_program_s(ground_truth):
+def test_each_order_agrees_with_another_program(ground_truth):
     """The same for orders 2 to 5 one by one; so few paths find few of the higher ones.
 
     The file has no errors by order; in the sum they are a third of these, which makes the rms
@@ -123,7 +123,7 @@ def test_energy_is_conserved(kind):
     assert (np.abs(whole - 1.0) < 4 * error).all()
 
 
-def test_no_air_scatters_nothing():
+def test_without_air_the_sky_is_black():
     """Without molecules and aerosol the sky is black; the ground is lit and seen exactly."""
     bare = replace(EARTH, rayleigh_scattering=0.0, mie_scattering=0.0, mie_extinction=0.0)
     bare = replace(bare, absorption_extinction=0.0)
@@ -195,8 +195,8 @@ def test_equal_seeds_make_equal_light(other_planet):
     np.testing.assert_array_equal(one[:, :1], alone.batches)
 
 
-def test_last_order_takes_all_beyond(other_planet):
-    """How many orders are told apart does not change the paths, only where they are booked."""
+def test_last_order_holds_all_higher_ones(other_planet):
+    """How many orders are told apart does not change the paths, only which order they count for."""
     rays = other_planet, 1e3, 0.2, 0.5, 0.1
     ten = monte_carlo_radiance(*rays, paths=256)
     three = monte_carlo_radiance(*rays, paths=256, max_order=3)
@@ -204,7 +204,7 @@ def test_last_order_takes_all_beyond(other_planet):
     np.testing.assert_allclose(ten.total(3), three.per_order[:, 2], rtol=1e-12)
 
 
-def test_space_sees_what_the_top_sees(other_planet):
+def test_observer_in_space_sees_what_one_at_the_top_sees(other_planet):
     """An observer outside is one at the top, further back on the same ray."""
     air, outside = other_planet, 250e3
     mu = np.array([-1.0, -0.7, -0.45, -0.2])
@@ -248,7 +248,7 @@ def test_irradiance_is_the_integral_of_radiance(other_planet):
         ((0.0, 0.5, 0.5, -2.0), "nu"),
     ],
 )
-def test_what_is_no_ray_is_refused_by_name(rays, name):
-    """The message must name the argument."""
+def test_impossible_rays_are_refused_by_name(rays, name):
+    """The refusal names the argument."""
     with pytest.raises(ValueError, match=f"^{name} must"):
         monte_carlo_radiance(EARTH, *rays)

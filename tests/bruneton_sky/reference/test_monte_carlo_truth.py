@@ -70,7 +70,7 @@ def test_irradiance_is_traced_again(truth):
     assert np.abs(deviations).max() < 5
 
 
-def test_the_file_tells_its_orders_apart(truth):
+def test_orders_in_the_file_sum_to_the_whole(truth):
     """The orders sum to the whole; the notes name every array."""
     np.testing.assert_allclose(truth["orders"].sum(axis=1), truth["multiple"], rtol=1e-5)
     whole = truth["irradiance"].sum(axis=2)

@@ -37,8 +37,8 @@ def test_the_tables_are_brunetons(name: str) -> None:
     assert getattr(tables, name) == pytest.approx(truth, rel=1e-6, abs=1e-12 * truth.max())
 
 
-def test_every_step_is_told_once_and_nothing_else() -> None:
-    """Who watches the steps sees them all, in the order in which they are made."""
+def test_the_observer_hears_every_step_once() -> None:
+    """All steps, in the order in which they are made, and nothing else."""
     assert list(twin_run()[1]) == [(name, order) for name, order, _ in STEPS]
 
 

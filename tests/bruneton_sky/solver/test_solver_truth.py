@@ -103,7 +103,7 @@ def test_irradiance_is_that_of_monte_carlo(aerosol: float) -> None:
     assert np.all(np.abs(ours - truth) < allowed + 3.0 * noise)
 
 
-def test_no_ozone_truth_of_other_hands() -> None:
+def test_without_ozone_agrees_with_an_independent_program() -> None:
     """An independent Monte Carlo program, no ozone: the mean of all rays to 1 % plus noise."""
     air = replace(
         Atmosphere.earth(ozone=False),

@@ -52,7 +52,7 @@ def change(before: NDArray[np.float32], after: NDArray[np.float32]) -> float:
 @pytest.mark.parametrize(
     "height_m", mostly_long([0.0, 2000.0, 12_000.0, 300_000.0], (12_000.0).__eq__)
 )
-def test_no_texel_changes_over_a_suns_step(name: str, height_m: float) -> None:
+def test_no_texel_changes_visibly_over_a_step_of_the_sun(name: str, height_m: float) -> None:
     """Up and aside by the largest step that is not followed: 1e-3 of a texel's radiance at most."""
     for elevation_deg in (
         85.0,
@@ -100,7 +100,7 @@ def test_horizon_moves_less_than_can_be_seen(height_m: float, radius_m: float) -
 
 
 @pytest.mark.parametrize("name", mostly_long([*SKIES, "fog"], "fog".__eq__))
-def test_light_stays_where_it_is_about_the_horizon(name: str) -> None:
+def test_light_about_the_horizon_changes_little_over_a_step(name: str) -> None:
     """Each table's nodes lie about its own horizon, which moves unseen: over a step they change by
     1.6 % in the mean at most (measured: 1.5 at 11 m, where the ground's rim is far away at once),
     and from 100 m on 99 % of them by less than 5 %."""
@@ -126,8 +126,8 @@ def test_steps_follow_the_fog() -> None:
     assert altitude_step_m(100.0, air) == altitude_step_m(100.0, clear)
 
 
-def test_a_step_is_not_followed_and_more_is() -> None:
-    """Half a step leaves the picture, two do not."""
+def test_half_a_step_keeps_the_picture_and_two_do_not() -> None:
+    """Below the step the picture stays, above it a new one is made."""
     step_rad = sun_step_rad(0.3)
     for steps, same in ((0.5, True), (2.0, False)):
         assert same_to_the_eye(tuple(sun(0.3)), tuple(sun(0.3 + steps * step_rad))) is same

@@ -1,4 +1,4 @@
-"""Rays in bins: nothing of the air is lost, however few the bins."""
+"""Rays in bins: the matter of a ray is kept, however few the bins."""
 
 from dataclasses import replace
 
