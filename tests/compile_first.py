@@ -24,8 +24,8 @@ air_volume(solve(earth_spectral(SKYLIGHT_NM), orders=3), 2.0, np.array([0.6, 0.8
 OTHERS = """
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.kernels import fast_scattered_without_phase
-from bruneton_sky.monte_carlo import monte_carlo_radiance
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
+from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
 from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings
 from dynamic_skylight import HosekWilkieSky

@@ -28,17 +28,17 @@ _POSITIVE = (
     "fog_scale_height_m",
     "sun_angular_radius_rad",
 )
-# From a bead's to far more than a star's: beyond, squares of lengths leave the range of numbers.
+# Accepted lengths: squares of shorter and longer ones lose digits or overflow.
 _LENGTHS, _LENGTHS_M = _POSITIVE[:5], (1e-3, 1e12)
 _SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
-# Optical depth that leaves the 2 % of contrast which visibility is defined by: -log(0.02).
+# Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
 class Scatterer(NamedTuple):
-    """What scatters: coefficients (C,) at altitude zero in 1/m, and their exponential's height."""
+    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m."""
 
     scale_height_m: float
     extinction: NDArray[np.float64]
@@ -60,8 +60,8 @@ class Atmosphere:
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
-        fog_scattering, fog_extinction, fog_scale_height_m: a second, shallow layer of what has
-            the aerosol's phase function: fog. There is none where its extinction is zero.
+        fog_scattering, fog_extinction, fog_scale_height_m: fog, a second, shallow layer with the
+            aerosol's phase function; no fog where the extinction is zero.
 
     Raises:
         ValueError: a value is outside what it can physically be; the sentence names it.
@@ -92,7 +92,7 @@ class Atmosphere:
         for name in self._numeric():
             object.__setattr__(self, name, _as_numbers(name, getattr(self, name)))
         for name in _FOG:
-            # No fog is none at any number of wavelengths, which `replace` may change.
+            # `replace` may change the number of wavelengths: no fog fits any.
             if not any(_as_tuple(getattr(self, name))):
                 object.__setattr__(self, name, 0.0)
         count = len(_as_tuple(self.wavelength_nm))
@@ -155,11 +155,11 @@ class Atmosphere:
         )
 
     def with_fog(self, visibility_m: float, scale_height_m: float) -> Self:
-        """This air with white fog on its ground, through which one sees so far there.
+        """This air with grey fog of a visibility on the ground.
 
         Visibility is the meteorological optical range, at which a black object has 2 % contrast
         with the horizon: 3.912 over the extinction of all the air at 550 nm (Koschmieder 1924).
-        Air that is hazier already gets no fog. Droplets are far larger than light's wavelengths:
+        Air that is already hazier gets no fog. Droplets are far larger than light's wavelengths:
         their extinction is grey, and they absorb nothing that is visible.
 
         Raises:
@@ -235,6 +235,52 @@ class Atmosphere:
         _require(rising, "absorber_altitude_m", "must hold two or more rising altitudes")
         same = len(heights) == len(self.absorber_density)
         _require(same, "absorber_density", "must have one value per absorber_altitude_m")
+
+
+def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
+    """The same air above a ground at `altitude_m`; altitudes are then measured from there.
+
+    A plateau cuts off the air below it, a basin below sea level is filled with more. The
+    exponential profiles keep their form: their coefficients are those at the new ground.
+
+    Raises:
+        ValueError: the ground would lie above the air, or below the planet's centre.
+    """
+    altitude_m = as_number("altitude_m of the ground", altitude_m)
+    if not -atmosphere.ground_radius_m < altitude_m < atmosphere.top_altitude_m:
+        raise ValueError(
+            f"a ground at {altitude_m:g} m lies outside the planet's air, "
+            f"whose top is at {atmosphere.top_altitude_m:g} m"
+        )
+    molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
+    aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
+    layers, density = _cut_layers(atmosphere, altitude_m)
+    return replace(
+        atmosphere,
+        ground_radius_m=atmosphere.ground_radius_m + altitude_m,
+        top_altitude_m=atmosphere.top_altitude_m - altitude_m,
+        rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
+        mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
+        mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
+        absorber_altitude_m=layers,
+        absorber_density=density,
+    )
+
+
+def _cut_layers(
+    atmosphere: Atmosphere, altitude_m: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Altitudes and densities of the absorber's nodes above the new ground."""
+    above = np.asarray(atmosphere.absorber_altitude_m) - altitude_m
+    density = np.asarray(atmosphere.absorber_density)
+    if above[0] >= 0:
+        return tuple(above), tuple(density)
+    kept = above > 0
+    at_ground = float(np.interp(0.0, above, density, right=0.0))
+    if kept.any():
+        return (0.0, *above[kept]), (at_ground, *density[kept])
+    # All of the absorber lies below the ground.
+    return (0.0, atmosphere.top_altitude_m - altitude_m), (0.0, 0.0)
 
 
 def _as_tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""The whole sphere around an observer, and the light that falls on the scene."""
+"""Sun, sky and ground around an observer, and their light on the scene."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -20,9 +20,9 @@ LIGHT_SIZE = 64
 class Surroundings(NamedTuple):
     """Light of sun, sky and ground at one place; RGB is linear sRGB.
 
-    `view`: what the observer sees. `standing`: what is seen from the ground, where the scene
-    is; what an observer sees who stands there, else a small table. `disc`: the sun as it is seen
-    from aloft, None for an observer who stands.
+    `view`: what the observer sees. `standing`: what is seen from the ground, where the scene is:
+    the same table for an observer on the ground, else a small one. `disc`: the sun as seen from
+    aloft, None for an observer on the ground.
     """
 
     view: SkyView
@@ -45,14 +45,14 @@ def surroundings(
 
     Args:
         field: the solved atmosphere.
-        altitude_m: of the observer, above the ground; below it counts as on it.
+        altitude_m: of the observer above the ground; a negative one counts as 0.
         sun_direction: (3,) to the apparent sun, in world axes.
-        visible_disc_fraction: how much of the disc the horizon leaves.
+        visible_disc_fraction: share of the sun's disc above the horizon.
         sunlight: the same atmosphere at more wavelengths, for the colour of a low sun; that of
             the field where there is none.
-        known: the same for another altitude, if it is at hand: the light on the scene is taken
-            from there.
-        finer: than usual, the table of what the observer sees.
+        known: the result for another altitude, if there is one: the light on the scene is taken
+            from it.
+        finer: factor on the sizes of the observer's table.
     """
     direction = np.asarray(sun_direction, dtype=float)
     direction = direction / np.linalg.norm(direction)
@@ -65,7 +65,7 @@ def surroundings(
         return known._replace(view=view, disc=disc)
     standing = view if stands else light_view(field, direction)
     sun = sun_irradiance_rgb(spectral, 0.0, mu_s, visible_disc_fraction)
-    # The sky lights the ground through its own small cube: no picture size changes the light.
+    # A small cube of its own: the light on the ground does not depend on the picture's size.
     cube = fill_cube(standing, LIGHT_SIZE, np.zeros(3))
     sky = _level_weights() @ cube.reshape(-1, 3)
     reflected = albedo_rgb(spectral) / np.pi * (sky + sun * max(mu_s, 0.0))
@@ -74,7 +74,7 @@ def surroundings(
 
 @lru_cache(maxsize=1)
 def _level_weights() -> NDArray[np.float32]:
-    """What each texel (6 * n * n,) of a light's cube adds to a level surface, in sr."""
+    """Solid angle times cosine (6 * n * n,) of a light cube's texels on a level surface, in sr."""
     cosine = np.maximum(texel_directions(LIGHT_SIZE)[..., 1], 0.0)
     return (cosine * texel_solid_angles(LIGHT_SIZE)).astype(np.float32).ravel()
 

@@ -1,4 +1,4 @@
-"""The ground under sun and sky."""
+"""Irradiance and radiance of level ground under sun and sky."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -9,17 +9,17 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.solver import SourceField, ground_irradiance
-from bruneton_sky.solver.coordinates import SunGrid
+from bruneton_sky.solver.grid import SunGrid
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
 SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT = 3.0, 0.0
-# Suns between which the ground's light is interpolated, placed as the solver places its own.
+# Nodes of mu_s between which the ground's light is interpolated, placed as the solver's.
 _SUNS = 192
 
 
 class GroundLight(NamedTuple):
-    """Two parts of something spectral, (..., C) each: of three samples RGB is made differently."""
+    """A spectral quantity by its source, (..., C) each: sun and sky have RGB of their own kind."""
 
     sun: FloatArray
     sky: FloatArray
@@ -55,7 +55,7 @@ def _interpolate(x: FloatArray, nodes: FloatArray, values: FloatArray) -> FloatA
 
 
 def sun_on_ground(atmosphere: Atmosphere, mu_s: FloatArray) -> FloatArray:
-    """Irradiance (n, C) of level ground by the sun's disc, of which the horizon hides a part."""
+    """Irradiance (n, C) of level ground by the part of the sun's disc above the horizon."""
     spread = np.sin(atmosphere.sun_angular_radius_rad)
     share = np.clip(0.5 + 0.5 * mu_s / spread, 0.0, 1.0)
     visible = share * share * (3.0 - 2.0 * share)

@@ -58,11 +58,9 @@ class BrunetonSky(Module):
     manifest: ClassVar[Manifest] = Manifest(
         name=products.NAME,
         title="Bruneton sky",
-        version="0.2.0",
+        version="0.3.0",
         provides=("sky",),
         requires=("sun",),
-        # Kernels that sum in any order: compiled anew they round otherwise than from the cache.
-        exact_digits=False,
     )
     settings_type: ClassVar[type[msgspec.Struct]] = BrunetonSkySettings
     settings: BrunetonSkySettings

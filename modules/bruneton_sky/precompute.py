@@ -1,4 +1,4 @@
-"""Tables of an atmosphere's light, by whichever way is at hand, or from the disk."""
+"""Tables of an atmosphere's light: from the solver, the published GPU pipeline, or from disk."""
 
 import math
 from collections.abc import Callable
@@ -10,19 +10,25 @@ from numpy.typing import NDArray
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
+from bruneton_sky.solver import SourceField, solve
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.view import sky_irradiance
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.cache import TableCache
-from bruneton_sky.tables.coordinates import node_coordinates
-from bruneton_sky.tables.parametrisation_flat import transmittance_state
+from bruneton_sky.tables.coordinates import Coordinates, Year, node_coordinates, parametrisation_of
+from bruneton_sky.tables.parametrisation_flat import irradiance_state, transmittance_state
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables, table_shapes
 from vrut_lite.arguments import as_count, check_choice, check_type, shown
+from vrut_lite.numeric_types import FloatArray
 
 Backend = Literal["cpu", "gpu"]
 _MOST_ORDERS = 1000
-# Of one table: a gigabyte in single precision, 80 times the published one of three wavelengths.
+# Values of one table: 1 GiB in single precision, 80 times the published one.
 _MOST_VALUES = 1 << 28
 Progress = Callable[[float], None]
-# Of the CPU's time, by the end of solving and of the irradiance; marching has the rest.
+SingleArray = NDArray[np.float32]
+# Share of the CPU's time when the atmosphere is solved, and when the irradiance is done.
 _SOLVED, _IRRADIANCE = 0.2, 0.25
 
 
@@ -37,19 +43,19 @@ def precompute(
     """The tables of an atmosphere, in the parametrisation of 2017.
 
     Args:
-        orders: how often light is scattered or reflected at most, 1 to 1000. The irradiance of
+        orders: scatterings and reflections of light at most, 1 to 1000. The irradiance of
             the GPU's tables is, as published, of one order less, that of the CPU's is not.
         backend: "cpu" is the fast solver (`bruneton_sky.solver`); "gpu" the thesis's pipeline
-            (`bruneton_sky.gpu_pipeline`) in an OpenGL context of its own, which becomes the
-            thread's: a thread that has a context uses `GpuPipeline` itself.
+            (`bruneton_sky.reference.gpu_pipeline`) in an OpenGL context of its own, which becomes
+            the thread's: a thread that has a context uses `GpuPipeline` itself.
         sizes: of the tables; by default those published.
-        progress: is told the share done, from 0 to 1.
-        cache: where the tables are looked for first, and kept.
+        progress: called with the share done, from 0 to 1.
+        cache: where the tables are looked for first, and stored.
 
     Raises:
-        ValueError: for no order at all, another backend, fog, a table of more than 2^28 values, or
-            tables too large for a GPU.
-        UserError: there is no OpenGL for the GPU.
+        ValueError: orders or backend are none of these, there is fog, a table would have more than
+            2^28 values, or the tables are too large for a GPU.
+        UserError: backend is "gpu" and there is no OpenGL 4.3.
     """
     check_type("atmosphere", atmosphere, Atmosphere)
     orders = as_count("orders", orders, 1, _MOST_ORDERS)
@@ -64,7 +70,7 @@ def precompute(
     for name, shape in table_shapes(atmosphere, size).items():
         as_count(f"the number of values of the table {name}", math.prod(shape), 1, _MOST_VALUES)
     recipe = (backend, atmosphere, orders, size)
-    # Some arrays are of single precision: what was made with it needs no more room.
+    # Some arrays are in single precision, as they were made.
     arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)
     if arrays is None or _shapes(arrays) != table_shapes(atmosphere, size):
         make = _on_cpu if backend == "cpu" else _on_gpu
@@ -89,7 +95,7 @@ def _nobody(_share: float) -> None:
 def _on_gpu(
     atmosphere: Atmosphere, orders: int, sizes: TableSizes, progress: Progress
 ) -> dict[str, Any]:
-    from bruneton_sky.gpu_pipeline import GpuPipeline
+    from bruneton_sky.reference.gpu_pipeline import GpuPipeline
 
     with GpuPipeline(sizes=sizes) as pipeline:
         tables = pipeline.run(atmosphere, orders, progress)
@@ -99,8 +105,6 @@ def _on_gpu(
 def _on_cpu(
     atmosphere: Atmosphere, orders: int, sizes: TableSizes, progress: Progress
 ) -> dict[str, Any]:
-    from bruneton_sky.solver import irradiance_table, march_tables, solve
-
     field = solve(atmosphere, orders, progress=lambda share: progress(_SOLVED * share))
     irradiance = irradiance_table(field, sizes)
     progress(_IRRADIANCE)
@@ -120,7 +124,7 @@ def transmittance_table(atmosphere: Atmosphere, sizes: TableSizes) -> NDArray[np
     altitude, mu = transmittance_state(air, shape, *np.ix_(*map(node_coordinates, shape)))
     ray = make_ray(air.ground_radius_m, altitude, mu)
     scatterers = air.scatterers()
-    # The last of the rays grazes the ground: none of them ends there.
+    # The last ray grazes the ground; none ends there.
     end_y = y_at_top(ray, air.top_altitude_m)
     paths = (
         *(exponential_path(ray, air.top_altitude_m, end_y, k.scale_height_m) for k in scatterers),
@@ -128,3 +132,50 @@ def transmittance_table(atmosphere: Atmosphere, sizes: TableSizes) -> NDArray[np
     )
     extinction = *(kind.extinction for kind in scatterers), air.absorption_extinction
     return np.exp(-np.tensordot(np.stack(paths), np.asarray(extinction), axes=(0, 0)))
+
+
+def march_tables(
+    field: SourceField, sizes: TableSizes | None = None, year: Year = "2017"
+) -> tuple[SingleArray, SingleArray]:
+    """Tables of scattering and single Mie, (altitude, mu, nu, mu_s, C) each.
+
+    W m^-2 sr^-1 nm^-1. The first holds light scattered once by molecules without its phase
+    function, and all later orders over Rayleigh's; the second light scattered once by aerosol,
+    without its phase function. `year` names the parametrisation.
+
+    Raises:
+        ValueError: the atmosphere has fog.
+    """
+    from bruneton_sky.solver.view_kernels import march_rays
+
+    refuse_fog(field.atmosphere)
+    size = sizes or TableSizes()
+    axes = np.ix_(*(node_coordinates(count) for count in size.scattering_shape))
+    at = parametrisation_of(year).to_state(field.atmosphere, size, Coordinates(*axes))
+    altitude, mu_s, nu = at.altitude_m.ravel(), at.mu_s.ravel(), at.nu.ravel()
+    mu = np.ascontiguousarray(at.mu.reshape(size.altitude, size.mu))
+    hits = np.ascontiguousarray(np.broadcast_to(at.hits_ground, (1, size.mu, 1, 1)).ravel())
+    shape = (*size.scattering_shape, len(field.atmosphere.wavelength_nm))
+    scattering, mie = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    own = field.sizes
+    for group, air in enumerate(groups_of_air(field.atmosphere)):
+        march_rays(
+            air, altitude, mu, hits, mu_s, nu, field.transmittance[group],
+            source_of_group(field, group), (own.steps, own.single_bins, own.multiple_bins),
+            4 * group, scattering, mie,
+        )  # fmt: skip
+    return scattering, mie
+
+
+def irradiance_table(field: SourceField, sizes: TableSizes | None = None) -> FloatArray:
+    """The sky's irradiance (altitude, mu_s, C) on a level surface, without the direct sun.
+
+    Raises:
+        ValueError: the atmosphere has fog.
+    """
+    refuse_fog(field.atmosphere)
+    size = sizes or TableSizes()
+    shape = size.irradiance_altitude, size.irradiance_mu_s
+    axes = np.ix_(*(node_coordinates(count) for count in shape))
+    altitude, mu_s = irradiance_state(field.atmosphere, shape, *axes)
+    return sky_irradiance(field, altitude.ravel(), mu_s.ravel(), field.sizes.node_bins)

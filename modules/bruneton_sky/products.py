@@ -1,10 +1,9 @@
 """What BrunetonSky says, made from an observer's surroundings."""
 
 from bruneton_sky.air_volume import air_is_seen, air_volume
+from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.background import Surroundings, ambient_coefficients, background_cube
-from bruneton_sky.gpu_air import air_volume_job
-from bruneton_sky.gpu_cube import sky_view_job
-from bruneton_sky.sky_view_shader import view_shader
+from bruneton_sky.sky_view.gpu import sky_view_job, view_shader
 from bruneton_sky.solver import SourceField
 from bruneton_sky.spectrum import SPECTRUM_NM, SkySpectrum
 from bruneton_sky.sun_light import limb_darkening_rgb

@@ -2,10 +2,10 @@
 
 import msgspec
 
-from bruneton_sky.observer import altitude_step_m, same_to_the_eye
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver_rungs import SolverRung
 from bruneton_sky.tolerance import Quality
+from bruneton_sky.unseen_moves import altitude_step_m, same_to_the_eye
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.messages import Derived

@@ -8,10 +8,9 @@ from typing import Annotated, Literal
 import msgspec
 import numpy as np
 
-from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm
-from bruneton_sky.ozone import ozone_absorption
+from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm, raise_ground
+from bruneton_sky.gases import ozone_absorption
 from bruneton_sky.presets import earth_spectral, preset
-from bruneton_sky.raised_ground import raise_ground
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table

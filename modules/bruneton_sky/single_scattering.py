@@ -17,11 +17,10 @@ from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
-from bruneton_sky.rules_classical import classical_integrals
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 from vrut_lite.numeric_types import FloatArray
 
-# Its nodes are the eigenvalues of a matrix of so many rows.
+# The nodes are the eigenvalues of a matrix of this size.
 _MOST_SAMPLES = 1024
 Rule = Literal["gauss-legendre", "midpoint", "trapezoid", "simpson"]
 
@@ -87,6 +86,9 @@ def scattered_without_phase(
         samples = as_count("samples of gauss-legendre", samples, 1, _MOST_SAMPLES)
         integrals = _gauss_legendre_integrals(atmosphere, h, view, sun_s, cosine, samples)
     else:
+        # Part of the public interface, but a check on the rule above, not part of the product.
+        from bruneton_sky.reference.classical_rules import classical_integrals
+
         integrals = classical_integrals(atmosphere, h, view, sun_s, cosine, rule, samples)
     sun = np.asarray(atmosphere.solar_irradiance)
     pairs = zip(atmosphere.scatterers(), integrals, strict=True)

@@ -1,6 +1,6 @@
-"""How finely an atmosphere is solved, from a draft to what takes seconds.
+"""Sizes and tolerances of the solver, from a draft to a solution that takes seconds.
 
-Each rung changes the real-time sizes of the air at hand. What its error comes from was found by
+Each rung changes the real-time sizes of the atmosphere. Its largest sources of error, found by
 making one size after another converged: by day the directions of the source function, in twilight
 the suns, then the bins of rays, and last directions and altitudes together.
 """
@@ -28,7 +28,7 @@ _MOST: Mapping[str, int] = MappingProxyType(
         "node_bins": 12,
     }
 )
-# No coarser in clear air than in haze: its twilight wants as many bins.
+# The same in clear air and in haze: twilight needs as many bins in both.
 _FINE = {
     "mu_s": 96,
     "later_azimuth": 12,
@@ -54,20 +54,20 @@ _FINEST = {
     "direction_mu": 40,
     "direction_azimuth": 20,
 }
-# At least so large.
+# Lower bounds.
 _LEAST: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {"fine": _FINE, "finer": _FINER, "finest": _FINEST}
 )
-# Of the change by another order, at which no more are added.
+# Factors on the tolerance of the orders.
 _ORDERS: Mapping[SolverRung, float] = MappingProxyType(
     {"draft": 2.0, "usual": 1.0, "fine": 0.5, "finer": 0.25, "finest": 0.25}
 )
-# Orders by which the counted work is reckoned.
+# Orders in `counted_work`.
 _COUNTED_ORDERS = 8
 
 
 def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSizes:
-    """The sizes of a rung in such air."""
+    """The solver's sizes of a rung for an atmosphere."""
     usual = real_time_sizes(atmosphere)
     if rung == "usual":
         return usual
@@ -78,7 +78,7 @@ def rung_sizes(atmosphere: Atmosphere, rung: SolverRung = "usual") -> SolverSize
 
 
 def rung_tolerance(atmosphere: Atmosphere, rung: SolverRung = "usual") -> float:
-    """The change of all light by another order, at which no more are added."""
+    """The change of all light by another order below which no more orders are added."""
     return order_tolerance(atmosphere) * _ORDERS[rung]
 
 

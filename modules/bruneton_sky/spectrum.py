@@ -1,7 +1,7 @@
-"""The spectrum of a direction: what colours are made of, for those who want to see it.
+"""The sky's spectrum in a direction.
 
-Skies are solved at four wavelengths; a spectrum wants more, and a second longer. One air's
-solution is kept, so that only the first direction waits for it.
+Skies are solved at four wavelengths; a spectrum needs more, which takes about a second. The last
+atmosphere's solution is cached: only the first direction waits for it.
 """
 
 from functools import lru_cache
@@ -36,10 +36,10 @@ def sky_spectrum(
     sun_direction: Vector,
     control: JobControl | None = None,
 ) -> SkySpectrum:
-    """What an observer sees of the sky above the horizon, without the sun's disc.
+    """The spectral radiance of the sky above the horizon, without the sun's disc.
 
-    The atmosphere is one of `SPECTRUM_NM`. Directions are unit vectors in world axes; an observer
-    above the air sees what one at its top does.
+    The atmosphere has the wavelengths `SPECTRUM_NM`. Directions are unit vectors in world axes; an
+    observer above the air is moved to its top.
     """
     altitude_m = min(max(altitude_m, 0.0), atmosphere.top_altitude_m)
     mu, mu_s = np.array([direction[1]]), float(np.clip(sun_direction[1], -1.0, 1.0))

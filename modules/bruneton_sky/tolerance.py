@@ -5,7 +5,7 @@
 | `solver` | nodes, directions, suns, bins, orders of an atmosphere's solution | front "solver" |
 | `table` | rows, columns, steps and bins of the sky-view table | front "table" |
 | `cube_size` | edge of the background's cube map, for who names none | front "cube_size" |
-| `sun_change` | share by which an unfollowed sun may change a texel | `observer` and its test |
+| `sun_change` | share by which an unfollowed sun may change a texel | `unseen_moves` and its test |
 | `altitude_steps` | of an unfollowed observer, in usual ones | proportion |
 
 Orders that someone sets are not exceeded. The fronts are measured by
@@ -18,8 +18,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
-from bruneton_sky.observer import RADIANCE_TOLERANCE
 from bruneton_sky.solver_rungs import SolverRung
+from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
 
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"

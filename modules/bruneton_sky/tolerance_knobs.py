@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.kernels import fast_scattered_without_phase
-from bruneton_sky.observer import sun_step_rad
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import SkyView, fill_cube, sky_view
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
+from bruneton_sky.unseen_moves import sun_step_rad
 from vrut_lite.daylight.tolerance_knobs import Knob, ToleranceKnobs, Truth, picture_error
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
-from vrut_lite.njit import njit
+from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 _TOP, _BOTTOM = 2, 3
@@ -20,7 +20,7 @@ _SMALLEST = np.float32(1e-30)
 _COMPILE: dict[str, Any] = {
     "cache": True,
     "error_model": "numpy",
-    "fastmath": {"nnan", "ninf", "nsz", "contract"},
+    "fastmath": SUMS_IN_ORDER,
 }
 
 

@@ -1,10 +1,10 @@
-"""The module's own air, walls in it, and what is seen of them: exactly, and through a volume."""
+"""The module's air, and walls seen through it: by the reference, and through a volume."""
 
 from functools import lru_cache
 
 import numpy as np
-from bruneton_sky.air_exact import light_before
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.reference.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air

@@ -1,11 +1,11 @@
-"""Tables of any sizes, as the solver marches them, but only at the nodes that are looked at."""
+"""Tables of any sizes, filled by the solver only at the nodes that are looked at."""
 
 import numpy as np
 from bruneton_sky.precompute import transmittance_table
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import groups_of_air
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view_kernels import march_rays
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.coordinates import Coordinates, State, node_coordinates, parametrisation_of
 from bruneton_sky.tables.interpolate import neighbours
 from bruneton_sky.tables.sizes import TableSizes
@@ -18,7 +18,7 @@ YEAR = "2017"
 
 
 def empty_tables(field: SourceField, sizes: TableSizes) -> Tables:
-    """Transmittance, and no light yet: memory that is never written is never there."""
+    """The transmittance, and no light yet; untouched memory is never allocated."""
     shapes = table_shapes(field.atmosphere, sizes)
     dark = {
         name: np.zeros(shapes[name], np.float32)

@@ -1,9 +1,8 @@
-"""Runs the GLSL of single scattering on rays of a test's choosing, outside any cube."""
+"""Runs the GLSL of single scattering along given rays."""
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.gpu_atmosphere import atmosphere_uniforms
-from bruneton_sky.gpu_single_scattering import quadrature_uniforms
+from bruneton_sky.reference.gpu_single_scattering import atmosphere_uniforms, quadrature_uniforms
 from bruneton_sky.shader_source import expand_includes
 from numpy.typing import NDArray
 
@@ -51,7 +50,9 @@ class ShaderProbe:
 
     def _run(self, context, body, uniforms, rays):
         if body not in self._programs:
-            self._programs[body] = context.compute_shader(expand_includes(PREAMBLE + body))
+            self._programs[body] = context.compute_shader(
+                expand_includes(PREAMBLE + body, "bruneton_sky.reference")
+            )
         program = self._programs[body]
         for name, value in uniforms.items():
             if name in program:

@@ -1,13 +1,13 @@
-"""What the sky-view table's kernel adds up along rays, each wavelength a colour of its own."""
+"""Spectral radiance along rays by the kernel of the sky-view table."""
 
 import numpy as np
 from bruneton_sky.phase import mie_phase
 from bruneton_sky.sky_view import GroundColours
-from bruneton_sky.sky_view_kernels import add_rows
-from bruneton_sky.sky_view_rows import Rows
+from bruneton_sky.sky_view.rays import Rows
+from bruneton_sky.sky_view.table_kernels import add_rows
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import groups_of_air
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 from numpy.typing import NDArray
 
 

@@ -55,7 +55,7 @@ def host(walls):
 @pytest.mark.parametrize("shafts", mostly_long([False, True], bool))
 @pytest.mark.parametrize("instant", mostly_long([NOON, EVENING], EVENING.__eq__))
 @pytest.mark.parametrize("height_m", mostly_long([1.7, 900.0, 2e5], (1.7).__eq__))
-def test_the_picture_does_not_tell_who_filled_the_air(host, height_m, instant, shafts):
+def test_pictures_agree_whether_cpu_or_gpu_filled_the_air(host, height_m, instant, shafts):
     """Through fog, from the ground, from a hill's height and from above the air: displayed values
     within one step of 255, radiance within 1e-3 (the CPU's air is rounded to half precision)."""
     down = 0.0 if height_m < 10.0 else 0.5 * height_m
@@ -77,7 +77,7 @@ def test_the_picture_does_not_tell_who_filled_the_air(host, height_m, instant, s
     np.testing.assert_allclose(gpu.radiance, cpu.radiance, rtol=1e-3, atol=1e-5)
 
 
-def test_on_the_gpu_the_air_follows_the_sun(host):
+def test_air_of_the_gpu_follows_the_sun(host):
     """Each hour has the air of its own job, not that of the hour before."""
     pictures = {}
     host.inject(setting("light_shafts", False, "scene"))

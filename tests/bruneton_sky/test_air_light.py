@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from air_truth import exactly, field, found, towards
-from bruneton_sky.air_exact import depth_along, light_before
 from bruneton_sky.air_volume import AirSizes, air_is_seen, air_volume
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import altitude_along
-from bruneton_sky.monte_carlo import monte_carlo_radiance
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.reference.air_exact import depth_along, light_before
+from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
 from bruneton_sky.single_scattering import scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, solve
@@ -30,7 +30,7 @@ def other_field(other_planet: Atmosphere) -> SourceField:
     return solve(air, 6, all_orders=True)
 
 
-def test_twin_is_the_whole_ray_s_light() -> None:
+def test_reference_has_the_light_of_whole_rays() -> None:
     """To the end of the air the twin must have the light of the exact single scattering (5e-6:
     other nodes for the same integral) and of the solver's look along whole rays (1 %: bins)."""
     solved, sun = field(), towards(25.0)
@@ -46,7 +46,7 @@ def test_twin_is_the_whole_ray_s_light() -> None:
         assert light.more[-1] == pytest.approx(more, rel=1e-2)
 
 
-def test_twin_goes_on_below_the_level() -> None:
+def test_reference_goes_on_below_level_zero() -> None:
     """Below level 0 the air is that of level 0: there optical depth grows with each metre by the
     coefficients at the ground, and without a step where the ray crosses the level."""
     air = field().atmosphere
@@ -61,7 +61,7 @@ def test_twin_goes_on_below_the_level() -> None:
     ("altitude_m", "reach_m", "mean", "most"),
     [(0.0, 1e5, 3e-3, 2e-2), (3000.0, 1.2e5, 2e-3, 2e-2), (30_000.0, 1e6, 1e-3, 1e-2)],
 )
-def test_any_ray(altitude_m: float, reach_m: float, mean: float, most: float) -> None:
+def test_volume_along_any_ray(altitude_m: float, reach_m: float, mean: float, most: float) -> None:
     """Over all directions and distances, of the brightest channel: a mean error of 0.3 %, and less
     the higher the eye; largest errors between coarse rows toward the zenith and near the sun."""
     errors = _errors(field(), altitude_m, reach_m, 20.0, seed=3)
@@ -70,7 +70,7 @@ def test_any_ray(altitude_m: float, reach_m: float, mean: float, most: float) ->
 
 
 @pytest.mark.parametrize("altitude_m", [50.0, 4000.0])
-def test_another_planet(other_field: SourceField, altitude_m: float) -> None:
+def test_volume_on_another_planet(other_field: SourceField, altitude_m: float) -> None:
     """A small hazy planet whose absorber lies at the ground too must have air as exact: radius,
     scale heights and layers come from the atmosphere alone."""
     errors = _errors(other_field, altitude_m, 1e5, 30.0, seed=5)
@@ -79,7 +79,7 @@ def test_another_planet(other_field: SourceField, altitude_m: float) -> None:
 
 
 @pytest.mark.parametrize("elevation_deg", [0.0, -3.0])
-def test_twilight(elevation_deg: float) -> None:
+def test_volume_in_twilight(elevation_deg: float) -> None:
     """With the sun at and below the horizon the planet's shadow cuts through the slices: a mean
     error of 0.5 %, and nothing negative."""
     errors = _errors(field(), 2.0, 1e5, elevation_deg, seed=4)
@@ -115,7 +115,7 @@ def _errors(
 
 
 @pytest.mark.parametrize(("height", "azimuth"), [(5.0, 60.0), (20.0, 90.0)])
-def test_monte_carlo(height: float, azimuth: float) -> None:
+def test_volume_agrees_with_monte_carlo(height: float, azimuth: float) -> None:
     """Light before a point 10 km off is the whole ray's less what comes from beyond it, times T;
     both by Monte Carlo, which knows nothing of the solver: within 1 % and three times its noise
     (0.3 %)."""
@@ -140,7 +140,7 @@ def test_monte_carlo(height: float, azimuth: float) -> None:
     assert rgb[0] == pytest.approx(rgb_from_spectrum(truth, air.wavelength_nm), rel=2e-2)
 
 
-def test_even_air_in_closed_form() -> None:
+def test_even_air_has_the_light_of_the_closed_form() -> None:
     """Air of one density everywhere, light scattered once, the sun in the zenith: along the level
     sunlight and density do not change, so that L(s) = E T_sun P(0) (1 - T(s)), T = exp(-beta s).
     Molecules alone, on a planet so large and with scale heights so great that nothing bends."""
@@ -170,7 +170,7 @@ def test_even_air_in_closed_form() -> None:
 
 
 @pytest.mark.parametrize("elevation_deg", [35.0, 3.0, -3.0])
-def test_endless_air_is_the_sky(elevation_deg: float) -> None:
+def test_air_to_its_end_is_the_sky(elevation_deg: float) -> None:
     """Upwards without end the air must be the sky that the sky-view table shows: 99 % of texels
     within 1 %, so that no line shows where a mountain ends."""
     solved, sun = field(), towards(elevation_deg)
@@ -184,7 +184,7 @@ def test_endless_air_is_the_sky(elevation_deg: float) -> None:
     assert error.mean() < 2e-3
 
 
-def test_from_above_the_air() -> None:
+def test_observer_above_the_air_sees_what_one_at_its_top_sees() -> None:
     """An eye outside the air must see what one at its top sees of the same ray, from the same
     entry: the way there is empty."""
     solved, sun = field(), towards(40.0)
@@ -210,8 +210,8 @@ def test_from_above_the_air() -> None:
     assert passed == pytest.approx(expected, abs=5e-3)
 
 
-def test_sizes_are_as_asked() -> None:
-    """The message's arrays must have the shapes that it promises."""
+def test_arrays_have_the_sizes_asked_for() -> None:
+    """The arrays of the message have the shapes of `AirSizes`."""
     sizes = AirSizes(5, 4, 3, 6)
     volume = air_volume(field(), 2.0, towards(30.0), 1e4, sizes)
     assert light_of(volume).shape == (3, 5, 7, 6, 3)
@@ -221,7 +221,7 @@ def test_sizes_are_as_asked() -> None:
     assert (volume.rows_above, volume.rows_below) == (4, 3)
 
 
-def test_what_air_is_seen() -> None:
+def test_only_air_thick_enough_is_seen() -> None:
     """A metre of clear air hides nothing and a kilometre does; from space the air within reach
     counts, which is none before the things do."""
     air = field().atmosphere

@@ -5,7 +5,7 @@ import pytest
 from air_truth import WALLS_M, exactly, field, found, towards, white_wall
 from bruneton_sky.air_volume import air_volume
 from bruneton_sky.geometry import altitude_along
-from bruneton_sky.solver import march_tables
+from bruneton_sky.precompute import march_tables
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables
 from long_parameters import mostly_long
@@ -29,7 +29,7 @@ def finer_tables() -> Tables:
 
 @pytest.mark.parametrize("elevation_deg", [60.0, 20.0, 5.0])
 @pytest.mark.parametrize("altitude_m", [2.0, 300.0])
-def test_walls(altitude_m: float, elevation_deg: float) -> None:
+def test_walls_through_the_volume(altitude_m: float, elevation_deg: float) -> None:
     """Walls at 1, 10 and 100 km, white and black, by day: within 1 % of the twin's total (the
     issue's figure), where a wall has so much light in the channel as a hundredth of the white
     one's; 1.5 % within 45 degrees of the sun's azimuth, where straight lines between columns miss
@@ -101,7 +101,7 @@ def _is_seen(radius_m: float, altitude_m: float, view: FloatArray, metres: float
     return there > 0.0 and not behind
 
 
-def test_tables_filled_in_part_are_the_solver_s() -> None:
+def test_partial_tables_are_those_of_march_tables() -> None:
     """What is filled in along a ray must be what `march_tables` has at these nodes, within float32:
     other sums, the same rays."""
     solved, view, sun = field(), towards(5.0, 60.0), towards(25.0)

@@ -14,9 +14,9 @@ from bruneton_sky.background import (
 )
 from bruneton_sky.geometry import distance_to_ground, end_of_ray, horizon_mu, make_ray
 from bruneton_sky.ground_light import GroundLight, ground_radiance
-from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, multiple_scattering, real_time_sizes, solve
 from bruneton_sky.solver_job import solve_air
@@ -63,7 +63,7 @@ def test_the_zenith_is_as_exact_as_the_rest(air, height_m):
     np.testing.assert_allclose(*overhead(solve(air, None, sizes, True), height_m), rtol=2e-3)
 
 
-def test_bends_of_the_source_function_hardly_show_overhead():
+def test_directions_of_the_source_function_are_fine_enough_overhead():
     """In haze the module's has 64 directions, and bends at 14.5 degrees off the zenith, where the
     table's rows cut a corner: by 0.5 %."""
     np.testing.assert_allclose(*overhead(solved(HAZY), 0.0), rtol=6e-3)
@@ -152,7 +152,7 @@ def test_ground_from_high_up_is_seen_through_the_air(air: Atmosphere) -> None:
 
 
 @pytest.mark.parametrize("height_m", [61_000.0, 400_000.0, 6_000_000.0])
-def test_from_space_a_ray_is_that_from_where_it_enters(height_m: float) -> None:
+def test_rays_from_space_start_where_they_enter_the_air(height_m: float) -> None:
     """Nothing scatters above the air: the planet looks as it does from the top of the air, along
     the same ray, and a texel beyond the limb is black."""
     air, sun = HAZY, world_sun(90.0, 40.0)
@@ -184,7 +184,7 @@ def test_from_space_a_ray_is_that_from_where_it_enters(height_m: float) -> None:
 
 
 @pytest.mark.parametrize("height_m", [100_000.0, 400_000.0, 6e6])
-def test_limb_from_space_is_its_texels_mean(height_m: float) -> None:
+def test_limb_texels_from_space_are_means(height_m: float) -> None:
     """A limb as thin as a texel: each texel is the mean of 16 x 16 finer ones, within a tenth
     of the brightest, where one look errs by all of it; the light of all texels within 0.5 %."""
     view = surroundings(solved(HAZY), height_m, world_sun(40.0, 20.0)).view
@@ -227,8 +227,8 @@ def test_ground_reflects_sky_and_sun() -> None:
     )
 
 
-def test_picture_size_does_not_change_the_light() -> None:
-    """Ground and ambient come from their own small cube."""
+def test_light_does_not_depend_on_the_picture_size() -> None:
+    """Ground and ambient light come from a small cube of fixed size."""
     around = surroundings(solved(HAZY), 0.0, world_sun(10.0, 30.0))
     small, large = background_cube(around, 16), background_cube(around, 96)
     assert np.array_equal(small[3, 0, 0], large[3, 0, 0])

@@ -21,7 +21,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize("g", [-0.5, 0.0, 0.3, 0.8, 0.9])
-def test_henyey_greenstein_is_what_its_name_says(g: float) -> None:
+def test_henyey_greenstein_is_normalised_with_mean_cosine_g(g: float) -> None:
     """It integrates to 1 over the sphere, and its mean cosine is g (Henyey, Greenstein 1941)."""
     phase = henyey_greenstein_phase(NU, g)
     assert 2 * np.pi * (WEIGHT * phase).sum() == pytest.approx(1.0, rel=1e-11)
@@ -38,7 +38,7 @@ def test_cornette_shanks_mean_cosine(g: float) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("g", [-0.99, 0.0, 0.8, 0.999])
-def test_numbers_without_a_branch_give_either_form(form: str, g: float) -> None:
+def test_parameters_give_both_phase_functions(form: str, g: float) -> None:
     """P = factor (1 + form nu^2) / ((1 - g)^2 + 2 g (1 - nu))^1.5, also straight at the sun."""
     air = replace(Atmosphere.earth(), mie_g=g, mie_phase=form)  # type: ignore[arg-type]
     nu = np.array([-1.0, 0.0, 0.5, 1.0 - 1e-9, 1.0])
@@ -49,7 +49,7 @@ def test_numbers_without_a_branch_give_either_form(form: str, g: float) -> None:
     assert ours == pytest.approx(FORMS[form](nu, g), rel=1e-13)
 
 
-def test_choice_reaches_the_sky_and_only_its_aerosol() -> None:
+def test_phase_function_changes_only_the_aerosols_light() -> None:
     """The radiance changes by the aerosol part times the difference of the phase functions."""
     shanks = Atmosphere.earth()
     greenstein = replace(shanks, mie_phase="henyey-greenstein")

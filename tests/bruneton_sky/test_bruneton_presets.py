@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.ozone import ozone_absorption
+from bruneton_sky.gases import ozone_absorption, rayleigh_scattering
 from bruneton_sky.presets import PRESETS, earth_spectral, preset
-from bruneton_sky.rayleigh import rayleigh_scattering
 
 from vrut_lite.geometry.colour import solar_irradiance
 
@@ -91,7 +90,7 @@ def test_earth_of_2008_has_its_published_numbers() -> None:
     assert not any(air.absorption_extinction)
 
 
-def test_hazes_and_tops_are_those_in_the_names() -> None:
+def test_presets_have_the_haze_and_top_of_their_names() -> None:
     """Turbidity 6 is AOD(550) 0.50 by Preetham's formula; twilight reaches up to 120 km."""
     hazy = preset("earth-hazy")
     assert hazy.mie_extinction[1] * hazy.mie_scale_height_m == pytest.approx(0.50, abs=5e-3)
@@ -115,13 +114,13 @@ def test_sky_of_mars_is_rust_by_day() -> None:
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_every_preset_is_an_atmosphere_of_its_own(name: str) -> None:
+def test_presets_differ_and_are_reproducible(name: str) -> None:
     """A name stands for one atmosphere, equal each time it is asked for, and for no other."""
     assert preset(name) == preset(name)
     assert [other for other in PRESETS if preset(other) == preset(name)] == [name]
 
 
 def test_unknown_preset_is_refused_with_the_names() -> None:
-    """The sentence lists what there is."""
+    """The refusal lists the presets."""
     with pytest.raises(ValueError, match=r"venus.*mars-like"):
         preset("venus")

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.module import BrunetonSky
-from bruneton_sky.observer import RADIANCE_TOLERANCE
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import real_time_sizes
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, rung_tolerance
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
 from bruneton_sky.tolerance_knobs import Air, air_errors, evaluated, random_airs
+from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sun import SunMoved

@@ -5,19 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, earth_spectral, precompute, single_scattering
-from bruneton_sky.atmosphere import KOSCHMIEDER
+from bruneton_sky.atmosphere import KOSCHMIEDER, raise_ground
 from bruneton_sky.geometry import horizon_mu, make_ray, y_at_top
-from bruneton_sky.kernels import fast_scattered_without_phase
-from bruneton_sky.pipeline.pipeline import run_pipeline
-from bruneton_sky.precompute import transmittance_table
-from bruneton_sky.raised_ground import raise_ground
+from bruneton_sky.precompute import march_tables, transmittance_table
+from bruneton_sky.reference.pipeline.pipeline import run_pipeline
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
 from bruneton_sky.single_scattering import (
     optical_depth,
     optical_depth_to_top,
     scattered_without_phase,
 )
-from bruneton_sky.solver import march_tables, solve
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
+from bruneton_sky.solver import solve
 from bruneton_sky.sun_light import sun_irradiance
 from bruneton_sky.tables.sizes import TableSizes
 from hypothesis import given, settings
@@ -39,7 +38,7 @@ def rays(mu_s: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("visibility_m", [50.0, 200.0, 1000.0, 10_000.0])
-def test_extinction_is_koschmieders(visibility_m: float) -> None:
+def test_contrast_at_the_visibility_is_two_percent(visibility_m: float) -> None:
     """All the air at the ground together leaves 2 % of contrast at the visibility at 550 nm."""
     foggy = AIR.with_fog(visibility_m, 100.0)
     at_550 = sum(kind.extinction[1] for kind in foggy.scatterers())
@@ -82,8 +81,8 @@ def test_optical_depth_is_that_of_quadrature(height_m: float, other_planet: Atmo
 
 
 @pytest.mark.parametrize("mu_s", [0.9, 0.3, 0.05, -0.03])
-def test_compiled_kernel_is_the_twin(mu_s: float) -> None:
-    """Light scattered once: the compiled rule and its twin differ by rounding, 1e-6."""
+def test_compiled_kernel_agrees_with_numpy(mu_s: float) -> None:
+    """Light scattered once: the compiled rule and numpy's differ by rounding, 1e-6."""
     foggy = AIR.with_fog(200.0, 100.0)
     mu, nu = rays(mu_s)
     for altitude_m in (0.0, 2.0, 100.0, 3000.0, 50_000.0):
@@ -94,7 +93,7 @@ def test_compiled_kernel_is_the_twin(mu_s: float) -> None:
 
 
 @pytest.mark.parametrize("rule", ["midpoint", "trapezoid", "simpson"])
-def test_rules_agree(rule: str) -> None:
+def test_classical_rules_agree_in_fog(rule: str) -> None:
     """Textbook rules that know nothing of fog's top find the same light as 48 nodes on each
     segment: 1 % of the brightest ray, in air so low that even intervals resolve the fog."""
     foggy = replace(AIR.with_fog(500.0, 100.0), top_altitude_m=3000.0)
@@ -121,8 +120,8 @@ def test_fog_stands_on_the_local_ground() -> None:
     assert plateau.fog_scale_height_m == 50.0
 
 
-def test_no_fog_is_the_air_of_before() -> None:
-    """None is the default, and costs no term: two scatterers, as ever."""
+def test_without_fog_there_are_two_scatterers() -> None:
+    """No fog is the default and adds no term."""
     clear = atmosphere_of(BrunetonSkySettings())
     assert not clear.foggy
     assert len(clear.scatterers()) == 2
@@ -134,7 +133,7 @@ def test_no_fog_is_the_air_of_before() -> None:
     [("fog_visibility_m", 49.0), ("fog_visibility_m", 1e5), ("fog_height_m", 1.0)],
 )
 def test_settings_have_bounds(name: str, value: float) -> None:
-    """What no fog is, is refused by the setting's own bounds."""
+    """Values outside the bounds of the fog settings are refused."""
     with pytest.raises(UserError, match=name):
         change(BrunetonSkySettings(), "bruneton_sky", name, value)
 
@@ -166,7 +165,7 @@ def test_published_tables_refuse_fog() -> None:
     st.floats(-1.0, 1.0), st.floats(-0.3, 1.0),
 )  # fmt: skip
 @settings(deadline=None, max_examples=60)
-def test_always_a_radiance(
+def test_radiance_is_finite_and_not_negative(
     visibility_m: float, height_m: float, altitude_m: float, mu: float, mu_s: float
 ) -> None:
     """Finite and not negative, whatever the fog, the observer, the view and the sun."""
@@ -178,7 +177,7 @@ def test_always_a_radiance(
 
 @pytest.mark.gl
 @pytest.mark.parametrize("rule", ["gauss-legendre", "midpoint", "trapezoid", "simpson"])
-def test_shader_is_its_twin(gl_owner, rule: str) -> None:
+def test_shader_agrees_with_the_cpu(gl_owner, rule: str) -> None:
     """GLSL in float32 against float64: 1e-3 of each ray's light where it is a thousandth of the
     brightest at least, the limit that clear air keeps in twilight."""
     foggy = AIR.with_fog(300.0, 100.0)

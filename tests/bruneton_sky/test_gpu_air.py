@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.air_volume import AirSizes, air_volume
-from bruneton_sky.gpu_air import air_volume_job
+from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 
@@ -70,7 +70,7 @@ def assert_same(gpu, cpu):
 @pytest.mark.parametrize("sun_deg", [NOON, LOW, SET])
 @pytest.mark.parametrize("altitude_m", [0.0, 3000.0, 4e5])
 @pytest.mark.parametrize("air", ["haze", "fog", "another planet"])
-def test_the_gpu_and_the_cpu_fill_the_same(compute, fields, air, altitude_m, sun_deg):
+def test_gpu_and_cpu_agree(compute, fields, air, altitude_m, sun_deg):
     """From the ground, in the air and from above it, by day, at sunset and in twilight."""
     reach_m = 1e5 if altitude_m < 1e5 else 3e6
     assert_same(*both(compute, fields[air], altitude_m, sun_deg, reach_m))
@@ -78,8 +78,8 @@ def test_the_gpu_and_the_cpu_fill_the_same(compute, fields, air, altitude_m, sun
 
 @pytest.mark.gl
 @pytest.mark.parametrize("air", ["molecules", "aerosol"])
-def test_tables_that_are_empty(compute, fields, air):
-    """What does not scatter has no table: a buffer of nothing is none."""
+def test_gpu_accepts_empty_tables(compute, fields, air):
+    """Where a substance is missing its table is empty, which no buffer may be."""
     gpu, cpu = both(compute, fields[air], 1000.0, NOON)
     assert_same(gpu, cpu)
     assert gpu[2 if air == "molecules" else 1].max() == 0.0
@@ -87,11 +87,11 @@ def test_tables_that_are_empty(compute, fields, air):
 
 @pytest.mark.gl
 def test_a_sun_in_the_zenith_and_a_reach_of_metres(compute, fields):
-    """No azimuth is the sun's, and slices of centimetres."""
+    """The sun has no azimuth, and slices are centimetres long."""
     assert_same(*both(compute, fields["haze"], 2.0, 90.0, 3.0))
 
 
-def test_what_is_sent_again(fields):
+def test_field_is_uploaded_once(fields):
     """Under another sun the field's tables are the same objects, which the GPU has already; the
     recipe is another, and that of equal air the same."""
     first, again, other = (

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
-from bruneton_sky.gpu_cube import sky_view_job
 from bruneton_sky.sky_view import fill_cube, sky_view
+from bruneton_sky.sky_view.gpu import sky_view_job
 from bruneton_sky.solver import SolverSizes, solve
 
 GROUND = (3.0, 2.0, 1.0)
@@ -46,7 +46,7 @@ def assert_rounded(gpu, cpu, single_precision=3e-5):
 @pytest.mark.gl
 @pytest.mark.parametrize("sun_deg", [NOON, LOW, SET])
 @pytest.mark.parametrize("altitude_m", [0.0, 2000.0, 1e6])
-def test_the_gpu_and_the_cpu_draw_the_same(compute, field, altitude_m, sun_deg):
+def test_gpu_and_cpu_agree(compute, field, altitude_m, sun_deg):
     """From the ground, in the air and from space, by day, at sunset and in twilight.
 
     From space the last digit of 1 + mu is 1e-4 of a row of the limb's 80.
@@ -58,15 +58,15 @@ def test_the_gpu_and_the_cpu_draw_the_same(compute, field, altitude_m, sun_deg):
 
 @pytest.mark.gl
 @pytest.mark.parametrize("size", [7, 20, 33])
-def test_sizes_that_no_work_group_divides(compute, field, size):
-    """Edges are written."""
+def test_sizes_that_are_no_multiple_of_a_work_group(compute, field, size):
+    """The texels at the edges are written too."""
     gpu, cpu, _ = both(compute, seen(field, 2000.0, LOW), size)
     assert_rounded(gpu, cpu)
 
 
 @pytest.mark.gl
-def test_what_is_level_is_sky(compute, field):
-    """Of an odd size the middle row is level, give or take a rounding error: no ground there."""
+def test_level_texels_show_the_sky(compute, field):
+    """Of an odd size the middle row is level, but for rounding: it shows no ground."""
     gpu, _, _ = both(compute, seen(field, 0.0, LOW), 33)
     sides = gpu[[0, 1, 4, 5]]
     level, above = sides[:, 16], sides[:, 15]
@@ -76,7 +76,7 @@ def test_what_is_level_is_sky(compute, field):
 
 @pytest.mark.gl
 def test_a_sun_in_the_zenith_and_another_phase_function(compute, field):
-    """No azimuth is the sun's; Henyey and Greenstein's phase is of another form."""
+    """The sun has no azimuth; Henyey and Greenstein's phase function has another form."""
     air = replace(field.atmosphere, mie_phase="henyey-greenstein", mie_g=-0.3)
     gpu, cpu, _ = both(compute, seen(replace(field, atmosphere=air), 0.0, 90.0), 32)
     assert_rounded(gpu, cpu)
@@ -96,7 +96,7 @@ def test_only_the_faces_asked_for_are_computed(compute, field):
 
 @pytest.mark.parametrize("altitude_m", [0.0, 1e6])
 @pytest.mark.parametrize("sun_deg", [NOON, LOW, SET, -12.0])
-def test_the_scale_suits_half_precision(field, altitude_m, sun_deg):
+def test_scale_fits_half_precision(field, altitude_m, sun_deg):
     """A power of two under which no texel overflows and few digits of the brightest are lost."""
     view = seen(field, altitude_m, sun_deg)
     _, scale = sky_view_job(view, 64, (0.0, 0.0, 0.0), "test", "cube")
@@ -105,7 +105,7 @@ def test_the_scale_suits_half_precision(field, altitude_m, sun_deg):
     assert 2.0**8 < brightest < 2.0**15
 
 
-def test_the_table_is_part_of_the_recipe(field):
+def test_recipe_depends_on_the_table(field):
     """Equal tables make equal textures, another sun another."""
     jobs = [sky_view_job(seen(field, 0.0, sun), 8, GROUND, "test", "cube")[0] for sun in (5, 5, 6)]
     assert jobs[0].recipe == jobs[1].recipe != jobs[2].recipe

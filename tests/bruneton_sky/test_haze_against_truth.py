@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import table_counts
-from bruneton_sky.sky_view_rows import Rows
+from bruneton_sky.sky_view.rays import Rows
 from bruneton_sky.solver import SourceField, ground_irradiance
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray

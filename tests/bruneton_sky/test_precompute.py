@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import TableSizes, precompute
-from bruneton_sky.pipeline.setting import Setting
-from bruneton_sky.pipeline.transmittance import transmittance
 from bruneton_sky.precompute import transmittance_table
+from bruneton_sky.reference.pipeline.first_order import transmittance
+from bruneton_sky.reference.pipeline.setting import Setting
 from bruneton_sky.tables.cache import TableCache
 
 SMALL = TableSizes(

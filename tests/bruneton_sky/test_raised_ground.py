@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
-from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.raised_ground import raise_ground
+from bruneton_sky.atmosphere import Atmosphere, raise_ground
 from bruneton_sky.single_scattering import optical_depth_to_top, single_scattering
 
 
 @pytest.mark.parametrize("ground_m", [-430.0, 0.0, 1600.0, 14_000.0, 45_000.0])
 def test_raising_the_ground_leaves_the_air_above_as_it_was(ground_m):
-    """The air does not know where the ground is: a point keeps its optical depth."""
+    """A point above the ground keeps its optical depth to the top."""
     earth = Atmosphere.earth()
     raised = raise_ground(earth, ground_m)
     mu = np.array([1.0, 0.5, 0.1, 0.0])
@@ -28,6 +27,6 @@ def test_the_sky_above_a_plateau_is_the_sky_seen_from_its_altitude():
 
 @pytest.mark.parametrize("ground_m", [60_000.0, 1e9, -7e6])
 def test_a_ground_outside_the_air_is_refused(ground_m):
-    """There is no sky above the air and no planet below its centre: one sentence says so."""
+    """A ground above the air or below the planet's centre is refused in one sentence."""
     with pytest.raises(ValueError, match=r"a ground at .* lies outside the planet's air"):
         raise_ground(Atmosphere.earth(), ground_m)

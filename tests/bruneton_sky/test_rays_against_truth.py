@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.sky_view import limb_counts, table_counts
-from bruneton_sky.sky_view_rows import Rows
+from bruneton_sky.sky_view.rays import Rows
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray

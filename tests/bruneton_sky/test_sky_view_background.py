@@ -42,7 +42,7 @@ def direction(elevation_deg: float, azimuth_deg: float = 25.0) -> NDArray[np.flo
 
 def looked_up(view: SkyView, d: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radiance (..., 3) of the table in directions (..., 3): bilinear between fourth roots, in
-    float64, as the docstrings of `sky_view` and `sky_view_rows` have it."""
+    float64, as the docstrings of `sky_view` and `rays` have it."""
     above, below, columns = view.shape
     level = d[..., 0] ** 2 + d[..., 2] ** 2
     total = 1.0 + np.abs(d[..., 1])

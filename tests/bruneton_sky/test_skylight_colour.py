@@ -12,7 +12,6 @@ import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.background import surroundings
 from bruneton_sky.ground_light import ground_radiance
-from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.presets import RGB_NM, preset
 from bruneton_sky.settings import (
@@ -21,6 +20,7 @@ from bruneton_sky.settings import (
     atmosphere_of,
     spectral_atmosphere_of,
 )
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from bruneton_sky.sun_light import sun_irradiance_rgb

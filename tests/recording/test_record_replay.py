@@ -111,25 +111,6 @@ def test_another_version_of_a_module_is_compared_by_value(tmp_path):
     assert outcome.difference is None
 
 
-@pytest.mark.parametrize("exact", [False, True])
-def test_a_module_without_exact_digits_is_compared_by_value(tmp_path, exact):
-    """The last bit of its answers may change; that of a module with exact digits may not."""
-
-    class Rounding(Parrot):
-        manifest = Manifest(
-            name="parrot", title="Parrot", version="1", provides=("sun",), exact_digits=exact
-        )
-
-        @handles(Poke)
-        def on_poke(self, message):
-            super().on_poke(Poke(value=float(np.nextafter(message.value, 1.0))))
-
-    path = saved(tmp_path, record_inputs([Poke(value=0.2)]))
-    outcome = Replay(Journal(path), [Rounding, *TOYS[1:]]).run()
-    assert outcome.signature_differences == ()
-    assert (outcome.difference is not None) == exact
-
-
 def test_settings_and_slots_at_the_start_are_restored(tmp_path):
     """A recording begins with what the user had set before."""
     stream = io.BytesIO()

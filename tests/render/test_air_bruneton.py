@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 from air_stage import EARTH_M, air_of
-from bruneton_sky.air_exact import light_before
 from bruneton_sky.air_volume import air_volume
 from bruneton_sky.atmosphere import KOSCHMIEDER
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.presets import earth_spectral
+from bruneton_sky.reference.air_exact import light_before
 from bruneton_sky.solver import solve
 from scene_stage import light, look
 

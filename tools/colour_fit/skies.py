@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.gases import ozone_absorption
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.kernels import fast_scattered_without_phase
-from bruneton_sky.ozone import ozone_absorption
 from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.presets import earth_spectral
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scattering, solve
 from numpy.typing import NDArray
 

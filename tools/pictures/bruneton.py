@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.background import background_cube, surroundings
+from bruneton_sky.precompute import irradiance_table, march_tables
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from bruneton_sky.solver import SourceField, irradiance_table, march_tables, solve
+from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.sizes import TableSizes
 from numpy.typing import NDArray

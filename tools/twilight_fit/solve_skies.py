@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.kernels import fast_scattered_without_phase
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from dynamic_skylight.twilight_table import sin_elevation_of
 

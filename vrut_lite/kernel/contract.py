@@ -82,7 +82,7 @@ def _check_manifest(manifest: object) -> None:
             checks.refuse(manifest, field, "be a tuple of names of slots", of)
     if manifest.engine != "" and not _is_name(manifest.engine):
         checks.refuse(manifest, "engine", "be a name of letters, digits, - and _", of)
-    checks.flag(manifest, "stand_in", "auxiliary", "exact_digits", of=of)
+    checks.flag(manifest, "stand_in", "auxiliary", of=of)
 
 
 def _check_handlers(module_type: type[Module]) -> None:

@@ -18,9 +18,7 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     It holds none before each slot that it `requires` has had a holder. One that does not `stand_in`
     holds a slot only when it is chosen, never as a replacement. An `auxiliary` module is a tool:
     commands offer its settings by `--set` alone, and the window hides its panel at first. A module
-    that has `open_engine` is chosen to draw by the name of its `engine`. Of one without
-    `exact_digits` the last digits of float32 may change from one run to the next; journals compare
-    what it says by value.
+    that has `open_engine` is chosen to draw by the name of its `engine`.
     """
 
     name: str
@@ -31,7 +29,6 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     stand_in: bool = True
     auxiliary: bool = False
     engine: str = ""
-    exact_digits: bool = True
 
 
 class NoSettings(msgspec.Struct, frozen=True):

@@ -22,21 +22,16 @@ _LONGEST_TEXT = 120
 Difference = str | None
 
 
-def entry_difference(
-    there: Entry, here: Entry, by_value: bool, exact_digits: bool = True
-) -> Difference:
+def entry_difference(there: Entry, here: Entry, by_value: bool) -> Difference:
     """How an entry `here` differs from the recorded one, as a phrase; None if it does not.
 
     By value, scalars may differ by SCALAR_TOLERANCE, relative, and the sampled values of arrays
-    by SAMPLE_TOLERANCE; else digests must be equal. Without exact
-    digits it is always by value, and scalars may differ by as much as samples.
+    by SAMPLE_TOLERANCE; else digests must be equal.
     """
     if (there.kind, there.type_name, there.sender) != (here.kind, here.type_name, here.sender):
         return f"it is {_title(here)} here and {_title(there)} in the journal"
     if there.digest == here.digest:
         return None
-    if not exact_digits:
-        return _compare(there.message, here.message, "", _near, _samples_differ)
     return _compare(
         there.message,
         here.message,
@@ -146,12 +141,6 @@ def _number(value: Any) -> float:
 def _close(there: Any, here: Any) -> bool:
     if isinstance(there, float) and isinstance(here, float):
         return math.isclose(there, here, rel_tol=SCALAR_TOLERANCE, abs_tol=_ZERO)
-    return _same(there, here)
-
-
-def _near(there: Any, here: Any) -> bool:
-    if isinstance(there, float) and isinstance(here, float):
-        return math.isclose(there, here, rel_tol=SAMPLE_TOLERANCE, abs_tol=_ZERO)
     return _same(there, here)
 
 

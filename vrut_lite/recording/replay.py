@@ -125,21 +125,13 @@ class Replay:
         self, expected: Entry | None, actual: Entry | None, by_value: bool
     ) -> Difference:
         if expected is not None and actual is not None:
-            exact = self._exact_digits(expected)
-            translated = self._recipes.translated(expected)
-            phrase = entry_difference(translated, actual, by_value, exact)
+            phrase = entry_difference(self._recipes.translated(expected), actual, by_value)
             if phrase is None:
                 self._recipes.note(expected, actual)
             return phrase and f"{_title(expected)}: {phrase}"
         if expected is not None:
             return f"{_title(expected)}, is in the journal and not here"
         return None if actual is None else f"{_title(actual)}, is here and not in the journal"
-
-    def _exact_digits(self, entry: Entry) -> bool:
-        """Whether who said it, or whose job it was, gives the same digits in every run."""
-        of_job = entry.type_name == JobResult.__name__
-        seat = self.kernel.seats.get(_job_of(entry)[0] if of_job else entry.sender)
-        return seat is None or seat.manifest.exact_digits
 
     def _signature_differences(self) -> list[str]:
         manifests = (seat.manifest for seat in self.kernel.seats.values())

@@ -3,8 +3,8 @@
 from functools import lru_cache, partial
 
 import numpy as np
-from bruneton_sky.gpu_cube import sky_view_job
 from bruneton_sky.sky_view import SkyView, fill_cube, light_view, sky_view
+from bruneton_sky.sky_view.gpu import sky_view_job
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver_job import solve_air
 from numpy.typing import NDArray

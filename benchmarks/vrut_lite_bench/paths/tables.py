@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Tables, TableSizes, precompute
-from bruneton_sky.gpu_pipeline import GpuPipeline
-from bruneton_sky.pipeline.pipeline import run_pipeline
+from bruneton_sky.reference.gpu_pipeline import GpuPipeline
+from bruneton_sky.reference.pipeline.pipeline import run_pipeline
 from numpy.typing import NDArray
 
 from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors

@@ -7,16 +7,15 @@ import math
 
 import numpy as np
 
-from bruneton_sky.solver.altitude_kernels import altitude_place
-from bruneton_sky.solver.cells_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner
-from bruneton_sky.solver.ray_bins_kernels import Bins, empty_steps, fill_steps, merge_steps
-from bruneton_sky.solver.ray_kernels import altitude_along, ray_length
-from bruneton_sky.solver.source_kernels import empty_slab, gather_later, sun_place
-from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
+from bruneton_sky.solver.bin_kernels import Bins, empty_steps, fill_steps, merge_steps
+from bruneton_sky.solver.cell_kernels import ONE, ZERO, empty_cells, fast, fill_cells, inner
+from bruneton_sky.solver.first_order_kernels import apply_phases, gather_first
+from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later, sun_place
+from bruneton_sky.solver.ray_kernels import altitude_along, altitude_place, ray_length
 
 _f4 = np.float32
-# A ray has all of its bins from where it crosses all altitudes, or comes so far around the planet
-# that its sun sinks by that much; and at the least so few.
+# A ray gets all bins if it crosses all altitudes, or if the sun sinks by _FAR_RAD along it; and at
+# least _FEWEST_BINS.
 _FAR_RAD, _FEWEST_BINS = 0.1, 3
 
 
@@ -25,7 +24,7 @@ def bin_nodes(air, altitude, mu, downward, steps, bins, higher):  # type: ignore
     """Bins of the rays from all nodes, twice: as in `Bins`, with axes (altitudes, mu) before.
 
     A ray that crosses a part of the air gets as large a part of its bins: along it the source
-    function changes as much less. Returns how many bins are left out.
+    function changes as much less. Returns the number of bins left out.
     """
     scratch, left_out = empty_steps(air, steps), 0
     for i in range(mu.shape[0]):
@@ -45,7 +44,7 @@ def bin_nodes(air, altitude, mu, downward, steps, bins, higher):  # type: ignore
 
 @inner
 def _leave_rest_empty(bins, count):  # type: ignore[no-untyped-def]
-    """All bins but the first so many: none of them has length or matter."""
+    """Give all bins after the first `count` neither length nor matter."""
     bins.edge[count + 1 :] = bins.edge[count]
     bins.weight[count:] = 0.0
     bins.centre[count:] = 0.0
@@ -54,7 +53,7 @@ def _leave_rest_empty(bins, count):  # type: ignore[no-untyped-def]
 
 @inner
 def _share_crossed(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
-    """How much of the source function's axes a ray crosses: altitudes, and suns by its length."""
+    """Share of the source function's axes that a ray crosses: altitudes, and suns by its length."""
     radius, start = air.ground_radius_m + altitude, altitude_place(air, altitude)
     suns = ray_length(air, altitude, mu, hits) / (radius * _FAR_RAD)
     if hits:
@@ -67,7 +66,7 @@ def _share_crossed(air, altitude, mu, hits):  # type: ignore[no-untyped-def]
 
 @inner
 def _bins_at(bins, i, q, count):  # type: ignore[no-untyped-def]
-    """The first so many bins of a node's ray."""
+    """The first `count` bins of a node's ray."""
     edge, centre = bins.edge[i, q, : count + 1], bins.centre[i, q, :count]
     return Bins(edge, centre, bins.weight[i, q, :count], bins.end[i, q])
 

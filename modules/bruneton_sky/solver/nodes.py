@@ -1,4 +1,4 @@
-"""The solver's nodes for four wavelengths: what arrives there, and what it becomes."""
+"""The solver's nodes for four wavelengths: the light that arrives, and its source function."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -7,20 +7,23 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.solver.air import LANES, Air
-from bruneton_sky.solver.coordinates import SunGrid, altitude_nodes
-from bruneton_sky.solver.directions import azimuths
-from bruneton_sky.solver.harmonics import phase_coefficients
-from bruneton_sky.solver.scattering_operator import ScatteringOperator, scattering_operator
+from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
+from bruneton_sky.solver.scattering_operator import (
+    ScatteringOperator,
+    phase_coefficients,
+    scattering_operator,
+)
 from bruneton_sky.solver.sizes import HIGHER, SolverSizes
+from bruneton_sky.solver.source_field import make_source
+from bruneton_sky.solver.wavelength_groups import LANES, Air
 from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
-    from bruneton_sky.solver.ray_bins_kernels import Bins
-    from bruneton_sky.solver.source_kernels import Source
+    from bruneton_sky.solver.bin_kernels import Bins
+    from bruneton_sky.solver.later_order_kernels import Source
 
 Lanes = NDArray[np.float32]
-# Of the phase functions, over sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
+# Nodes of the phase functions in sqrt((1 - nu) / 2): linear interpolation errs by 1e-5 at g = 0.8.
 _PHASE_NODES = 1024
 _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 
@@ -28,8 +31,8 @@ _TRANSMITTANCE_ROWS, _TRANSMITTANCE_COLUMNS = 64, 256
 class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
-    `higher_bins` are those for the light of orders four and up; `bins_left_out` counts those that
-    rays through little air do without.
+    `higher_bins` are for the light of orders four and up; `bins_left_out` counts the bins that rays
+    through little air do not need.
     """
 
     air: Air
@@ -67,7 +70,7 @@ class Nodes(NamedTuple):
     def next_radiance(self, source: "Source", radiance: Lanes, order: int) -> Lanes:
         """Light of an order that arrives at the nodes, of a source function and from the ground.
 
-        `radiance` is that of the order before, which is what lights the ground.
+        `radiance` is that of the order before, which lights the ground.
         """
         from bruneton_sky.solver.node_kernels import next_radiance
 
@@ -117,8 +120,8 @@ class Nodes(NamedTuple):
 
 def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
     """The nodes of an atmosphere for a group of wavelengths."""
-    from bruneton_sky.solver.altitude_kernels import layer_nodes, nodes_of_axis
     from bruneton_sky.solver.node_kernels import bin_nodes
+    from bruneton_sky.solver.ray_kernels import layer_nodes, nodes_of_axis
 
     altitude = altitude_nodes(atmosphere, sizes.altitude)
     if air.layer_share > 0.0:
@@ -135,8 +138,8 @@ def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
 
 
 def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
-    """Room for so many bins of each ray; the rays' axes come first."""
-    from bruneton_sky.solver.ray_bins_kernels import Bins
+    """Arrays for `count` bins of each ray; the rays' axes come first."""
+    from bruneton_sky.solver.bin_kernels import Bins
 
     return Bins(
         np.empty((*rays, count + 1)),
@@ -146,18 +149,10 @@ def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
     )
 
 
-def make_source(rayleigh: Lanes, mie: Lanes, suns: SunGrid) -> "Source":
-    """The source function as kernels take it, of the arrays of a `SourceField`."""
-    from bruneton_sky.solver.source_kernels import Source
-
-    azimuth_cosine = 1.0 - 2.0 * np.linspace(0.0, 1.0, mie.shape[2]) ** 2
-    return Source(rayleigh, mie, azimuth_cosine.astype(np.float32), suns.constants())
-
-
 def make_transmittance(air: Air) -> Lanes:
     """Transmittance (altitudes, columns * 4) of the sun's light, see `fill_transmittance`."""
-    from bruneton_sky.solver.altitude_kernels import nodes_of_axis
-    from bruneton_sky.solver.sun_kernels import fill_transmittance
+    from bruneton_sky.solver.first_order_kernels import fill_transmittance
+    from bruneton_sky.solver.ray_kernels import nodes_of_axis
 
     rows = nodes_of_axis(_TRANSMITTANCE_ROWS, air.layer_share)
     table = np.empty((rows, _TRANSMITTANCE_COLUMNS, LANES), dtype=np.float32)

@@ -7,7 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.solver.air import (
+from bruneton_sky.solver.nodes import Nodes, make_nodes, make_transmittance, phase_table
+from bruneton_sky.solver.sizes import SolverSizes
+from bruneton_sky.solver.source_field import SourceField
+from bruneton_sky.solver.wavelength_groups import (
     LANES,
     Air,
     groups_of_air,
@@ -15,16 +18,13 @@ from bruneton_sky.solver.air import (
     is_thick_haze,
     wavelengths_of_groups,
 )
-from bruneton_sky.solver.nodes import Nodes, make_nodes, make_transmittance, phase_table
-from bruneton_sky.solver.sizes import SolverSizes
-from bruneton_sky.solver.source_field import SourceField
 from vrut_lite.arguments import as_count, as_number, check_type
 
 Lanes = NDArray[np.float32]
 Progress = Callable[[float], None]
-# Of an order to the one before, where light hardly leaves: the series must end.
+# Largest ratio of an order to the one before: where little light leaves, the series must converge.
 _LARGEST_RATIO = 0.99
-# Orders that do where the tail is left out, and the most that are summed before it is added.
+# Orders by default without the tail, and at most before the tail is added.
 _FEW_ORDERS, MOST_ORDERS = 4, 20
 # Orders are added until one changes the estimate of all of them by less than this for every sun,
 # those below the horizon too, where orders count most. The rest is smaller by day (0.05 % of the
@@ -56,17 +56,17 @@ def solve(
 
     Args:
         atmosphere: any number of wavelengths.
-        orders: highest order of scattering; 1 leaves the field dark. By default 4, or as many
-            as the tail needs if it is added, 20 at most.
-        sizes: of the discretisation; by default those for real time in such air.
+        orders: highest order of scattering; 1 leaves the field dark. By default 4; with
+            `all_orders` as many as the tolerance needs, 20 at most.
+        sizes: of the discretisation; by default `real_time_sizes`.
         all_orders: add all orders beyond as a geometric series, whose ratio is that of the
             last two orders, for each sun and wavelength. It takes three orders or more. After
-            four a sky by day is still several percent off in haze (optical depth 0.2) and tens of
-            percent in thick haze (0.8): to name few orders here is for who knows the air is clear.
+            four orders a sky by day still errs by several percent in haze (optical depth 0.2) and
+            by tens of percent in thick haze (0.8): few orders suit clear air only.
         tolerance: stop after an order that changes the sum, with the orders beyond if these are
             added, by less than this share for every sun and wavelength. By default none if
             `orders` are named, else `order_tolerance`.
-        progress: is told the share done, from 0 to 1.
+        progress: called with the share done, from 0 to 1.
 
     Raises:
         ValueError: orders are not from 1 to 1000, or the tolerance not from 0 to 1.
@@ -103,14 +103,14 @@ def solve(
 
 
 def order_tolerance(atmosphere: Atmosphere) -> float:
-    """The tolerance at which all orders of such air are known well enough for a picture."""
+    """The tolerance of the orders for a picture of this air."""
     if atmosphere.foggy:
         return _FOG_TOLERANCE
     return _THICK_TOLERANCE if is_thick_haze(atmosphere) else _ORDER_TOLERANCE
 
 
 def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
-    """The sizes for a picture of such air."""
+    """The sizes for a picture of this air."""
     if atmosphere.foggy:
         return SolverSizes.in_fog()
     return SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes.in_clear_air()
@@ -171,8 +171,7 @@ def _quotient(part: Lanes, whole: Lanes) -> Lanes:
 
 
 def _skipped(groups: list[Air], orders: int, sums: list[_Sum]) -> dict[str, int]:
-    """How many groups of wavelengths did without a term, and how many orders and bins of rays were
-    not needed."""
+    """Counts of groups of wavelengths without a term, and of orders and bins not needed."""
     return {
         "molecules": sum(not air.scattering[0].any() for air in groups),
         "aerosol": sum(not air.scattering[1:].any() for air in groups),

@@ -1,11 +1,62 @@
-"""A ray through an exponential air: its length, its altitudes, the matter on it, for compiled code.
+"""A ray through an exponential air, for compiled code: altitudes, lengths, densities.
+
+The axis of altitudes of the solver's tables: in clear air places are uniform in sqrt(r^2 - Rg^2).
+A dense layer, fog or haze, adds nodes of its own, uniform in 1 - exp(-altitude / layer_reach_m):
+the axis is a blend of both with layer_share of it for the layer. It has more nodes then: the clear
+air keeps as many as it would have alone.
 
 Importing this module imports numba.
 """
 
 import math
 
-from bruneton_sky.solver.cells_kernels import inner
+import numpy as np
+
+from bruneton_sky.solver.cell_kernels import fast, inner
+
+# Bisections: 60 km over 2^50 is below a nanometre.
+_HALVINGS = 50
+
+
+def nodes_of_axis(count: int, layer_share: float) -> int:
+    """Number of nodes of an axis that has `count` in clear air."""
+    return math.ceil((count - 1) / (1.0 - layer_share)) + 1
+
+
+@inner
+def altitude_place(air, altitude):  # type: ignore[no-untyped-def]
+    """Place in [0, 1] of an altitude, 1 at the top."""
+    ground, top = air.ground_radius_m, air.top_altitude_m
+    squared = altitude * (2.0 * ground + altitude) / (top * (2.0 * ground + top))
+    place = math.sqrt(max(squared, 0.0))
+    if air.layer_share > 0.0:
+        reach = air.layer_reach_m
+        in_layer = (1.0 - math.exp(-altitude / reach)) / (1.0 - math.exp(-top / reach))
+        place += air.layer_share * (in_layer - place)
+    return place
+
+
+@inner
+def altitude_at(air, place):  # type: ignore[no-untyped-def]
+    """The altitude at a place, where there is a dense layer."""
+    low, high = 0.0, air.top_altitude_m
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if altitude_place(air, middle) < place:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@fast
+def layer_nodes(air, count):  # type: ignore[no-untyped-def]
+    """Altitudes (count,) in m from the ground to the top, even in place, where there is a layer."""
+    altitude = np.empty(count)
+    for i in range(count):
+        altitude[i] = altitude_at(air, i / (count - 1))
+    altitude[0], altitude[-1] = 0.0, air.top_altitude_m
+    return altitude
 
 
 @inner
@@ -40,8 +91,8 @@ def mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
     """Mean of exp(-altitude / scale) over a step, from altitudes at its ends and middle.
 
     The altitude rises by z scale heights from middle to end, and bends by `bend`: the mean is
-    that of the middle times sinh(z) / z, less a sixth of the bend. A step many scale heights
-    high is one high up, where there is no matter.
+    that of the middle times sinh(z) / z, less a sixth of the bend. A step over many scale heights
+    is high up, where there is no matter.
     """
     z = min(0.5 * abs(far - near) / scale, 3.0)
     bend = (near + far - 2.0 * middle) / scale

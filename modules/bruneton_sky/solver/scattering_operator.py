@@ -1,25 +1,37 @@
 """From the radiance at the nodes to the source function there: the integral over directions.
 
-The radiance is projected on spherical harmonics, each coefficient multiplied by the phase
-function's, and the sum tabulated by direction. Both ways go azimuth first, then zenith angle:
-a fifth of the work of one matrix. All matrices depend on the planet's radii and the sizes only.
+Light that arrives at a point as L(direction) leaves it, scattered, as the integral of
+P(cosine) L. In spherical harmonics that multiplies each coefficient of degree l by
+chi_l = 2 pi integral P(x) P_l(x) dx (the Funk-Hecke theorem). chi_0 = 1, so that scattering
+conserves energy exactly, whatever the number of directions.
 
-Of molecules, whose phase function has degrees 0 and 2 only, four coefficients are kept.
+So the radiance is projected on harmonics about the zenith, even in azimuth, each coefficient
+multiplied by chi_l, and the sum tabulated by direction. Both ways go azimuth first, then zenith
+angle: a fifth of the work of one matrix. All matrices depend on the planet's radii and the sizes
+only. Of molecules, whose phase function has degrees 0 and 2 only, four coefficients are kept.
+
+The source function is looked up by lines between the tabulated directions. With the function's own
+values at the nodes it would be too large between them wherever it is hollow, as it is beside the
+lobe that haze scatters forward; the values of `fit_lines` keep its integral.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.solver.directions import Directions, azimuths, make_directions
-from bruneton_sky.solver.harmonics import legendre
-from bruneton_sky.solver.linear_fit import fit_lines
+from bruneton_sky.solver.grid import Directions, azimuths, make_directions
 from bruneton_sky.solver.sizes import HIGHER, SolverSizes
+from vrut_lite.numeric_types import FloatArray
 
-FloatArray = NDArray[np.float32]
+SingleArray = NDArray[np.float32]
+# Points of the quadrature of a phase function.
+_GAUSS_POINTS = 512
+# Gauss points between neighbouring nodes of a fit: harmonics of degree 32 bend little there.
+_FIT_POINTS = 8
 # (l, m) of the harmonics that molecules scatter, and what turns a harmonic's coefficient into
 # that of 1, 3 mu^2 - 1, mu sin(theta) cos(phi), sin^2(theta) cos(2 phi). The Rayleigh phase
 # function 3 / (16 pi) (1 + x^2) has chi_0 = 1, chi_2 = 1 / 10.
@@ -43,17 +55,17 @@ class ScatteringOperator(NamedTuple):
     """
 
     directions: Directions
-    turn_in: dict[int, FloatArray]
-    polar_in: FloatArray
-    polar_out: FloatArray
-    turn_out: FloatArray
+    turn_in: dict[int, SingleArray]
+    polar_in: SingleArray
+    polar_out: SingleArray
+    turn_out: SingleArray
     degree: NDArray[np.int64]
     first: NDArray[np.int64]
 
-    def project(self, radiance: FloatArray) -> FloatArray:
+    def project(self, radiance: SingleArray) -> SingleArray:
         """Coefficients (altitudes, harmonics, n) of radiance (altitudes, mu, azimuths, n).
 
-        Only of the harmonics whose m so many azimuths can tell, which are the first of them.
+        Only of the first harmonics, whose m these azimuths resolve.
         """
         turn_in = self.turn_in[radiance.shape[2]]
         turned = np.matmul(turn_in, radiance)
@@ -63,10 +75,10 @@ class ScatteringOperator(NamedTuple):
             np.matmul(self.polar_in[:, part], turned[:, :, m], out=coefficients[:, part])
         return coefficients
 
-    def scatter(self, coefficients: FloatArray, chi: NDArray[np.float64]) -> FloatArray:
+    def scatter(self, coefficients: SingleArray, chi: FloatArray) -> SingleArray:
         """Source function (altitudes, mu, azimuths, n) of a phase function's chi (degrees,).
 
-        The coefficients may be the first of them only.
+        The coefficients may be only the first ones.
         """
         weighted = self.polar_out * chi[self.degree].astype(np.float32)
         parts = self._parts(coefficients.shape[1])
@@ -76,14 +88,14 @@ class ScatteringOperator(NamedTuple):
             np.matmul(weighted[:, part], coefficients[:, part], out=turned[:, :, m])
         return np.matmul(self.turn_out[:, : len(parts)], turned)
 
-    def scatter_by_molecules(self, coefficients: FloatArray) -> FloatArray:
+    def scatter_by_molecules(self, coefficients: SingleArray) -> SingleArray:
         """The source function of molecules: coefficients (altitudes, 4, n)."""
         index = [self.first[m] + degree - m for degree, m in _RAYLEIGH_HARMONICS]
         factors = _RAYLEIGH_FACTORS.astype(np.float32)[:, None]
         return np.ascontiguousarray(coefficients[:, index] * factors)
 
     def _parts(self, harmonics: int) -> list[slice]:
-        """Where each m stands among the first so many harmonics."""
+        """The slice of each m among the first `harmonics` harmonics."""
         ends = self.first[self.first <= harmonics]
         return [slice(*pair) for pair in pairwise(ends)]
 
@@ -121,7 +133,68 @@ def scattering_operator(
     )
 
 
-def _turn_matrix(m: NDArray[np.int64], count: int) -> FloatArray:
-    """cos(m phi) (m, azimuths) times 2 pi / count, but for the m that so few would mistake."""
+def _turn_matrix(m: NDArray[np.int64], count: int) -> SingleArray:
+    """cos(m phi) (m, azimuths) times 2 pi / count, for the m that `count` azimuths resolve."""
     cosines = np.cos(np.outer(m[m < count], azimuths(count))) * (2.0 * np.pi / count)
     return np.asarray(cosines, dtype=np.float32)
+
+
+def legendre(order: int, degree: int, mu: ArrayLike) -> FloatArray:
+    """Functions (degree - order + 1, ...) whose products with cos(order * phi) are orthonormal.
+
+    Degrees from `order` to `degree`; on the sphere, with the azimuth's factor of 2 for
+    order > 0 contained. The three-term recurrence in the degree is stable.
+    """
+    x = np.asarray(mu, dtype=float)
+    sine = np.sqrt(np.maximum((1.0 - x) * (1.0 + x), 0.0))
+    first = np.full_like(x, np.sqrt((1.0 if order == 0 else 2.0) / (4.0 * np.pi)))
+    for m in range(1, order + 1):
+        first = first * sine * np.sqrt((2.0 * m + 1.0) / (2.0 * m))
+    rows = [first, x * np.sqrt(2.0 * order + 3.0) * first]
+    for l in range(order + 2, degree + 1):  # noqa: E741
+        scale = np.sqrt((4.0 * l * l - 1.0) / (l * l - order * order))
+        below = np.sqrt(((l - 1.0) ** 2 - order * order) / (4.0 * (l - 1.0) ** 2 - 1.0))
+        rows.append(scale * (x * rows[-1] - below * rows[-2]))
+    return np.stack(rows[: degree - order + 1])
+
+
+def phase_coefficients(phase: Callable[[FloatArray], FloatArray], degree: int) -> FloatArray:
+    """chi_l (degree + 1,) of a phase function of the cosine, normalised so that chi_0 = 1."""
+    x, w = _gauss()
+    legendre_p = np.polynomial.legendre.legvander(x, degree)
+    chi = 2.0 * np.pi * (w * phase(x)) @ legendre_p
+    return np.asarray(chi / chi[0])
+
+
+@lru_cache(maxsize=1)
+def _gauss() -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+
+
+def fit_lines(
+    function: Callable[[FloatArray], FloatArray],
+    node: FloatArray,
+    place: Callable[[FloatArray], FloatArray],
+    keep_ends: bool = False,
+) -> FloatArray:
+    """Values (n, k) at nodes (n,) that fit a function best where lines connect them.
+
+    Args:
+        function: of a coordinate (m,), to (m, k).
+        node: the coordinate at the nodes, over which the squared difference is integrated.
+        place: of a coordinate, what the lines are straight over; uniform from 0 to 1 at the nodes.
+        keep_ends: leave the function's own values at the first and the last node.
+    """
+    root, weight = np.polynomial.legendre.leggauss(_FIT_POINTS)
+    half = 0.5 * np.diff(node)[:, None]
+    x = (0.5 * (node[:-1] + node[1:])[:, None] + half * root).ravel()
+    index = np.arange(node.size)
+    share = np.maximum(1.0 - np.abs(place(x)[:, None] * (node.size - 1) - index), 0.0)
+    weighted = share.T * (half * weight).ravel()
+    if not keep_ends:
+        return np.asarray(np.linalg.solve(weighted @ share, weighted @ function(x)), float)
+    values = function(node)
+    free, ends = weighted[1:-1], share[:, [0, -1]]
+    rest = function(x) - ends @ values[[0, -1]]
+    values[1:-1] = np.linalg.solve(free @ share[:, 1:-1], free @ rest)
+    return values

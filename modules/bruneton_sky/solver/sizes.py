@@ -15,7 +15,7 @@ _AZIMUTHS = ("direction_azimuth", "later_azimuth", "higher_azimuth")
 class SolverSizes:
     """Nodes and bins of the solver.
 
-    The defaults serve clear air; `solve` takes those that are quickest for the air at hand.
+    The defaults suit clear air; `solve` takes `real_time_sizes` of its air.
 
     Attributes:
         altitude, mu_s: nodes of the source function, by altitude and by sun zenith angle; haze
@@ -75,14 +75,14 @@ class SolverSizes:
 
     @classmethod
     def in_clear_air(cls) -> Self:
-        """For a picture of clear air: what the fewer directions and higher orders change is no more
-        than 0.02 % in the mean. The light of deep twilight needs more bins of the first orders."""
+        """For a picture of clear air: fewer directions and higher orders change it by 0.02 % in the
+        mean. The light of deep twilight needs more bins of the first orders."""
         return cls(direction_mu=24, higher_azimuth=6, node_bins=18, higher_bins=8)
 
     @classmethod
     def in_fog(cls) -> Self:
-        """For fog, where light comes from near and mostly goes on as it came: more bins, and more
-        directions of the source function. Its steps and altitudes the fog itself adds."""
+        """For fog, where light comes from nearby and is scattered forward: more bins, and more
+        directions of the source function. Fog adds steps and altitudes of its own."""
         return cls(source_mu=64, source_azimuth=24, node_bins=24, single_bins=48, multiple_bins=24)
 
     @classmethod
@@ -107,7 +107,7 @@ class SolverSizes:
 
     @classmethod
     def converged(cls) -> Self:
-        """Sizes at which the discretisation no longer shows: seconds, not milliseconds."""
+        """Sizes at which the discretisation error vanishes; takes seconds, not milliseconds."""
         return cls(
             altitude=48,
             mu_s=128,

@@ -1,16 +1,23 @@
-"""What the solver leaves: the light that every point of the air scatters, of orders two and up."""
+"""The solver's result: the light of orders two and up that every point of the air scatters."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.sizes import SolverSizes
 from vrut_lite.numeric_types import FloatArray
 
+if TYPE_CHECKING:
+    from bruneton_sky.solver.later_order_kernels import Source
 
-# Fields are told apart by identity, so that what follows from one can be kept for it.
+SingleArray = NDArray[np.float32]
+
+
+# Compared by identity, so that results of one field can be cached by it.
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SourceField:
     """The source function J of orders two and up, by altitude, direction, azimuth and sun.
@@ -26,14 +33,28 @@ class SourceField:
         orders_done: the highest order that was computed.
         tail_ratio: (suns, C), by which each order beyond follows the one before; zero if the
             orders beyond are left out.
-        skipped: what was left out because it is zero or too small, and how often.
+        skipped: how often each term was left out because it is zero or too small.
     """
 
     atmosphere: Atmosphere
     sizes: SolverSizes
-    rayleigh: NDArray[np.float32]
-    mie: NDArray[np.float32]
-    transmittance: NDArray[np.float32]
+    rayleigh: SingleArray
+    mie: SingleArray
+    transmittance: SingleArray
     orders_done: int
     tail_ratio: FloatArray
     skipped: dict[str, int] = field(default_factory=dict)
+
+
+def source_of_group(field: SourceField, group: int) -> "Source":
+    """The source function of a group of wavelengths as the kernels take it."""
+    suns = SunGrid(field.atmosphere, field.sizes.mu_s)
+    return make_source(field.rayleigh[group], field.mie[group], suns)
+
+
+def make_source(rayleigh: SingleArray, mie: SingleArray, suns: SunGrid) -> "Source":
+    """The source function as kernels take it, of the arrays of a `SourceField`."""
+    from bruneton_sky.solver.later_order_kernels import Source
+
+    azimuth_cosine = 1.0 - 2.0 * np.linspace(0.0, 1.0, mie.shape[2]) ** 2
+    return Source(rayleigh, mie, azimuth_cosine.astype(np.float32), suns.constants())

@@ -1,23 +1,22 @@
-"""Looking at a solved field: radiance along rays, irradiance on the ground."""
+"""Radiance and irradiance of a solved field."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.solver.air import LANES, groups_of_air, wavelengths_of_groups
-from bruneton_sky.solver.coordinates import SunGrid
-from bruneton_sky.solver.directions import azimuths, clustered_nodes
-from bruneton_sky.solver.nodes import make_source, phase_table
-from bruneton_sky.solver.source_field import SourceField
+from bruneton_sky.solver.grid import azimuths, clustered_nodes
+from bruneton_sky.solver.nodes import phase_table
+from bruneton_sky.solver.source_field import SourceField, source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
 from vrut_lite.arguments import ROUNDING, as_numbers
 from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
-    from bruneton_sky.solver.source_kernels import Source
+    pass
 
 _LOW_SUN = 0.15
-# Cosines may come from single precision: beside 1 they err by so much of their range.
+# Cosines may come from single precision: accepted rounding beyond -1 and 1.
 _SINGLE_ROUNDING = 1e-6
 
 
@@ -126,9 +125,3 @@ def sky_irradiance(
             source_of_group(field, group), (sizes.steps, bins), out[group],
         )  # fmt: skip
     return np.maximum(wavelengths_of_groups(out, len(field.atmosphere.wavelength_nm)), 0.0)
-
-
-def source_of_group(field: SourceField, group: int) -> "Source":
-    """The source function of a group of wavelengths as the kernels take it."""
-    suns = SunGrid(field.atmosphere, field.sizes.mu_s)
-    return make_source(field.rayleigh[group], field.mie[group], suns)

@@ -1,4 +1,4 @@
-"""Looking at a solved field: rays of one observer, irradiance, and the rays of whole tables.
+"""Light of a solved field along rays of one observer, over the sky, and along a table's rays.
 
 Importing this module imports numba.
 """
@@ -7,7 +7,13 @@ import math
 
 import numpy as np
 
-from bruneton_sky.solver.cells_kernels import (
+from bruneton_sky.solver.bin_kernels import (
+    empty_bins,
+    empty_steps,
+    fill_bins,
+    merge_steps,
+)
+from bruneton_sky.solver.cell_kernels import (
     ONE,
     ZERO,
     empty_cells,
@@ -16,15 +22,9 @@ from bruneton_sky.solver.cells_kernels import (
     inner,
     some_cells,
 )
-from bruneton_sky.solver.ray_bins_kernels import (
-    empty_bins,
-    empty_steps,
-    fill_bins,
-    merge_steps,
-)
+from bruneton_sky.solver.first_order_kernels import apply_phases, gather_first
+from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later
 from bruneton_sky.solver.ray_kernels import hits_ground
-from bruneton_sky.solver.source_kernels import empty_slab, gather_later
-from bruneton_sky.solver.sun_kernels import apply_phases, gather_first
 
 _f4 = np.float32
 

@@ -21,7 +21,7 @@ from dynamic_skylight.hosek_wilkie.formula import HORIZON_OFFSET
 from vrut_lite.arguments import as_count, check_output, check_type, shown
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACES, texel_centres
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.njit import njit
+from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SIDES = (0, 1, 4, 5)
@@ -29,11 +29,10 @@ TOP, BOTTOM = 2, 3
 # Six faces of so many texels, in single precision, are 4.8 GB.
 LARGEST_SIZE = 8192
 _NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
-# No reassociation: the result must not depend on the width of the vectors.
 COMPILE: dict[str, Any] = {
     "cache": True,
     "error_model": "numpy",
-    "fastmath": {"nnan", "ninf", "nsz", "contract"},
+    "fastmath": SUMS_IN_ORDER,
 }
 
 

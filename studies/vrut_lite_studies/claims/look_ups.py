@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from bruneton_sky import precompute
-from bruneton_sky.kernels import fast_scattered_without_phase
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 
 from vrut_lite_studies.rules.against_truth import radiance_by
 from vrut_lite_studies.rules.airs import rays_to, rgb_airs

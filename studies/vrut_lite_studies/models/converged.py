@@ -89,7 +89,7 @@ def monte_carlo_sky(
 
     Seconds for a few directions: for checks, not for pictures.
     """
-    from bruneton_sky.monte_carlo import monte_carlo_radiance
+    from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
 
     seen = cosines(sun_zenith_rad, view_zenith_rad, relative_azimuth_rad)
     # Light scattered once needs no chance.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from bruneton_sky.geometry import altitude_along, distance_to_top
 from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
-from bruneton_sky.rules_classical import accumulate, checked_intervals, rule_nodes
+from bruneton_sky.reference.classical_rules import accumulate, checked_intervals, rule_nodes
 from bruneton_sky.single_scattering import Rule, optical_depth_to_top, single_scattering
 
 from vrut_lite.numeric_types import FloatArray

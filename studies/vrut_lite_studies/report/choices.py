@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple, cast
 
-from bruneton_sky.rules_classical import RULES, checked_intervals
+from bruneton_sky.reference.classical_rules import RULES, checked_intervals
 from bruneton_sky.single_scattering import Rule
 
 from vrut_lite.errors import UserError

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
-from bruneton_sky.rules_classical import RULES
+from bruneton_sky.reference.classical_rules import RULES
 from bruneton_sky.single_scattering import Rule
 
 from vrut_lite.numeric_types import FloatArray

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from bruneton_sky.rules_classical import RULES as TEXTBOOK
+from bruneton_sky.reference.classical_rules import RULES as TEXTBOOK
 
 from vrut_lite.errors import UserError
 from vrut_lite_studies.framework.fisheye import pixels

@@ -1,8 +1,9 @@
-"""The textbook rules compiled: one ray at a time, float64, as `bruneton_sky.kernels` has the other.
+"""The textbook rules compiled: one ray at a time, float64.
 
-The formulas are those of `bruneton_sky.rules_classical`, for an observer at sea level who looks
-up through molecules and aerosol. Simpson's odd nodes get the optical depth before them by the
-parabola through their neighbours, as there, or by the trapezoid rule.
+The formulas are those of `bruneton_sky.reference.classical_rules`, for an observer at sea level
+who looks up through molecules and aerosol. Simpson's odd nodes get the optical depth before them by
+the parabola through their neighbours, as there, or by the trapezoid rule.
+`bruneton_sky.single_scattering_kernels` has the other rule.
 
 Importing this module imports numba.
 """
@@ -13,7 +14,7 @@ import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.rules_classical import checked_intervals, rule_nodes
+from bruneton_sky.reference.classical_rules import checked_intervals, rule_nodes
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.rules.airs import Rays

@@ -139,7 +139,7 @@ def test_light_follows_visibility() -> None:
     st.floats(-0.2, 1.0),
 )  # fmt: skip
 @settings(deadline=None, max_examples=15)
-def test_always_a_radiance(
+def test_radiance_is_finite_and_not_negative(
     visibility_m: float, height_m: float, altitude_m: float, mu_s: float
 ) -> None:
     """Finite and not negative, whatever the fog, the observer and the sun."""

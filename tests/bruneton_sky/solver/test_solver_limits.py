@@ -1,4 +1,4 @@
-"""What multiple scattering must come to where the answer is known without solving."""
+"""Multiple scattering in cases whose answer is known without solving."""
 
 from dataclasses import replace
 
@@ -7,6 +7,7 @@ import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.geometry import distance_to_ground, make_ray
 from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.precompute import march_tables
 from bruneton_sky.single_scattering import (
     optical_depth,
     optical_depth_to_top,
@@ -16,14 +17,13 @@ from bruneton_sky.solver import (
     SolverSizes,
     SourceField,
     ground_irradiance,
-    march_tables,
     multiple_scattering,
     single_scattering_fast,
     solve,
 )
-from bruneton_sky.solver.air import groups_of_air
-from bruneton_sky.solver.directions import azimuths
+from bruneton_sky.solver.grid import azimuths
 from bruneton_sky.solver.nodes import make_nodes
+from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.coordinates import node_states
 from bruneton_sky.tables.sizes import TableSizes
 
@@ -79,7 +79,9 @@ def test_furnace(order: int) -> None:
     ("visibility_m", "orders", "error"),
     [(None, 6, 5e-3), pytest.param(200.0, 20, 0.01, marks=pytest.mark.long)],
 )
-def test_what_enters_leaves(visibility_m: float | None, orders: int, error: float) -> None:
+def test_without_absorption_all_sunlight_returns(
+    visibility_m: float | None, orders: int, error: float
+) -> None:
     """Without absorption over white ground all sunlight returns: within 0.5 % of solar
     irradiance times the disc's area, all orders, ground and air together (issue: 0.5 %); with
     white fog 100 m high, 1 %."""
@@ -143,7 +145,7 @@ def direct_beam_through(air: Atmosphere) -> np.ndarray:
     return area.sum(axis=0) / (radius + top) ** 2
 
 
-def test_nothing_gives_nothing(other_planet: Atmosphere) -> None:
+def test_without_matter_there_is_no_light(other_planet: Atmosphere) -> None:
     """Without matter to scatter everything is exactly zero, and is told to be skipped."""
     none = (0.0,) * 4
     empty = replace(other_planet, rayleigh_scattering=none, mie_scattering=none)
@@ -154,7 +156,7 @@ def test_nothing_gives_nothing(other_planet: Atmosphere) -> None:
     assert (field.skipped["molecules"], field.skipped["aerosol"]) == (1, 1)
 
 
-def test_what_is_zero_is_counted_as_skipped(other_planet: Atmosphere) -> None:
+def test_zero_terms_are_counted_as_skipped(other_planet: Atmosphere) -> None:
     """The counters tell of a missing absorber and of black ground, and of nothing else; and of the
     bins that rays through little air do without, always."""
     none = (0.0,) * 4
@@ -170,7 +172,7 @@ def test_what_is_zero_is_counted_as_skipped(other_planet: Atmosphere) -> None:
 
 
 @pytest.mark.parametrize("gone", ["rayleigh_scattering", "mie_scattering"])
-def test_a_kind_without_matter_is_left_out(other_planet: Atmosphere, gone: str) -> None:
+def test_a_substance_without_matter_is_left_out(other_planet: Atmosphere, gone: str) -> None:
     """What is zero is skipped, and a trace of it changes the light by a trace only."""
     extinction = {"mie_extinction": (0.0,) * 4} if gone == "mie_scattering" else {}
     without = solve(replace(other_planet, **{gone: (0.0,) * 4}, **extinction), sizes=SMALL)
@@ -254,7 +256,9 @@ def mars() -> Atmosphere:
 
 
 @pytest.mark.parametrize("kind", ["earth", "other", "mars", "thin", "thick", "lowest"])
-def test_no_planet_gives_nonsense(other_planet: Atmosphere, kind: str) -> None:
+def test_radiance_is_finite_and_not_negative_on_any_planet(
+    other_planet: Atmosphere, kind: str
+) -> None:
     """Every number is finite and none negative: any planet, place and sun."""
     earth = Atmosphere.earth()
     air = {
@@ -294,7 +298,7 @@ def test_single_scattering_by_bins(mu_s: float, mean: float, most: float) -> Non
         assert np.percentile(error, 99) < most
 
 
-def test_bad_questions_are_refused() -> None:
+def test_impossible_sizes_and_orders_are_refused() -> None:
     """Sizes and orders that make no sense are refused by name."""
     for wrong in ({"altitude": 1}, {"direction_mu": 7}, {"steps": 4}):
         with pytest.raises(ValueError, match=next(iter(wrong))):

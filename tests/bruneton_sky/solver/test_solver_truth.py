@@ -8,19 +8,18 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.phase import rayleigh_phase
+from bruneton_sky.precompute import irradiance_table, march_tables
 from bruneton_sky.solver import (
     SolverSizes,
     SourceField,
     ground_irradiance,
-    irradiance_table,
-    march_tables,
     multiple_scattering,
     solve,
 )
-from bruneton_sky.solver.air import LANES, groups_of_air
-from bruneton_sky.solver.coordinates import SunGrid
-from bruneton_sky.solver.ray_bins_kernels import Bins, bins_of_ray
-from bruneton_sky.solver.view import source_of_group
+from bruneton_sky.solver.bin_kernels import Bins, bins_of_ray
+from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tables.coordinates import node_states
 from bruneton_sky.tables.sizes import TableSizes
@@ -104,7 +103,7 @@ def test_irradiance_is_that_of_monte_carlo(aerosol: float) -> None:
     assert np.all(np.abs(ours - truth) < allowed + 3.0 * noise)
 
 
-def test_no_ozone_truth_of_other_hands() -> None:
+def test_without_ozone_agrees_with_an_independent_program() -> None:
     """An independent Monte Carlo program, no ozone: the mean of all rays to 1 % plus noise."""
     air = replace(
         Atmosphere.earth(ozone=False),

@@ -1,0 +1,113 @@
+"""A sky-view table on the GPU: its cube map as a job, and a shader that shows it pixel by pixel."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bruneton_sky.phase import MiePhase
+from bruneton_sky.shader_source import floats, shader_source
+from bruneton_sky.sky_view.table import SkyView, level_direction
+from bruneton_sky.sun_light import DiscLight
+from vrut_lite.array import Array
+from vrut_lite.daylight.sky import ViewShader
+from vrut_lite.geometry.encoding import float16_scale
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.numeric_types import Number
+
+_NODES_BINDING, _SUNLIGHT_BINDING = 1, 2
+_GROUP = 8
+_ALL_FACES = (0, 1, 2, 3, 4, 5)
+
+
+def sky_view_job(
+    view: SkyView,
+    size: int,
+    ground_radiance_rgb: ArrayLike,
+    module: str,
+    job: str,
+    wanted: tuple[int, ...] = _ALL_FACES,
+    read_back: bool = False,
+) -> tuple[GpuJob, float]:
+    """A job that makes the cube map of `fill_cube` in half precision, and its scale.
+
+    Radiance is the texels' value times the scale, a power of two.
+
+    Args:
+        view: the table.
+        size: edge in texels.
+        ground_radiance_rgb: (3,), below the horizon where the table has no rows there.
+        module, job: names of the module that asks and of the job.
+        wanted: the faces to compute; texels of the others are left undefined.
+        read_back: whether the result is an array, not a texture.
+    """
+    scale = float16_scale(_brightest(view, ground_radiance_rgb))
+    groups = -(-size // _GROUP)
+    made = GpuJob(
+        module=module,
+        job=job,
+        compute_shader=shader_source("sky_view_cube.comp"),
+        uniforms={
+            **_look_up_uniforms(view),
+            "ground": floats(ground_radiance_rgb),
+            "inverse_scale": 1.0 / scale,
+            "faces": (*wanted, *(0,) * (len(_ALL_FACES) - len(wanted))),
+        },
+        buffers=(_nodes_buffer(view),),
+        output="cube",
+        size=size,
+        groups=(groups, groups, len(wanted)),
+        read_back=read_back,
+    )
+    return made, scale
+
+
+def _brightest(view: SkyView, ground: ArrayLike) -> float:
+    """An upper bound of the texels, near the brightest.
+
+    Where the table has no rows below the horizon, a sun below it is never looked at.
+    """
+    phased, mie = view.nodes.reshape(-1, 2, 4)[..., :3].max(axis=0).astype(float) ** 4
+    height = float(view.sun_direction[1])
+    seen = view.shape[1] > 0 or height >= 0.0
+    nearest = 1.0 if seen else np.sqrt((1.0 - height) * (1.0 + height))
+    phase = max(_phase_at(view.phase, nu) for nu in (nearest, -1.0))
+    return float(max(np.max(phased + phase * mie), np.max(np.asarray(ground, dtype=float))))
+
+
+def _phase_at(phase: MiePhase, nu: float) -> float:
+    g, factor, form = phase
+    return float(factor * (1.0 + form * nu * nu) / ((1.0 - g) ** 2 + 2.0 * g * (1.0 - nu)) ** 1.5)
+
+
+def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
+    """The shader of what the observer sees, with the sun's disc through the air before it.
+
+    The table must have rows below the horizon.
+    """
+    roots = np.zeros((len(disc.irradiance_rgb), 4), np.float32)
+    roots[:, :3] = disc.irradiance_rgb**0.25
+    return ViewShader(
+        source=shader_source("sky_view_background.glsl"),
+        uniforms={
+            **_look_up_uniforms(view),
+            # Of the difference float32 keeps all digits, of 1 + mu it would not.
+            "background_disc": floats(disc.depth[[0, -1]] - np.float32(view.depth[0])),
+        },
+        buffers=(_nodes_buffer(view), (_SUNLIGHT_BINDING, Array(roots))),
+    )
+
+
+def _look_up_uniforms(view: SkyView) -> dict[str, Number | tuple[Number, ...]]:
+    """The uniforms of sky_view.glsl."""
+    g, factor, form = view.phase
+    return {
+        "background_shape": view.shape,
+        "background_horizon": floats(view.depth),
+        "background_sun": floats(view.sun_direction),
+        "background_sun_azimuth": floats(level_direction(view.sun_direction)),
+        "background_phase": floats((factor, form, (1.0 - g) ** 2, 2.0 * g)),
+    }
+
+
+def _nodes_buffer(view: SkyView) -> tuple[int, Array]:
+    """The storage buffer of sky_view.glsl and its binding."""
+    return _NODES_BINDING, Array(view.nodes.view())

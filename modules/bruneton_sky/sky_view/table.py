@@ -1,0 +1,248 @@
+"""The radiance that one observer sees under one sun, tabulated by view direction.
+
+The table serves an observer on the ground, inside the air or above it; `rays` says
+where its nodes lie. The sky is symmetric about the sun's vertical plane, so half of it is kept.
+The light that aerosol scatters once is kept without its phase function, which is applied per
+texel: the aureole stays sharp.
+
+The table holds the fourth root of linear sRGB radiance: in twilight radiance falls by powers
+of ten between neighbouring rows, and linear interpolation of the roots follows that. A radiance
+below zero, a colour outside the gamut, becomes zero.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
+from bruneton_sky.phase import MiePhase, mie_phase_parameters
+from bruneton_sky.sky_view.rays import Rows, table_rows
+from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.source_field import source_of_group
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, is_hazy
+from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
+
+# Rows above and below the horizon for an observer on the ground, inside the air, and above it, who
+# sees all of the air as a thin limb.
+_STANDING_ROWS, _INSIDE_ROWS, _OUTSIDE_ROWS = (80, 0), (80, 32), (32, 64)
+COLUMNS = 40
+# Below this altitude all that is below the level is ground; the renderer adds the air before it.
+STANDING_M = 10.0
+# The same as a share of the fog's scale height, the lower of both: fog is a fifth thinner there.
+_STANDING_IN_FOG = 0.2
+# Steps along a ray, and bins for light scattered once and more. In twilight the planet's shadow
+# cuts through the rays, and a bin that it cuts is coarse: more are taken; from above the air for
+# the limb alone.
+_DAY, _TWILIGHT, _TWILIGHT_ALOFT = (48, 24, 12), (96, 48, 12), (64, 32, 12)
+_TWILIGHT_BELOW_MU_S = 0.1
+# Bins for light scattered more than once in haze, for an observer inside the air: it changes
+# within shorter distances.
+_HAZE_BINS = 16
+# Rows and columns of a table for the light on the scene, by day and in twilight.
+_LIGHT_BY_DAY, _LIGHT_IN_TWILIGHT = (32, 24), (24, 16)
+# Suns between which the ground's colour is interpolated, and numbers of a node.
+_SUNS, _NODE = 192, 8
+_AXES = np.stack([FACE_NORMALS, FACE_S_AXES, FACE_T_AXES], axis=1).astype(np.float32)
+
+
+class GroundColours(NamedTuple):
+    """The ground's colours (suns * 4 * 4,) by wavelength, under suns with zenith cosines mu_s.
+
+    A fourth number pads each colour to a register. `grid` places a cosine among `mu_s`: see
+    `SunGrid.constants`.
+    """
+
+    mu_s: NDArray[np.float32]
+    grid: NDArray[np.float32]
+    light: NDArray[np.float32]
+
+
+class SkyView(NamedTuple):
+    """A sky-view table.
+
+    Attributes:
+        nodes: (rows * columns, 8) float32: fourth roots of linear sRGB radiance in
+            W m^-2 sr^-1, three of the light with its phase and three of aerosol without.
+        shape: rows above the horizon, rows below it (0 for an observer on the ground), columns.
+        depth: (2,) 1 + mu of the ground's horizon and of the air's end.
+        sun_direction: (3,) in world axes.
+        phase: the phase function of the aerosol.
+    """
+
+    nodes: NDArray[np.float32]
+    shape: tuple[int, int, int]
+    depth: NDArray[np.float64]
+    sun_direction: NDArray[np.float64]
+    phase: MiePhase
+
+
+def sky_view(
+    field: SourceField, altitude_m: float, sun_direction: NDArray[np.float64], finer: float = 1.0
+) -> SkyView:
+    """The table for an observer at an altitude of at least 0.
+
+    Args:
+        field: the solved atmosphere.
+        altitude_m: above the ground; above the air's top too.
+        sun_direction: unit vector (3,) in world axes, at the observer.
+        finer: factor on the numbers of rows, columns, steps and bins.
+    """
+    top_m = field.atmosphere.top_altitude_m
+    above, below = _INSIDE_ROWS if altitude_m <= top_m else _OUTSIDE_ROWS
+    if altitude_m <= standing_m(field.atmosphere):
+        above, below = _STANDING_ROWS
+    shape = round(above * finer), round(below * finer), round(COLUMNS * finer)
+    steps, once, more = table_counts(field.atmosphere, altitude_m, float(sun_direction[1]))
+    counts = round(steps * finer), round(once * finer), round(more * finer)
+    return _table(field, altitude_m, sun_direction, shape, counts)
+
+
+def standing_m(atmosphere: Atmosphere) -> float:
+    """Altitude in m up to which the observer's table is that of the ground."""
+    if not atmosphere.foggy:
+        return STANDING_M
+    return min(STANDING_M, _STANDING_IN_FOG * atmosphere.fog_scale_height_m)
+
+
+def light_view(field: SourceField, sun_direction: NDArray[np.float64]) -> SkyView:
+    """A small table for an observer on the ground, for the light on the scene; it is not shown.
+
+    Irradiance of a level surface is that of the large table within 0.2 %.
+    """
+    day = sun_direction[1] > _TWILIGHT_BELOW_MU_S
+    rows, columns = _LIGHT_BY_DAY if day else _LIGHT_IN_TWILIGHT
+    counts = _in_this_air(field.atmosphere, _DAY if day else _TWILIGHT_ALOFT, True)
+    return _table(field, 0.0, sun_direction, (rows, 0, columns), counts)
+
+
+def _table(
+    field: SourceField,
+    altitude_m: float,
+    sun_direction: NDArray[np.float64],
+    shape: tuple[int, int, int],
+    counts: tuple[int, int, int],
+) -> SkyView:
+    mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
+    rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
+    return SkyView(
+        _nodes(field, rows, counts),
+        shape,
+        rows.depth,
+        np.asarray(sun_direction, dtype=float),
+        mie_phase_parameters(field.atmosphere),
+    )
+
+
+def table_counts(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> tuple[int, int, int]:
+    """Steps of a table's rays, bins for light scattered once, bins for more."""
+    inside = altitude_m <= atmosphere.top_altitude_m
+    if mu_s > _TWILIGHT_BELOW_MU_S or not inside:
+        counts = _DAY
+    else:
+        counts = _TWILIGHT if altitude_m <= standing_m(atmosphere) else _TWILIGHT_ALOFT
+    return _in_this_air(atmosphere, counts, inside)
+
+
+def _in_this_air(
+    atmosphere: Atmosphere, counts: tuple[int, int, int], inside: bool
+) -> tuple[int, int, int]:
+    """More bins in fog: half of a ray's bins lie in it, half in the air beyond."""
+    steps, once, more = counts
+    if atmosphere.foggy:
+        return steps, 2 * once, 2 * more
+    return (steps, once, _HAZE_BINS) if inside and is_hazy(atmosphere) else counts
+
+
+def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDArray[np.float32]:
+    """What a table holds for its rays; `counts`: steps, bins for light scattered once, and more."""
+    from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
+
+    mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
+    nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
+    colours, ground = _colours(field)
+    for k, air in enumerate(groups_of_air(field.atmosphere)):
+        for part, own in _parts(rows, counts):
+            add_rows(
+                air, rows.altitude_m[part], rows.mu[part], rows.hits[part], mu_s[part], nu[part],
+                field.transmittance[k], source_of_group(field, k), own,
+                colours[k], ground[k], nodes[part],
+            )  # fmt: skip
+    finish_rows(nu, _phase_numbers(mie_phase_parameters(field.atmosphere)), nodes)
+    return nodes.reshape(-1, _NODE)
+
+
+def limb_counts(counts: tuple[int, int, int]) -> tuple[int, int, int]:
+    """What `table_counts` are for the limb seen from above the air: the planet's shadow cuts
+    through rays that pass it from end to end, and a bin that it cuts is coarse."""
+    steps, once, more = counts
+    return 5 * steps // 2, 5 * once // 2, more
+
+
+def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[int, int, int]]]:
+    """Rows and the counts they are made with: the limb, and the planet's disc."""
+    if rows.depth[1] > 1.0:
+        return [(slice(None), counts)]
+    limb = np.count_nonzero(~rows.hits)
+    return [(slice(limb), limb_counts(counts)), (slice(limb, None), counts)]
+
+
+def _phase_numbers(phase: MiePhase) -> tuple[np.float32, ...]:
+    """The phase function as kernels and shaders take it: factor, form, (1 - g)^2 and 2 g."""
+    g, factor, form = phase
+    return tuple(np.float32(v) for v in (factor, form, (1.0 - g) ** 2, 2.0 * g))
+
+
+@lru_cache(maxsize=4)
+def _colours(field: SourceField) -> tuple[NDArray[np.float32], list[GroundColours]]:
+    """Colours (groups, 4 * 4) of the wavelengths in skylight, and of the ground under any sun."""
+    air, wavelength_nm = field.atmosphere, field.atmosphere.wavelength_nm
+    one_each = np.eye(len(wavelength_nm))
+    skylight = rgb_from_spectrum(one_each, wavelength_nm, SKYLIGHT_EXPONENT)
+    sunlight = rgb_from_spectrum(one_each, wavelength_nm, SUNLIGHT_EXPONENT)
+    suns = SunGrid(air, _SUNS)
+    light = ground_radiance(field, suns.mu_s)
+    coloured = light.sun[..., None] * sunlight + light.sky[..., None] * skylight
+    grid, mu_s = suns.constants(), suns.mu_s.astype(np.float32)
+    ground = (GroundColours(mu_s, grid, part) for part in _in_groups(coloured))
+    return _in_groups(skylight), list(ground)
+
+
+def _in_groups(colours: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(..., C, 3) as float32 (groups, ... * 4 * 4), filled up with black and with zeros."""
+    padding = -colours.shape[-2] % LANES
+    padded = np.pad(colours, [*[(0, 0)] * (colours.ndim - 2), (0, padding), (0, 1)])
+    groups = np.moveaxis(padded.reshape(*padded.shape[:-2], -1, LANES, 4), -3, 0)
+    return np.ascontiguousarray(groups.reshape(len(groups), -1), dtype=np.float32)
+
+
+def fill_cube(
+    view: SkyView, size: int, ground_radiance_rgb: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Cube map (6, size, size, 3) of the surroundings, in world axes.
+
+    Where the table has no rows below the horizon, `ground_radiance_rgb` (3,) is there.
+    """
+    from bruneton_sky.sky_view.cube_kernels import fill_faces
+
+    cube = np.empty((6, size, size, 3), dtype=np.float32)
+    sun = np.concatenate([view.sun_direction, level_direction(view.sun_direction)])
+    ground = np.asarray(ground_radiance_rgb, dtype=np.float32)
+    phase = _phase_numbers(view.phase)
+    centres = texel_centres(size).astype(np.float32)
+    horizon = view.depth.astype(np.float32)
+    fill_faces(
+        view.nodes, view.shape, horizon, sun.astype(np.float32), phase, _AXES, centres, ground, cube
+    )
+    return cube
+
+
+def level_direction(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The unit vector (x, z) of a direction's azimuth; north under a zenith, which has none."""
+    level = direction[[0, 2]]
+    length = float(np.hypot(*level))
+    return level / length if length > 1e-12 else np.array([0.0, -1.0])

@@ -1,0 +1,109 @@
+"""Light along the rows of a sky-view table: the solver's ray bins, shared by a row's columns.
+
+Spectra become colours here, row by row, while they are at hand. Importing this module imports
+numba.
+"""
+
+import math
+
+import numpy as np
+
+from bruneton_sky.solver.bin_kernels import (
+    empty_bins,
+    empty_steps,
+    fill_steps,
+    merge_steps,
+)
+from bruneton_sky.solver.cell_kernels import ONE, ZERO, add_four, empty_cells, fast, inner
+from bruneton_sky.solver.first_order_kernels import gather_first
+from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later, sun_place
+
+_f4 = np.float32
+_SMALLEST = np.float32(1e-30)
+_RAYLEIGH = np.float32(3.0 / (16.0 * math.pi))
+
+
+@fast
+def add_rows(  # type: ignore[no-untyped-def]
+    air, altitude, mu, hits, mu_s, nu, transmittance, source, counts, colour, ground, nodes
+):
+    """Add the colours of four wavelengths along rays (rows,), for cells (rows, columns) of suns.
+
+    `transmittance`, `source`: of a group of wavelengths of a `SourceField`. `counts`: steps,
+    bins for light scattered once, bins for more. `colour` (4 * 4,): linear sRGB of the wavelengths.
+    `ground`: `GroundColours` of the group. `nodes` (rows, columns * 8) takes what the table
+    holds, not yet as roots.
+    """
+    steps = empty_steps(air, counts[0])
+    fine, coarse = empty_bins(counts[1]), empty_bins(counts[2])
+    cells, slab = empty_cells(mu_s.shape[1]), empty_slab(source)
+    row = np.empty(transmittance.shape[1], _f4)
+    light = np.empty((3, 4 * mu_s.shape[1]), _f4)
+    end = np.empty(5)
+    for i in range(mu.size):
+        cells.mu_s[:] = mu_s[i]
+        cells.nu[:] = nu[i]
+        fill_steps(air, altitude[i], mu[i], hits[i], steps, end)
+        merge_steps(air, altitude[i], mu[i], steps, fine)
+        gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, light[0], light[1])
+        merge_steps(air, altitude[i], mu[i], steps, coarse)
+        light[2] = ZERO
+        gather_later(air, altitude[i], coarse, cells, source, slab, light[2])
+        _add_colours(light, nu[i], colour, nodes[i])
+        if hits[i]:
+            _add_ground(air, altitude[i], mu_s[i], nu[i], end, ground, nodes[i])
+
+
+@inner
+def _add_colours(light, nu, colour, nodes):  # type: ignore[no-untyped-def]
+    """Light (3, cells * 4) scattered once by molecules and by aerosol, and more, as colours."""
+    none, far = np.uintp(0), np.uintp(8)
+    for n in range(nu.size):
+        phase = _RAYLEIGH * (ONE + nu[n] * nu[n])
+        r, m, p = light[0], light[1], 4 * n
+        # The harmonics' sum may fall below zero by a trace where there is almost no light.
+        add_four(
+            nodes, np.uintp(8 * n), colour, none, far,
+            phase * r[p] + max(light[2, p], ZERO),
+            phase * r[p + 1] + max(light[2, p + 1], ZERO),
+            phase * r[p + 2] + max(light[2, p + 2], ZERO),
+            phase * r[p + 3] + max(light[2, p + 3], ZERO),
+        )  # fmt: skip
+        add_four(nodes, np.uintp(8 * n + 4), colour, none, far, m[p], m[p + 1], m[p + 2], m[p + 3])
+
+
+@inner
+def _add_ground(air, altitude, mu_s, nu, end, ground, nodes):  # type: ignore[no-untyped-def]
+    """The ground where a ray ends, seen through the air before it; `end`: see `Bins`."""
+    radius = air.ground_radius_m
+    start, along = _f4((radius + altitude) / radius), _f4(end[4] / radius)
+    t0, t1, t2, t3 = _f4(end[0]), _f4(end[1]), _f4(end[2]), _f4(end[3])
+    grid, last, light, far = ground.grid, ground.mu_s.size - 2, ground.light, np.uintp(8)
+    for n in range(nu.size):
+        sun = min(max(start * mu_s[n] + along * nu[n], -ONE), ONE)
+        place = sun_place(sun, grid[0], grid[1], grid[2], grid[3]) * _f4(last + 1)
+        i = min(int(place), last)
+        rise = max(ground.mu_s[i + 1] - ground.mu_s[i], _SMALLEST)
+        share = min(max((sun - ground.mu_s[i]) / rise, ZERO), ONE)
+        near = ONE - share
+        place, here, next_one = np.uintp(8 * n), np.uintp(16 * i), np.uintp(16 * i + 16)
+        add_four(nodes, place, light, here, far, near * t0, near * t1, near * t2, near * t3)
+        add_four(nodes, place, light, next_one, far, share * t0, share * t1, share * t2, share * t3)
+
+
+@fast
+def finish_rows(nu, phase, nodes):  # type: ignore[no-untyped-def]
+    """Turn the colours (rows, columns * 8) into fourth roots; `phase`: see `fill_faces`.
+
+    A low sun's light off aerosol lies outside the gamut: what it lacks the rest makes up for.
+    """
+    factor, bend, near, forward = phase
+    for i in range(nu.shape[0]):
+        for n in range(nu.shape[1]):
+            spread = near + forward * (ONE - nu[i, n])
+            mie_phase = factor * (ONE + bend * nu[i, n] * nu[i, n]) / (spread * math.sqrt(spread))
+            for k in range(3):
+                phased, aerosol = nodes[i, 8 * n + k], nodes[i, 8 * n + 4 + k]
+                phased = max(phased + mie_phase * min(aerosol, ZERO), ZERO)
+                nodes[i, 8 * n + k] = math.sqrt(math.sqrt(phased))
+                nodes[i, 8 * n + 4 + k] = math.sqrt(math.sqrt(max(aerosol, ZERO)))

@@ -1,0 +1,184 @@
+"""Light scattered once: the sun's light at every bin of a ray, for many suns at once.
+
+Importing this module imports numba.
+"""
+
+import math
+
+import numpy as np
+
+from bruneton_sky.path_kernels import exponential_path, layered_path, make_ray
+from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, add_two, fast, inner
+from bruneton_sky.solver.ray_kernels import altitude_at, altitude_place
+
+_f4 = np.float32
+_OUT_OF_REACH = np.float32(3e38)
+_TINY = np.float32(1e-7)
+
+
+@fast
+def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
+    """Transmittance (altitudes, columns, 4) to the top of the atmosphere.
+
+    The grid is that of Bruneton 2017: rows uniform in sqrt(r^2 - Rg^2), columns in the
+    distance to the top, from the zenith to the horizon. Fog and haze have rows of their own.
+    """
+    rows, columns = table.shape[0], table.shape[1]
+    ground, top = air.ground_radius_m, air.top_altitude_m
+    whole = top * (2.0 * ground + top)
+    for i in range(rows):
+        squared = whole * (i / (rows - 1)) ** 2
+        altitude = min(squared / (math.sqrt(squared + ground * ground) + ground), top)
+        if air.layer_share > 0.0:
+            altitude = altitude_at(air, i / (rows - 1)) if i > 0 else 0.0
+            squared = altitude * (2.0 * ground + altitude)
+        nearest = top - altitude
+        span = math.sqrt(squared) + math.sqrt(whole) - nearest
+        for j in range(columns):
+            distance = nearest + span * j / (columns - 1)
+            mu = 1.0
+            if distance > 0.0:
+                rise = whole - squared - distance * distance
+                mu = rise / (2.0 * (ground + altitude) * distance)
+            ray = make_ray(ground, altitude, min(max(mu, -1.0), 1.0))
+            end = max(math.sqrt(max(top - ray[3], 0.0)), ray[4])
+            molecules = _path_to_top(air.rayleigh_scale_height_m, top, ray, end)
+            aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
+            absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
+            fog = 0.0
+            if air.fog_scale_height_m > 0.0:
+                fog = _path_to_top(air.fog_scale_height_m, top, ray, end)
+            for c in range(4):
+                depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
+                depth += air.extinction[3, c] * fog
+                table[i, j, c] = _f4(math.exp(-depth - air.extinction[2, c] * absorber))
+
+
+@inner
+def _path_to_top(scale, top, ray, end):  # type: ignore[no-untyped-def]
+    here = math.exp(-ray[0] / scale)
+    return exponential_path(ray, here, top, end, math.exp(-top / scale), scale)
+
+
+@inner
+def gather_first(air, altitude, mu, bins, cells, table, row, rayleigh, mie):  # type: ignore[no-untyped-def]
+    """Light scattered once toward a ray's start, by molecules and by aerosol (cells * 4,).
+
+    Without phase functions. `table` is the transmittance (altitudes, columns * 4), `row`
+    (columns * 4,) is scratch.
+    """
+    _find_shadow(air, altitude, mu, cells)
+    rayleigh[:] = ZERO
+    mie[:] = ZERO
+    weight = np.empty(8, _f4)
+    for b in range(bins.centre.shape[0]):
+        for c in range(4):
+            weight[c] = air.solar_irradiance[c] * bins.weight[b, 0, c]
+            weight[4 + c] = air.solar_irradiance[c] * bins.weight[b, 1, c]
+        if bins.centre[b, 3] > 0.0:
+            _place_suns(air, altitude, bins, b, row.size // 4, cells)
+            _blend_row(air, bins.centre[b, 1], table, cells.offset, row)
+            _add_suns(row, weight, cells, rayleigh, mie)
+
+
+@inner
+def _find_shadow(air, altitude, mu, cells):  # type: ignore[no-untyped-def]
+    """Distances in m between which a ray is in the planet's shadow.
+
+    The shadow is the half of a cylinder on the side away from the sun. With s in units of the
+    radius at the start, A s^2 + 2 B s + C < 0 inside the cylinder, and the sun is level where
+    mu_s + s nu = 0. For a ray that never enters, the first distance is out of reach.
+    """
+    radius = air.ground_radius_m + altitude
+    above = _f4(altitude * (radius + air.ground_radius_m) / (radius * radius))
+    cosine, scale = _f4(mu), _f4(radius)
+    mu_s, nu, begin, end = cells.mu_s, cells.nu, cells.shadow_from, cells.shadow_to
+    for n in range(mu_s.size):
+        a = max((ONE - nu[n]) * (ONE + nu[n]), _TINY)
+        b = cosine - mu_s[n] * nu[n]
+        c = above - mu_s[n] * mu_s[n]
+        root = math.sqrt(max(b * b - a * c, ZERO))
+        first, last = (-b - root) / a, (root - b) / a
+        level = -mu_s[n] / max(abs(nu[n]), _TINY)
+        first = max(first, -level) if nu[n] < ZERO else first
+        last = last if nu[n] < ZERO else min(last, level)
+        begin[n] = first * scale if root > ZERO else _OUT_OF_REACH
+        end[n] = last * scale
+
+
+@inner
+def _blend_row(air, altitude, table, offset, row):  # type: ignore[no-untyped-def]
+    """The row (columns * 4,) of the transmittance at an altitude, as far as cells look at it.
+
+    The sun of one observer moves little along a ray: only a small part of the row is needed.
+    """
+    low, high = offset[0], offset[0]
+    for n in range(offset.size):
+        low, high = min(low, offset[n]), max(high, offset[n])
+    place = altitude_place(air, altitude) * (table.shape[0] - 1)
+    i = min(int(place), table.shape[0] - 2)
+    far = _f4(place - i)
+    near = ONE - far
+    # A cell looks at the column of its offset and the next, of four numbers each.
+    first, last = np.uintp(low), np.uintp(high) + np.uintp(8)
+    below, above, out = table[i][first:last], table[i + 1][first:last], row[first:last]
+    for n in range(out.size):
+        out[n] = below[n] * near + above[n] * far
+
+
+@inner
+def _place_suns(air, altitude, bins, b, columns, cells):  # type: ignore[no-untyped-def]
+    """Where in a row of the transmittance each cell's sun is, seen from bin b.
+
+    `across` becomes the share of the bin that the sun lights.
+    """
+    ground, top = air.ground_radius_m, air.top_altitude_m
+    there = bins.centre[b, 1]
+    r = ground + there
+    squared = there * (2.0 * ground + there)
+    whole = top * (2.0 * ground + top)
+    inverse_r = _f4(1.0 / r)
+    radius, distance = _f4(ground + altitude), _f4(bins.centre[b, 0])
+    to_top = _f4((whole - squared) / (r * r))
+    nearest = _f4((top - there) / r)
+    span = (math.sqrt(squared) + math.sqrt(whole) - (top - there)) / r
+    scale, last = _f4((columns - 1) / span), _f4(columns - 1.001)
+    start, stop = _f4(bins.edge[b]), _f4(bins.edge[b + 1])
+    per_metre = _f4(1.0 / max(bins.edge[b + 1] - bins.edge[b], 1e-30))
+    mu_s, nu, begin, end = cells.mu_s, cells.nu, cells.shadow_from, cells.shadow_to
+    for n in range(mu_s.size):
+        cosine = (radius * mu_s[n] + distance * nu[n]) * inverse_r
+        path = math.sqrt(cosine * cosine + to_top) - cosine
+        column = min(last, max(ZERO, (path - nearest) * scale))
+        i = np.int32(column)
+        cells.along[n] = column - _f4(i)
+        cells.offset[n] = i * np.int32(4)
+        dark = (min(end[n], stop) - max(begin[n], start)) * per_metre
+        cells.across[n] = ONE - min(max(dark, ZERO), ONE)
+
+
+@inner
+def _add_suns(row, weight, cells, rayleigh, mie):  # type: ignore[no-untyped-def]
+    """Add a bin's light to the cells; `weight` (8,) is per unit transmittance."""
+    none, four = np.uintp(0), np.uintp(4)
+    for n in range(cells.offset.size):
+        place, offset = np.uintp(4 * n), np.uintp(cells.offset[n])
+        far = cells.along[n] * cells.across[n]
+        near = cells.across[n] - far
+        add_two(rayleigh, place, row, offset, near, far, weight, none)
+        add_two(mie, place, row, offset, near, far, weight, four)
+
+
+@inner
+def apply_phases(cells, phase, rayleigh, mie, out):  # type: ignore[no-untyped-def]
+    """Both kinds of light times their phase function, a table (n, 2) over sqrt((1 - nu) / 2)."""
+    scale, last = _f4(phase.shape[0] - 1), _f4(phase.shape[0] - 1.001)
+    one = np.uintp(1)
+    for n in range(cells.nu.size):
+        place = min(math.sqrt(max((ONE - cells.nu[n]) * HALF, ZERO)) * scale, last)
+        i = np.uintp(place)
+        far = place - _f4(i)
+        molecules = phase[i, 0] + far * (phase[i + one, 0] - phase[i, 0])
+        aerosol = phase[i, 1] + far * (phase[i + one, 1] - phase[i, 1])
+        for c in range(4):
+            out[4 * n + c] = rayleigh[4 * n + c] * molecules + mie[4 * n + c] * aerosol
