@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.geometry import make_ray
+from bruneton_sky.geometry import entry_to_air, make_ray
 from bruneton_sky.tables.coordinates import State
 from vrut_lite.arguments import as_vectors
 from vrut_lite.numeric_types import FloatArray
@@ -41,11 +41,11 @@ def view_from(air: Atmosphere, camera: FloatArray, view: FloatArray, sun: FloatA
     along = dot(camera, view)
     impact = np.linalg.norm(np.cross(camera, view), axis=-1)
     outside = radius > top_radius
-    root = np.sqrt(np.maximum((top_radius - impact) * (top_radius + impact), 0.0))
-    misses = outside & ((along >= 0) | (impact >= top_radius))
-    entry = np.where(outside & ~misses, np.maximum(-along - root, 0.0), 0.0)
+    entry, mu, misses = entry_to_air(air.ground_radius_m, top, along, impact)
+    misses &= outside
+    entry = np.where(outside & ~misses, entry, 0.0)
     altitude = np.where(outside, top, np.maximum(radius - air.ground_radius_m, 0.0))
-    mu = np.clip(np.where(outside, -root / top_radius, along / radius), -1.0, 1.0)
+    mu = np.clip(np.where(outside, mu, along / radius), -1.0, 1.0)
     nu = np.clip(dot(view, sun), -1.0, 1.0)
     mu_s = (dot(camera, sun) + entry * nu) / np.where(outside, top_radius, radius)
     hits = make_ray(air.ground_radius_m, altitude, mu).hits_ground()
