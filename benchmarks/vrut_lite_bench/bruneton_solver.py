@@ -28,7 +28,7 @@ from bruneton_sky.solver import (
     single_scattering_fast,
     solve,
 )
-from bruneton_sky.tables.coordinates import State, node_states
+from bruneton_sky.tables.parametrisations import State, node_states
 from bruneton_sky.tables.sizes import TableSizes
 
 from vrut_lite.numeric_types import FloatArray

@@ -24,13 +24,13 @@ from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.air import LANES, dense_layer
+from bruneton_sky.solver.air import LANES, dense_layer, is_thick_haze
 from bruneton_sky.solver.coordinates import SunGrid
 from vrut_lite.numeric_types import FloatArray
 
-# Nodes on each segment of a ray. From 16 on light scattered once is exact to 0.2 %, twilight
-# through the kinks of the ozone layer included.
-_NODES = 16
+# Nodes on each segment of a ray: in clear air and haze they leave 1e-3 at most, in thick haze 1e-3.
+# In fog of visibility 200 m they leave 1e-4, at 50 m up to 3 % of rays that sink slowly into it.
+_NODES, _IN_THICK_HAZE, _IN_FOG = 16, 24, 64
 _SMALLEST_SINE = 1e-12
 
 
@@ -59,7 +59,7 @@ def light_along(
     ray = make_ray(air.ground_radius_m, altitude_m, mu)
     end = _ends(air, ray, distance_m)
     transmittance = np.exp(-optical_depth(air, ray, *end))
-    nodes = view_nodes(air, ray, mu_s, nu, _NODES, end)
+    nodes = view_nodes(air, ray, mu_s, nu, _nodes(air), end)
     # Most segments have no length: by day a ray is one segment or two.
     which, column = np.nonzero(nodes.metres)
     altitude, y, metres, lit = (part[which, column] for part in nodes)
@@ -82,6 +82,12 @@ def light_along(
     if first.size:
         radiance[which[first]] = np.add.reduceat(light, first, axis=0)
     return radiance, transmittance
+
+
+def _nodes(air: Atmosphere) -> int:
+    if air.foggy:
+        return _IN_FOG
+    return _IN_THICK_HAZE if is_thick_haze(air) else _NODES
 
 
 def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -4,9 +4,8 @@ import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.pipeline.setting import Setting
-from bruneton_sky.tables.coordinates import node_coordinates
-from bruneton_sky.tables.look_up_transmittance import transmittance_to_top
-from bruneton_sky.tables.parametrisation_flat import irradiance_state
+from bruneton_sky.tables.look_ups import transmittance_to_top
+from bruneton_sky.tables.parametrisations import irradiance_state, node_coordinates
 from vrut_lite.numeric_types import FloatArray
 
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.pipeline.setting import Setting
-from bruneton_sky.tables.coordinates import State
+from bruneton_sky.tables.parametrisations import State
 from vrut_lite.numeric_types import FloatArray
 
 Phase = Callable[[ArrayLike], FloatArray]

@@ -5,7 +5,7 @@ import numpy as np
 from bruneton_sky.pipeline.direct_irradiance import irradiance_nodes
 from bruneton_sky.pipeline.incident import Part, radiance
 from bruneton_sky.pipeline.setting import IRRADIANCE_ZENITH_ANGLES, Setting
-from bruneton_sky.tables.coordinates import State
+from bruneton_sky.tables.parametrisations import State
 from vrut_lite.numeric_types import FloatArray
 
 

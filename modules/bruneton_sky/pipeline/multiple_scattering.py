@@ -4,8 +4,8 @@ import numpy as np
 
 from bruneton_sky.pipeline.setting import RAY_INTERVALS, Setting
 from bruneton_sky.pipeline.trapezoid import trapezoid
-from bruneton_sky.tables.look_up_transmittance import transmittance_between
-from bruneton_sky.tables.travel import moved, to_edge
+from bruneton_sky.tables.look_ups import transmittance_between
+from bruneton_sky.tables.rays import moved, to_edge
 from vrut_lite.numeric_types import FloatArray
 
 

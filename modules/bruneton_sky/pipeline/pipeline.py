@@ -14,7 +14,7 @@ from bruneton_sky.pipeline.scattering_density import scattering_density
 from bruneton_sky.pipeline.setting import Setting
 from bruneton_sky.pipeline.single_scattering import single_scattering
 from bruneton_sky.pipeline.transmittance import transmittance
-from bruneton_sky.tables.coordinates import Year
+from bruneton_sky.tables.parametrisations import Year
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.numeric_types import FloatArray

@@ -11,7 +11,7 @@ from bruneton_sky.pipeline.setting import (
     scattering_coefficients,
 )
 from bruneton_sky.pipeline.zenith_angles import arriving, zenith_angles
-from bruneton_sky.tables.coordinates import State
+from bruneton_sky.tables.parametrisations import State
 from vrut_lite.numeric_types import FloatArray
 
 

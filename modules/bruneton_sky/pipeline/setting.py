@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.tables.coordinates import (
+from bruneton_sky.tables.interpolate import interpolate
+from bruneton_sky.tables.parametrisations import (
     Coordinates,
     State,
     Year,
     node_states,
     parametrisation_of,
 )
-from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.sizes import TableSizes
 from vrut_lite.numeric_types import FloatArray
 

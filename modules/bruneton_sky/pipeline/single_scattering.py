@@ -9,8 +9,8 @@ from bruneton_sky.pipeline.setting import (
     scattering_coefficients,
 )
 from bruneton_sky.pipeline.trapezoid import trapezoid
-from bruneton_sky.tables.look_up_transmittance import transmittance_between, transmittance_to_sun
-from bruneton_sky.tables.travel import moved, to_edge
+from bruneton_sky.tables.look_ups import transmittance_between, transmittance_to_sun
+from bruneton_sky.tables.rays import moved, to_edge
 from vrut_lite.numeric_types import FloatArray
 
 

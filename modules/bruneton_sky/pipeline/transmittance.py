@@ -5,8 +5,7 @@ import numpy as np
 from bruneton_sky.geometry import altitude_along, distance_to_top
 from bruneton_sky.pipeline.setting import TRANSMITTANCE_INTERVALS, Setting, densities
 from bruneton_sky.pipeline.trapezoid import trapezoid
-from bruneton_sky.tables.coordinates import node_coordinates
-from bruneton_sky.tables.parametrisation_flat import transmittance_state
+from bruneton_sky.tables.parametrisations import node_coordinates, transmittance_state
 from vrut_lite.numeric_types import FloatArray
 
 

@@ -6,8 +6,13 @@ from numpy.typing import NDArray
 from bruneton_sky.solver.air import groups_of_air
 from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.view import sky_irradiance, source_of_group
-from bruneton_sky.tables.coordinates import Coordinates, Year, node_coordinates, parametrisation_of
-from bruneton_sky.tables.parametrisation_flat import irradiance_state
+from bruneton_sky.tables.parametrisations import (
+    Coordinates,
+    Year,
+    irradiance_state,
+    node_coordinates,
+    parametrisation_of,
+)
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from vrut_lite.numeric_types import FloatArray
 
