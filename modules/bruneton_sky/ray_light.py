@@ -9,6 +9,7 @@ is the solver's source function at the nodes times the scattering coefficient (B
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import (
@@ -28,6 +29,7 @@ from bruneton_sky.solver.air import LANES, dense_layer, is_thick_haze
 from bruneton_sky.solver.coordinates import SunGrid
 from vrut_lite.numeric_types import FloatArray
 
+SingleArray = NDArray[np.float32]
 # Nodes on each segment of a ray: in clear air and haze they leave 1e-3 at most, in thick haze 1e-3.
 # In fog of visibility 200 m they leave 1e-4, at 50 m up to 3 % of rays that sink slowly into it.
 _NODES, _IN_THICK_HAZE, _IN_FOG = 16, 24, 64
@@ -62,7 +64,7 @@ def light_along(
     nodes = view_nodes(air, ray, mu_s, nu, _nodes(air), end)
     # Most segments have no length: by day a ray is one segment or two.
     which, column = np.nonzero(nodes.metres)
-    altitude, y, metres, lit = (part[which, column] for part in nodes)
+    altitude, y = nodes.altitude_m[which, column], nodes.y[which, column]
     here = Ray(*(part[which] for part in ray))
     cosine_to_sun = nu[which]
     sun = sun_cosine(here, altitude, y, mu_s[which], cosine_to_sun)
@@ -75,7 +77,8 @@ def light_along(
     by_molecules, by_aerosol = source_at(field, altitude, cosine, sun, cosine_to_sun)
     # The harmonics' sum may fall below zero by a trace where there is almost no light.
     more = np.maximum(by_molecules * molecules + by_aerosol * aerosol, 0.0)
-    light = (once * lit[:, None] + more) * metres[:, None]
+    light = once * nodes.lit[which, column, None] + more
+    light *= nodes.metres[which, column, None]
     light *= np.exp(-optical_depth(air, here, altitude, y))
     radiance = np.zeros_like(transmittance)
     first = np.flatnonzero(np.diff(which, prepend=-1))
@@ -149,22 +152,23 @@ def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=4)
-def _tables(field: SourceField) -> tuple[FloatArray, FloatArray]:
+def _tables(field: SourceField) -> tuple[SingleArray, SingleArray]:
     """The source function of molecules (altitudes, suns, 4, C), and that of aerosol (altitudes, mu,
     azimuths, suns, C), all wavelengths side by side; empty where there is none."""
-    rayleigh, mie = (_by_sun(table, field) for table in (field.rayleigh, field.mie))
-    return np.ascontiguousarray(np.moveaxis(rayleigh, 1, 2)), mie
+    count = len(field.atmosphere.wavelength_nm)
+    rayleigh = np.moveaxis(_by_sun(field.rayleigh, count), 1, 2)
+    return np.ascontiguousarray(rayleigh), _by_sun(field.mie, count)
 
 
-def _by_sun(table: FloatArray, field: SourceField) -> FloatArray:
+def _by_sun(table: SingleArray, count: int) -> SingleArray:
     """(groups, ..., suns * 4) as (..., suns, C)."""
     by_group = table.reshape(*table.shape[:-1], table.shape[-1] // LANES, LANES)
     joined = np.moveaxis(by_group, 0, -2)
     joined = joined.reshape(*joined.shape[:-2], len(table) * LANES)
-    return np.ascontiguousarray(joined[..., : len(field.atmosphere.wavelength_nm)])
+    return np.ascontiguousarray(joined[..., :count])
 
 
-def _blend(table: FloatArray, places: tuple[FloatArray, ...]) -> FloatArray:
+def _blend(table: SingleArray, places: tuple[FloatArray, ...]) -> FloatArray:
     """Values (n, ...) between nodes along the first axes, at places in [0, 1]; linear."""
     low, share = [], []
     for place, size in zip(places, table.shape, strict=False):

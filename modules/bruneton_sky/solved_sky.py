@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -193,13 +194,24 @@ class SolvedSky:
         )
         for part in self._batches(seen.size):
             some = seen[part]
-            light = light_along(self.field, *(values[some] for values in inside))
+            light = light_along(self.field, *(values[some] for values in inside[:5]))
             radiance[some], transmittance[some] = light
         return radiance.reshape(shape), transmittance.reshape(shape)
 
     def _batches(self, count: int) -> Iterator[slice]:
         step = max(_BATCH // len(self.atmosphere.wavelength_nm), 1)
         return (slice(start, start + step) for start in range(0, count, step))
+
+
+class _Rays(NamedTuple):
+    """Rays (n,) from where they are first inside the air, and whether they never are."""
+
+    altitude_m: FloatArray
+    mu: FloatArray
+    mu_s: FloatArray
+    nu: FloatArray
+    distance_m: FloatArray
+    misses: NDArray[np.bool_]
 
 
 def _inside_air(
@@ -209,18 +221,14 @@ def _inside_air(
     mu_s: FloatArray,
     nu: FloatArray,
     distance_m: FloatArray,
-) -> tuple[FloatArray, ...]:
-    """Altitude, mu, mu_s, nu, distance (n,) of rays from where they are first inside the air.
-
-    And whether they never are.
-    """
+) -> _Rays:
     ground, top = air.ground_radius_m, air.top_altitude_m
     outside = altitude_m > top
     radius, sine = ground + altitude_m, np.sqrt((1.0 - mu) * (1.0 + mu))
     entry, entry_mu, misses = entry_to_air(ground, top, radius * mu, radius * sine)
     entry = np.where(outside & ~misses, entry, 0.0)
     sun = np.clip((radius * mu_s + entry * nu) / (ground + np.minimum(altitude_m, top)), -1.0, 1.0)
-    return (
+    return _Rays(
         np.minimum(altitude_m, top),
         np.where(outside, entry_mu, mu),
         np.where(outside, sun, mu_s),
