@@ -16,15 +16,18 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.precompute import precompute
 from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.single_scattering import single_scattering
+from bruneton_sky.solved_sky import SolvedSky, solve
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables
 
 __all__ = [
     "Atmosphere",
+    "SolvedSky",
     "TableSizes",
     "Tables",
     "earth_spectral",
     "precompute",
     "preset",
     "single_scattering",
+    "solve",
 ]

@@ -70,6 +70,13 @@ def end_of_ray(ray: Ray, top_altitude_m: float) -> tuple[FloatArray, FloatArray]
     return np.where(hits, 0.0, top_altitude_m), y
 
 
+def y_along(ray: Ray, distance_m: ArrayLike) -> FloatArray:
+    """y (...,) after a distance along the ray; see above."""
+    along = ray.radius_m * ray.mu + np.asarray(distance_m, dtype=float)
+    p = ray.perigee_radius_m
+    return along / np.sqrt(np.maximum(p + np.sqrt(p * p + along * along), 1e-300))
+
+
 def horizon_mu(ground_radius_m: float, altitude_m: ArrayLike) -> FloatArray:
     """Cosine of the zenith angle at which the ground begins."""
     h = np.asarray(altitude_m, dtype=float)
@@ -107,6 +114,25 @@ def altitude_along(
     radius = ground_radius_m + h
     step = d * (d + 2.0 * radius * cosine)
     return h + step / (np.sqrt(step + radius * radius) + radius)
+
+
+def entry_to_air(
+    ground_radius_m: float, top_altitude_m: float, along_m: FloatArray, impact_m: FloatArray
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Where rays from above the atmosphere enter it.
+
+    Args:
+        along_m: (...,) r mu at the start of the ray, r the distance from the planet's centre.
+        impact_m: (...,) r sqrt(1 - mu^2), the distance of the ray's line from the centre.
+
+    Returns:
+        Distance (...,) in m to the entry, cosine mu (...,) of the zenith angle there, and whether
+        (...,) the ray misses the atmosphere, where the other two mean nothing.
+    """
+    top_radius = ground_radius_m + top_altitude_m
+    half_chord = np.sqrt(np.maximum((top_radius - impact_m) * (top_radius + impact_m), 0.0))
+    misses = (along_m >= 0.0) | (impact_m >= top_radius)
+    return np.maximum(-along_m - half_chord, 0.0), -half_chord / top_radius, misses
 
 
 def in_earth_shadow(

@@ -15,8 +15,14 @@ from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view import sky_irradiance
 from bruneton_sky.solver.wavelength_groups import groups_of_air
 from bruneton_sky.tables.cache import TableCache
-from bruneton_sky.tables.coordinates import Coordinates, Year, node_coordinates, parametrisation_of
-from bruneton_sky.tables.parametrisation_flat import irradiance_state, transmittance_state
+from bruneton_sky.tables.parametrisations import (
+    Coordinates,
+    Year,
+    irradiance_state,
+    node_coordinates,
+    parametrisation_of,
+    transmittance_state,
+)
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables, table_shapes
 from vrut_lite.arguments import as_count, check_choice, check_type, shown

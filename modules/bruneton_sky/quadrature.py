@@ -21,12 +21,13 @@ that sink slowly through it, whose nodes cluster at the far end; at 50 m 24 leav
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.geometry import Ray, end_of_ray, in_earth_shadow, shadow_boundary
+from bruneton_sky.geometry import Ray, end_of_ray, in_earth_shadow, shadow_boundary, y_along
 from bruneton_sky.optical_path import jacobian
 from vrut_lite.numeric_types import FloatArray
 
@@ -42,15 +43,34 @@ def unit_nodes(count: int) -> tuple[FloatArray, FloatArray]:
     return 0.5 * (x + 1.0), 0.5 * w
 
 
+class ViewNodes(NamedTuple):
+    """Nodes of the rule on rays (...,), each field (..., segments * count).
+
+    `metres`: the weight. `lit`: whether the node is outside the planet's shadow.
+    """
+
+    altitude_m: FloatArray
+    y: FloatArray
+    metres: FloatArray
+    lit: NDArray[np.bool_]
+
+
 def view_nodes(
-    atmosphere: Atmosphere, ray: Ray, mu_s: ArrayLike, nu: ArrayLike, count: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Nodes on a ray (...,): altitude, y and weight in m, each (..., segments * count).
+    atmosphere: Atmosphere,
+    ray: Ray,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    count: int,
+    end: tuple[FloatArray, FloatArray] | None = None,
+) -> ViewNodes:
+    """Nodes on rays (...,), `count` on each segment.
 
     Segments end at the perigee, at the top of fog and at the edge of the planet's shadow, across
-    which the integrand jumps; the weights of dark segments are zero.
+    which the integrand jumps. `end`: altitude and y (...,) of the rays' ends; by default the
+    ground or the top of the atmosphere.
     """
-    y, altitude = _break_points(atmosphere, ray, mu_s, nu)
+    end = end_of_ray(ray, atmosphere.top_altitude_m) if end is None else end
+    y, altitude = _break_points(atmosphere, ray, mu_s, nu, *end)
     ascending = y[..., 1:] > 0
     low_y = np.where(ascending, y[..., :-1], y[..., 1:])
     low_altitude = np.where(ascending, altitude[..., :-1], altitude[..., 1:])
@@ -66,12 +86,13 @@ def view_nodes(
     node_y = low_y[..., None] + dy
     deeper = _add_axes(ray, 2)
     lit = _lit(ray, 0.5 * (y[..., :-1] + y[..., 1:]), mu_s, nu)
-    metres = np.abs(length)[..., None] * weight * jacobian(deeper, node_y) * lit[..., None]
+    metres = np.abs(length)[..., None] * weight * jacobian(deeper, node_y)
     flat = (*length.shape[:-1], -1)
-    return (
+    return ViewNodes(
         np.clip(node_altitude, 0.0, atmosphere.top_altitude_m).reshape(flat),
         node_y.reshape(flat),
         metres.reshape(flat),
+        np.repeat(lit, count, axis=-1),
     )
 
 
@@ -98,19 +119,20 @@ def _extinction(atmosphere: Atmosphere, altitude_m: FloatArray) -> FloatArray:
 
 
 def _break_points(
-    atmosphere: Atmosphere, ray: Ray, mu_s: ArrayLike, nu: ArrayLike
+    atmosphere: Atmosphere,
+    ray: Ray,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    end_altitude: FloatArray,
+    end_y: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Sorted y and altitude (..., 5): start, perigee, two shadow edges, end; some coincide.
 
     In fog there are two more, where it begins and ends.
     """
-    end_altitude, end_y = end_of_ray(ray, atmosphere.top_altitude_m)
     points = [ray.y, np.zeros_like(ray.y), end_y]
     for distance in shadow_boundary(ray, mu_s, nu):
-        along = ray.radius_m * ray.mu + distance
-        p = ray.perigee_radius_m
-        crossing = along / np.sqrt(np.maximum(p + np.sqrt(p * p + along * along), 1e-300))
-        points.append(np.where(distance > 0, crossing, ray.y))
+        points.append(np.where(distance > 0, y_along(ray, distance), ray.y))
     if atmosphere.foggy:
         fog_top_m = FOG_TOP * atmosphere.fog_scale_height_m
         fog_y = np.sqrt(np.maximum(fog_top_m - ray.perigee_altitude_m, 0.0))

@@ -135,11 +135,11 @@ def _gauss_legendre_integrals(
 ) -> list[FloatArray]:
     """I_X (..., C) in m of each of the atmosphere's scatterers."""
     ray = make_ray(atmosphere.ground_radius_m, altitude_m, mu)
-    node_altitude, node_y, metres = view_nodes(atmosphere, ray, mu_s, nu, count)
+    node_altitude, node_y, metres, lit = view_nodes(atmosphere, ray, mu_s, nu, count)
     along = Ray(*(part[..., None] for part in ray))
     depth = optical_depth(atmosphere, along, node_altitude, node_y)
     mu_s_there = sun_cosine(along, node_altitude, node_y, mu_s[..., None], nu[..., None])
     depth += optical_depth_to_top(atmosphere, node_altitude, mu_s_there)
-    light = np.exp(-depth) * metres[..., None]
+    light = np.exp(-depth) * (metres * lit)[..., None]
     densities = (np.exp(-node_altitude / kind.scale_height_m) for kind in atmosphere.scatterers())
     return [(light * density[..., None]).sum(axis=-2) for density in densities]

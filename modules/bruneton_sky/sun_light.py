@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.geometry import horizon_mu
+from bruneton_sky.geometry import entry_to_air, horizon_mu
 from bruneton_sky.single_scattering import optical_depth_to_top
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
@@ -30,29 +30,23 @@ class DiscLight(NamedTuple):
     seen_rgb: NDArray[np.float64]
 
 
-def sun_irradiance(atmosphere: Atmosphere, altitude_m: float, mu_s: ArrayLike) -> FloatArray:
+def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLike) -> FloatArray:
     """Irradiance (..., C) on a plane that faces the whole disc, W m^-2 nm^-1.
 
     The transmittance is that of the disc's centre, at cosines (...,) of its zenith angle; below
-    the horizon, while a part of the disc still shows, that of the horizon. The observer may be
-    above the air.
+    the horizon, while a part of the disc still shows, that of the horizon. Observers (...,) may
+    be above the air.
     """
-    lowest = float(horizon_mu(atmosphere.ground_radius_m, altitude_m))
-    mu = np.maximum(np.asarray(mu_s, dtype=float), lowest)
-    entry_m, entry_mu = altitude_m, mu
-    if altitude_m > atmosphere.top_altitude_m:
-        entry_m, entry_mu = atmosphere.top_altitude_m, _mu_at_top(atmosphere, altitude_m, mu)
-    depth = optical_depth_to_top(atmosphere, entry_m, entry_mu)
+    planet = atmosphere.ground_radius_m, atmosphere.top_altitude_m
+    altitude = np.asarray(altitude_m, dtype=float)
+    mu = np.maximum(np.asarray(mu_s, dtype=float), horizon_mu(planet[0], altitude))
+    radius, sine = planet[0] + altitude, np.sqrt((1.0 - mu) * (1.0 + mu))
+    _, entry_mu, misses = entry_to_air(*planet, radius * mu, radius * sine)
+    outside = altitude > planet[1]
+    # A ray that misses the air is as clear as one that goes straight up from its top.
+    mu = np.where(outside, np.where(misses, 1.0, entry_mu), mu)
+    depth = optical_depth_to_top(atmosphere, np.minimum(altitude, planet[1]), mu)
     return np.asarray(atmosphere.solar_irradiance) * np.exp(-depth)
-
-
-def _mu_at_top(atmosphere: Atmosphere, altitude_m: float, mu: FloatArray) -> FloatArray:
-    """Cosines of rays from above the air where they enter it; 1 of those that never do."""
-    top_radius = atmosphere.ground_radius_m + atmosphere.top_altitude_m
-    perigee = (atmosphere.ground_radius_m + altitude_m) * np.sqrt((1.0 - mu) * (1.0 + mu))
-    squared = (top_radius - perigee) * (top_radius + perigee)
-    enters = (mu < 0.0) & (squared > 0.0)
-    return np.where(enters, -np.sqrt(np.maximum(squared, 0.0)) / top_radius, 1.0)
 
 
 def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLight:
@@ -70,21 +64,29 @@ def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLi
 
 
 def seen_irradiance_rgb(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> FloatArray:
-    """Irradiance (3,) of what an observer sees of the disc, linear sRGB, W m^-2.
+    """Irradiance (3,) of what an observer sees of the disc, linear sRGB, W m^-2."""
+    spectral = seen_irradiance(atmosphere, altitude_m, mu_s)
+    rgb = rgb_from_spectrum(spectral, atmosphere.wavelength_nm, _SUNLIGHT_EXPONENT)
+    return np.maximum(rgb, 0.0)
+
+
+def seen_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLike) -> FloatArray:
+    """Irradiance (..., C) of what observers see of the disc on a plane facing it, W m^-2 nm^-1.
 
     The disc by level strips, of which the horizon cuts one: it sets without steps. Its darkening
     toward the limb is not counted.
     """
+    altitude = np.asarray(altitude_m, dtype=float)[..., None]
     height = (np.arange(_DISC_STRIPS) + 0.5) * 2.0 / _DISC_STRIPS - 1.0
     chord = np.sqrt((1.0 - height) * (1.0 + height))
-    zenith_angle = np.arccos(np.clip(mu_s, -1.0, 1.0)) - atmosphere.sun_angular_radius_rad * height
-    horizon = np.arccos(horizon_mu(atmosphere.ground_radius_m, altitude_m))
+    centre = np.arccos(np.clip(mu_s, -1.0, 1.0))[..., None]
+    zenith_angle = centre - atmosphere.sun_angular_radius_rad * height
+    horizon = np.arccos(horizon_mu(atmosphere.ground_radius_m, altitude))
     strip = 2.0 * atmosphere.sun_angular_radius_rad / _DISC_STRIPS
     up = np.clip((horizon - np.abs(zenith_angle)) / strip + 0.5, 0.0, 1.0)
     seen = chord / chord.sum() * up
-    spectral = seen @ sun_irradiance(atmosphere, altitude_m, np.cos(zenith_angle))
-    rgb = rgb_from_spectrum(spectral, atmosphere.wavelength_nm, _SUNLIGHT_EXPONENT)
-    return np.maximum(rgb, 0.0)
+    light = sun_irradiance(atmosphere, altitude, np.cos(zenith_angle))
+    return np.asarray((seen[..., None, :] @ light)[..., 0, :])
 
 
 def sun_irradiance_rgb(

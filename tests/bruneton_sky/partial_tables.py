@@ -6,11 +6,16 @@ from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view_kernels import march_rays
 from bruneton_sky.solver.wavelength_groups import groups_of_air
-from bruneton_sky.tables.coordinates import Coordinates, State, node_coordinates, parametrisation_of
 from bruneton_sky.tables.interpolate import neighbours
+from bruneton_sky.tables.parametrisations import (
+    Coordinates,
+    State,
+    node_coordinates,
+    parametrisation_of,
+)
+from bruneton_sky.tables.rays import moved
 from bruneton_sky.tables.sizes import TableSizes
 from bruneton_sky.tables.tables import Tables, table_shapes
-from bruneton_sky.tables.travel import moved
 
 from vrut_lite.numeric_types import FloatArray
 
@@ -53,16 +58,15 @@ def fill_along(
 
 
 def _fill(field: SourceField, tables: Tables, state: State) -> None:
-    """Fill the sixteen nodes about a state."""
+    """Fill the nodes about a state that a look-up takes: two along each axis, of suns four."""
     form, shape = parametrisation_of(YEAR), tables.sizes.scattering_shape
     at = form.to_coordinates(field.atmosphere, tables.sizes, state)
-    nodes = [
-        int(neighbours(place, size)[0][0]) + np.arange(2)
-        for place, size in zip(at, shape, strict=True)
-    ]
+    before = [int(neighbours(place, size)[0][0]) for place, size in zip(at, shape, strict=True)]
+    nodes = [first + np.arange(2) for first in before[:3]]
+    nodes.append(min(max(before[3] - 1, 0), shape[3] - 4) + np.arange(4))
     axes = (node_coordinates(size)[some] for size, some in zip(shape, nodes, strict=True))
     there = form.to_state(field.atmosphere, tables.sizes, Coordinates(*np.ix_(*axes)))
-    scattering, mie = (np.empty((2, 2, 2, 2, 4), np.float32) for _ in range(2))
+    scattering, mie = (np.empty((2, 2, 2, 4, 4), np.float32) for _ in range(2))
     own, (air,) = field.sizes, groups_of_air(field.atmosphere)
     march_rays(
         air, there.altitude_m.ravel(), np.ascontiguousarray(there.mu.reshape(2, 2)),

@@ -6,29 +6,27 @@ import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.tables import parametrisation_2008, parametrisation_2017
-from bruneton_sky.tables.coordinates import (
+from bruneton_sky.tables.parametrisations import (
     Coordinates,
     Parametrisation,
     State,
     allowed_nu,
+    irradiance_coordinates,
+    irradiance_state,
     node_states,
     parametrisation_of,
     texture_coordinate,
-    unit_range,
-)
-from bruneton_sky.tables.parametrisation_flat import (
-    irradiance_coordinates,
-    irradiance_state,
     transmittance_coordinates,
     transmittance_state,
+    unit_range,
 )
 from bruneton_sky.tables.sizes import TableSizes
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 SIZES = TableSizes(altitude=5, mu=14, nu=3, mu_s=6)
-YEARS = pytest.mark.parametrize("mapping", [parametrisation_2008, parametrisation_2017])
+OLD, NEW = parametrisation_of("2008"), parametrisation_of("2017")
+YEARS = pytest.mark.parametrize("mapping", [OLD, NEW], ids=["2008", "2017"])
 # Closer to an edge than this, but not on it, a double cannot hold the direction of a ray.
 ALTITUDE = st.sampled_from([0.0, 1.0]) | st.floats(1e-8, 0.9999)
 UNIT = st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0])
@@ -91,7 +89,7 @@ def test_coordinates_come_back(
         # Within a millionth of the horizon mu no longer tells how long a ray to the ground is.
         assume(not (state.hits_ground and (mu > 1 - 1e-6 or height == 0)))
         back = mapping.to_coordinates(air, SIZES, state)
-        wasted = mapping is parametrisation_2008 and abs(state.mu) > 1.0 - 1e-12
+        wasted = mapping is OLD and abs(state.mu) > 1.0 - 1e-12
         assert back.mu == pytest.approx(there.mu, abs=1e-9) or wasted
         others = [back[i] for i in (0, 2, 3)], [there[i] for i in (0, 2, 3)]
         assert others[0] == pytest.approx(others[1], abs=1e-9)
@@ -140,7 +138,7 @@ def test_published_formulas_of_2008() -> None:
     sizes = TableSizes(altitude=10**9, mu=2 * 10**9, nu=10**9, mu_s=10**9)
     for cosine, hits, u_mu in ((mu, True, down), (0.1, False, up)):
         state = State(*map(np.asarray, (r - ground, cosine, mu_s, nu)), np.asarray(hits))
-        at = parametrisation_2008.to_coordinates(air, sizes, state)
+        at = OLD.to_coordinates(air, sizes, state)
         u_mu_s = (1 - np.exp(-3 * mu_s - 0.6)) / (1 - np.exp(-3.6))
         # With so many nodes half a texel is nothing.
         assert at == pytest.approx((rho / tangent, u_mu, (1 + nu) / 2, u_mu_s), abs=1e-8)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bruneton_sky import TableSizes, precompute
+from bruneton_sky import Atmosphere, TableSizes, precompute, solve
 from bruneton_sky.precompute import transmittance_table
 from bruneton_sky.reference.pipeline.first_order import transmittance
 from bruneton_sky.reference.pipeline.setting import Setting
@@ -113,3 +113,22 @@ def test_importing_the_package_is_cheap():
     code = "import sys, bruneton_sky; print({'numba', 'scipy', 'moderngl'} & sys.modules.keys())"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("altitude_m", [0.0, 5000.0])
+def test_tables_of_the_published_sizes_against_solve(altitude_m):
+    """Above the horizon the rms error is 0.4 % by day and no ray errs by more than 3 %; 30 degrees
+    from the zenith, where lines along the suns left 3 %, it is 0.3 %."""
+    earth = Atmosphere.earth()
+    tables, sky = precompute(earth, orders=12), solve(earth)
+    rng = np.random.default_rng(1)
+    mu, turn = rng.uniform(0.0, 1.0, 500), rng.uniform(0.0, np.pi, 500)
+    sine = np.sqrt(1.0 - mu**2)
+    views = np.stack([sine * np.cos(turn), sine * np.sin(turn), mu], axis=1)
+    camera = np.array([0.0, 0.0, earth.ground_radius_m + altitude_m])
+    for zenith_deg, most in ((0.0, 4e-3), (30.0, 3e-3), (60.0, 3e-3), (80.0, 3e-3), (90.0, 5e-3)):
+        sun = np.array([np.sin(np.radians(zenith_deg)), 0.0, np.cos(np.radians(zenith_deg))])
+        exact = sky.radiance(altitude_m, mu, sun[2], np.clip(views @ sun, -1.0, 1.0))
+        error = tables.sky_radiance(camera, views, sun)[0] / exact - 1.0
+        assert np.sqrt((error**2).mean()) < most
+        assert np.abs(error).max() < 3e-2

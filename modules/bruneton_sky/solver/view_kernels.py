@@ -128,7 +128,7 @@ def march_rays(air, altitude, mu, hits, mu_s, nu, table, source, sizes, first, s
             merge_steps(air, altitude[i], mu[i, j], steps, few)
             later[:] = ZERO
             gather_later(air, altitude[i], few, cells, source, slab, later)
-            _store(cells, where, once, later, first, scattering[i, j], mie[i, j])
+            _store(nu, where, once, later, first, scattering[i, j], mie[i, j])
 
 
 @inner
@@ -150,16 +150,19 @@ def _distinct_cells(mu, mu_s, nu, cells, where):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _store(cells, where, once, later, first, scattering, mie):  # type: ignore[no-untyped-def]
+def _store(nu, where, once, later, first, scattering, mie):  # type: ignore[no-untyped-def]
     """One ray of both tables (nu, mu_s, C): later orders over Rayleigh's phase function.
 
-    The harmonics' sum may fall below zero by a trace where there is almost no light.
+    That is of the node's own nu, which a look-up multiplies by, also where mu and mu_s do not allow
+    it and the light is that of the nearest nu that they do: over the phase function there, as
+    published, look-ups between such a node and another err by up to 8 % of all light. The
+    harmonics' sum may fall below zero by a trace where there is almost no light.
     """
     suns, lanes = scattering.shape[1], min(scattering.shape[2] - first, 4)
     rayleigh_phase = _f4(3.0 / (16.0 * math.pi))
     for index in range(where.size):
-        n = where[index]
-        inverse = ONE / (rayleigh_phase * (ONE + cells.nu[n] * cells.nu[n]))
+        n, cosine = where[index], _f4(nu[index // suns])
+        inverse = ONE / (rayleigh_phase * (ONE + cosine * cosine))
         for c in range(lanes):
             total = once[0, 4 * n + c] + max(later[4 * n + c], ZERO) * inverse
             scattering[index // suns, index % suns, first + c] = total

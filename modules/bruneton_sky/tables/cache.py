@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from vrut_lite.npz_arrays import read_npz
 
 # Changes whenever the same recipe gives other numbers or the file another layout.
-VERSION = 1
+VERSION = 2
 _MAGIC = f"vrut_lite tables {VERSION}\n".encode()
 _DIGEST_BYTES = 32
 _FORGOTTEN_S = 86_400.0

@@ -16,7 +16,8 @@ class TableSizes:
         altitude, mu, nu, mu_s: of the scattering S, 32 x 128 x 8 x 32.
 
     Raises:
-        ValueError: an axis has fewer than two nodes, or mu an odd number or fewer than four.
+        ValueError: an axis has fewer than two nodes, one of the sun's fewer than four (cubics are
+            laid through them), or mu an odd number or fewer than four.
     """
 
     transmittance_altitude: int = 64
@@ -30,7 +31,8 @@ class TableSizes:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            as_count(f"{field.name} of the tables", getattr(self, field.name), 2, 2**31)
+            least = 4 if field.name.endswith("mu_s") else 2
+            as_count(f"{field.name} of the tables", getattr(self, field.name), least, 2**31)
         if self.mu % 2 or self.mu < 4:
             raise ValueError("mu of the tables must be even and at least 4: half sees the ground")
 

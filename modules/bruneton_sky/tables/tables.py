@@ -6,23 +6,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.tables import look_up_ground, look_up_point, look_up_sky
-from bruneton_sky.tables.coordinates import Year, parametrisation_of
-from bruneton_sky.tables.observer import (
-    FARTHEST_M,
-    View,
-    checked_direction,
-    checked_point,
-    view_from,
-)
+from bruneton_sky.tables import look_ups
+from bruneton_sky.tables.parametrisations import Year, parametrisation_of
+from bruneton_sky.tables.rays import View, view_from
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
-from vrut_lite.arguments import as_numbers, check_shapes, check_type
+from vrut_lite.arguments import as_numbers, as_vectors, check_shapes, check_type
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
 # Of shorter ways the squares lose digits, and with them the direction its length.
 _IN_THE_EYE_M = 1e-100
 _SKYLIGHT_EXPONENT = 3.0
+_UNIT_SLACK = 1e-5
+# Components beyond these have squares that are no numbers.
+_LONGEST = 1e100
+# Of points: beyond any planet's neighbourhood.
+_FARTHEST_M = 1e15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,7 +74,7 @@ class Tables:
         """
         seen = self._view(camera_m, view, sun)
         shadow_m = _shadow(shadow_length_m, seen)
-        return look_up_sky.sky_radiance(self, seen, shadow_m)
+        return look_ups.sky_radiance(self, seen, shadow_m)
 
     def radiance_rgb(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
         """The sky's radiance (..., 3) in linear sRGB, W m^-2 sr^-1; below 0 outside the gamut."""
@@ -94,7 +93,7 @@ class Tables:
         With a shadow length, the last so many metres before the point give no light. A point
         that the ground hides counts as the ground in front of it.
         """
-        camera, point = self._point("camera_m", camera_m), checked_point("point_m", point_m, 0.0)
+        camera, point = self._point("camera_m", camera_m), _checked_point("point_m", point_m, 0.0)
         check_shapes(camera_m=camera, point_m=point)
         way = point - camera
         distance = np.linalg.norm(way, axis=-1)
@@ -103,7 +102,7 @@ class Tables:
         direction = np.divide(way, distance[..., None], out=_upward(way), where=there)
         seen = self._view(camera, direction, sun)
         shadow_m = _shadow(shadow_length_m, seen)
-        return look_up_point.radiance_to_point(self, seen, distance, shadow_m)
+        return look_ups.radiance_to_point(self, seen, distance, shadow_m)
 
     def ground_radiance(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> FloatArray:
         """Radiance (..., C) of the bare ground seen through the air; 0 where there is none.
@@ -111,7 +110,7 @@ class Tables:
         The ground is level, of the atmosphere's albedo, in the light of sun and sky. The air's
         own light in front of it is `sky_radiance`.
         """
-        return look_up_ground.ground_radiance(self, self._view(camera_m, view, sun))
+        return look_ups.ground_radiance(self, self._view(camera_m, view, sun))
 
     def sun_and_sky_irradiance(
         self, point_m: ArrayLike, normal: ArrayLike, sun: ArrayLike
@@ -122,38 +121,18 @@ class Tables:
         share (1 + n . up) / 2 of the sky that a tilted one sees.
         """
         point = self._point("point_m", point_m)
-        facing, to_sun = checked_direction("normal", normal), checked_direction("sun", sun)
+        facing, to_sun = _checked_direction("normal", normal), _checked_direction("sun", sun)
         check_shapes(point_m=point, normal=facing, sun=to_sun)
-        return look_up_ground.sun_and_sky_irradiance(self, point, facing, to_sun)
-
-    def surface_radiance(
-        self,
-        point_m: ArrayLike,
-        normal: ArrayLike,
-        sun: ArrayLike,
-        albedo: ArrayLike,
-        sun_visibility: ArrayLike = 1.0,
-    ) -> FloatArray:
-        """Radiance (..., C) that leaves a matt surface: albedo / pi times what falls on it.
-
-        Args:
-            albedo: (..., C).
-            sun_visibility: (...,) from 0, in the shadow of something, to 1.
-        """
-        sunlight, skylight = self.sun_and_sky_irradiance(point_m, normal, sun)
-        visible = as_numbers("sun_visibility", sun_visibility, 0.0, 1.0)[..., None]
-        share = as_numbers("albedo", albedo, 0.0, 1.0)
-        check_shapes(irradiance=sunlight, albedo=share, sun_visibility=visible)
-        return share / np.pi * (visible * sunlight + skylight)
+        return look_ups.sun_and_sky_irradiance(self, point, facing, to_sun)
 
     def _view(self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike) -> View:
         camera = self._point("camera_m", camera_m)
-        along, to_sun = checked_direction("view", view), checked_direction("sun", sun)
+        along, to_sun = _checked_direction("view", view), _checked_direction("sun", sun)
         check_shapes(camera_m=camera, view=along, sun=to_sun)
         return view_from(self.atmosphere, camera, along, to_sun)
 
     def _point(self, name: str, value: ArrayLike) -> FloatArray:
-        return checked_point(name, value, self.atmosphere.ground_radius_m)
+        return _checked_point(name, value, self.atmosphere.ground_radius_m)
 
 
 def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[int, ...]]:
@@ -168,9 +147,31 @@ def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[i
     }
 
 
+def _checked_point(name: str, value: ArrayLike, lowest_radius_m: float) -> FloatArray:
+    """Points (..., 3) in m; refused where not finite or deeper than a millionth of the radius."""
+    point = as_vectors(name, value, _FARTHEST_M)
+    radius_m = np.linalg.norm(point, axis=-1)
+    if np.any(radius_m < lowest_radius_m * (1.0 - 1e-6)):
+        raise ValueError(
+            f"{name} must not lie below the ground, {lowest_radius_m:g} m from the centre: "
+            f"not {float(np.min(radius_m)):g} m from there"
+        )
+    return point
+
+
+def _checked_direction(name: str, value: ArrayLike) -> FloatArray:
+    """Unit vectors (..., 3), exact ones made of those that are nearly so."""
+    direction = as_vectors(name, value, _LONGEST)
+    length = np.linalg.norm(direction, axis=-1, keepdims=True)
+    wrong = np.abs(length - 1.0) > _UNIT_SLACK
+    if np.any(wrong):
+        raise ValueError(f"{name} must be unit vectors, not {float(length[wrong][0]):g} long")
+    return direction / length
+
+
 def _shadow(shadow_length_m: ArrayLike, seen: View) -> FloatArray:
     """Lengths (...,) in m that broadcast against what is seen."""
-    shadow_m = as_numbers("shadow_length_m", shadow_length_m, 0.0, FARTHEST_M, "m")
+    shadow_m = as_numbers("shadow_length_m", shadow_length_m, 0.0, _FARTHEST_M, "m")
     check_shapes(shadow_length_m=shadow_m, rays=seen.state.mu_s)
     return shadow_m
 

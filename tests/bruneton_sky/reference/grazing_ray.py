@@ -10,7 +10,7 @@ import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.reference.pipeline.first_order import transmittance
 from bruneton_sky.reference.pipeline.setting import RAY_INTERVALS, Setting, densities
-from bruneton_sky.tables.look_up_transmittance import transmittance_to_sun
+from bruneton_sky.tables.look_ups import transmittance_to_sun
 from bruneton_sky.tables.ray_lengths import tangent
 from bruneton_sky.tables.sizes import TableSizes
 

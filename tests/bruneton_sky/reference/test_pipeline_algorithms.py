@@ -24,10 +24,9 @@ from bruneton_sky.reference.pipeline.setting import (
     scattering_coefficients,
 )
 from bruneton_sky.single_scattering import optical_depth_to_top, scattered_without_phase
-from bruneton_sky.tables.coordinates import node_coordinates
-from bruneton_sky.tables.parametrisation_flat import transmittance_state
+from bruneton_sky.tables.parametrisations import node_coordinates, transmittance_state
+from bruneton_sky.tables.rays import to_edge
 from bruneton_sky.tables.sizes import TableSizes
-from bruneton_sky.tables.travel import to_edge
 
 SIZES = TableSizes(
     transmittance_altitude=12, transmittance_mu=32, irradiance_altitude=3, irradiance_mu_s=9,

@@ -24,7 +24,7 @@ from bruneton_sky.solver import (
 from bruneton_sky.solver.grid import azimuths
 from bruneton_sky.solver.nodes import make_nodes
 from bruneton_sky.solver.wavelength_groups import groups_of_air
-from bruneton_sky.tables.coordinates import node_states
+from bruneton_sky.tables.parametrisations import node_states
 from bruneton_sky.tables.sizes import TableSizes
 
 SMALL = SolverSizes(altitude=12, mu_s=24, direction_mu=16, direction_azimuth=8, degree=8)

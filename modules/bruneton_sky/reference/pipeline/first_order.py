@@ -12,14 +12,17 @@ from bruneton_sky.reference.pipeline.setting import (
     scattering_coefficients,
     trapezoid,
 )
-from bruneton_sky.tables.coordinates import node_coordinates
-from bruneton_sky.tables.look_up_transmittance import (
+from bruneton_sky.tables.look_ups import (
     transmittance_between,
     transmittance_to_sun,
     transmittance_to_top,
 )
-from bruneton_sky.tables.parametrisation_flat import irradiance_state, transmittance_state
-from bruneton_sky.tables.travel import moved, to_edge
+from bruneton_sky.tables.parametrisations import (
+    irradiance_state,
+    node_coordinates,
+    transmittance_state,
+)
+from bruneton_sky.tables.rays import moved, to_edge
 from vrut_lite.numeric_types import FloatArray
 
 

@@ -11,9 +11,9 @@ from bruneton_sky.reference.pipeline.setting import (
     radiance,
     trapezoid,
 )
-from bruneton_sky.tables.coordinates import State
-from bruneton_sky.tables.look_up_transmittance import transmittance_between
-from bruneton_sky.tables.travel import moved, to_edge
+from bruneton_sky.tables.look_ups import transmittance_between
+from bruneton_sky.tables.parametrisations import State
+from bruneton_sky.tables.rays import moved, to_edge
 from vrut_lite.numeric_types import FloatArray
 
 

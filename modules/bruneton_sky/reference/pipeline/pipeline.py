@@ -18,7 +18,7 @@ from bruneton_sky.reference.pipeline.setting import (
     light_scattered_often,
     light_scattered_once,
 )
-from bruneton_sky.tables.coordinates import Year
+from bruneton_sky.tables.parametrisations import Year
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.numeric_types import FloatArray

@@ -18,10 +18,15 @@ from bruneton_sky.reference.pipeline.setting import (
     densities,
     scattering_coefficients,
 )
-from bruneton_sky.tables.coordinates import Coordinates, State, node_coordinates, texture_coordinate
 from bruneton_sky.tables.interpolate import interpolate, neighbours
-from bruneton_sky.tables.look_up_transmittance import transmittance_between
-from bruneton_sky.tables.parametrisation_flat import irradiance_coordinates
+from bruneton_sky.tables.look_ups import transmittance_between
+from bruneton_sky.tables.parametrisations import (
+    Coordinates,
+    State,
+    irradiance_coordinates,
+    node_coordinates,
+    texture_coordinate,
+)
 from bruneton_sky.tables.ray_lengths import ground_distance
 from vrut_lite.numeric_types import FloatArray
 

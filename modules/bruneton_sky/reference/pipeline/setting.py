@@ -8,14 +8,14 @@ from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.tables.coordinates import (
+from bruneton_sky.tables.interpolate import interpolate
+from bruneton_sky.tables.parametrisations import (
     Coordinates,
     State,
     Year,
     node_states,
     parametrisation_of,
 )
-from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.sizes import TableSizes
 from vrut_lite.numeric_types import FloatArray
 

@@ -1,4 +1,4 @@
-"""From points and directions about the planet's centre to the state that tables know."""
+"""Views and the ways along them: where a ray enters the air, how far it reaches, what is there."""
 
 from typing import NamedTuple
 
@@ -6,16 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.geometry import make_ray
-from bruneton_sky.tables.coordinates import State
-from vrut_lite.arguments import as_vectors
+from bruneton_sky.geometry import altitude_along, distance_to_top, entry_to_air, make_ray
+from bruneton_sky.tables.parametrisations import State
+from bruneton_sky.tables.ray_lengths import ground_distance
 from vrut_lite.numeric_types import FloatArray
-
-_UNIT_SLACK = 1e-5
-# Components beyond these have squares that are no numbers.
-_LONGEST = 1e100
-# Of points: beyond any planet's neighbourhood.
-FARTHEST_M = 1e15
 
 
 class View(NamedTuple):
@@ -41,11 +35,11 @@ def view_from(air: Atmosphere, camera: FloatArray, view: FloatArray, sun: FloatA
     along = dot(camera, view)
     impact = np.linalg.norm(np.cross(camera, view), axis=-1)
     outside = radius > top_radius
-    root = np.sqrt(np.maximum((top_radius - impact) * (top_radius + impact), 0.0))
-    misses = outside & ((along >= 0) | (impact >= top_radius))
-    entry = np.where(outside & ~misses, np.maximum(-along - root, 0.0), 0.0)
+    entry, mu, misses = entry_to_air(air.ground_radius_m, top, along, impact)
+    misses &= outside
+    entry = np.where(outside & ~misses, entry, 0.0)
     altitude = np.where(outside, top, np.maximum(radius - air.ground_radius_m, 0.0))
-    mu = np.clip(np.where(outside, -root / top_radius, along / radius), -1.0, 1.0)
+    mu = np.clip(np.where(outside, mu, along / radius), -1.0, 1.0)
     nu = np.clip(dot(view, sun), -1.0, 1.0)
     mu_s = (dot(camera, sun) + entry * nu) / np.where(outside, top_radius, radius)
     hits = make_ray(air.ground_radius_m, altitude, mu).hits_ground()
@@ -60,26 +54,30 @@ def level(air: Atmosphere, point: FloatArray, sun: FloatArray) -> tuple[FloatArr
     return altitude, np.clip(dot(point, sun) / radius, -1.0, 1.0)
 
 
-def checked_point(name: str, value: ArrayLike, lowest_radius_m: float) -> FloatArray:
-    """Points (..., 3) in m; refused where not finite or deeper than a millionth of the radius."""
-    point = as_vectors(name, value, FARTHEST_M)
-    radius_m = np.linalg.norm(point, axis=-1)
-    if np.any(radius_m < lowest_radius_m * (1.0 - 1e-6)):
-        raise ValueError(
-            f"{name} must not lie below the ground, {lowest_radius_m:g} m from the centre: "
-            f"not {float(np.min(radius_m)):g} m from there"
-        )
-    return point
+def to_edge(air: Atmosphere, state: State) -> FloatArray:
+    """Distance in m to where the view leaves the air or meets the ground."""
+    down = ground_distance(air, state.altitude_m, state.mu, state.hits_ground)
+    up = distance_to_top(air.ground_radius_m, air.top_altitude_m, state.altitude_m, state.mu)
+    return np.where(state.hits_ground, down, up)
 
 
-def checked_direction(name: str, value: ArrayLike) -> FloatArray:
-    """Unit vectors (..., 3), exact ones made of those that are nearly so."""
-    direction = as_vectors(name, value, _LONGEST)
-    length = np.linalg.norm(direction, axis=-1, keepdims=True)
-    wrong = np.abs(length - 1.0) > _UNIT_SLACK
-    if np.any(wrong):
-        raise ValueError(f"{name} must be unit vectors, not {float(length[wrong][0]):g} long")
-    return direction / length
+def moved(air: Atmosphere, state: State, distance_m: FloatArray) -> State:
+    """The state after a distance along the view; whether that hits the ground stays."""
+    altitude, mu = after(air, state.altitude_m, state.mu, distance_m)
+    radius, there = air.ground_radius_m + state.altitude_m, air.ground_radius_m + altitude
+    mu_s = (radius * state.mu_s + distance_m * state.nu) / there
+    return State(altitude, mu, np.clip(mu_s, -1.0, 1.0), state.nu, state.hits_ground)
+
+
+def after(
+    air: Atmosphere, altitude_m: ArrayLike, mu: ArrayLike, distance_m: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Altitude in m, held to the air, and mu after a distance along a ray."""
+    ground, d = air.ground_radius_m, np.asarray(distance_m, dtype=float)
+    h, cosine = np.asarray(altitude_m, dtype=float), np.asarray(mu, dtype=float)
+    there = np.clip(altitude_along(ground, h, cosine, d), 0.0, air.top_altitude_m)
+    mu_there = ((ground + h) * cosine + d) / (ground + there)
+    return there, np.clip(mu_there, -1.0, 1.0)
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:

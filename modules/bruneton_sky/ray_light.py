@@ -1,0 +1,184 @@
+"""Light along rays in float64: single scattering and the solved source function, integrated.
+
+Each ray has the nodes of the rule "GL-y-exp" (see `quadrature`) between its perigee, the edges of
+the planet's shadow and its end, with optical depths in closed form. Light scattered twice or more
+is the solver's source function at the nodes times the scattering coefficient (Bruneton and Neyret
+2008, equations 7 and 10).
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.geometry import (
+    Ray,
+    altitude_along,
+    distance_to_ground,
+    distance_to_top,
+    end_of_ray,
+    make_ray,
+    y_along,
+)
+from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.quadrature import sun_cosine, view_nodes
+from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
+from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
+from vrut_lite.numeric_types import FloatArray
+
+SingleArray = NDArray[np.float32]
+# Nodes on each segment of a ray: in clear air and haze they leave 1e-3 at most, in thick haze 1e-3.
+# In fog of visibility 200 m they leave 1e-4, at 50 m up to 3 % of rays that sink slowly into it.
+_NODES, _IN_THICK_HAZE, _IN_FOG = 16, 24, 64
+_SMALLEST_SINE = 1e-12
+
+
+def light_along(
+    field: SourceField,
+    altitude_m: FloatArray,
+    mu: FloatArray,
+    mu_s: FloatArray,
+    nu: FloatArray,
+    distance_m: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Radiance (n, C) that the air adds along rays, and transmittance (n, C) to their ends.
+
+    Args:
+        field: the solved atmosphere.
+        altitude_m: (n,) of the rays' starts, inside the atmosphere.
+        mu, mu_s: cosines (n,) of the zenith angles of ray and sun at the start.
+        nu: cosines (n,) of the angle between ray and sun.
+        distance_m: (n,) to the rays' ends; a ray ends at the ground or at the top of the
+            atmosphere at the latest.
+
+    Returns:
+        Radiance in W m^-2 sr^-1 nm^-1, without that of the ground, and transmittance.
+    """
+    air = field.atmosphere
+    ray = make_ray(air.ground_radius_m, altitude_m, mu)
+    end = _ends(air, ray, distance_m)
+    transmittance = np.exp(-optical_depth(air, ray, *end))
+    nodes = view_nodes(air, ray, mu_s, nu, _nodes(air), end)
+    # Most segments have no length: by day a ray is one segment or two.
+    which, column = np.nonzero(nodes.metres)
+    altitude, y = nodes.altitude_m[which, column], nodes.y[which, column]
+    here = Ray(*(part[which] for part in ray))
+    cosine_to_sun = nu[which]
+    sun = sun_cosine(here, altitude, y, mu_s[which], cosine_to_sun)
+    along = y * np.sqrt(y * y + 2.0 * here.perigee_radius_m)
+    cosine = np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0)
+    molecules, aerosol = scattering_at(air, altitude)
+    once = molecules * rayleigh_phase(cosine_to_sun)[:, None]
+    once += aerosol * mie_phase(air, cosine_to_sun)[:, None]
+    once *= np.exp(-optical_depth_to_top(air, altitude, sun)) * np.asarray(air.solar_irradiance)
+    by_molecules, by_aerosol = source_at(field, altitude, cosine, sun, cosine_to_sun)
+    # The harmonics' sum may fall below zero by a trace where there is almost no light.
+    more = np.maximum(by_molecules * molecules + by_aerosol * aerosol, 0.0)
+    light = once * nodes.lit[which, column, None] + more
+    light *= nodes.metres[which, column, None]
+    light *= np.exp(-optical_depth(air, here, altitude, y))
+    radiance = np.zeros_like(transmittance)
+    first = np.flatnonzero(np.diff(which, prepend=-1))
+    if first.size:
+        radiance[which[first]] = np.add.reduceat(light, first, axis=0)
+    return radiance, transmittance
+
+
+def _nodes(air: Atmosphere) -> int:
+    if air.foggy:
+        return _IN_FOG
+    return _IN_THICK_HAZE if is_thick_haze(air) else _NODES
+
+
+def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Altitude and y (n,) where rays end."""
+    planet, top_m = air.ground_radius_m, air.top_altitude_m
+    hits = ray.hits_ground()
+    # Of a ray that misses the ground the formula for its distance may overflow, to no purpose.
+    down = distance_to_ground(planet, ray.altitude_m, np.where(hits, ray.mu, -1.0))
+    length = np.where(hits, down, distance_to_top(planet, top_m, ray.altitude_m, ray.mu))
+    way = np.minimum(distance_m, length)
+    altitude, y = end_of_ray(ray, top_m)
+    cut = distance_m < length
+    cut_altitude = np.clip(altitude_along(planet, ray.altitude_m, ray.mu, way), 0.0, top_m)
+    y_cut = np.clip(y_along(ray, way), ray.y, np.maximum(y, ray.y))
+    return np.where(cut, cut_altitude, altitude), np.where(cut, y_cut, y)
+
+
+def scattering_at(atmosphere: Atmosphere, altitude_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Scattering coefficients (n, C) in 1/m of molecules, and of all that has aerosol's phase."""
+    molecules, *rest = (
+        np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
+        for kind in atmosphere.scatterers()
+    )
+    return molecules, np.sum(rest, axis=0)
+
+
+def source_at(
+    field: SourceField, altitude_m: FloatArray, mu: FloatArray, mu_s: FloatArray, nu: FloatArray
+) -> FloatArray:
+    """The source function (2, n, C) of molecules and aerosol at points; see `SourceField`."""
+    air = field.atmosphere
+    height = _altitude_place(air, altitude_m)
+    sun = SunGrid(air, field.sizes.mu_s).place(mu_s)
+    sine = np.sqrt((1.0 - mu) * (1.0 + mu))
+    sines = np.maximum(sine * np.sqrt((1.0 - mu_s) * (1.0 + mu_s)), _SMALLEST_SINE)
+    turn = np.clip((nu - mu * mu_s) / sines, -1.0, 1.0)
+    rayleigh, mie = _tables(field)
+    out = np.zeros((2, mu.size, len(air.wavelength_nm)))
+    if rayleigh.size:
+        values = _blend(rayleigh, (height, sun))
+        terms = np.stack(
+            [np.ones_like(mu), 3.0 * mu * mu - 1.0, mu * sine * turn, sine**2 * (2 * turn**2 - 1)]
+        )
+        out[0] = np.einsum("tn,ntc->nc", terms, values)
+    if mie.size:
+        places = height, 0.5 * mu + 0.5, np.sqrt(0.5 * (1.0 - turn)), sun
+        out[1] = _blend(mie, places)
+    return out
+
+
+def _altitude_place(air: Atmosphere, altitude_m: FloatArray) -> FloatArray:
+    """Place (n,) in [0, 1] on the source's axis of altitudes: see `solver.altitude_kernels`."""
+    radius, top = air.ground_radius_m, air.top_altitude_m
+    squares = altitude_m * (2.0 * radius + altitude_m) / (top * (2.0 * radius + top))
+    place = np.sqrt(np.clip(squares, 0.0, 1.0))
+    reach_m, share = dense_layer(air)
+    in_layer = np.expm1(-altitude_m / reach_m) / np.expm1(-top / reach_m)
+    return np.asarray(place + share * (in_layer - place))
+
+
+@lru_cache(maxsize=4)
+def _tables(field: SourceField) -> tuple[SingleArray, SingleArray]:
+    """The source function of molecules (altitudes, suns, 4, C), and that of aerosol (altitudes, mu,
+    azimuths, suns, C), all wavelengths side by side; empty where there is none."""
+    count = len(field.atmosphere.wavelength_nm)
+    rayleigh = np.moveaxis(_by_sun(field.rayleigh, count), 1, 2)
+    return np.ascontiguousarray(rayleigh), _by_sun(field.mie, count)
+
+
+def _by_sun(table: SingleArray, count: int) -> SingleArray:
+    """(groups, ..., suns * 4) as (..., suns, C)."""
+    by_group = table.reshape(*table.shape[:-1], table.shape[-1] // LANES, LANES)
+    joined = np.moveaxis(by_group, 0, -2)
+    joined = joined.reshape(*joined.shape[:-2], len(table) * LANES)
+    return np.ascontiguousarray(joined[..., :count])
+
+
+def _blend(table: SingleArray, places: tuple[FloatArray, ...]) -> FloatArray:
+    """Values (n, ...) between nodes along the first axes, at places in [0, 1]; linear."""
+    low, share = [], []
+    for place, size in zip(places, table.shape, strict=False):
+        low.append(np.minimum((place * (size - 1)).astype(np.intp), size - 2))
+        share.append(place * (size - 1) - low[-1])
+    rest = (1,) * (table.ndim - len(places))
+    out = np.zeros((places[0].size, *table.shape[len(places) :]))
+    for corner in np.ndindex(*(2,) * len(places)):
+        sides = zip(corner, share, strict=True)
+        weight = np.prod([part if side else 1.0 - part for side, part in sides], axis=0)
+        index = tuple(near + side for near, side in zip(low, corner, strict=True))
+        out += weight.reshape(-1, *rest) * table[index]
+    return out
