@@ -9,8 +9,8 @@ from long_parameters import mostly_long
 from vrut_lite_bench.work_of_a_day import DAY_SCENES
 from vrut_lite_bench.work_skipped import NOTHING, PLAYED, difference, play, play_frames, rows
 
+from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.project import load_project
-from vrut_lite.render.skips import FrameSkips
 
 pytestmark = pytest.mark.gl
 SIZE = (96, 60)

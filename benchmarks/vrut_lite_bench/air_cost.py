@@ -23,10 +23,10 @@ from bruneton_sky.solver_job import solve_air
 from dynamic_skylight.air import air_volume as exponential_air_volume
 from dynamic_skylight.daylight import Daylight
 
+from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.project import daylight_inputs, load_project, setting_inputs, view_inputs
-from vrut_lite.render.skips import FrameSkips
 from vrut_lite_bench.pass_timer import PassTimer
 
 SCENE = Path(__file__).resolve().parents[2] / "scenes" / "large" / "terrain.toml"

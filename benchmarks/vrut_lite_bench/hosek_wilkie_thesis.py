@@ -16,9 +16,9 @@ from dynamic_skylight.sun.disc import visible_fraction
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from vrut_lite.daylight.camera import look_at
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.render.display import display_picture
-from vrut_lite.scene.camera import look_at
 
 WIDTH, HEIGHT = 480, 300
 FIELD_OF_VIEW_DEG = 62.0

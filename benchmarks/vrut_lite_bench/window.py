@@ -27,7 +27,7 @@ from vrut_lite.app.session import Session
 from vrut_lite.app.stage import Stage
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
@@ -217,7 +217,7 @@ def main() -> None:
 
 def loaded(bench: Bench) -> str:
     """Which scene is open."""
-    scene = bench.session.last(SceneLoaded)
+    scene = bench.session.last(SceneOpened)
     return "" if scene is None else scene.path
 
 

@@ -14,8 +14,8 @@ from datetime import timedelta
 
 import msgspec
 
+from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.project import Project, load_project
-from vrut_lite.render.skips import FrameSkips
 from vrut_lite_bench.work_skipped import NOTHING, SCENES, Play, difference, play_frames, rows
 
 DAY_SCENES = {

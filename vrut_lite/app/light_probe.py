@@ -66,7 +66,7 @@ class LightProbe(QObject):
         at = self._at
 
         def measure(stage: Stage) -> Illuminance | None:
-            width, height = stage.watched.size
+            width, height = stage.state.size_px
             return stage.light_at_pixel(int(at[0] * width), int(at[1] * height))
 
         self._session.ask(

@@ -10,7 +10,7 @@ from vrut_lite.app.session import Session
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolerance_of
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting, SettingChanged, SlotChanged
@@ -35,7 +35,7 @@ class ProjectKeeper:
         self._defaults: dict[str, dict[str, Any]] = {}
         self._values: dict[str, dict[str, Any]] = {}
         session.ready.connect(self._know)
-        session.listen(SceneLoaded, lambda m: self._set(scene=m.path))
+        session.listen(SceneOpened, lambda m: self._set(scene=m.path))
         session.listen(ClockMoved, lambda m: self._set(at=m.instant.isoformat()))
         session.listen(SetPlace, self._note_place)
         session.listen(SlotChanged, self._note_slot)

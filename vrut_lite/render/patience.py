@@ -1,14 +1,7 @@
 """Whether somebody waits for a picture that takes long."""
 
-from collections.abc import Callable
-
 from vrut_lite.kernel.ledger import Ledger
-
-IsGivenUp = Callable[[], bool]
-
-
-class GivenUp(Exception):
-    """Nobody waits any more for the picture that was being drawn."""
+from vrut_lite.scene.backend import GivenUp, IsGivenUp
 
 
 class Patience:

@@ -1,12 +1,12 @@
-"""Rays against a loaded scene, on the CPU in double precision: for single points."""
+"""Single rays against an opened scene, on the CPU in double precision."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.scene.ground_disc import PLANET_RADIUS_M, GroundDisc, fall_m
-from vrut_lite.scene.loading import LoadedScene
+from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M, fall_m
+from vrut_lite.daylight.scene import SceneOpened
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6
@@ -22,13 +22,14 @@ class Hit(NamedTuple):
 class SceneRays:
     """The triangles of a scene and its ground; textures that cut out are not looked at."""
 
-    def __init__(self, scene: LoadedScene, ground: GroundDisc | None):
-        triangles = [placed.world_triangles() for placed in scene.meshes]
+    def __init__(self, scene: SceneOpened):
+        parts = range(len(scene.geometry.part_mesh.values))
+        triangles = [scene.geometry.world_triangles(part) for part in parts]
         self._corner = np.concatenate([t[:, 0] for t in triangles])
         self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
         self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])
-        self._ground = ground
-        size_m = float(np.linalg.norm(scene.upper_m - scene.lower_m))
+        self._ground = scene.ground
+        size_m = float(np.linalg.norm(np.subtract(scene.upper_m, scene.lower_m)))
         self._clearance_m = _CLEARANCE * max(size_m, 1e-6)
 
     def first_hit(self, eye_m: ArrayLike, direction: ArrayLike) -> Hit | None:

@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera, look_at, rays_through
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.scene.camera import look_at
-from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
 
 # Coarse directions stand for whole texels, so the view is widened by one texel's reach.
 _PROBE_SIZE = 16
@@ -77,12 +76,8 @@ def _scene_reach_m(camera: MoveCamera, aspect: float, lower_m: NDArray, upper_m:
 
 def _heights_in_view(camera: MoveCamera, aspect: float) -> tuple[float, float]:
     """The least and the greatest sine of elevation in the view."""
-    turn = look_at(camera.eye_m, camera.target_m)[:3, :3]
-    tangent = _WIDENED * np.tan(0.5 * camera.vertical_field_of_view_rad)
-    steps = np.linspace(-1.0, 1.0, _BORDER_STEPS)
-    across, up = np.meshgrid(steps * tangent * aspect, steps * tangent)
-    rays = np.stack([across, up, -np.ones_like(up)], axis=-1)
-    heights = (rays @ turn)[..., 1] / np.linalg.norm(rays, axis=-1)
+    steps = _WIDENED * np.linspace(-1.0, 1.0, _BORDER_STEPS)
+    heights = rays_through(camera, aspect, *np.meshgrid(steps, steps))[..., 1]
     return float(heights.min()), float(heights.max())
 
 
