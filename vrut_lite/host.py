@@ -20,7 +20,7 @@ from vrut_lite.scene.manager import SceneManager
 
 
 class Host:
-    """Everything that a picture needs, headless; `close` gives the GPU back.
+    """A kernel with all modules and a GL backend, headless; `close` frees the GPU.
 
     A `cube_size` of 1 leaves the sky's size to its module and the tolerance. `frame_skips` says
     which work frames leave out. Callers that pump the kernel on a thread of their own use
@@ -87,7 +87,7 @@ class Host:
         is_given_up: IsGivenUp | None = None,
         size_px: tuple[int, int] | None = None,
     ) -> Picture:
-        """Draw what the scene manager knows by now, perhaps in another size.
+        """Draw the present state, `size_px` instead of the state's own size.
 
         Raises:
             GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
@@ -99,7 +99,7 @@ class Host:
 
     @property
     def state(self) -> SceneState:
-        """What the scene manager knows by now."""
+        """The present state of the scene."""
         return self._view.state
 
     @property

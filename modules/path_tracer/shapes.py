@@ -134,7 +134,7 @@ def _mesh(
 
 
 def _ground(mitsuba: Any, subject: Subject, ground: GroundDisc) -> Any:
-    """The ground disc, triangle for triangle that of the GL frame."""
+    """The ground disc, of the same triangles as in the GL frame."""
     vertices, triangles = triangulate(ground)
     x, z = ground.centre_xz_m
     matrix = subject.units_from_world()

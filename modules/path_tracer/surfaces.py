@@ -219,7 +219,7 @@ def _brightness_and_hue(
 
 
 def _cut_out(mitsuba: Any, inner: Plugin, material: Material, maps: Maps) -> Plugin:
-    """The surface with its holes: what is blended lets through what it does not cover."""
+    """The surface with its holes; a blended one transmits 1 - alpha."""
     if material.alpha_mode == "OPAQUE":
         return inner
     if maps.opacity is not None:

@@ -66,7 +66,7 @@ def scaled_normals(encoded: FloatArray, scale: float) -> FloatArray:
 
 
 def _opacity(material: Material, colour: FloatArray | None) -> FloatArray | None:
-    """Alpha (h, w, 1) of what is cut out or blended by a map; None if one number says it."""
+    """Alpha (h, w, 1) of a surface that a map cuts out or blends; None without such a map."""
     if material.alpha_mode == "OPAQUE" or colour is None or colour.shape[2] < 4:
         return None
     alpha = colour[..., 3:4] * np.float32(material.base_colour_rgba[3])

@@ -69,7 +69,7 @@ class Tracer:
 
 
 def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
-    """One scene lit by the sun and one lit by all else, of these what is not dark."""
+    """One scene lit by the sun and one by all else, without those that are dark."""
     matter = shapes(mitsuba, subject, settings.surfaces)
     farthest = subject.reach_units()
     scenes = []

@@ -10,10 +10,10 @@ from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
 from vrut_lite.daylight.cloud_density import density, distance_up_m
+from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.render.cloud_light import ClearLight, under_clouds
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)

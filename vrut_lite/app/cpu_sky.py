@@ -77,7 +77,7 @@ class CpuSkyStage:
 
     @property
     def state(self) -> SceneState:
-        """What the scene manager knows by now."""
+        """The present state of the scene."""
         return self._view.state
 
     def draw(

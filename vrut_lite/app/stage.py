@@ -69,7 +69,7 @@ class GlStage:
 
     @property
     def state(self) -> SceneState:
-        """What the scene manager knows by now."""
+        """The present state of the scene."""
         return self._host.state
 
     @property

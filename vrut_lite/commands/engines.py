@@ -94,7 +94,7 @@ class EngineHost:
 
     @property
     def state(self) -> SceneState:
-        """What the scene manager knows by now."""
+        """The present state of the scene."""
         return self._view.state
 
     def inject(self, *messages: Input) -> None:

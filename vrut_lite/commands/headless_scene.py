@@ -14,9 +14,9 @@ def add_headless_scene(kernel: Kernel) -> None:
 
 
 def modules_for(setup: Setup) -> list[type[Module]]:
-    """What a replay of this setup may load: installed modules, and those of a host's that it needs.
+    """Modules that a replay of this setup may load: installed ones, and the host's that it needs.
 
-    In the place of who runs GPU jobs stands one who leaves them to the journal.
+    A stand-in takes the place of the runner of GPU jobs; the journal holds their results.
     """
     modules, failures = discover()
     tell(failures)

@@ -71,7 +71,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):
-    """What the scene asks of light: producers compute nothing else.
+    """The light and the air that the scene needs; producers compute nothing else.
 
     `air_reach_m`: distance (m) from the eye to the farthest surface that is seen through air; 0
     without such a surface. `eye_height_m`: the eye's y, also of a camera that a scene brings.

@@ -1,4 +1,4 @@
-"""What a picture of the scene shows, as one frozen value."""
+"""The state of the scene that backends draw, as one frozen value."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -92,7 +92,7 @@ class SceneState:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """What a picture still lacks."""
+        """Names of the parts that a picture still lacks."""
         needed = ("scene", "background", "key_light", "ambient", "camera")
         return tuple(name for name in needed if getattr(self, name) is None)
 

@@ -14,7 +14,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 from vrut_lite.gpu_texture import GpuTexture
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
 
@@ -23,7 +23,7 @@ _RADIANCE_UNIT, _EXTINCTION_UNIT = 12, 13
 
 
 class AirSurroundings(NamedTuple):
-    """What else the air of a frame depends on.
+    """Inputs of a frame's air besides the volume.
 
     Attributes:
         eye_altitude_m: the eye's y.
@@ -39,7 +39,7 @@ class AirSurroundings(NamedTuple):
 
 
 class FrameAir(NamedTuple):
-    """What the shaders of meshes and sky define, to do with air what a frame asks for."""
+    """The defines with which shaders of meshes and sky are compiled for a frame's air."""
 
     mesh: Defines = ()
     sky: Defines = ()
@@ -108,7 +108,7 @@ class AirOnGpu:
 
     def _release(self, texture: Any) -> None:
         if texture is not None:
-            rest(self._context)
+            bind_permanent_framebuffer(self._context)
             texture.release()
 
 

@@ -14,12 +14,12 @@ from vrut_lite.daylight.cloud_density import (
     WEATHER_TURN_RAD,
     turned,
 )
+from vrut_lite.daylight.cloud_light import ClearLight, sky_beneath
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.render.cloud_light import ClearLight, sky_beneath
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.uniform_blocks import CLOUDS
 from vrut_lite.render.unlocked import build_mipmaps
 
@@ -136,7 +136,7 @@ class CloudsOnGpu:
 
     def _release_textures(self) -> None:
         if self._noises:
-            rest(self._context)
+            bind_permanent_framebuffer(self._context)
             for texture in self._noises:
                 texture.release()
         self._noises = []

@@ -15,10 +15,9 @@ from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render import exposure
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
-from vrut_lite.render.by_size import BySize
-from vrut_lite.render.cloud_stage import CloudStage
 from vrut_lite.render.culling import in_view, part_of
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.frame_clouds import FrameClouds
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.mesh_renderer import (
     SHADOW_UNIT,
@@ -27,15 +26,14 @@ from vrut_lite.render.mesh_renderer import (
     in_order,
     shadow_from_eye,
 )
-from vrut_lite.render.patience import Patience
-from vrut_lite.render.pieces import Piece, Pieces
+from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shadow_map import ShadowMaps
+from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.sky_pass import SkyPass, SunDisc
-from vrut_lite.render.specular_filter import SpecularFilter
+from vrut_lite.render.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.targets import Targets
-from vrut_lite.render.tolerance import reflection_change
 from vrut_lite.render.tone_pass import TonePass
 from vrut_lite.scene.backend import IsGivenUp, Picture
 
@@ -68,9 +66,9 @@ class Frame:
         self._air = AirOnGpu(context)
         self._patience = Patience(self.ledger)
         self._mesh_pieces = Pieces(self._patience)
-        self._clouds = CloudStage(context, self.ledger, self._patience)
+        self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
-        self._targets = BySize(context, lambda size: Targets(context, size))
+        self._targets = SizeCache(context, lambda size: Targets(context, size))
 
     def show_view(self, view: ViewShader | None) -> None:
         """Draw this behind the scene; None or an error: the cube map (see `SkyPass`)."""
@@ -109,7 +107,7 @@ class Frame:
             state.key_light.angular_radius_rad,
             state.key_light.limb_darkening_rgb,
         )
-        targets = self._targets.of(state.size_px)
+        targets = self._targets.get(state.size_px)
         self._meshes.update(scene)
         seen = self._seen(scene, view)
         with self.measure("reflection"):
@@ -138,7 +136,7 @@ class Frame:
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
-        rest(self._context)
+        bind_permanent_framebuffer(self._context)
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
                       self._air, self._clouds, self._targets):  # fmt: skip

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.cloud_density import sun_transmittance
+from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.render.rays import SceneRays
 
 

@@ -150,7 +150,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glUseProgram(0)
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
-        """A mask casts by its own cut-off; what is blended casts where it is more than half."""
+        """A masked surface casts by its own cut-off, a blended one where alpha exceeds 0.5."""
         cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": 0.5}
         cut_off = cut_offs.get(material.alphaMode, 0.0)
         texture = material.baseColorTexture if cut_off > 0.0 else None

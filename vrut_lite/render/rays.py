@@ -33,7 +33,7 @@ class SceneRays:
         self._clearance_m = _CLEARANCE * max(size_m, 1e-6)
 
     def first_hit(self, eye_m: ArrayLike, direction: ArrayLike) -> Hit | None:
-        """What a ray from `eye_m` (3,) along a unit direction (3,) meets first."""
+        """The nearest hit of a ray from `eye_m` (3,) along a unit direction; None for the sky."""
         eye, ray = np.asarray(eye_m, dtype=float), np.asarray(direction, dtype=float)
         distances_m = self._distances_m(eye, ray)
         nearest = int(np.argmin(distances_m)) if distances_m.size else -1

@@ -1,4 +1,4 @@
-"""Uniform blocks: one description makes both the GLSL and the bytes, so that they cannot part.
+"""Uniform blocks: one description makes both the GLSL and the bytes, so that they always agree.
 
 Fields are laid out by the rules of std140 (OpenGL 4.3, section 7.6.2.2).
 """
@@ -25,7 +25,7 @@ class UniformBlock(NamedTuple):
 
     @property
     def size_bytes(self) -> int:
-        """What the buffer behind it holds."""
+        """Size of the buffer behind it."""
         return 4 * self._places()[1]
 
     def glsl(self) -> str:

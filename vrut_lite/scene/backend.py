@@ -14,7 +14,7 @@ IsGivenUp = Callable[[], bool]
 
 
 class GivenUp(Exception):
-    """Nobody waits any more for the picture that was being drawn."""
+    """The caller gave up the picture while it was being drawn."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ _NETWORK = {"http", "https", "ftp", "ftps", "ws", "wss", "sftp"}
 
 
 class SceneFileError(ValueError):
-    """What is wrong with a scene file and what to do; the path is added by `load_scene`."""
+    """A scene file cannot be opened: the reason and the remedy; `load_scene` adds the path."""
 
 
 class SceneFolder:

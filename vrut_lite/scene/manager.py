@@ -1,4 +1,4 @@
-"""The scene manager: opens scenes, asks for light and air, and owns what a picture shows."""
+"""The scene manager: opens scenes, demands light and air, and owns the `SceneState`."""
 
 from dataclasses import replace
 from typing import Annotated, Any
@@ -28,7 +28,7 @@ NAME = "scene"
 
 
 class SceneSettings(msgspec.Struct, frozen=True):
-    """What is drawn besides the scene itself."""
+    """Whether air and light shafts are drawn."""
 
     air: Annotated[bool, msgspec.Meta(description="Whether the scene is seen through the air.")] = (
         True
@@ -55,14 +55,14 @@ class SceneManager(Module):
 
     @property
     def state(self) -> SceneState:
-        """What a picture shows."""
+        """The state of the view."""
         return self._view.state
 
     # --- what is to be seen, from where -------------------------------------------------
 
     @handles(LoadScene)
     def on_load(self, message: LoadScene) -> None:
-        """Open the file and look through its own camera; the old scene stays until it is read."""
+        """Open the file and look through its own camera; a bad file leaves the old scene."""
         loaded = load_scene(message.path)
         scene = packed(loaded)
         self._shelter = None
@@ -106,7 +106,7 @@ class SceneManager(Module):
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
-        """Remember what light is wanted for the picture, to ask for it again after a room."""
+        """Remember the demands for light, to renew them after a closed room."""
         for kind in LIGHT:
             if message.consumer == NAME and message.message == kind.__name__ and message.size:
                 self._wanted_light[kind] = message
@@ -150,7 +150,7 @@ class SceneManager(Module):
 
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
-        """Keep no air of another sky than the one that is shown."""
+        """Drop the air of a sky that no longer holds the slot."""
         if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
             self._change(air=None)
 
@@ -160,7 +160,7 @@ class SceneManager(Module):
     # --- what that needs ----------------------------------------------------------------
 
     def _look(self) -> None:
-        """Tell what is needed of light and air from where the camera stands now."""
+        """Post what this camera needs of light and air."""
         camera, aspect = self.state.camera, self.state.aspect
         if camera is None:
             return
@@ -189,7 +189,7 @@ class SceneManager(Module):
         return reach_m if clouds is None else max(reach_m, cloud_reach_m(camera, clouds))
 
     def _want_air(self, useful: bool) -> None:
-        """Ask for air where it is seen, unless it is switched off; show none where it is not."""
+        """Demand air where it is seen and switched on; remove it elsewhere."""
         if useful and not self.settings.air:
             self.ledger.skip("air: switched off")
         wanted = useful and self.settings.air
@@ -201,7 +201,7 @@ class SceneManager(Module):
         self._change(air=last and last.volume)
 
     def _want_clouds(self, useful: bool) -> None:
-        """Ask for clouds outside; show none inside."""
+        """Demand clouds outside; remove them inside."""
         if useful == self._wants_clouds:
             return
         self._wants_clouds = useful
@@ -210,7 +210,7 @@ class SceneManager(Module):
         self._change(clouds=last and last.layer)
 
     def _go_inside(self, sheltered: bool) -> None:
-        """In a closed room ask nobody for light; outside, ask again."""
+        """Withdraw the demands for light in a closed room; renew them outside."""
         if sheltered == self.state.sheltered:
             return
         self._view.state = self.state.with_shelter(sheltered)

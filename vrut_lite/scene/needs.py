@@ -1,4 +1,4 @@
-"""What a view needs: which cube faces of the sky it can show, and how far its air reaches."""
+"""The needs of a view: visible cube faces of the sky, and the distance that air is seen over."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ _WIDENED = 1.02
 def visible_faces(camera: MoveCamera, aspect: float) -> tuple[tuple[int, ...], bool]:
     """Indices of the cube faces inside the view, and whether any sky above the horizon is.
 
-    What hides the sky in the scene itself is not asked: a conservative answer.
+    Conservative: the scene's own surfaces are taken to hide nothing.
     """
     view = look_at(camera.eye_m, camera.target_m)
     directions = texel_directions(_PROBE_SIZE) @ view[:3, :3].T
@@ -42,10 +42,10 @@ def air_reach_m(
     upper_m: ArrayLike,
     ground_level_m: float,
 ) -> float:
-    """How far from the eye the farthest thing in view may stand, in m; 0 if there is none.
+    """Greatest distance from the eye to a surface in view, in m; 0 without one.
 
-    Things are the scene in its bounds (3,), if its sphere reaches into the view, and the ground
-    at a level, out to the horizon if that is in view and else to the highest ray that meets it.
+    Surfaces are the scene in its bounds (3,), if its sphere reaches into the view, and the ground
+    at a level, out to the horizon if that is in view, else to the highest ray that meets it.
     """
     height_m = max(camera.eye_m[1] - ground_level_m, 0.0)
     scene_m = _scene_reach_m(camera, aspect, np.asarray(lower_m), np.asarray(upper_m))
@@ -53,7 +53,7 @@ def air_reach_m(
 
 
 def cloud_reach_m(camera: MoveCamera, layer: CloudLayer) -> float:
-    """How far from the eye the last clouds over the horizon stand, in m."""
+    """Distance from the eye to the farthest clouds over the horizon, in m."""
     heights_m = np.array([camera.eye_m[1], layer.base_m + layer.thickness_m])
     return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * PLANET_RADIUS_M).sum())
 
