@@ -9,8 +9,8 @@ from long_parameters import mostly_long
 from vrut_lite_bench.paths.frame import NOTHING
 
 from tools.work_skipped import DAY_SCENES, SCENES, difference, play_frames, rows
+from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.project import Project, load_project
-from vrut_lite.render.skips import FrameSkips
 
 pytestmark = pytest.mark.gl
 SIZE = (96, 60)

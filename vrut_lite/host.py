@@ -1,38 +1,35 @@
 """The host: a kernel with its modules, a scene manager, and the one owner of OpenGL."""
 
-from collections.abc import Callable
 from concurrent.futures import Future, wait
+from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
 from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.tolerance import tolerance_of
+from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input
 from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
-from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.render.rays import Hit
-from vrut_lite.render.skips import FrameSkips
-from vrut_lite.scene.backend import Picture, SceneBackend
+from vrut_lite.scene.backend import IsGivenUp, Picture, SceneView
 from vrut_lite.scene.manager import SceneManager
 
 
 class Host:
-    """Everything that a picture needs, headless; `close` gives the GPU back.
+    """A kernel with all modules and a GL backend, headless; `close` frees the GPU.
 
-    A `cube_size` of 1 leaves the sky's size to its module and the tolerance. `watch` may stand
-    itself between the scene manager and the backend that draws. Who pumps the kernel on a thread
-    of its own uses `draw_now` and `light_at_pixel`, on that thread.
+    A `cube_size` of 1 leaves the sky's size to its module and the tolerance. `frame_skips` says
+    which work frames leave out. Callers that pump the kernel on a thread of their own use
+    `draw_now` and `light_at_pixel`, on that thread.
     """
 
-    def __init__(
-        self, cube_size: int = 1, watch: Callable[[SceneBackend], SceneBackend] | None = None
-    ):
+    def __init__(self, cube_size: int = 1):
+        self.frame_skips = FrameSkips()
         self.kernel, self.failures = daylight_kernel()
         self.faults = FaultCollector(self.kernel)
         self.gl = GlOwner()
@@ -42,8 +39,8 @@ class Host:
             self.gl.close()
             raise
         self.kernel.add_module(GlJobs, owner=self.gl, inject=self.kernel.inject)
-        told = self._backend if watch is None else watch(self._backend)
-        self.kernel.add_module(SceneManager, backend=told)
+        self._view = SceneView(self._backend)
+        self.kernel.add_module(SceneManager, view=self._view)
         demand_light(self.kernel, SceneManager.manifest.name, cube_size)
         self.settle()
 
@@ -85,28 +82,31 @@ class Host:
         self.settle()
         return self.draw_now(still)
 
-    def draw_now(self, still: bool = True, is_given_up: IsGivenUp | None = None) -> Picture:
-        """Draw what the scene manager knows by now.
+    def draw_now(
+        self,
+        still: bool = True,
+        is_given_up: IsGivenUp | None = None,
+        size_px: tuple[int, int] | None = None,
+    ) -> Picture:
+        """Draw the present state, `size_px` instead of the state's own size.
 
         Raises:
             GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
         """
-        self._backend.set_tolerance(tolerance_of(self.kernel))
-        return self._backend.draw(still, is_given_up)
+        state = self.state
+        size_px = size_px or state.size_px
+        drawn = replace(state, size_px=size_px, skips=self.frame_skips)
+        return self._backend.draw(drawn, still, is_given_up)
+
+    @property
+    def state(self) -> SceneState:
+        """The present state of the scene."""
+        return self._view.state
 
     @property
     def frame_ledger(self) -> Ledger:
         """What frames did and what they skipped, since the host was made."""
         return self._backend.ledger
-
-    @property
-    def frame_skips(self) -> FrameSkips:
-        """Which work frames leave out; set another to see that the picture stays."""
-        return self._backend.skips
-
-    @frame_skips.setter
-    def frame_skips(self, skips: FrameSkips) -> None:
-        self._backend.skips = skips
 
     def measure_passes(self, measure: Measure) -> None:
         """Enter `measure(name)` around each pass of a frame, on the GL thread."""
@@ -115,7 +115,7 @@ class Host:
     def illuminance(self, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Lux by sun and by sky on a plane with this normal (3,) at a point (3,), world axes."""
         self.settle()
-        return self._backend.illuminance(point_m, normal)
+        return self._backend.illuminance(self.state, point_m, normal)
 
     def illuminance_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on the surface that a pixel shows, None for the sky; y counts from the top.
@@ -128,11 +128,13 @@ class Host:
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """The same by what the scene manager knows by now."""
         hit = self.surface_at_pixel(x, y)
-        return None if hit is None else self._backend.illuminance(hit.point_m, hit.normal)
+        return (
+            None if hit is None else self._backend.illuminance(self.state, hit.point_m, hit.normal)
+        )
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
         """The surface that a pixel shows, by what the scene manager knows; None for the sky."""
-        return self._backend.surface_at(x, y)
+        return self._backend.surface_at_pixel(self.state, x, y)
 
     def close(self) -> None:
         """End background jobs, free the GPU's resources and end its thread."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from path_tracer.subject import Subject
-from vrut_lite.scene.camera import look_at
+from vrut_lite.daylight.camera import look_at
 
 # As near as the GL frame's, in radii of the scene.
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
@@ -18,7 +18,7 @@ def sensor(mitsuba: Any, subject: Subject, farthest_units: float) -> dict[str, A
     eye_m, target_m = np.asarray(camera.eye_m), np.asarray(camera.target_m)
     _, up, back = look_at(np.zeros(3), target_m - eye_m)[:3, :3]
     near_m = min(_NEAR_M, _NEAR_RADII * subject.radius_m)
-    width_px, height_px = subject.size
+    width_px, height_px = subject.state.size_px
     return {
         "type": "perspective",
         "fov": math.degrees(camera.vertical_field_of_view_rad),

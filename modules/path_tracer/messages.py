@@ -1,11 +1,11 @@
-"""What the path tracer says."""
+"""Messages of the path tracer."""
 
 from vrut_lite.array import Array
 from vrut_lite.kernel.messages import Derived
 
 
 class PathTracedPicture(Derived, frozen=True, kw_only=True):
-    """The picture so far; whoever wants it demands it by this name.
+    """The picture so far; consumers demand it by this name.
 
     radiance (height_px, width_px, 3) float32 is linear sRGB in W m^-2 sr^-1, row 0 at the top:
     the mean of `samples` paths a pixel, of `samples_wanted`.
@@ -19,4 +19,4 @@ class PathTracedPicture(Derived, frozen=True, kw_only=True):
 
 
 class PictureOutdated(Derived, frozen=True, kw_only=True):
-    """To the path tracer itself: once all that changed has been heard, begin anew."""
+    """To the path tracer itself: restart the picture after all changes have been heard."""

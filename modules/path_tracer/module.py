@@ -1,12 +1,11 @@
 """The path tracer on the bus: a picture that grows while nothing changes.
 
-It hears what the scene manager hears and keeps a stage of its own by the same rules (which
-camera, which ground, in a closed room or not). Nothing is loaded or traced unless somebody
-demands `PathTracedPicture`.
+It keeps a `SceneState` of its own from what the scene manager and the sky say. Nothing is traced
+unless somebody demands `PathTracedPicture`.
 """
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +14,21 @@ from path_tracer.backend import PathTracedBackend
 from path_tracer.library import load_mitsuba
 from path_tracer.messages import PathTracedPicture, PictureOutdated
 from path_tracer.settings import PathTracerSettings
+from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.daylight_kernel import LIGHT
+from vrut_lite.daylight.picture import Resize
+from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
 from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.kernel.messages import Demand, Derived, JobResult
+from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite.scene.manager import LIGHT, SceneManager, SceneSettings
 
 NAME = "path_tracer"
 JOB = "samples"
@@ -40,7 +41,7 @@ _MOST_A_PASS = 16
 class PathTracer(Module):
     """Traces what the scene manager shows, in passes that double.
 
-    The ledger counts "picture begun" and "sample", and skips "scene: nobody wants a picture".
+    The ledger counts "picture begun" and "sample".
     """
 
     manifest = Manifest(
@@ -68,14 +69,8 @@ class PathTracer(Module):
 
     def __init__(self, link: Link, settings: PathTracerSettings):
         super().__init__(link, settings)
-        self._backend = PathTracedBackend(settings)
-        alone = SceneSettings(air=False)
-        self._stage = SceneManager(_Muted(link), alone, backend=self._backend)
+        self._state = SceneState()
         self._wanted = False
-        # Since the scene was opened.
-        self._camera: MoveCamera | None = None
-        self._path: str | None = None
-        self._shown: str | None = None
         self._tracer: Tracer | None = None
         self._total: NDArray[np.float64] | None = None
         self._samples = 0
@@ -92,37 +87,33 @@ class PathTracer(Module):
         for kind in LIGHT:
             self.link.demand(kind, SKY_SIZE if wanted else 0, "float16" if wanted else "")
         if wanted:
-            self._show_scene()
+            self._outdated()
         else:
             self._end()
 
     # --- what is to be seen -------------------------------------------------------------
 
-    @handles(SceneLoaded)
-    def on_scene(self, message: SceneLoaded) -> None:
-        """The scene manager has opened a file: it is opened here too, if a picture is wanted."""
-        self._path, self._shown, self._camera = message.path, None, None
-        self._show_scene()
+    @handles(SceneOpened)
+    def on_scene(self, message: SceneOpened) -> None:
+        """Another scene, through its own camera."""
+        self._see(replace(self._state, scene=message, moved_camera=None))
+
+    @handles(SceneNeeds)
+    def on_needs(self, message: SceneNeeds) -> None:
+        """Whether the eye is in a closed room."""
+        sheltered = self._state.scene is not None and not message.receives_light
+        if sheltered != self._state.sheltered:
+            self._see(self._state.with_shelter(sheltered))
 
     @handles(MoveCamera)
     def on_camera(self, message: MoveCamera) -> None:
         """Look from there."""
-        # The scene manager tells whoever sent it that such a camera looks nowhere.
-        if message.eye_m != message.target_m:
-            self._camera = message
-            self._stage.on_camera(message)
-            self._outdated()
+        self._see(replace(self._state, moved_camera=message))
 
     @handles(Resize)
     def on_resize(self, message: Resize) -> None:
         """Trace pictures of this size."""
-        self._stage.on_resize(message)
-        self._outdated()
-
-    @handles(SetExposure)
-    def on_exposure(self, message: SetExposure) -> None:
-        """Remember the exposure: radiance knows none, so the picture goes on."""
-        self._stage.on_exposure(message)
+        self._see(replace(self._state, size_px=(message.width_px, message.height_px)))
 
     @handles(BackgroundChanged)
     def on_background(self, message: BackgroundChanged) -> None:
@@ -132,8 +123,7 @@ class PathTracer(Module):
             UserError: a picture is wanted, and the sky never left the GPU.
         """
         if not isinstance(message.cube, GpuTexture):
-            self._stage.on_background(message)
-            self._outdated()
+            self._see(self._state.with_light(background=message))
         elif self._wanted:
             self._end()
             raise UserError(
@@ -142,34 +132,22 @@ class PathTracer(Module):
             )
 
     @handles(KeyLightChanged)
-    def on_sun_light(self, message: KeyLightChanged) -> None:
-        """Another sun."""
-        self._stage.on_sun_light(message)
-        self._outdated()
+    def on_key_light(self, message: KeyLightChanged) -> None:
+        """Another light that casts shadows."""
+        self._see(self._state.with_light(key_light=message))
 
     @handles(AmbientChanged)
     def on_ambient(self, message: AmbientChanged) -> None:
         """Other light on the ground, of which its albedo is known."""
-        self._stage.on_ambient(message)
-        self._outdated()
+        self._see(self._state.with_light(ambient=message))
 
     def settings_changed(self, name: str) -> None:
         """Begin anew as they say now."""
-        self._backend.settings = self.settings
         self._outdated()
 
-    def _show_scene(self) -> None:
-        if self._path is None or self._shown == self._path:
-            self._outdated()
-        elif not self._wanted:
-            self.ledger.skip("scene: nobody wants a picture")
-        else:
-            self._shown = self._path
-            self._stage.on_load(LoadScene(path=self._path))
-            # Which has its own camera; whoever has moved on since looks from elsewhere.
-            if self._camera is not None:
-                self._stage.on_camera(self._camera)
-            self._outdated()
+    def _see(self, state: SceneState) -> None:
+        self._state = state
+        self._outdated()
 
     # --- tracing ------------------------------------------------------------------------
 
@@ -186,10 +164,10 @@ class PathTracer(Module):
     @handles(PictureOutdated)
     def begin(self, message: PictureOutdated) -> None:
         """Trace what there is now, from the first sample."""
-        if not self._wanted or not self._backend.is_ready:
+        if not self._wanted or self._state.missing:
             return
         self._end()
-        self._tracer = Tracer(self._backend.subject(), self.settings)
+        self._tracer = Tracer(Subject(self._state), self.settings)
         self._samples = 0
         self.ledger.did("picture begun")
         self._next_pass()
@@ -237,19 +215,3 @@ def trace_pass(
 
     radiance = tracer.trace(first, count, control.cancelled, traced)
     return None if radiance is None else (first, count, Array(radiance))
-
-
-class _Muted:
-    """The link of a stage that says nothing: the scene manager has said it."""
-
-    def __init__(self, link: Link):
-        self._link = link
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._link, name)
-
-    def post(self, message: Derived) -> None:
-        """Say nothing."""
-
-    def demand(self, *wish: Any) -> None:
-        """Want nothing."""

@@ -1,4 +1,4 @@
-"""What a person can set about the path tracer."""
+"""Settings of the path tracer."""
 
 from typing import Annotated, Literal
 

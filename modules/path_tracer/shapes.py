@@ -6,10 +6,10 @@ place's matrix is put together in double precision, so that single precision suf
 """
 
 from collections import Counter
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from path_tracer.settings import SurfaceModel
@@ -23,8 +23,8 @@ from path_tracer.surfaces import (
     painted_vertices,
     surface,
 )
-from vrut_lite.scene.ground_disc import triangulate
-from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
+from vrut_lite.daylight.scene_content import Material, Mesh
 
 # Flatter than this, a matrix has no usable inverse in single precision.
 _FLAT = 1e-5
@@ -32,65 +32,97 @@ _FLAT = 1e-5
 
 def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
     """All shapes of a scene by name, none of which glows; `model` as for `surface`."""
-    times = Counter(id(placed.mesh) for placed in subject.scene.meshes)
+    geometry = subject.scene.geometry
+    skins = _skins(subject)
+    times = Counter(geometry.part_mesh.values.tolist())
     groups: dict[int, Any] = {}
     result: dict[str, Any] = {}
-    for number, placed in enumerate(subject.scene.meshes):
-        matrix = subject.units_from_world() @ placed.world_from_model
-        name, mesh = f"shape_{number}", placed.mesh
-        if times[id(mesh)] == 1 or _glows(mesh) or _is_painted(mesh) or _is_flat(matrix):
-            result[name] = _mesh(mitsuba, mesh, matrix, model)
+    for part, (number, world_from_mesh) in enumerate(_places(subject)):
+        matrix = subject.units_from_world() @ world_from_mesh
+        name, skin = f"shape_{part}", skins[number]
+        if times[number] == 1 or skin.glows or skin.is_painted or _is_flat(matrix):
+            result[name] = _mesh(mitsuba, skin, matrix, model)
             continue
-        centre = _centre(mesh)
-        if id(mesh) not in groups:
+        centre = _centre(skin.mesh)
+        if number not in groups:
             back = np.eye(4)
             back[:3, 3] = -centre
-            groups[id(mesh)] = mitsuba.load_dict(
-                {"type": "shapegroup", "mesh": _mesh(mitsuba, mesh, back, model)}
+            groups[number] = mitsuba.load_dict(
+                {"type": "shapegroup", "mesh": _mesh(mitsuba, skin, back, model)}
             )
-            result[f"{name}_group"] = groups[id(mesh)]
+            result[f"{name}_group"] = groups[number]
         place = matrix.copy()
         place[:3, 3] += matrix[:3, :3] @ centre
         result[name] = {
             "type": "instance",
             "to_world": mitsuba.ScalarTransform4f(place),
-            "group": groups[id(mesh)],
+            "group": groups[number],
         }
-    if subject.ground is not None:
-        result["ground"] = _ground(mitsuba, subject)
+    if subject.scene.ground is not None:
+        result["ground"] = _ground(mitsuba, subject, subject.scene.ground)
     return result
 
 
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
     """The shapes that shine, under the names that they have in `shapes`."""
     units = subject.units_from_world()
+    skins = _skins(subject)
     return {
-        f"shape_{number}": _mesh(
-            mitsuba, placed.mesh, units @ placed.world_from_model, model, glowing=True
-        )
-        for number, placed in enumerate(subject.scene.meshes)
-        if _glows(placed.mesh)
+        f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, glowing=True)
+        for part, (number, matrix) in enumerate(_places(subject))
+        if skins[number].glows
     }
+
+
+class _Skin(NamedTuple):
+    """A mesh and what it is made of."""
+
+    mesh: Mesh
+    material: Material
+
+    @property
+    def glows(self) -> bool:
+        """Whether it shines by itself: mitsuba instances no emitters."""
+        return bool(np.any(self.material.emission_rgb > 0.0))
+
+    @property
+    def is_painted(self) -> bool:
+        """Whether vertices colour it: mitsuba takes an instance's place for the mesh's own."""
+        colours = self.mesh.colours_rgba
+        return colours is not None and colours_vary(colours)
+
+
+def _skins(subject: Subject) -> list[_Skin]:
+    geometry, materials = subject.scene.geometry, subject.scene.materials.all()
+    meshes = map(geometry.mesh, range(geometry.mesh_count))
+    return [_Skin(mesh, materials[mesh.material]) for mesh in meshes]
+
+
+def _places(subject: Subject) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """The number of each part's mesh, and its matrix (4, 4) to the world."""
+    geometry = subject.scene.geometry
+    numbers: list[int] = geometry.part_mesh.values.tolist()
+    return zip(numbers, geometry.world_from_part.values, strict=True)
 
 
 def _mesh(
     mitsuba: Any,
-    mesh: trimesh.Trimesh,
+    skin: _Skin,
     matrix: NDArray[np.float64],
     model: SurfaceModel,
     glowing: bool = False,
 ) -> Any:
     """A shape whose vertices are moved by the matrix (4, 4) in double precision."""
-    material: SurfaceMaterial = mesh.visual.material  # type: ignore[union-attr]
-    layer = material.layer_of.get("baseColorTexture", 0)
+    mesh, material = skin
+    base_colour = material.maps.get("base_colour")
+    layer = 0 if base_colour is None else base_colour.uv_layer
     uv = _coordinates(mesh, layer)
-    attributes = mesh.vertex_attributes
-    colours = np.asarray(attributes["color"]) if "color" in attributes else None
+    colours = mesh.colours_rgba
     made = _new_mesh(
         mitsuba,
-        vertices=np.asarray(mesh.vertices) @ matrix[:3, :3].T + matrix[:3, 3],
-        normals=_moved_normals(np.asarray(mesh.vertex_normals), matrix),
-        faces=np.asarray(mesh.faces),
+        vertices=mesh.positions_m @ matrix[:3, :3].T + matrix[:3, 3],
+        normals=_moved_normals(mesh.normals, matrix),
+        faces=mesh.triangles,
         uv=uv,
         bsdf=surface(mitsuba, material, layer, colours, model),
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
@@ -101,20 +133,19 @@ def _mesh(
     return made
 
 
-def _ground(mitsuba: Any, subject: Subject) -> Any:
-    """The ground disc, triangle for triangle that of the GL frame."""
-    assert subject.ground is not None
-    vertices, triangles = triangulate(subject.ground)
-    x, z = subject.ground.centre_xz_m
+def _ground(mitsuba: Any, subject: Subject, ground: GroundDisc) -> Any:
+    """The ground disc, of the same triangles as in the GL frame."""
+    vertices, triangles = triangulate(ground)
+    x, z = ground.centre_xz_m
     matrix = subject.units_from_world()
-    world_m = vertices.astype(np.float64) + np.array([x, subject.ground.height_m, z])
+    world_m = vertices.astype(np.float64) + np.array([x, ground.height_m, z])
     return _new_mesh(
         mitsuba,
         vertices=world_m @ matrix[:3, :3].T + matrix[:3, 3],
         normals=np.tile([0.0, 1.0, 0.0], (len(vertices), 1)),
         faces=triangles,
         uv=None,
-        bsdf=matte(subject.ground_albedo),
+        bsdf=matte(np.asarray(subject.state.ground_albedo_rgb)),
         emitter=None,
     )
 
@@ -164,28 +195,14 @@ def _moved_normals(normals: NDArray[Any], matrix: NDArray[np.float64]) -> NDArra
     return np.asarray(moved / np.maximum(length, np.finfo(float).tiny))
 
 
-def _coordinates(mesh: trimesh.Trimesh, layer: int) -> NDArray[np.float64] | None:
+def _coordinates(mesh: Mesh, layer: int) -> NDArray[np.float64] | None:
     """glTF's own texture coordinates (V, 2), v downwards."""
-    uv = mesh.vertex_attributes.get("second_uv") if layer else getattr(mesh.visual, "uv", None)
-    if uv is None:
-        return None
-    values = np.asarray(uv, dtype=float)
-    return np.stack([values[:, 0], 1.0 - values[:, 1]], axis=1)
+    uv = mesh.second_uv if layer else mesh.uv
+    return None if uv is None else np.stack([uv[:, 0], 1.0 - uv[:, 1]], axis=1)
 
 
 def _repeats(uv: NDArray[np.float64] | None) -> bool:
     return uv is None or bool(uv.min() < -1e-3 or uv.max() > 1.0 + 1e-3)
-
-
-def _glows(mesh: trimesh.Trimesh) -> bool:
-    """Whether it shines by itself: mitsuba instances no emitters."""
-    return bool(np.any(np.asarray(mesh.visual.material.emissiveFactor) > 0.0))  # type: ignore[union-attr]
-
-
-def _is_painted(mesh: trimesh.Trimesh) -> bool:
-    """Whether vertices colour it: mitsuba takes an instance's place for one on the mesh itself."""
-    colours = mesh.vertex_attributes.get("color")
-    return colours is not None and colours_vary(np.asarray(colours))
 
 
 def _is_flat(matrix: NDArray[np.float64]) -> bool:
@@ -193,6 +210,5 @@ def _is_flat(matrix: NDArray[np.float64]) -> bool:
     return bool(scales[2] <= _FLAT * scales[0])
 
 
-def _centre(mesh: trimesh.Trimesh) -> NDArray[np.float64]:
-    vertices = np.asarray(mesh.vertices)
-    return np.asarray(0.5 * (vertices.min(axis=0) + vertices.max(axis=0)))
+def _centre(mesh: Mesh) -> NDArray[np.float64]:
+    return np.asarray(0.5 * (mesh.positions_m.min(axis=0) + mesh.positions_m.max(axis=0)))

@@ -1,4 +1,4 @@
-"""What a picture is of: everything the tracer needs, told once and never changed."""
+"""What the tracer draws: the scene's state, and lengths in the tracer's units."""
 
 from dataclasses import dataclass
 
@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import LoadedScene
 
 # The scene's own radius in units of the tracer, whose ray offsets are made for such sizes:
 # a watch and a city are traced alike.
@@ -19,24 +19,38 @@ _SMALLEST_RADIUS_M = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A scene, its light, and a camera; world axes, metres, linear sRGB in W m^-2 (sr^-1).
+    """A state that lacks nothing (`check_drawable`); world axes, metres."""
 
-    `sheltered`: sun and sky light nothing, as in a closed room. `size` is (width, height).
-    """
+    state: SceneState
 
-    scene: LoadedScene
-    ground: GroundDisc | None
-    ground_albedo: NDArray[np.float64]
-    background: BackgroundChanged
-    sun: KeyLightChanged
-    camera: MoveCamera
-    sheltered: bool
-    size: tuple[int, int]
+    @property
+    def scene(self) -> SceneOpened:
+        """Its geometry and materials."""
+        assert self.state.scene is not None
+        return self.state.scene
+
+    @property
+    def background(self) -> BackgroundChanged:
+        """Its sky."""
+        assert self.state.background is not None
+        return self.state.background
+
+    @property
+    def sun(self) -> KeyLightChanged:
+        """Its key light."""
+        assert self.state.key_light is not None
+        return self.state.key_light
+
+    @property
+    def camera(self) -> MoveCamera:
+        """Its camera."""
+        assert self.state.camera is not None
+        return self.state.camera
 
     @property
     def radius_m(self) -> float:
         """Half the diagonal of the scene's bounds."""
-        diagonal_m = float(np.linalg.norm(self.scene.upper_m - self.scene.lower_m))
+        diagonal_m = float(np.linalg.norm(np.subtract(self.scene.upper_m, self.scene.lower_m)))
         return max(0.5 * diagonal_m, _SMALLEST_RADIUS_M)
 
     @property
@@ -57,11 +71,12 @@ class Subject:
 
     def reach_units(self) -> float:
         """Distance from the eye to the farthest there is, the ground's rim included."""
-        centre_m = 0.5 * (self.scene.lower_m + self.scene.upper_m)
+        centre_m = 0.5 * np.add(self.scene.lower_m, self.scene.upper_m)
         reach_m = float(np.linalg.norm(centre_m - self.camera.eye_m)) + self.radius_m
-        if self.ground is not None:
-            x, z = self.ground.centre_xz_m
-            middle_m = np.array([x, self.ground.height_m, z])
-            away_m = float(np.linalg.norm(middle_m - self.camera.eye_m)) + self.ground.radius_m
+        ground = self.scene.ground
+        if ground is not None:
+            x, z = ground.centre_xz_m
+            middle_m = np.array([x, ground.height_m, z])
+            away_m = float(np.linalg.norm(middle_m - self.camera.eye_m)) + ground.radius_m
             reach_m = max(reach_m, away_m)
         return reach_m * self.units_per_m

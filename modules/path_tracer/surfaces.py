@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from path_tracer.settings import SurfaceModel
 from path_tracer.textures import Maps, maps_of
+from vrut_lite.daylight.scene_content import Material
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
-from vrut_lite.render.reflection import reflectance_table
-from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.geometry.reflection import reflectance_table
 
 Plugin = dict[str, Any]
 # Of a vertex's colour, as mitsuba wants attributes named.
@@ -41,7 +41,7 @@ def matte(albedo_rgb: NDArray[np.float64]) -> Plugin:
 
 def surface(
     mitsuba: Any,
-    material: SurfaceMaterial,
+    material: Material,
     layer: int,
     vertex_colours: NDArray | None,
     model: SurfaceModel = "gltf",
@@ -52,7 +52,7 @@ def surface(
     its attribute. The `model` is of what is no metal.
     """
     maps = maps_of(material, layer)
-    metallic = _number_or_map(mitsuba, material.metallicFactor, maps.metallic)
+    metallic = _number_or_map(mitsuba, material.metallic, maps.metallic)
     if model == "principled" or metallic == 1.0:
         paint = _burleys(mitsuba, material, maps, vertex_colours, metallic)
     else:
@@ -66,13 +66,13 @@ def surface(
     return _cut_out(mitsuba, _both_sides(paint), material, maps)
 
 
-def emission(mitsuba: Any, material: SurfaceMaterial, layer: int, repeats: bool) -> Plugin | None:
+def emission(mitsuba: Any, material: Material, layer: int, repeats: bool) -> Plugin | None:
     """The emitter of a glowing material, or None.
 
     glTF gives cd m^-2. A map that `repeats` glows by its mean: mitsuba finds a glowing texel's
     place from its coordinates, which must be one.
     """
-    glow = np.asarray(material.emissiveFactor, dtype=float)
+    glow = np.asarray(material.emission_rgb, dtype=float)
     if not np.any(glow > 0.0):
         return None
     texels = maps_of(material, layer).emission
@@ -84,7 +84,7 @@ def emission(mitsuba: Any, material: SurfaceMaterial, layer: int, repeats: bool)
 
 
 def painted_vertices(
-    material: SurfaceMaterial, layer: int, vertex_colours: NDArray
+    material: Material, layer: int, vertex_colours: NDArray
 ) -> NDArray[np.float32]:
     """The mesh's attribute for `surface` from vertices' colours (V, 4): colours (V, 3) or weights.
 
@@ -93,7 +93,7 @@ def painted_vertices(
     """
     texels = maps_of(material, layer).base_colour
     if texels is None:
-        return np.asarray(vertex_colours[:, :3] * material.baseColorFactor[:3], np.float32)
+        return np.asarray(vertex_colours[:, :3] * material.base_colour_rgba[:3], np.float32)
     shades = _shades_of_one_hue(vertex_colours)
     if shades is not None:
         return shades[0]
@@ -108,7 +108,7 @@ def colours_vary(vertex_colours: NDArray) -> bool:
 
 def _burleys(
     mitsuba: Any,
-    material: SurfaceMaterial,
+    material: Material,
     maps: Maps,
     vertex_colours: NDArray | None,
     metallic: Any,
@@ -119,7 +119,7 @@ def _burleys(
         return {
             "type": "principled",
             "base_color": colour,
-            "roughness": _number_or_map(mitsuba, material.roughnessFactor, maps.roughness),
+            "roughness": _number_or_map(mitsuba, material.roughness, maps.roughness),
             "metallic": metallic,
             "specular": _DIELECTRIC_SPECULAR,
         }
@@ -127,12 +127,10 @@ def _burleys(
     return _coloured(mitsuba, material, maps, vertex_colours, burleys)
 
 
-def _coated(
-    mitsuba: Any, material: SurfaceMaterial, maps: Maps, vertex_colours: NDArray | None
-) -> Plugin:
+def _coated(mitsuba: Any, material: Material, maps: Maps, vertex_colours: NDArray | None) -> Plugin:
     """Lambert's surface under a coat that reflects and lets through the rest."""
     rough = maps.roughness
-    roughness = float(material.roughnessFactor if rough is None else rough.mean())
+    roughness = float(material.roughness if rough is None else rough.mean())
     table = reflectance_table()
     reflected = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
     left = _DOUBLED * (1.0 - float(reflected))
@@ -151,7 +149,7 @@ def _coated(
 
 def _bare(
     mitsuba: Any,
-    material: SurfaceMaterial,
+    material: Material,
     maps: Maps,
     vertex_colours: NDArray | None,
     scale: float = 1.0,
@@ -166,7 +164,7 @@ def _bare(
 
 def _coloured(
     mitsuba: Any,
-    material: SurfaceMaterial,
+    material: Material,
     maps: Maps,
     vertex_colours: NDArray | None,
     bsdf_of: Callable[[Plugin], Plugin],
@@ -182,7 +180,7 @@ def _coloured(
         tint = 1.0 if vertex_colours is None else vertex_colours[0, :3]
         texels = maps.base_colour
         if texels is None:
-            texels = np.asarray(material.baseColorFactor[:3], np.float32)[None, None]
+            texels = np.asarray(material.base_colour_rgba[:3], np.float32)[None, None]
         return bsdf_of(_bitmap(mitsuba, np.asarray(texels * tint * scale, np.float32)))
     colour: Plugin = {"type": "mesh_attribute", "name": VERTEX_COLOUR, "scale": scale}
     if maps.base_colour is None:
@@ -220,15 +218,15 @@ def _brightness_and_hue(
     return brightness / np.float32(peak), hue.astype(np.float32)
 
 
-def _cut_out(mitsuba: Any, inner: Plugin, material: SurfaceMaterial, maps: Maps) -> Plugin:
-    """The surface with its holes: what is blended lets through what it does not cover."""
-    if material.alphaMode == "OPAQUE":
+def _cut_out(mitsuba: Any, inner: Plugin, material: Material, maps: Maps) -> Plugin:
+    """The surface with its holes; a blended one transmits 1 - alpha."""
+    if material.alpha_mode == "OPAQUE":
         return inner
     if maps.opacity is not None:
         return {"type": "mask", "opacity": _bitmap(mitsuba, maps.opacity), "bsdf": inner}
-    alpha = float(material.baseColorFactor[3])
-    if material.alphaMode == "MASK":
-        alpha = float(alpha >= material.alphaCutoff)
+    alpha = float(material.base_colour_rgba[3])
+    if material.alpha_mode == "MASK":
+        alpha = float(alpha >= material.alpha_cutoff)
     return inner if alpha >= 1.0 else {"type": "mask", "opacity": alpha, "bsdf": inner}
 
 

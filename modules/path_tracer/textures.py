@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.daylight.scene_content import MapName, Material
 
 FloatArray = NDArray[np.float32]
 # A cut-out map is enlarged to at most so many texels, to have smooth edges after the cut.
@@ -33,23 +33,25 @@ class Maps(NamedTuple):
     opacity: FloatArray | None
 
 
-def maps_of(material: SurfaceMaterial, layer: int) -> Maps:
+def maps_of(material: Material, layer: int) -> Maps:
     """The maps of a material that use one layer of texture coordinates."""
 
-    def pixels(name: str) -> FloatArray | None:
-        image = getattr(material, name)
-        return None if image is None or material.layer_of.get(name, 0) != layer else _array(image)
+    def pixels(name: MapName) -> FloatArray | None:
+        found = material.maps.get(name)
+        if found is None or found.uv_layer != layer:
+            return None
+        return found.texels.astype(np.float32) / np.float32(255.0)
 
-    colour, both = pixels("baseColorTexture"), pixels("metallicRoughnessTexture")
-    normal, emission = pixels("normalTexture"), pixels("emissiveTexture")
-    factor = np.asarray(material.baseColorFactor, dtype=np.float32)
+    colour, both = pixels("base_colour"), pixels("metallic_roughness")
+    normal, emission = pixels("normal"), pixels("emission")
+    factor = np.asarray(material.base_colour_rgba, dtype=np.float32)
     return Maps(
         base_colour=None if colour is None else _linear(colour[..., :3]) * factor[:3],
-        roughness=None if both is None else both[..., 1:2] * np.float32(material.roughnessFactor),
-        metallic=None if both is None else both[..., 2:3] * np.float32(material.metallicFactor),
+        roughness=None if both is None else both[..., 1:2] * np.float32(material.roughness),
+        metallic=None if both is None else both[..., 2:3] * np.float32(material.metallic),
         normal=None if normal is None else scaled_normals(normal[..., :3], material.normal_scale),
         emission=None if emission is None
-        else _linear(emission[..., :3]) * np.asarray(material.emissiveFactor, np.float32),
+        else _linear(emission[..., :3]) * np.asarray(material.emission_rgb, np.float32),
         opacity=_opacity(material, colour),
     )  # fmt: skip
 
@@ -63,12 +65,12 @@ def scaled_normals(encoded: FloatArray, scale: float) -> FloatArray:
     return np.asarray(0.5 * normal + 0.5, np.float32)
 
 
-def _opacity(material: SurfaceMaterial, colour: FloatArray | None) -> FloatArray | None:
-    """Alpha (h, w, 1) of what is cut out or blended by a map; None if one number says it."""
-    if material.alphaMode == "OPAQUE" or colour is None or colour.shape[2] < 4:
+def _opacity(material: Material, colour: FloatArray | None) -> FloatArray | None:
+    """Alpha (h, w, 1) of a surface that a map cuts out or blends; None without such a map."""
+    if material.alpha_mode == "OPAQUE" or colour is None or colour.shape[2] < 4:
         return None
-    alpha = colour[..., 3:4] * np.float32(material.baseColorFactor[3])
-    return alpha if material.alphaMode == "BLEND" else _cut(alpha, float(material.alphaCutoff))
+    alpha = colour[..., 3:4] * np.float32(material.base_colour_rgba[3])
+    return alpha if material.alpha_mode == "BLEND" else _cut(alpha, float(material.alpha_cutoff))
 
 
 def _cut(alpha: FloatArray, cut_off: float) -> FloatArray:
@@ -77,11 +79,6 @@ def _cut(alpha: FloatArray, cut_off: float) -> FloatArray:
     image = Image.fromarray(alpha[..., 0], mode="F")
     larger = image.resize((width * factor, height * factor), Image.Resampling.BILINEAR)
     return (np.asarray(larger) >= cut_off).astype(np.float32)[..., None]
-
-
-def _array(image: Image.Image) -> FloatArray:
-    """Pixels (h, w, 3 or 4) in [0, 1]."""
-    return np.asarray(image, dtype=np.float32) / np.float32(255.0)
 
 
 def _linear(encoded: FloatArray) -> FloatArray:

@@ -51,7 +51,7 @@ class Tracer:
             UserError: mitsuba, or the variant that is set, is not there.
         """
         mitsuba = load_mitsuba(self._settings.variant)
-        width_px, height_px = self._subject.size
+        width_px, height_px = self._subject.state.size_px
         total = np.zeros((height_px, width_px, 3))
         at_once = max(1, _PATHS_A_BATCH // (width_px * height_px))
         for start in range(first, first + count, at_once):
@@ -69,16 +69,16 @@ class Tracer:
 
 
 def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
-    """One scene lit by the sun and one lit by all else, of these what is not dark."""
+    """One scene lit by the sun and one by all else, without those that are dark."""
     matter = shapes(mitsuba, subject, settings.surfaces)
     farthest = subject.reach_units()
     scenes = []
-    if not subject.sheltered and any(subject.sun.irradiance_rgb):
+    if not subject.state.sheltered and any(subject.sun.irradiance_rgb):
         sun, distance = sun_emitter(mitsuba, subject.sun, settings.sun == "disc", farthest)
         lights = {"sun": sun, "sky": darkness()}
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
     cube = radiance_cube(subject.background)
-    bright = not subject.sheltered and bool(np.any(cube > 0.0))
+    bright = not subject.state.sheltered and bool(np.any(cube > 0.0))
     lamps = glowing_shapes(mitsuba, subject, settings.surfaces)
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}

@@ -4,10 +4,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
-from vrut_lite.app.engine.stage import WatchedBackend
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
@@ -16,8 +16,8 @@ from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.project import Project, load_project
+from vrut_lite.scene.backend import Picture, SceneView
 from vrut_lite.scene.manager import SceneManager
-from vrut_lite.scene.recording_backend import RecordingBackend
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # Long enough for a machine that does much else; no test waits for it to pass.
@@ -32,8 +32,8 @@ class HeadlessStage:
 
     def __init__(self):
         self.kernel, self.failures = daylight_kernel()
-        self.watched = WatchedBackend(RecordingBackend())
-        self.kernel.add_module(SceneManager, backend=self.watched)
+        self._view = SceneView()
+        self.kernel.add_module(SceneManager, view=self._view)
         demand_light(self.kernel, SceneManager.manifest.name, 16)
         self.kernel.pump_until_idle()
         self.pass_seconds = {}
@@ -42,7 +42,12 @@ class HeadlessStage:
 
     def draw(self, size, still, is_given_up=None):
         self.sizes.append((size, still))
-        return self.watched.draw_sized(size, lambda: self.watched.draw(still))
+        black = np.zeros((size[1], size[0], 3), np.float32)
+        return Picture(black, black.astype(np.uint8), 0.0)
+
+    @property
+    def state(self):
+        return self._view.state
 
     def light_at_pixel(self, x, y):
         return None

@@ -12,13 +12,12 @@ from bruneton_sky.sky_view import SkyView, level_direction
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 from bruneton_sky.sun_light import disc_light
 from numpy.typing import NDArray
+from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera, look_at
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.errors import UserError
 from vrut_lite.recording.codec import arrays_of, decode, to_plain
-from vrut_lite.scene.camera import look_at
-from vrut_lite.scene.loading import load_scene
 
 COARSE = SolverSizes(
     altitude=8, mu_s=8, direction_mu=8, direction_azimuth=8, degree=4, source_mu=8,
@@ -78,9 +77,7 @@ def backend(gl_owner, tmp_path_factory):
     path = tmp_path_factory.mktemp("scene") / "dot.glb"
     trimesh.creation.box((0.01,) * 3).apply_translation((0.0, -900.0, 0.0)).export(path)
     backend = PyrenderBackend(gl_owner)
-    backend.set_size(WIDTH, HEIGHT)
-    backend.show_scene(load_scene(path), None)
-    yield backend
+    yield StatefulBackend(backend, size_px=(WIDTH, HEIGHT), scene=opened(path))
     backend.close()
 
 
@@ -88,16 +85,16 @@ def show(backend, around: Surroundings, **changes) -> None:
     """Light the frame with these surroundings."""
     sun = tuple(map(float, around.view.sun_direction))
     background = msgspec.structs.replace(products.background(around, 16), **changes)
-    backend.set_sun_light(products.sun_light(around, sun, RADIUS_RAD))
-    backend.set_ambient(products.ambient(around))
-    backend.set_background(background)
+    key_light = products.sun_light(around, sun, RADIUS_RAD)
+    backend.change(background=background, key_light=key_light, ambient=products.ambient(around))
+    backend.backend.prepare(backend.state)
 
 
 def look(backend, pitch_deg, azimuth_deg=0.0, field_of_view_rad=FIELD_OF_VIEW_RAD):
     """Radiance (h, w, 3) of the picture, and the directions (h, w, 3) of its pixels."""
     target = 1000.0 * direction(pitch_deg, azimuth_deg)
-    backend.set_camera(
-        MoveCamera(
+    backend.change(
+        moved_camera=MoveCamera(
             eye_m=(0.0, 0.0, 0.0),
             target_m=tuple(map(float, target)),
             vertical_field_of_view_rad=field_of_view_rad,

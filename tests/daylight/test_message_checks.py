@@ -16,9 +16,11 @@ from vrut_lite.checks import refusal_of
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -69,7 +71,29 @@ CLOUDS = CloudLayer(
     weather=Array(np.zeros((4, 4), np.uint16)), shape=Array(np.zeros((4, 4, 4), np.uint8)),
     detail=Array(np.zeros((2, 2, 2), np.uint8)),
 )  # fmt: skip
+SCENE = SceneOpened(
+    path="a.glb", lower_m=UP, upper_m=UP, triangles=1,
+    geometry=SceneGeometry(
+        positions_m=Array(np.eye(3)), normals=Array(np.eye(3)), uv=Array(np.zeros((0, 2))),
+        colours_rgba=Array(np.zeros((0, 4), np.float32)),
+        triangles=Array(np.array([[0, 1, 2]], np.int32)),
+        meshes=Array(np.array([[0, 3, 0, 1, -1, -1, -1, 0]], np.int64)),
+        part_mesh=Array(np.zeros(1, np.int32)), world_from_part=Array(np.eye(4)[None].copy()),
+    ),
+    materials=SceneMaterials(
+        names=Array(np.frombuffer(b"grey", np.uint8)), base_colour_rgba=Array(np.ones((1, 4))),
+        metallic=Array(np.zeros(1)), roughness=Array(np.ones(1)),
+        emission_rgb=Array(np.zeros((1, 3))), alpha_mode=Array(np.zeros(1, np.uint8)),
+        alpha_cutoff=Array(np.ones(1)), double_sided=Array(np.zeros(1, bool)),
+        normal_scale=Array(np.ones(1)), occlusion_strength=Array(np.ones(1)),
+        map_image=Array(np.full((1, 5), -1, np.int32)),
+        map_uv_layer=Array(np.zeros((1, 5), np.uint8)),
+        images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
+    ),
+    ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
+)  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
+NESTED = AirVolume | CloudLayer | ViewShader | SceneGeometry | SceneMaterials
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 SOUND = [
     SetSetting(module="m", name="n", value=1.0),
@@ -94,7 +118,7 @@ SOUND = [
     SetExposure(),
     LookAlong(direction=UP),
     SetTolerance(tolerance=0.1),
-    SceneLoaded(path="a.glb", lower_m=UP, upper_m=UP, triangles=3),
+    SCENE,
     SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
     SunMoved(
         direction=UP, azimuth_rad=3.0, elevation_rad=1.5, apparent_elevation_rad=1.5,
@@ -205,7 +229,7 @@ def holes(message):
     """Places of a message where something else can stand: its fields, and those it holds."""
     for name in message.__struct_fields__:
         yield (name,)
-        if isinstance(part := getattr(message, name), AirVolume | CloudLayer | ViewShader):
+        if isinstance(part := getattr(message, name), NESTED):
             yield from ((name, *rest) for rest in holes(part))
 
 

@@ -13,6 +13,7 @@ from path_tracer import library
 from path_tracer import module as path_tracer_module
 from path_tracer.messages import PathTracedPicture
 from path_tracer.module import PathTracer
+from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
 
@@ -25,7 +26,6 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Fault, Input, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.manager import SceneManager
-from vrut_lite.scene.recording_backend import RecordingBackend
 
 mitsuba_or_skip()
 WANT = Demand(consumer="test", message="PathTracedPicture")
@@ -61,7 +61,7 @@ def stage(tmp_path):
     kernel.tap(lambda message, sender: heard.append(message))
     for module in (Sky, PathTracer):
         kernel.add_module(module)
-    kernel.add_module(SceneManager, backend=RecordingBackend())
+    kernel.add_module(SceneManager)
     for message in (
         SetSetting(module="path_tracer", name="spp", value=8),
         Resize(width_px=24, height_px=16),
@@ -91,13 +91,12 @@ def ledger(stage):
     return stage[0].seats["path_tracer"].module.ledger
 
 
-def test_nothing_is_opened_or_traced_until_somebody_wants_it(stage):
+def test_nothing_is_traced_until_somebody_wants_it(stage):
     """Scene and light came, and no sample was taken, no light demanded, no job started."""
     kernel, heard = stage
     assert pictures(heard) == []
     assert kernel.wanted(BackgroundChanged) is None
     assert (ledger(stage).done["picture begun"], ledger(stage).done["sample"]) == (0, 0)
-    assert ledger(stage).skipped["scene: nobody wants a picture"] == 1
 
 
 def test_who_asks_late_sees_what_is_looked_at_by_then(stage):
@@ -231,7 +230,7 @@ def test_tracing_stops_between_batches(stage, monkeypatch):
     """Of many batches those after the question are not begun."""
     play(stage, WANT)
     monkeypatch.setattr("path_tracer.tracer._PATHS_A_BATCH", 1)
-    subject = stage[0].seats["path_tracer"].module._backend.subject()
+    subject = Subject(stage[0].seats["scene"].module.state)
     batches = []
     tracer = Tracer(subject, path_tracer_module.PathTracerSettings())
     assert tracer.trace(0, 64, lambda: len(batches) == 3, batches.append) is None

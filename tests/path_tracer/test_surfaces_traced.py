@@ -11,6 +11,7 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.textures import scaled_normals
 from path_tracer_here import mitsuba_or_skip
 from render.scene_stage import square, surface
+from stateful_backend import StatefulBackend, opened
 
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.geometry.cube_map import texel_directions
@@ -32,20 +33,19 @@ WHITE_AND_RED[:, 16:, 1:] = 0
 
 @pytest.fixture
 def backend():
-    backend = PathTracedBackend(PathTracerSettings(spp=32, max_bounces=1))
-    backend.set_size(48, 48)
-    return backend
+    traced = PathTracedBackend(PathTracerSettings(spp=32, max_bounces=1))
+    return StatefulBackend(traced, size_px=(48, 48))
 
 
 def picture(backend, path, radiance=1.0, eye_target=ABOVE, angle_rad=0.3, **sun):
     """The radiance of a file's square under a uniform sky and a sun."""
-    backend.show_scene(load_scene(path), None)
-    background, sun_light, ambient = light_messages(np.full((6, 8, 8, 3), radiance), **sun)
-    backend.set_background(background)
-    backend.set_sun_light(sun_light)
-    backend.set_ambient(ambient)
+    backend.change(scene=opened(path))
+    background, key_light, ambient = light_messages(np.full((6, 8, 8, 3), radiance), **sun)
+    backend.change(background=background, key_light=key_light, ambient=ambient)
     eye, target = eye_target
-    backend.set_camera(MoveCamera(eye_m=eye, target_m=target, vertical_field_of_view_rad=angle_rad))
+    backend.change(
+        moved_camera=MoveCamera(eye_m=eye, target_m=target, vertical_field_of_view_rad=angle_rad)
+    )
     return backend.draw().radiance
 
 
@@ -85,9 +85,9 @@ def test_a_coated_surface_is_lamberts_below_and_a_principled_one_is_not(backend,
     lambert = 0.5 / np.pi * 9.0 * np.sin(np.radians(20.0))
     coated = picture(backend, path, radiance=0.0, **sun).mean()
     np.testing.assert_allclose(coated, lambert, rtol=0.06)
-    backend.settings = PathTracerSettings(spp=32, max_bounces=1, surfaces="principled")
+    backend.backend.settings = PathTracerSettings(spp=32, max_bounces=1, surfaces="principled")
     assert picture(backend, path, radiance=0.0, **sun).mean() > 1.1 * lambert
-    backend.settings = PathTracerSettings(spp=32, max_bounces=1, surfaces="bare")
+    backend.backend.settings = PathTracerSettings(spp=32, max_bounces=1, surfaces="bare")
     bare = picture(backend, path, radiance=0.0, **sun).mean()
     np.testing.assert_allclose(bare, lambert, rtol=2e-3)
 
@@ -151,7 +151,7 @@ def test_vertex_colours_and_a_map_multiply(backend, tmp_path, model, metallic):
     paint = surface(metallic, 0.4)
     paint["pbrMetallicRoughness"]["baseColorFactor"] = [1.0, 0.5, 0.1, 1.0]
     paint["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
-    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces=model)
+    backend.backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces=model)
 
     def seen(corners):
         colours = {"COLOR_0": np.repeat(np.array(corners, float)[:, None], 3, axis=1)}
@@ -170,7 +170,7 @@ def test_shades_of_vertices_keep_a_maps_hues(backend, tmp_path, model):
     Without coat each half is the map's colour times the shade; with it, so is what a white
     surface has more than a black one. 2 % of white.
     """
-    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces=model)
+    backend.backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces=model)
     black, white = 0.0, 1.0
     if model == "gltf":
         plain = (square(tmp_path, surface(0.0, 0.6, albedo)) for albedo in (0.0, 1.0))
@@ -185,7 +185,7 @@ def test_nothing_reflects_more_than_it_gets(backend, tmp_path):
 
     The map's mean hue would make the white half's red 1.5.
     """
-    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces="bare")
+    backend.backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces="bare")
     assert traced_map(backend, tmp_path, CORNER_COLOURS).max() < 1.05
 
 
@@ -208,7 +208,7 @@ def test_what_is_cut_out_shows_the_sky_and_what_is_blended_its_share(backend, tm
     for mode, expected in (("BLEND", 0.75 + 0.25 * 0.04), ("MASK", 1.0), ("OPAQUE", 0.04)):
         paint = {**surface(0.0, 0.05, 0.0), "alphaMode": mode, "alphaCutoff": 0.5}
         paint["pbrMetallicRoughness"]["baseColorFactor"] = [0, 0, 0, 0.25]
-        backend.settings = PathTracerSettings(spp=64, max_bounces=2)
+        backend.backend.settings = PathTracerSettings(spp=64, max_bounces=2)
         found = picture(backend, square(tmp_path, paint)).mean()
         np.testing.assert_allclose(found, expected, rtol=0.02)
 
@@ -227,7 +227,7 @@ def test_a_glow_lights_what_stands_near(backend, tmp_path):
     paint = {**surface(0.0, 1.0, 0.5), "emissiveFactor": [1.0, 1.0, 1.0]}
     turned = {"mesh": 0, "translation": [0, 1, 0], "rotation": [1, 0, 0, 0]}
     path = square(tmp_path, paint, nodes=[{"mesh": 0}, turned])
-    backend.settings = PathTracerSettings(spp=32)
+    backend.backend.settings = PathTracerSettings(spp=32)
     eye_target = ((0.9, 0.5, 0.0), (0.2, 0.0, 0.0))
     found = picture(backend, path, radiance=0.0, eye_target=eye_target)
     assert found[24, 24].min() > 1.02 / 683.0
@@ -239,12 +239,13 @@ def test_a_normal_map_leans_the_mirror(backend, tmp_path):
     for encoded, axis, sign in (((180, 128, 240), 0, 1.0), ((128, 180, 240), 2, -1.0)):
         image = np.full((4, 4, 3), encoded, np.uint8)
         path = square(tmp_path, paint, [image])
-        backend.show_scene(load_scene(path), None)
-        background, sun, _ = light_messages(2.0 + texel_directions(32))
-        backend.set_background(background)
-        backend.set_sun_light(sun)
-        backend.set_camera(
-            MoveCamera(eye_m=(0, 3, 0), target_m=(0, 0, 0), vertical_field_of_view_rad=0.1)
+        backend.change(scene=opened(path))
+        background, sun, ambient = light_messages(2.0 + texel_directions(32))
+        backend.change(background=background, key_light=sun, ambient=ambient)
+        backend.change(
+            moved_camera=MoveCamera(
+                eye_m=(0, 3, 0), target_m=(0, 0, 0), vertical_field_of_view_rad=0.1
+            )
         )
         normal = np.array(encoded) / 127.5 - 1.0
         normal /= np.linalg.norm(normal)
@@ -277,7 +278,7 @@ def test_instances_stand_where_single_meshes_would(backend, tmp_path):
     together = picture(backend, both, **view)
     scene = load_scene(both)
     other = load_scene(both).meshes[1]
-    backend.show_scene(replace(scene, meshes=(scene.meshes[0], other)), None)
+    backend.change(scene=opened(replace(scene, meshes=(scene.meshes[0], other))))
     np.testing.assert_allclose(backend.draw().radiance, together, atol=2e-3)
 
 
@@ -287,7 +288,7 @@ def test_vertex_colours_stay_on_a_mesh_in_several_places(backend, tmp_path):
     An instance would look its colours up by its place in the world, far off the mesh.
     """
     colours = {"COLOR_0": CORNER_COLOURS}
-    backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces="bare")
+    backend.backend.settings = PathTracerSettings(spp=64, max_bounces=1, surfaces="bare")
     alone = picture(backend, square(tmp_path, surface(0.0, 0.6), attributes=colours))
     nodes = [{"mesh": 0}, {"mesh": 0, "translation": [5, 0, 0]}]
     path = square(tmp_path, surface(0.0, 0.6), attributes=colours, nodes=nodes)
@@ -332,11 +333,11 @@ def test_a_sky_that_stayed_on_the_gpu_is_refused(backend, tmp_path):
     """It cannot be read: a sentence, not a crash in numpy."""
     from vrut_lite.gpu_texture import GpuTexture
 
-    background, sun, _ = light_messages(np.ones((6, 4, 4, 3)))
+    background, sun, ambient = light_messages(np.ones((6, 4, 4, 3)))
     texture = GpuTexture(size=4, format="rgba16f", recipe="")
-    backend.show_scene(load_scene(square(tmp_path, surface(0.0, 1.0))), None)
-    backend.set_background(msgspec.structs.replace(background, cube=texture))
-    backend.set_sun_light(sun)
-    backend.set_camera(MoveCamera(eye_m=(0, 3, 0), target_m=(0, 0, 0)))
+    backend.change(scene=opened(square(tmp_path, surface(0.0, 1.0))))
+    backend.change(background=msgspec.structs.replace(background, cube=texture))
+    backend.change(key_light=sun, ambient=ambient)
+    backend.change(moved_camera=MoveCamera(eye_m=(0, 3, 0), target_m=(0, 0, 0)))
     with pytest.raises(ValueError, match="demand it as float16"):
         backend.draw()

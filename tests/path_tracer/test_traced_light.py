@@ -14,12 +14,13 @@ from path_tracer.subject import Subject
 from path_tracer.sun import disc_picture
 from path_tracer.tracer import Tracer
 from path_tracer_here import mitsuba_or_skip
+from stateful_backend import opened
 
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.geometry.cube_map import sample_cube, texel_directions, texel_solid_angles
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import load_scene
 
 mitsuba = mitsuba_or_skip()
 # Mitsuba divides RGB by the integral of CIE Y; our radiance is not normalised so.
@@ -32,18 +33,19 @@ def sun_at(azimuth_deg, elevation_deg):
 
 
 def subject_of(path, cube, size=(48, 32), eye=(7.0, 5.0, 8.0), angle_rad=0.8, **sun):
-    background, sun_light, _ = light_messages(cube, **sun)
+    background, key_light, ambient = light_messages(cube, **sun)
     return Subject(
-        scene=load_scene(path),
-        ground=GroundDisc((0.0, 0.0), 0.0, 100.0),
-        ground_albedo=np.full(3, 0.3),
-        background=background,
-        sun=sun_light,
-        camera=MoveCamera(
-            eye_m=eye, target_m=(0.0, 0.5, 0.0), vertical_field_of_view_rad=angle_rad
-        ),
-        sheltered=False,
-        size=size,
+        SceneState(
+            scene=opened(path, GroundDisc((0.0, 0.0), 0.0, 100.0)),
+            background=background,
+            key_light=key_light,
+            ambient=ambient,
+            ground_albedo_rgb=(0.3,) * 3,
+            moved_camera=MoveCamera(
+                eye_m=eye, target_m=(0.0, 0.5, 0.0), vertical_field_of_view_rad=angle_rad
+            ),
+            size_px=size,
+        )
     )
 
 
@@ -167,7 +169,7 @@ def test_the_disc_softens_the_edge_of_a_shadow(box_file):
     camera = MoveCamera(
         eye_m=(-4.46, 3.0, 0.0), target_m=(-4.46, 0.0, 0.0), vertical_field_of_view_rad=0.05
     )
-    subject = replace(subject, camera=camera)
+    subject = Subject(replace(subject.state, moved_camera=camera))
     between = {}
     for kind in ("disc", "sharp"):
         settings = PathTracerSettings(spp=32, max_bounces=1, sun=kind)

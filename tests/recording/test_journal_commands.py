@@ -114,7 +114,7 @@ def test_a_project_gives_scene_place_and_settings(tmp_path):
     assert dict(said)["SetPlace"]["latitude_deg"] == 10.0
     haze = {"module": "dynamic_skylight", "name": "turbidity", "value": 5.0}
     assert ("SetSetting", haze) in said
-    assert {"SceneLoaded", "SceneNeeds"} <= {line.get("derived") for line in lines_of(path)}
+    assert {"SceneOpened", "SceneNeeds"} <= {line.get("derived") for line in lines_of(path)}
     assert "equal" in call(replay, path, "--check")
 
 

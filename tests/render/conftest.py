@@ -2,6 +2,7 @@
 
 import pytest
 import trimesh
+from stateful_backend import StatefulBackend
 
 
 @pytest.fixture(scope="module")
@@ -10,3 +11,13 @@ def box_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("scene") / "box.glb"
     trimesh.creation.box((2, 2, 2)).apply_translation((0, 1, 0)).export(path)
     return path
+
+
+@pytest.fixture
+def gl_backend(gl_owner):
+    """Makes a `StatefulBackend` on OpenGL with parts of its state."""
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    yield lambda **parts: StatefulBackend(backend, **parts)
+    backend.close()

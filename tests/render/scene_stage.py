@@ -70,16 +70,14 @@ def surface(metallic, roughness, albedo=1.0):
 
 def light(backend, cube, **sun):
     """Light the scene with a cube map (6, n, n, 3) and a sun, as `light_messages` takes them."""
-    background, sun_light, ambient = light_messages(cube, **sun)
-    backend.set_background(background)
-    backend.set_sun_light(sun_light)
-    backend.set_ambient(ambient)
+    background, key_light, ambient = light_messages(cube, **sun)
+    backend.change(background=background, key_light=key_light, ambient=ambient)
 
 
 def look(backend, eye, target, field_of_view_rad=0.6, still=True):
     """The picture from there."""
-    backend.set_camera(
-        MoveCamera(
+    backend.change(
+        moved_camera=MoveCamera(
             eye_m=tuple(map(float, eye)),
             target_m=tuple(map(float, target)),
             vertical_field_of_view_rad=field_of_view_rad,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from air_stage import EARTH_M, air_of
+from air_stage import EARTH_M
 from bruneton_sky.air_volume import air_volume
 from bruneton_sky.atmosphere import KOSCHMIEDER
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
@@ -12,6 +12,7 @@ from bruneton_sky.presets import earth_spectral
 from bruneton_sky.reference.air_exact import light_before
 from bruneton_sky.solver import solve
 from scene_stage import light, look
+from stateful_backend import opened
 
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum
 from vrut_lite.scene.loading import load_scene
@@ -27,13 +28,8 @@ def field():
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(16, 16)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(16, 16))
 
 
 def walls(folder, albedo):
@@ -82,9 +78,9 @@ def test_walls_have_the_light_of_the_air_before_them(
     the integral. The white ones give back the light of an even sky, the sun's over pi."""
     sun = sun_at(elevation_deg)
     sky = 1360.0 / 6.0 / np.pi * sun[1]
-    backend.show_scene(walls(tmp_path, albedo), None)
+    backend.change(scene=opened(walls(tmp_path, albedo)))
     light(backend, np.full((6, 8, 8, 3), sky), sun_direction=sun)
-    backend.set_air(air_of(air_volume(field, EYE_M, sun, 1.5e5)))
+    backend.change(air=air_volume(field, EYE_M, sun, 1.5e5))
     eye = np.array([0.0, EYE_M, 0.0])
     for distance_m, ahead in ((1e3, (1, 0, 0)), (1e4, (0, 0, 1)), (1e5, (-1, 0, 0))):
         way = np.add(distance_m * np.array(ahead, float), (0.0, 0.02 * distance_m, 0.0))
@@ -118,9 +114,9 @@ def test_black_walls_in_fog_fade_as_koschmieder_says(backend, tmp_path):
     volume = air_volume(solve(foggy, orders=4), 2.0, sun, 1e4)
     shown = []
     for share in (0.25, 0.5, 1.0, 4.0):
-        backend.show_scene(black_wall(tmp_path, share * visibility_m), None)
+        backend.change(scene=opened(black_wall(tmp_path, share * visibility_m)))
         light(backend, np.zeros((6, 8, 8, 3)), sun_direction=sun)
-        backend.set_air(air_of(volume))
+        backend.change(air=volume)
         picture = look(backend, (0.0, 2.0, 0.0), (0.0, 2.0, 10.0), 0.001)
         shown.append(picture.radiance[8, 8, 1])
     contrast = 1.0 - np.array(shown[:3]) / shown[3]
@@ -135,10 +131,10 @@ def test_no_line_and_no_bands_across_a_black_wall(backend, field, tmp_path, heig
     """About the horizon, row by row of a minute of arc: pixels over the integral are 1 within
     0.5 %, and change by less than half a step of 8 bits, 0.2 %, from one row to the next."""
     sun, half = sun_at(20.0, 2.0), np.radians(1.25)
-    backend.set_size(16, 150)
-    backend.show_scene(black_wall(tmp_path, distance_m), None)
+    backend.change(size_px=(16, 150))
+    backend.change(scene=opened(black_wall(tmp_path, distance_m)))
     light(backend, np.zeros((6, 8, 8, 3)), sun_direction=sun)
-    backend.set_air(air_of(air_volume(field, height_m, sun, 1.5 * distance_m)))
+    backend.change(air=air_volume(field, height_m, sun, 1.5 * distance_m))
     horizon = -np.arccos(EARTH_M / (EARTH_M + height_m))
     eye = np.array([0.0, height_m, 0.0])
     away = np.array([0.0, np.sin(horizon), np.cos(horizon)])

@@ -7,14 +7,15 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
-from air_stage import EARTH_M, air_of, volume_of
+from air_stage import EARTH_M, volume_of
 from light_messages import light_messages
 from scene_stage import look, square
+from stateful_backend import opened
 
+from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.scene_state import ground_albedo
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.scene.ground_disc import GroundDisc
 from vrut_lite.scene.loading import load_scene
-from vrut_lite.scene.manager import ground_albedo
 
 pytestmark = pytest.mark.gl
 EXTINCTION = np.array([1.2e-5, 2.5e-5, 6e-5])
@@ -24,22 +25,15 @@ EYE = np.array([0.0, 1.7, 0.0])
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(48, 32)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(48, 32))
 
 
 def show_light(backend, cube, **changes):
     background, sun, ambient = light_messages(cube)
     background = msgspec.structs.replace(background, **changes)
-    backend.set_background(background)
-    backend.set_sun_light(sun)
-    backend.set_ambient(ambient)
-    backend.set_ground_albedo(ground_albedo(background, sun, ambient))
+    backend.change(background=background, key_light=sun, ambient=ambient)
+    backend.change(ground_albedo_rgb=ground_albedo(background, sun, ambient))
 
 
 def uniform_sky(radiance):
@@ -74,9 +68,9 @@ def through(radiance, metres, extinction=EXTINCTION, source=SOURCE):
 @pytest.mark.parametrize("albedo", [0.0, 1.0])
 def test_walls_fade_into_the_air(backend, tmp_path, distance_m, albedo):
     """A white wall gives back the 4 of a uniform sky, a black one nothing: T L + (1 - T) S, 1 %."""
-    backend.show_scene(scene_of(tmp_path, wall(distance_m, albedo)), None)
+    backend.change(scene=opened(scene_of(tmp_path, wall(distance_m, albedo))))
     show_light(backend, uniform_sky(4.0))
-    backend.set_air(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.change(air=volume_of(EXTINCTION, SOURCE))
     target = np.add(EYE, (0.0, 0.1 * distance_m, -distance_m))
     picture = look(backend, EYE, target, 0.02)
     expected = through(4.0 * albedo, np.linalg.norm(target - EYE))
@@ -89,7 +83,7 @@ def test_walls_fade_into_the_air(backend, tmp_path, distance_m, albedo):
 def test_sunlit_air_has_its_phase_functions(backend, tmp_path):
     """direct p_R(nu) + aerosol p(nu) beside shaded light: in and away from the sun, within 1 %."""
     g, factor, form = 0.7, 0.05, 0.3
-    backend.show_scene(scene_of(tmp_path, wall(1e4, 0.0)), None)
+    backend.change(scene=opened(scene_of(tmp_path, wall(1e4, 0.0))))
     show_light(backend, uniform_sky(0.0))
     for sun in ((0.0, 0.1, -1.0), (0.0, 0.6, 0.8)):
         direction = np.array(sun) / np.linalg.norm(sun)
@@ -101,7 +95,7 @@ def test_sunlit_air_has_its_phase_functions(backend, tmp_path):
             sun_direction=tuple(direction),
             aerosol_phase=(g, factor, form),
         )
-        backend.set_air(air_of(volume))
+        backend.change(air=volume)
         target = np.add(EYE, (0.0, 1e3, -1e4))
         picture = look(backend, EYE, target, 0.02)
         nu = (target - EYE) @ direction / np.linalg.norm(target - EYE)
@@ -122,9 +116,9 @@ def test_what_is_behind_glass_has_its_own_air(backend, tmp_path):
         "alphaMode": "BLEND",
         "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5], "metallicFactor": 1.0},
     }
-    backend.show_scene(load_scene(square(tmp_path, glass, corners=corners)), None)
+    backend.change(scene=opened(square(tmp_path, glass, corners=corners)))
     show_light(backend, uniform_sky(4.0))
-    backend.set_air(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.change(air=volume_of(EXTINCTION, SOURCE))
     target = np.array([0.0, 200.0, -2e3])
     picture = look(backend, EYE, target, 0.02)
     expected = 0.5 * through(0.0, np.linalg.norm(target - EYE)) + 0.5 * 4.0
@@ -141,9 +135,9 @@ def test_a_pixel_on_an_edge_is_the_mean_of_near_and_far(backend, tmp_path):
     near.apply_transform(trimesh.transformations.rotation_matrix(0.2, [0, 0, 1], EYE))
     near.apply_translation((0.0, -25.0 + 5.0, 0.0))
     far = wall(2e4, 0.0)
-    backend.show_scene(scene_of(tmp_path, near, far), None)
+    backend.change(scene=opened(scene_of(tmp_path, near, far)))
     show_light(backend, uniform_sky(0.0))
-    backend.set_air(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.change(air=volume_of(EXTINCTION, SOURCE))
     picture = look(backend, EYE, np.add(EYE, (0.0, 5.0, -50.0)), 0.1)
     ends = through(0.0, [50.0, 2e4])[:, 1]
     share = (picture.radiance[..., 1] - ends[0]) / (ends[1] - ends[0])
@@ -156,13 +150,13 @@ def test_a_pixel_on_an_edge_is_the_mean_of_near_and_far(backend, tmp_path):
 
 def test_without_air_the_picture_is_bit_for_bit_the_one_of_before(backend, tmp_path):
     """Before any air was told, with none, and after some was taken away; the ledger says why."""
-    backend.show_scene(scene_of(tmp_path, wall(1e3, 0.5)), None)
+    backend.change(scene=opened(scene_of(tmp_path, wall(1e3, 0.5))))
     show_light(backend, uniform_sky(4.0))
     view = EYE, np.add(EYE, (300.0, 100.0, -1e3)), 0.8
     before = look(backend, *view)
     pictures = []
     for volume in (None, volume_of(EXTINCTION, SOURCE), None):
-        backend.set_air(air_of(volume))
+        backend.change(air=volume)
         pictures.append(look(backend, *view))
     for picture, same in zip(pictures, (True, False, True), strict=True):
         assert np.array_equal(picture.radiance, before.radiance) is same
@@ -174,10 +168,10 @@ def test_a_closed_room_has_no_air(backend, tmp_path):
     """No light of the sky's air may glow in a cellar, whatever was told before."""
     room = trimesh.creation.box((40, 30, 50))
     room.invert()
-    backend.show_scene(scene_of(tmp_path, room), None)
+    backend.change(scene=opened(scene_of(tmp_path, room)))
     show_light(backend, uniform_sky(4.0))
-    backend.set_air(air_of(volume_of(1e-2, SOURCE)))
-    backend.set_sheltered(True)
+    backend.change(air=volume_of(1e-2, SOURCE))
+    backend.change(sheltered=True)
     assert look(backend, (0, 0, 10), (0, 0, -10)).radiance.max() == 0.0
     assert backend.ledger.skipped["air: in a closed room"] == 1
 
@@ -199,10 +193,10 @@ def test_the_ground_goes_on_beyond_the_disc(backend, tmp_path, height_m, radius_
     From the feet to the horizon, the rim at 60 radii in between: no line there, since both
     sides are what they should be; and above the horizon the sky is untouched, bit for bit.
     """
-    backend.set_size(32, 256)
+    backend.change(size_px=(32, 256))
     behind = trimesh.creation.box((1, 1, 1)).apply_translation((0.0, 0.0, 2 * height_m))
     ground = GroundDisc((0.0, 0.0), 0.0, 60.0 * radius_m)
-    backend.show_scene(scene_of(tmp_path, behind), ground)
+    backend.change(scene=opened(scene_of(tmp_path, behind), ground))
     show_light(backend, horizon_sky())
     volume = volume_of(EXTINCTION, SOURCE, observer_altitude_m=height_m, reach_m=2e6)
     horizon = np.arcsin(-np.sqrt(height_m * (2 * EARTH_M + height_m)) / (EARTH_M + height_m))
@@ -212,7 +206,7 @@ def test_the_ground_goes_on_beyond_the_disc(backend, tmp_path, height_m, radius_
     middle = max(0.5 * (rim + horizon), horizon - 0.7 * half)
     eye = np.array([0.0, height_m, 0.0])
     target = np.add(eye, (0.0, np.tan(middle), -1.0))
-    backend.set_air(air_of(volume))
+    backend.change(air=volume)
     radiance = look(backend, eye, target, 2 * half).radiance[:, 16]
     angle = middle + np.arctan(np.tan(half) * (1.0 - (np.arange(256) + 0.5) / 128))
     pixel = np.abs(np.diff(angle)).max()
@@ -228,9 +222,9 @@ def test_the_ground_goes_on_beyond_the_disc(backend, tmp_path, height_m, radius_
 
 def test_ground_that_has_its_air_gets_no_more(backend, tmp_path):
     """A sky that shows its ground through the air is drawn as it is, below the horizon too."""
-    backend.show_scene(scene_of(tmp_path, wall(10.0, 0.5)), None)
+    backend.change(scene=opened(scene_of(tmp_path, wall(10.0, 0.5))))
     show_light(backend, horizon_sky(), ground_through_air=True)
     view = (EYE, np.add(EYE, (1.0, -0.2, 0.0)), 1.0)
     clear = look(backend, *view)
-    backend.set_air(air_of(volume_of(EXTINCTION, SOURCE)))
+    backend.change(air=volume_of(EXTINCTION, SOURCE))
     np.testing.assert_array_equal(look(backend, *view).radiance, clear.radiance)

@@ -6,7 +6,7 @@ import pytest
 from cloud_stage import rough_layer
 
 from vrut_lite.daylight.cloud_density import density, sun_transmittance
-from vrut_lite.render.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.render.shader_files import shader_source
 
 pytestmark = pytest.mark.gl

@@ -3,17 +3,17 @@
 import msgspec
 import numpy as np
 import pytest
-from air_stage import air_of, volume_of
-from cloud_stage import clouds_of, rough_layer, slab
+from air_stage import volume_of
+from cloud_stage import rough_layer, slab
 from light_messages import light_messages
 from scene_stage import light, look, square, surface
+from stateful_backend import opened
 
 from vrut_lite.daylight.cloud_density import density, distance_up_m
+from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
+from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.render.cloud_light import ClearLight, under_clouds
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import load_scene
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)
@@ -23,19 +23,14 @@ OCTAVES = ((2.0, 1.0), (0.8, 0.03), (0.28, 0.0066))
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(24, 16)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(24, 16))
 
 
 @pytest.fixture
 def stage(backend, tmp_path):
     """A white square at the origin, on ground; black sky, sun at 53 degrees in the east."""
-    backend.show_scene(load_scene(square(tmp_path, surface(1.0, 1.0))), GroundDisc((0, 0), 0, 600))
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0)), GroundDisc((0, 0), 0, 600)))
     light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     return backend
 
@@ -77,7 +72,7 @@ def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
     The sky is black: what is seen is the slab's own light.
     """
     layer = slab(extinction_per_m=extinction_per_m)
-    stage.set_clouds(clouds_of(layer))
+    stage.change(clouds=layer)
     target = np.array(EYE) + np.array(towards)
     picture = look(stage, EYE, target, 0.01)
     view = np.array(towards) / np.linalg.norm(towards)
@@ -91,8 +86,8 @@ def test_a_slab_lets_the_sky_through(stage):
     layer = slab(extinction_per_m=1e-3)
     bright = np.full((6, 16, 16, 3), 1000.0)
     light(stage, bright, sun_direction=(0.6, -0.8, 0.0))
-    stage.set_ambient(light_messages(BLACK)[2])
-    stage.set_clouds(clouds_of(layer))
+    stage.change(ambient=light_messages(BLACK)[2])
+    stage.change(clouds=layer)
     view = np.array([0.0, 0.8, 0.6])
     picture = look(stage, EYE, np.array(EYE) + view, 0.01)
     _, transmittance = slab_radiance(layer, view, np.array([0.6, 0.8, 0.0]))
@@ -106,8 +101,8 @@ def test_ground_under_an_overcast_slab(stage):
     The square is white and matte enough: a rough metal gives back all that falls on it.
     """
     layer = slab(extinction_per_m=1e-3)
-    stage.set_clouds(clouds_of(layer))
-    stage.set_ground_albedo(np.full(3, 0.5))
+    stage.change(clouds=layer)
+    stage.change(ground_albedo_rgb=(0.5,) * 3)
     sun = np.array([0.6, 0.8, 0.0])
     irradiance = np.array([90.0, 80.0, 70.0])
     picture = look(stage, (0.0, 30.0, 60.0), (0.0, 0.0, 40.0), 0.05)
@@ -117,7 +112,7 @@ def test_ground_under_an_overcast_slab(stage):
     np.testing.assert_allclose(
         picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.01
     )
-    lux = stage.illuminance((0.0, 0.0, 40.0), (0.0, 1.0, 0.0))
+    lux = stage.backend.illuminance(stage.state, (0.0, 0.0, 40.0), (0.0, 1.0, 0.0))
     weights = np.array([0.2126, 0.7152, 0.0722]) * 683.0
     assert lux.sun_lux == pytest.approx(direct @ weights, rel=0.01)
     assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.01)
@@ -126,11 +121,11 @@ def test_ground_under_an_overcast_slab(stage):
 def test_a_cloud_is_seen_through_the_air(stage):
     """L T + (1 - T) S of an opaque layer as far off as its base: the air is even, to 1 %."""
     layer = slab(extinction_per_m=0.1)
-    stage.set_clouds(clouds_of(layer))
+    stage.change(clouds=layer)
     view = np.array([0.0, 0.3, np.sqrt(1.0 - 0.09)])
     bare = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
     extinction, source = np.array([2e-5, 5e-5, 1e-4]), np.array([3.0, 5.0, 9.0])
-    stage.set_air(air_of(volume_of(extinction, source, sun_direction=(0.6, 0.8, 0.0))))
+    stage.change(air=volume_of(extinction, source, sun_direction=(0.6, 0.8, 0.0)))
     seen = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
     # What is seen lies a mean free path behind where the slab's density is one: 20 m over its base.
     metres = distance_up_m(EYE[1], layer.base_m + 10.0, view[1]) + 10.0
@@ -154,7 +149,7 @@ def test_no_eye_sees_what_cannot_be(stage, sun):
     up = max(sun[1], 0.0)
     sky = np.full((6, 16, 16, 3), 4.0)
     light(stage, sky, sun_direction=sun, sun_irradiance=(90.0 * up,) * 3)
-    stage.set_clouds(clouds_of(rough_layer()))
+    stage.change(clouds=rough_layer())
     for eye, target in EYES:
         for still in (True, False):
             picture = look(stage, eye, target, 1.0, still)
@@ -171,11 +166,11 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
             "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 1.0},
             "emissiveFactor": [1, 0, 0],
         }
-        backend.show_scene(load_scene(square(tmp_path, material, nodes=nodes)), None)
+        backend.change(scene=opened(square(tmp_path, material, nodes=nodes)))
         light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
-        backend.set_clouds(clouds_of(layer))
+        backend.change(clouds=layer)
         covered = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
-        backend.set_clouds(clouds_of(None))
+        backend.change(clouds=None)
         bare = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
         assert (covered[1] > 1.0) == hidden
         if not hidden:
@@ -185,10 +180,12 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
 def test_off_costs_nothing(stage):
     """Before there were clouds and after they went: the same picture bit for bit, and no work."""
     before = look(stage, EYE, (1.0, 2.2, 0.0))
-    assert stage._frame._clouds._clouds is None, "nothing is compiled for clouds that never were"
-    stage.set_clouds(clouds_of(rough_layer()))
+    assert stage.backend._frame._clouds._clouds is None, (
+        "nothing is compiled for clouds that never were"
+    )
+    stage.change(clouds=rough_layer())
     with_clouds = look(stage, EYE, (1.0, 2.2, 0.0))
-    stage.set_clouds(clouds_of(None))
+    stage.change(clouds=None)
     done = stage.ledger.done.copy()
     after = look(stage, EYE, (1.0, 2.2, 0.0))
     assert np.array_equal(before.radiance, after.radiance)
@@ -200,9 +197,9 @@ def test_off_costs_nothing(stage):
 def test_the_shadow_map_is_kept_while_it_holds(stage):
     """Wind alone moves the map; a sun that moved by 2 degrees needs another."""
     layer = rough_layer()
-    stage.set_clouds(clouds_of(layer))
+    stage.change(clouds=layer)
     look(stage, EYE, (1.0, 2.2, 0.0))
-    stage.set_clouds(clouds_of(msgspec.structs.replace(layer, drift_m=(40.0, 10.0))))
+    stage.change(clouds=msgspec.structs.replace(layer, drift_m=(40.0, 10.0)))
     look(stage, EYE, (1.0, 2.2, 0.0))
     assert stage.ledger.done["cloud shadow map"] == 1
     assert stage.ledger.skipped["cloud shadow map: it still holds"] == 1

@@ -3,24 +3,19 @@
 import numpy as np
 import pytest
 import trimesh
-from box_stage import light, look, show_box, sun_at, uniform_sky
-from scene_stage import square, surface
+from box_stage import show_box, sun_at, uniform_sky
+from scene_stage import light, look, square, surface
+from stateful_backend import opened
 
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.scene.loading import load_scene
 
 pytestmark = pytest.mark.gl
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(160, 120)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(160, 120))
 
 
 @pytest.mark.parametrize("elevation_deg", [1.0, 4.0, 20.0, 70.0])
@@ -29,7 +24,7 @@ def test_no_acne_on_a_lit_face_at_any_scale(backend, tmp_path, elevation_deg, sc
     """A face that the sun sees is lit evenly: every pixel of the box's top within 0.5 %."""
     path = tmp_path / "box.glb"
     trimesh.creation.box((2 * scale,) * 3).apply_translation((0, scale, 0)).export(path)
-    backend.show_scene(load_scene(path), None)
+    backend.change(scene=opened(path))
     light(
         backend,
         uniform_sky(0.0),
@@ -49,7 +44,7 @@ def test_no_acne_between_narrow_triangles(backend, tmp_path, elevation_deg):
     disc = trimesh.creation.cylinder(radius=20.0, height=0.2, sections=360)
     disc.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
     disc.export(path)
-    backend.show_scene(load_scene(path), None)
+    backend.change(scene=opened(path))
     sun = {"sun_direction": sun_at(110.0, elevation_deg), "sun_irradiance": (10.0,) * 3}
     light(backend, uniform_sky(0.0), **sun)
     # From so far that the disc's middle looks the same from all of its pixels.
@@ -71,7 +66,7 @@ def test_no_light_leaks_under_a_low_roof(backend, tmp_path, elevation_deg):
     roof = {"mesh": 0, "scale": [4.0, 1.0, 4.0], "rotation": [1.0, 0.0, 0.0, 0.0]}
     roof["translation"] = [0.0, (0.5 + 4.0 * sine + 0.2) * texel_m, 0.0]
     nodes = [{"mesh": 0, "scale": [scale, 1.0, scale]}, roof]
-    backend.show_scene(load_scene(square(tmp_path, surface(0.0, 1.0), nodes=nodes)), None)
+    backend.change(scene=opened(square(tmp_path, surface(0.0, 1.0), nodes=nodes)))
     # In the plane of x and y, in which one axis of the map then lies.
     sun = {"sun_direction": sun_at(90.0, elevation_deg), "sun_irradiance": (10.0,) * 3}
     light(backend, uniform_sky(0.0), **sun)
@@ -97,7 +92,7 @@ def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file, curve, whi
     from vrut_lite.render.white_balance import white_balance_matrix
 
     kelvin, duv = white
-    backend.set_exposure(SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv))
+    backend.change(exposure=SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv))
     show_box(backend, box_file)
     light(backend, 0.02 + 3.0 * (1.0 + texel_directions(64)) ** 4)
     picture = look(backend, (0.0, 50.0, 0.0), (0.0, 70.0, -20.0), 1.4)

@@ -5,13 +5,12 @@ import pytest
 import trimesh
 from light_messages import light_messages
 from scene_stage import light, look
+from stateful_backend import opened
 
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.render.light_meter import illuminance, pixel_direction, surface_at
+from vrut_lite.daylight.camera import MoveCamera, look_at, pixel_rays
+from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.render.light_meter import illuminance
 from vrut_lite.render.rays import SceneRays
-from vrut_lite.scene.camera import look_at
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import load_scene
 
 LUX_PER_WATT = 683.0
 GROUND = GroundDisc((0.0, 0.0), 0.0, 200.0)
@@ -25,12 +24,12 @@ def box(tmp_path_factory):
     """A cube of 2 m with its base at height 0."""
     path = tmp_path_factory.mktemp("scene") / "box.glb"
     trimesh.creation.box((2, 2, 2)).apply_translation((0, 1, 0)).export(path)
-    return load_scene(path)
+    return opened(path, GROUND)
 
 
 @pytest.fixture(scope="module")
 def rays(box):
-    return SceneRays(box, GROUND)
+    return SceneRays(box)
 
 
 def sky_and_sun(radiance, irradiance=100.0):
@@ -66,18 +65,21 @@ def test_a_surface_does_not_shade_itself(rays):
 def test_a_pixel_is_what_a_ray_through_it_meets(rays):
     """The box's top, its side, the ground and the sky, from a camera south of it."""
     camera = MoveCamera(eye_m=(0.0, 3.0, 10.0), target_m=(0.0, 2.0, 0.0))
-    size = (81, 81)
-    top = surface_at(rays, camera, size, 40, 40)
+
+    def surface_at(x, y):
+        return rays.first_hit(camera.eye_m, pixel_rays(camera, (81, 81), x, y))
+
+    top = surface_at(40, 40)
     np.testing.assert_allclose(top.normal, UP, atol=1e-12)
     assert top.point_m[1] == pytest.approx(2.0)
-    side = surface_at(rays, camera, size, 40, 48)
+    side = surface_at(40, 48)
     np.testing.assert_allclose(side.normal, (0, 0, 1), atol=1e-12)
     assert side.point_m[2] == pytest.approx(1.0)
-    ground = surface_at(rays, camera, size, 2, 60)
+    ground = surface_at(2, 60)
     # Four metres off its middle the ground has fallen by a micrometre.
     across_m = np.hypot(*ground.point_m[[0, 2]])
     assert ground.point_m[1] == pytest.approx(-(across_m**2) / (2 * 6.36e6), abs=1e-12)
-    assert surface_at(rays, camera, size, 40, 5) is None
+    assert surface_at(40, 5) is None
 
 
 def test_the_middle_pixel_looks_at_the_target():
@@ -86,25 +88,20 @@ def test_the_middle_pixel_looks_at_the_target():
         eye_m=(1.0, 2.0, 3.0), target_m=(4.0, 1.0, -2.0), vertical_field_of_view_rad=0.6
     )
     view = look_at(camera.eye_m, camera.target_m)[:3, :3]
-    middle = view @ pixel_direction(camera, (31, 21), 15, 10)
+    middle = view @ pixel_rays(camera, (31, 21), 15, 10)
     np.testing.assert_allclose(middle, [0, 0, -1], atol=1e-12)
-    right = view @ pixel_direction(camera, (3000, 2000), 2999, 1000)
+    right = view @ pixel_rays(camera, (3000, 2000), 2999, 1000)
     assert right[0] / -right[2] == pytest.approx(1.5 * np.tan(0.3), rel=1e-3)
 
 
 @pytest.mark.gl
 @pytest.mark.parametrize("elevation_deg", [4.0, 25.0, 70.0])
-def test_a_white_plane_has_the_luminance_that_follows(gl_owner, box, elevation_deg):
+def test_a_white_plane_has_the_luminance_that_follows(gl_backend, box, elevation_deg):
     """L = E / pi for a white Lambertian plane: the picture's pixel against the meter, to 2 %.
 
     Both ways: from the messages through the meter, and from the numbers put in.
     """
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(64, 48)
-    backend.show_scene(box, GROUND)
-    backend.set_ground_albedo(np.ones(3))
+    backend = gl_backend(size_px=(64, 48), scene=box, ground_albedo_rgb=(1.0,) * 3)
     elevation = np.radians(elevation_deg)
     irradiance = np.array([110.0, 90.0, 60.0])
     light(
@@ -114,8 +111,7 @@ def test_a_white_plane_has_the_luminance_that_follows(gl_owner, box, elevation_d
         sun_irradiance=irradiance,
     )
     picture = look(backend, (30.0, 5.0, 0.0), (40.0, 0.0, 0.0))
-    hit = backend.surface_at(32, 24)
-    lux = backend.illuminance(hit.point_m, hit.normal).lux
+    lux = backend.backend.illuminance_at_pixel(backend.state, 32, 24).lux
     shown = picture.luminance_cd_m2(32, 24)
     assert shown == pytest.approx(lux / np.pi, rel=0.005)
     radiance = np.array([2.0, 3.0, 5.0]) + irradiance * np.sin(elevation) / np.pi
@@ -123,4 +119,3 @@ def test_a_white_plane_has_the_luminance_that_follows(gl_owner, box, elevation_d
     assert shown == pytest.approx(radiance @ weights * LUX_PER_WATT, rel=0.005)
     with pytest.raises(ValueError, match="none at"):
         picture.luminance_cd_m2(64, 0)
-    backend.close()

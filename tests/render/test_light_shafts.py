@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
-from air_stage import air_of, volume_of
+from air_stage import volume_of
 from scene_stage import light, look
-
-from vrut_lite.scene.loading import load_scene
+from stateful_backend import opened
 
 pytestmark = pytest.mark.gl
 SIZE = (64, 48)
@@ -22,13 +21,8 @@ EYE, TARGET, FIELD_OF_VIEW_RAD = (0.0, 10.0, 30.0), (5.0, 22.0, -100.0), 0.7
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(*SIZE)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=SIZE)
 
 
 def show(backend, folder, boxes, sun=SUN, sky=0.0):
@@ -43,9 +37,9 @@ def show(backend, folder, boxes, sun=SUN, sky=0.0):
         meshes.append(box)
     path = folder / "boxes.glb"
     trimesh.Scene(meshes).export(path)
-    backend.show_scene(load_scene(path), None)
+    backend.change(scene=opened(path))
     light(backend, np.full((6, 8, 8, 3), sky), sun_direction=sun, sun_irradiance=(1.0,) * 3)
-    backend.set_air(air_of(volume_of(EXTINCTION, SHADED, 0.0, SUNLIT, sun_direction=tuple(sun))))
+    backend.change(air=volume_of(EXTINCTION, SHADED, 0.0, SUNLIT, sun_direction=tuple(sun)))
 
 
 def hits(start, direction):
@@ -72,7 +66,7 @@ def marched(rays):
 
 
 def pixel_rays(x, y):
-    from vrut_lite.scene.camera import look_at
+    from vrut_lite.daylight.camera import look_at
 
     tangent = np.tan(0.5 * FIELD_OF_VIEW_RAD)
     right = (2 * (x + 0.5) / SIZE[0] - 1) * tangent * SIZE[0] / SIZE[1]
@@ -88,10 +82,10 @@ def test_shafts_are_those_of_a_march_in_double_precision(backend, tmp_path):
     is a piece of shadow shorter than a step, 1/64 of the ray, which may be passed over.
     """
     show(backend, tmp_path, BOXES)
-    backend.set_light_shafts(True)
+    backend.change(light_shafts=True)
     view = (EYE, TARGET, FIELD_OF_VIEW_RAD)
     picture = look(backend, *view).radiance[..., 1]
-    backend.set_light_shafts(False)
+    backend.change(light_shafts=False)
     whole = look(backend, *view).radiance[..., 1]
     x, y = (side.ravel() for side in np.meshgrid(np.arange(1, 64, 3), np.arange(1, 48, 3)))
     rays = pixel_rays(x, y)
@@ -113,7 +107,7 @@ def test_where_nothing_casts_shafts_change_nothing(backend, tmp_path):
     show(backend, tmp_path, BOXES[2:], sun=np.array([0.0, 0.6, 0.8]))
     view = (EYE, TARGET, 0.3)
     without = look(backend, *view).radiance
-    backend.set_light_shafts(True)
+    backend.change(light_shafts=True)
     np.testing.assert_allclose(look(backend, *view).radiance, without, rtol=2e-4)
     assert backend.ledger.done["light shafts"] == 1
 
@@ -122,7 +116,7 @@ def test_the_sky_behind_a_shadow_is_darker(backend, tmp_path):
     """Under a slab, towards the free sky: less by the sunlit light of the shaded piece, 0.2 %."""
     slab = [((0.0, 50.0, 0.0), (100.0, 2.0, 100.0))]
     show(backend, tmp_path, slab, sun=np.array([0.0, 1.0, 1e-3]), sky=20.0)
-    backend.set_light_shafts(True)
+    backend.change(light_shafts=True)
     eye = np.array([0.0, 5.0, 0.0])
     picture = look(backend, eye, np.add(eye, (0.0, 0.05, -1.0)), 0.02)
     shaded_m = 50.0 * np.hypot(1.0, 0.05)
@@ -136,7 +130,7 @@ def test_shafts_cost_nothing_when_off_or_without_sun(backend, tmp_path):
     light(backend, np.full((6, 8, 8, 3), 2.0), sun_direction=SUN)
     view = (EYE, TARGET, FIELD_OF_VIEW_RAD)
     plain = look(backend, *view).radiance
-    backend.set_light_shafts(True)
+    backend.change(light_shafts=True)
     np.testing.assert_array_equal(look(backend, *view).radiance, plain)
     assert backend.ledger.done["light shafts"] == 0
     assert backend.ledger.done["air"] == 2

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scene_stage import light, look, square, surface
+from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import load_scene
+from vrut_lite.daylight.ground_disc import GroundDisc
 
 pytestmark = pytest.mark.gl
 _HIGHEST_NAME = 4000
@@ -47,12 +47,11 @@ def test_scenes_leave_nothing_behind(gl_owner, tmp_path, request):
         material, images = (textured, [image]) if number % 2 else (surface(1.0, 0.2), [])
         nodes = [{"mesh": 0, "translation": [0, 0.1 * n, 0]} for n in range(1 + number)]
         paths.append(square(folder, material, images, nodes=nodes))
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(64, 48)
+    backend = StatefulBackend(PyrenderBackend(gl_owner), size_px=(64, 48))
 
     def cycle(number):
         ground = GroundDisc((0.0, 0.0), -1.0, 50.0) if number % 3 else None
-        backend.show_scene(load_scene(paths[number % 4]), ground)
+        backend.change(scene=opened(paths[number % 4], ground))
         size = 16 if number % 2 else 48
         light(backend, np.full((6, size, size, 3), 1.0 + 0.1 * (number % 5)))
         look(backend, (0.0, 1.0, 1.0 + 0.01 * number), (0, 0, 0))
@@ -69,7 +68,7 @@ def test_scenes_leave_nothing_behind(gl_owner, tmp_path, request):
     gc.collect()
     assert gl_owner.call(lambda _: gl_objects()) == objects
     assert resident_bytes() - resident < 8e6
-    backend.close()
+    backend.backend.close()
 
 
 def test_a_closed_backend_leaves_nothing_on_the_gpu(gl_owner, tmp_path):
@@ -77,12 +76,11 @@ def test_a_closed_backend_leaves_nothing_on_the_gpu(gl_owner, tmp_path):
     from vrut_lite.render.pyrender_backend import PyrenderBackend
 
     def live():
-        backend = PyrenderBackend(gl_owner)
-        backend.set_size(32, 32)
-        backend.show_scene(load_scene(square(tmp_path, surface(1.0, 0.3))), None)
+        scene = opened(square(tmp_path, surface(1.0, 0.3)))
+        backend = StatefulBackend(PyrenderBackend(gl_owner), size_px=(32, 32), scene=scene)
         light(backend, np.ones((6, 16, 16, 3)))
         look(backend, (0, 1, 0.1), (0, 0, 0))
-        backend.close()
+        backend.backend.close()
         gc.collect()
 
     live()

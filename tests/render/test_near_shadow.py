@@ -6,9 +6,9 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_stage import light, look, square
+from stateful_backend import opened
 
-from vrut_lite.render.shadow import NEAR_RADIUS_M, light_matrix, near_centre_m
-from vrut_lite.scene.loading import load_scene
+from vrut_lite.render.shadow_map import NEAR_RADIUS_M, light_matrix, near_centre_m
 
 SUN = np.array([0.6, 0.7, 0.2]) / np.linalg.norm([0.6, 0.7, 0.2])
 HALF_M = 2e4
@@ -16,13 +16,8 @@ metres = st.floats(-2e4, 2e4)
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(96, 64)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(96, 64))
 
 
 def show_land(backend, folder, *boxes):
@@ -31,7 +26,7 @@ def show_land(backend, folder, *boxes):
     things = [trimesh.creation.box(size).apply_translation(at) for at, size in boxes]
     path = folder / "land.glb"
     trimesh.Scene([land, *things]).export(path)
-    backend.show_scene(load_scene(path), None)
+    backend.change(scene=opened(path))
     black = np.zeros((6, 8, 8, 3))
     light(backend, black, sun_direction=SUN, sun_irradiance=(10.0,) * 3)
 
@@ -111,7 +106,7 @@ def test_no_vertex_colour_is_taken_from_beyond_its_triangle(backend, tmp_path):
     colours = np.array([[0, 0, 0, 1], [0, 0, 0, 1], [1, 1, 1, 1], [1, 1, 1, 1]], float)
     pbr = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0}}
     path = square(tmp_path, pbr, attributes={"COLOR_0": colours}, corners=corners)
-    backend.show_scene(load_scene(path), None)
+    backend.change(scene=opened(path))
     light(backend, np.zeros((6, 8, 8, 3)), sun_direction=(0, 1, 1e-3), sun_irradiance=(10.0,) * 3)
     for azimuth in np.linspace(0.1, 3.0, 8):
         eye = (2.0 * np.sin(azimuth), 1.0, 2.0 * np.cos(azimuth))

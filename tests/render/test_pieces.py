@@ -5,12 +5,12 @@ from itertools import count
 import numpy as np
 import pytest
 import trimesh
-from cloud_stage import clouds_of, rough_layer
+from cloud_stage import rough_layer
 from scene_stage import light, look
+from stateful_backend import opened
 
-from vrut_lite.render.patience import GivenUp
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import load_scene
+from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.scene.backend import GivenUp
 
 pytestmark = pytest.mark.gl
 SKY = np.linspace(9.0, 1.0, 16)[None, :, None, None] * np.ones((6, 1, 16, 3))
@@ -18,10 +18,8 @@ EYE = (6.0, 3.0, 8.0)
 
 
 @pytest.fixture
-def backend(gl_owner, tmp_path):
+def backend(gl_backend, tmp_path):
     """Glossy spheres, one of them of glass, under clouds, 300 x 300 pixels: several pieces."""
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
     scene = trimesh.Scene()
     for place, alpha in (((0, 1, 0), 255), ((1.5, 2, 3), 255), ((3, 1.5, 4), 120)):
         sphere = trimesh.creation.icosphere(3, 1.0).apply_translation(place)
@@ -36,14 +34,11 @@ def backend(gl_owner, tmp_path):
         scene.add_geometry(sphere)
     path = tmp_path / "spheres.glb"
     scene.export(path)
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(140, 140)
-    backend.show_scene(load_scene(path), GroundDisc((0, 0), 0, 600))
+    scene = opened(path, GroundDisc((0, 0), 0, 600))
+    backend = gl_backend(size_px=(140, 140), scene=scene, clouds=rough_layer())
     light(backend, SKY, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
-    backend.set_clouds(clouds_of(rough_layer()))
     look(backend, EYE, (1.5, 3.5, 2.0))
-    yield backend
-    backend.close()
+    return backend
 
 
 def test_pieces_make_the_same_picture_bit_for_bit(backend):

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from light_messages import light_messages
 from scene_stage import light, look, square, surface
+from stateful_backend import opened
 
+from vrut_lite.geometry import reflection
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.render import reflection
-from vrut_lite.scene.loading import load_scene
 
 TOP = np.array([0.0, 1.0, 0.0])
 
@@ -84,13 +84,8 @@ def test_a_uniform_sky_is_uniform_however_blurred(roughness):
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(48, 48)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(48, 48))
 
 
 def filtered_levels(owner, cube):
@@ -147,7 +142,7 @@ def test_white_surfaces_vanish_in_a_white_furnace(backend, tmp_path, metallic, r
 
     A metal whose facets shadow each other returns less by one bounce (31 % at roughness 1).
     """
-    backend.show_scene(load_scene(square(tmp_path, surface(metallic, roughness))), None)
+    backend.change(scene=opened(square(tmp_path, surface(metallic, roughness))))
     light(backend, np.full((6, 16, 16, 3), 3.0))
     for eye in ([0.0, 1.0, 0.0], [1.0, 0.3, 0.2]):
         picture = look(backend, eye, (0, 0, 0), 0.1)
@@ -161,7 +156,7 @@ def test_white_surfaces_return_the_suns_light_too(backend, tmp_path, metallic, r
 
     Seen from above only the sun's height matters; Gauss's rule in the sine of it.
     """
-    backend.show_scene(load_scene(square(tmp_path, surface(metallic, roughness))), None)
+    backend.change(scene=opened(square(tmp_path, surface(metallic, roughness))))
     nodes, weights = np.polynomial.legendre.leggauss(12)
     total = np.zeros(3)
     for sine, weight in zip(0.5 * nodes + 0.5, 0.5 * weights, strict=True):
@@ -176,10 +171,10 @@ def test_white_surfaces_return_the_suns_light_too(backend, tmp_path, metallic, r
 def test_a_mirror_shows_the_sky_itself(backend, tmp_path):
     """A level mirror shows, upside down, what a camera below it sees through it: to 0.3 %."""
     light(backend, clear_sky(64))
-    backend.show_scene(load_scene(square(tmp_path, surface(1.0, 0.0))), None)
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 0.0))))
     mirrored = look(backend, (0.0, 0.4, 0.5), (0.0, 0.0, 0.0), 0.4)
     elsewhere = square(tmp_path, nodes=[{"mesh": 0, "translation": [0, -50, 0]}])
-    backend.show_scene(load_scene(elsewhere), None)
+    backend.change(scene=opened(elsewhere))
     direct = look(backend, (0.0, -0.4, 0.5), (0.0, 0.0, 0.0), 0.4)
     np.testing.assert_allclose(mirrored.radiance[::-1], direct.radiance, rtol=3e-3)
 
@@ -195,7 +190,7 @@ def test_a_rough_metal_shows_the_mean_over_its_lobe(backend, tmp_path, roughness
         normal = np.array([np.sin(tilt), np.cos(tilt), 0.0])
         turn = {"mesh": 0, "rotation": [0, 0, -np.sin(tilt / 2), np.cos(tilt / 2)]}
         path = square(tmp_path, surface(1.0, roughness), nodes=[turn])
-        backend.show_scene(load_scene(path), None)
+        backend.change(scene=opened(path))
         shown = look(backend, normal, (0, 0, 0), 0.02).radiance[24, 24]
         exact = reflection.prefiltered(cube, normal, roughness)
         np.testing.assert_allclose(shown, exact, rtol=0.04)
@@ -204,7 +199,7 @@ def test_a_rough_metal_shows_the_mean_over_its_lobe(backend, tmp_path, roughness
 @pytest.mark.gl
 def test_a_film_follows_the_sky_in_slices_and_a_still_is_finished(backend, tmp_path):
     """A brighter sky reaches a rough metal some frames later, whole; a still shows it at once."""
-    backend.show_scene(load_scene(square(tmp_path, surface(1.0, 0.8))), None)
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 0.8))))
     cube = np.full((6, 16, 16, 3), 1.0)
     light(backend, cube)
     view = ((0, 1, 0), (0, 0, 0), 0.1)
@@ -224,7 +219,7 @@ def test_a_film_follows_the_sky_in_slices_and_a_still_is_finished(backend, tmp_p
 @pytest.mark.gl
 def test_the_sky_is_filtered_only_when_it_is_seen_to_change(backend, tmp_path):
     """Changes add up: two of 0.4 % are more than 0.5 %; the same sky twice is nothing."""
-    backend.show_scene(load_scene(square(tmp_path, surface(1.0, 0.8))), None)
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 0.8))))
     view = ((0, 1, 0), (0, 0, 0), 0.1)
     work = []
     for factor in (1.0, 1.004, 1.008):
@@ -249,12 +244,10 @@ def test_a_bright_sky_keeps_its_reflection(gl_owner):
 @pytest.mark.gl
 def test_a_sky_that_is_no_longer_shown_is_let_go(backend, tmp_path):
     """Its texels are wanted for the next; the filter must not keep them."""
-    backend.show_scene(load_scene(square(tmp_path, surface(1.0, 0.8))), None)
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 0.8))))
     view = ((0, 1, 0), (0, 0, 0), 0.1)
     background, sun, ambient = light_messages(np.ones((6, 8, 8, 3)))
-    backend.set_background(background)
-    backend.set_sun_light(sun)
-    backend.set_ambient(ambient)
+    backend.change(background=background, key_light=sun, ambient=ambient)
     look(backend, *view)
     gone = weakref.ref(background.cube)
     del background

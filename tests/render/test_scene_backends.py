@@ -1,29 +1,22 @@
 """One test for all scene backends: each shows the same scene under the same light alike.
 
-OpenGL's frame, the path tracer with direct light alone, and the backend that only remembers,
-as far as a picture without content goes.
+OpenGL's frame, and the path tracer with direct light alone.
 """
-
-import inspect
 
 import msgspec
 import numpy as np
 import pytest
-from box_stage import SIZE, light, look, show_box, sun_at, uniform_sky
+from box_stage import SIZE, show_box, sun_at, uniform_sky
 from light_messages import light_messages
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
-from scene_stage import CORNERS, square
+from scene_stage import CORNERS, light, look, square
+from stateful_backend import StatefulBackend, opened
 
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import look_at, perspective
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
-from vrut_lite.scene.backend import SceneBackend
-from vrut_lite.scene.camera import look_at, perspective
-from vrut_lite.scene.loading import load_scene
-from vrut_lite.scene.recording_backend import RecordingBackend
 
 WIDTH, HEIGHT = 160, 120
 DRAWING = [pytest.param("opengl", marks=pytest.mark.gl), "path tracer"]
@@ -35,30 +28,21 @@ def any_backend(request):
     yield from made(request.param, request)
 
 
-@pytest.fixture(params=[*DRAWING, "recording"])
-def every_backend(request):
-    """A backend that draws, or one that only remembers."""
-    yield from made(request.param, request)
-
-
 def made(kind, request):
     if kind == "opengl":
         from vrut_lite.render.pyrender_backend import PyrenderBackend
 
         backend = PyrenderBackend(request.getfixturevalue("gl_owner"))
-    elif kind == "path tracer":
+    else:
         mitsuba_or_skip()
         backend = PathTracedBackend(PathTracerSettings(spp=8, max_bounces=1))
-    else:
-        backend = RecordingBackend()
-    backend.set_size(WIDTH, HEIGHT)
-    yield backend
+    yield StatefulBackend(backend, size_px=(WIDTH, HEIGHT))
     if kind == "opengl":
         backend.close()
 
 
 def is_gl(backend):
-    return not isinstance(backend, PathTracedBackend)
+    return not isinstance(backend.backend, PathTracedBackend)
 
 
 def even(backend, region, expected, rtol):
@@ -67,31 +51,14 @@ def even(backend, region, expected, rtol):
     np.testing.assert_allclose(values, np.broadcast_to(expected, values.shape), rtol=rtol)
 
 
-def test_every_call_of_the_protocol_is_understood(every_backend):
-    """Whoever tells the host's backend something must be able to tell it any other."""
-    calls = [
-        name
-        for name, member in vars(SceneBackend).items()
-        if inspect.isfunction(member) and not name.startswith("_")
-    ]
-    assert {"show_scene", "set_air", "set_light_shafts", "draw"} <= set(calls)
-    assert all(callable(getattr(every_backend, name)) for name in calls)
-
-
-def test_what_is_told_last_holds_in_whatever_order(every_backend, box_file):
-    """Calls may come in any order, and each replaces what it set before; also the size."""
-    view = MoveCamera(eye_m=(9.0, 4.0, 9.0), target_m=(0.0, 1.0, 0.0))
-    every_backend.set_camera(view)
-    every_backend.set_exposure(SetExposure(mode="manual", ev100=3.0))
-    light(every_backend, uniform_sky(1.0))
-    every_backend.set_air(AirChanged(volume=None, source="test"))
-    every_backend.set_size(48, 20)
-    show_box(every_backend, box_file)
-    every_backend.set_sheltered(True)
-    picture = every_backend.draw()
+def test_a_closed_room_is_dark_in_a_picture_of_the_wished_size(any_backend, box_file):
+    """In a closed room neither sun nor sky lights anything."""
+    show_box(any_backend, box_file)
+    light(any_backend, uniform_sky(1.0))
+    any_backend.change(sheltered=True, size_px=(48, 20))
+    picture = look(any_backend, (9.0, 4.0, 9.0), (0.0, 1.0, 0.0))
     assert picture.radiance.shape == picture.display.shape == (20, 48, 3)
     assert (picture.radiance.dtype, picture.display.dtype) == (np.float32, np.uint8)
-    # In a closed room neither sun nor sky lights anything.
     assert picture.radiance.max() == 0.0
 
 
@@ -202,7 +169,7 @@ def test_the_disc_darkens_towards_its_limb(any_backend, box_file):
     direction = sun_at(140.0, 35.0)
     light(any_backend, uniform_sky(0.0), sun_direction=direction, sun_irradiance=(100.0,) * 3)
     _, sun, _ = light_messages(uniform_sky(0.0), direction, (100.0,) * 3)
-    any_backend.set_sun_light(msgspec.structs.replace(sun, limb_darkening_rgb=((0.4, 0.9),) * 3))
+    any_backend.change(key_light=msgspec.structs.replace(sun, limb_darkening_rgb=((0.4, 0.9),) * 3))
     picture = look(any_backend, (0, 10, 0), np.add((0, 10, 0), direction), 0.02)
     mean = 100.0 / (4 * np.pi * np.sin(0.5 * 0.00465) ** 2)
     pixels_a_radius = 60 * np.tan(0.00465) / np.tan(0.01)
@@ -229,17 +196,17 @@ def test_manual_exposure_is_kept_and_one_stop_is_a_factor_of_two(any_backend, bo
     """EV100 is what was asked for; compensation brightens, by lowering it."""
     show_box(any_backend, box_file)
     light(any_backend, uniform_sky(3.0))
-    any_backend.set_exposure(SetExposure(mode="manual", ev100=12.0))
+    any_backend.change(exposure=SetExposure(mode="manual", ev100=12.0))
     assert look(any_backend, (30.0, 5.0, 0.0), (40.0, 0.0, 0.0)).ev100 == 12.0
-    any_backend.set_exposure(SetExposure(mode="auto"))
+    any_backend.change(exposure=SetExposure(mode="auto"))
     metered = any_backend.draw().ev100
-    any_backend.set_exposure(SetExposure(mode="auto", compensation_ev=1.5))
+    any_backend.change(exposure=SetExposure(mode="auto", compensation_ev=1.5))
     assert any_backend.draw().ev100 == pytest.approx(metered - 1.5)
 
 
 def test_drawing_before_anything_is_known_says_what_is_missing(any_backend):
     """A host that draws too early must learn what it forgot."""
-    with pytest.raises(RuntimeError, match="no scene, no background, no sun"):
+    with pytest.raises(RuntimeError, match="no scene, no background, no key light"):
         any_backend.draw()
 
 
@@ -250,7 +217,7 @@ def test_the_camera_is_one_camera_to_the_pixel(any_backend, tmp_path, eye):
     A camera that is shifted by half a pixel, mirrored or measures its angle across would not.
     """
     target, angle_rad = np.array([0.15, 0.1, -0.1]), 0.9
-    any_backend.show_scene(load_scene(square(tmp_path)), None)
+    any_backend.change(scene=opened(square(tmp_path)))
     light(any_backend, uniform_sky(1.0))
     seen = look(any_backend, eye, tuple(target), angle_rad).radiance[..., 1].astype(float)
     # Black glass before a white sky: what it covers of a pixel is missing there, but for 4 % up.

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import trimesh
 from scene_stage import light, look, square, surface
+from stateful_backend import opened
 
+from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.render.skips import FrameSkips
-from vrut_lite.scene.ground_disc import GroundDisc
+from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.scene.loading import load_scene
 
 pytestmark = pytest.mark.gl
@@ -20,14 +21,8 @@ SUN = {"sun_direction": (0.5, 0.6, 0.3), "sun_irradiance": (120.0, 100.0, 70.0)}
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(*SIZE)
-    backend.set_exposure(SetExposure(mode="manual", ev100=14.0))
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=SIZE, exposure=SetExposure(mode="manual", ev100=14.0))
 
 
 @pytest.fixture(scope="module")
@@ -68,10 +63,10 @@ def test_what_the_view_cannot_show_is_not_drawn(
     backend, boxes, _name, eye, target, skip, work, reason
 ):
     """The same picture with and without; without the skip the work is done."""
-    backend.show_scene(boxes, GROUND)
+    backend.change(scene=opened(boxes, GROUND))
     light(backend, gradient_sky(), **SUN)
     picture, done, skipped = counts(backend, lambda: look(backend, eye, target, 0.5))
-    backend.skips = replace(FrameSkips(), **{skip: False})
+    backend.change(skips=replace(FrameSkips(), **{skip: False}))
     full, all_done, none_skipped = counts(backend, backend.draw)
     assert skipped[reason] > 0
     assert none_skipped[reason] == 0
@@ -82,7 +77,7 @@ def test_what_the_view_cannot_show_is_not_drawn(
 
 def test_looking_at_the_ground_draws_no_sky_and_filters_none(backend, boxes):
     """Bare matte ground fills the picture: not one sample of sky, no reflection of it."""
-    backend.show_scene(boxes, GROUND)
+    backend.change(scene=opened(boxes, GROUND))
     light(backend, gradient_sky(), **SUN)
     _, done, skipped = counts(backend, lambda: look(backend, (2, 3, 2), (2.2, 0, 2.1), 0.5))
     assert done["sky sample"] == 0
@@ -96,7 +91,7 @@ def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, bo
     """A moving camera does not move shadows; a moving sun or another scene does."""
     night = {"sun_direction": (0.5, -0.1, 0.3), "sun_irradiance": (0.0,) * 3}
     view = ((0, 1.7, 0), (5, 1.5, 1))
-    backend.show_scene(boxes, GROUND)
+    backend.change(scene=opened(boxes, GROUND))
     steps = [SUN, SUN, {**SUN, "sun_direction": (0.5, 0.61, 0.3)}, night]
     drawn = []
     for sun in steps:
@@ -104,7 +99,7 @@ def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, bo
         drawn.append(counts(backend, lambda: look(backend, *view))[1]["shadow map"])
     assert drawn == [1, 0, 1, 0]
     light(backend, gradient_sky(), **SUN)
-    backend.show_scene(boxes, GROUND)
+    backend.change(scene=opened(boxes, GROUND))
     assert counts(backend, backend.draw)[1]["shadow map"] == 1
     assert backend.ledger.skipped["shadow map: no sun to cast one"] == 1
     assert backend.ledger.skipped["shadow map: same scene, same sun"] == 1
@@ -114,10 +109,10 @@ def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, bo
 def test_all_skips_together_leave_the_picture(backend, tmp_path, metallic):
     """Frames of a sky that drifts by less than is seen: as if all were done each time."""
     path = square(tmp_path, surface(metallic, 0.4))
-    backend.show_scene(load_scene(path), GROUND)
+    backend.change(scene=opened(path, GROUND))
     shown = {}
     for skips in (FrameSkips(), NOTHING):
-        backend.skips = skips
+        backend.change(skips=skips)
         for factor in (1.0, 1.002, 1.004):
             light(backend, gradient_sky() * factor, **SUN)
             shown[skips] = look(backend, (0.3, 0.8, 0.6), (0, 0, 0)).display.astype(int)
@@ -136,13 +131,13 @@ def test_a_closed_room_is_dark_and_costs_no_sky(backend, tmp_path):
     lamp.visual = trimesh.visual.TextureVisuals(material=glow)
     path = tmp_path / "room.glb"
     trimesh.Scene([walls, lamp.apply_translation((0, 0, -2))]).export(path)
-    backend.show_scene(load_scene(path), GROUND)
+    backend.change(scene=opened(path, GROUND))
     view = ((0, 0, 1), (0, 0, -1), 1.0)
-    backend.set_sheltered(True)
-    backend.set_exposure(SetExposure(mode="manual", ev100=0.0))
+    backend.change(sheltered=True)
+    backend.change(exposure=SetExposure(mode="manual", ev100=0.0))
     pictures = []
     for skips in (FrameSkips(), NOTHING):
-        backend.skips = skips
+        backend.change(skips=skips)
         light(backend, gradient_sky(), **SUN)
         picture, done, skipped = counts(backend, lambda: look(backend, *view))
         pictures.append(picture)
@@ -154,8 +149,8 @@ def test_a_closed_room_is_dark_and_costs_no_sky(backend, tmp_path):
     assert np.abs(room.display.astype(int) - full.display.astype(int)).max() <= 1
     assert room.radiance[2, 2].max() == 0.0
     assert room.luminance_cd_m2(SIZE[0] // 2, SIZE[1] // 2) == pytest.approx(1.0, rel=1e-3)
-    backend.skips = FrameSkips()
-    backend.set_sheltered(False)
+    backend.change(skips=FrameSkips())
+    backend.change(sheltered=False)
     assert look(backend, (0, 0, 30), (0, 5, 90)).radiance.min() > 0.1
 
 
@@ -168,11 +163,11 @@ def test_culling_is_the_same_at_any_scale(backend, tmp_path, scale):
         scene.add_geometry(ball.apply_translation((x * scale, 0, 0)))
     path = tmp_path / "balls.glb"
     scene.export(path)
-    backend.show_scene(load_scene(path), None)
+    backend.change(scene=opened(path))
     light(backend, gradient_sky(), **SUN)
     eye, target = np.array([0.0, 0.0, 4.0]) * scale, np.array([2.2, 0.0, 0.0]) * scale
     picture, _, skipped = counts(backend, lambda: look(backend, eye, target, 0.4))
-    backend.skips = NOTHING
+    backend.change(skips=NOTHING)
     full = backend.draw()
     assert skipped["mesh: out of view"] == 1
     assert np.abs(picture.display.astype(int) - full.display.astype(int)).max() <= 1

@@ -6,41 +6,31 @@ from straight above: its radiance is its albedo plus what its gloss reflects.
 
 import numpy as np
 import pytest
-from light_messages import light_messages
 from scene_stage import light, look, square
+from stateful_backend import opened
 
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import load_scene
+from vrut_lite.daylight.ground_disc import GroundDisc
 
 pytestmark = pytest.mark.gl
 ROUGH = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
 
 
 @pytest.fixture
-def backend(gl_owner):
-    from vrut_lite.render.pyrender_backend import PyrenderBackend
-
-    backend = PyrenderBackend(gl_owner)
-    backend.set_size(64, 64)
-    yield backend
-    backend.close()
+def backend(gl_backend):
+    return gl_backend(size_px=(64, 64))
 
 
 def seen(backend, path, ground=None, sun=None, at=(0.0, 0.0, 0.0), sky=1.0):
     """Radiance (64, 64, 3) of what lies at a point, from 1 m above it, 0.8 m across."""
-    backend.show_scene(load_scene(path), ground)
-    backend.set_ground_albedo(np.full(3, 0.5))
-    cube = np.full((6, 16, 16, 3), sky)
-    for call, message in zip(
-        (backend.set_background, backend.set_sun_light, backend.set_ambient),
-        light_messages(cube, **(sun or {})),
-        strict=True,
-    ):
-        call(message)
+    backend.change(scene=opened(path, ground))
+    backend.change(ground_albedo_rgb=(0.5,) * 3)
+    light(backend, np.full((6, 16, 16, 3), sky), **(sun or {}))
     eye = (at[0], at[1] + 1.0, at[2])
-    backend.set_camera(
-        MoveCamera(eye_m=eye, target_m=at, vertical_field_of_view_rad=2 * np.arctan(0.4))
+    backend.change(
+        moved_camera=MoveCamera(
+            eye_m=eye, target_m=at, vertical_field_of_view_rad=2 * np.arctan(0.4)
+        )
     )
     return backend.draw().radiance
 
@@ -182,7 +172,7 @@ def test_the_point_opposite_the_sun_is_lit(backend, tmp_path, sun):
     Matt and looked at along the light, the square has the radiance of one direction: 1 % apart.
     """
     towards = np.array(sun) / np.linalg.norm(sun)
-    backend.show_scene(load_scene(square(tmp_path, {"pbrMetallicRoughness": ROUGH})), None)
+    backend.change(scene=opened(square(tmp_path, {"pbrMetallicRoughness": ROUGH})))
     light(backend, np.zeros((6, 8, 8, 3)), sun_direction=towards, sun_irradiance=(10.0,) * 3)
     radiance = look(backend, 2.0 * towards, np.zeros(3), 1e-3).radiance
     assert radiance.min() > 0.1

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 import trimesh
+from render.air_stage import volume_of
 
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.needs import air_reach_m
-from vrut_lite.scene.recording_backend import RecordingBackend
 
 LOWER, UPPER = (-3.0, 0.0, -4.0), (3.0, 5.0, 4.0)
 
@@ -71,14 +71,14 @@ def test_it_grows_without_a_step_as_the_view_is_raised():
 
 
 class Sky(Module):
-    """Posts air, without a volume, when somebody wants it and the needs change."""
+    """Posts air when somebody wants it and the needs change."""
 
     manifest = Manifest(name="sky", title="Sky", version="1", provides=("sky",))
 
     @handles(SceneNeeds)
     def on_needs(self, message: SceneNeeds) -> None:
         if self.link.wanted(AirChanged) and self.link.holds("sky"):
-            self.link.post(AirChanged(volume=None, source=self.manifest.name))
+            self.link.post(AirChanged(volume=volume_of(0.0, 0.0), source=self.manifest.name))
 
 
 class OtherSky(Sky):
@@ -93,15 +93,15 @@ class OtherSky(Sky):
 
 @pytest.fixture
 def stage(tmp_path):
-    """A kernel with a sky and an open scene; the backend."""
-    kernel, backend = Kernel(), RecordingBackend()
+    """A kernel with a sky and an open scene; the scene manager."""
+    kernel = Kernel()
     for module in (Sky, OtherSky):
         kernel.add_module(module)
-    kernel.add_module(SceneManager, backend=backend)
+    kernel.add_module(SceneManager)
     path = tmp_path / "box.glb"
     trimesh.creation.box((2, 4, 2)).export(path)
     play(kernel, ChooseSlot(slot="sky", module="sky"), LoadScene(path=str(path)))
-    yield kernel, backend
+    yield kernel, kernel.seats["scene"].module
     kernel.close()
 
 
@@ -112,45 +112,44 @@ def play(kernel, *inputs):
 
 
 def test_air_is_asked_for_and_handed_on(stage):
-    """With a scene open the manager demands it, says how far it reaches and tells the backend."""
-    kernel, backend = stage
+    """With a scene open the manager demands it, says how far it reaches and keeps it."""
+    kernel, scene = stage
     assert kernel.wanted(AirChanged).size == 1
     assert kernel.last(SceneNeeds).air_reach_m > 1000.0
-    assert backend.latest["set_air"][0].source == "sky"
+    assert scene.state.air is kernel.last(AirChanged).volume
 
 
 def test_switched_off_nobody_is_asked(stage):
-    """No demand, no reach, no air in the backend, and the ledger counts it; on again all return."""
-    kernel, backend = stage
+    """No demand, no reach, no air in the state, and the ledger counts it; on again all return."""
+    kernel, scene = stage
     for wanted in (False, True):
         play(kernel, SetSetting(module="scene", name="air", value=wanted))
         play(kernel, Resize(width_px=64, height_px=32))
         assert (kernel.wanted(AirChanged) is not None) is wanted
         assert (kernel.last(SceneNeeds).air_reach_m > 0.0) is wanted
-        assert backend.latest["set_air"][0].source == ("sky" if wanted else "scene")
-        assert backend.latest["set_air"][0].volume is None
-    assert kernel.seats["scene"].module.ledger.skipped["air: switched off"] == 2
+        assert (scene.state.air is not None) is wanted
+    assert scene.ledger.skipped["air: switched off"] == 2
 
 
 def test_another_sky_does_not_inherit_the_air(stage):
     """A sky that makes none must not be seen through the air of the last."""
-    kernel, backend = stage
+    kernel, scene = stage
     play(kernel, ChooseSlot(slot="sky", module="other_sky"))
-    assert backend.latest["set_air"][0].source == "scene"
+    assert scene.state.air is None
 
 
 def test_light_shafts_are_handed_on(stage):
     """Off until someone wants them."""
-    kernel, backend = stage
-    assert backend.latest.get("set_light_shafts", (False,)) == (False,)
+    kernel, scene = stage
+    assert not scene.state.light_shafts
     play(kernel, SetSetting(module="scene", name="light_shafts", value=True))
-    assert backend.latest["set_light_shafts"] == (True,)
+    assert scene.state.light_shafts
 
 
 def test_in_a_closed_room_there_is_no_air(tmp_path):
     """Inside the demand is taken back, outside it returns."""
-    kernel, backend = Kernel(), RecordingBackend()
-    kernel.add_module(SceneManager, backend=backend)
+    kernel = Kernel()
+    kernel.add_module(SceneManager)
     walls = trimesh.creation.box((4, 3, 5))
     walls.invert()
     walls.export(tmp_path / "room.glb")

@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from light_messages import light_messages
+from stateful_backend import StatefulBackend, opened
 
 from tools.pictures.climb import heights_m, steps_between
 from tools.scenes import hall, terrain
 from tools.scenes import satellite as satellite_script
 from tools.scenes.satellite import ALTITUDE_M, satellite
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera, camera_from_pose, look_at
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.project import load_project
 from vrut_lite.render.mesh_renderer import translation
-from vrut_lite.scene.camera import camera_from_pose, look_at
 from vrut_lite.scene.loading import load_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
@@ -26,8 +26,7 @@ def backend(gl_owner):
     from vrut_lite.render.pyrender_backend import PyrenderBackend
 
     backend = PyrenderBackend(gl_owner)
-    backend.set_size(160, 120)
-    yield backend
+    yield StatefulBackend(backend, size_px=(160, 120))
     backend.close()
 
 
@@ -59,22 +58,16 @@ def test_a_thing_400_km_up_looks_as_it_does_on_the_ground(backend, tmp_path):
     A float32 coordinate of 4e5 m has steps of 3 cm, ten pixels here; an eye in between, too.
     """
     cube = np.full((6, 16, 16, 3), 2.0)
-    messages = light_messages(cube, (0.3, 0.8, 0.5), (500.0, 480.0, 440.0))
-    backend.set_exposure(SetExposure(mode="manual", ev100=13.0))
+    background, sun, ambient = light_messages(cube, (0.3, 0.8, 0.5), (500.0, 480.0, 440.0))
+    backend.change(exposure=SetExposure(mode="manual", ev100=13.0))
     pictures = []
     for altitude_m in (0.0, ALTITUDE_M):
         path = tmp_path / f"{altitude_m:.0f}.glb"
         path.write_bytes(satellite(altitude_m))
-        backend.show_scene(load_scene(path), None)
-        for show, message in zip(
-            (backend.set_background, backend.set_sun_light, backend.set_ambient),
-            messages,
-            strict=True,
-        ):
-            show(message)
+        backend.change(scene=opened(path), background=background, key_light=sun, ambient=ambient)
         up = np.array([0.0, altitude_m, 0.0])
-        backend.set_camera(
-            MoveCamera(
+        backend.change(
+            moved_camera=MoveCamera(
                 eye_m=tuple(map(float, EYE_M + up)),
                 target_m=tuple(map(float, TARGET_M + up)),
                 vertical_field_of_view_rad=0.9,

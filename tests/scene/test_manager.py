@@ -1,22 +1,21 @@
-"""The scene manager, on a backend that only remembers."""
+"""The scene manager: what it keeps for a picture, and what it asks for."""
 
 import numpy as np
 import pytest
 import trimesh
 from light_messages import light_messages
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera, frame_bounds, look_at, perspective
 from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.daylight.scene_state import ground_albedo
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Fault
 from vrut_lite.kernel.module import Manifest, Module, handles
-from vrut_lite.scene.camera import frame_bounds, look_at, perspective
-from vrut_lite.scene.manager import SceneManager, ground_albedo
+from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.needs import visible_faces
-from vrut_lite.scene.recording_backend import RecordingBackend
 
 SKY = np.full((6, 8, 8, 3), 4.0)
 SKY[3] = 1.5
@@ -42,11 +41,11 @@ def box(tmp_path):
 
 @pytest.fixture
 def stage():
-    """A kernel with the scene manager, its backend, and all messages that were delivered."""
-    kernel, backend, heard = Kernel(), RecordingBackend(), []
+    """What a kernel with a scene manager says to inputs, and the scene manager."""
+    kernel, heard = Kernel(), []
     kernel.tap(lambda message, sender: heard.append(message))
     kernel.add_module(Sky)
-    kernel.add_module(SceneManager, backend=backend)
+    kernel.add_module(SceneManager)
     kernel.pump()
 
     def play(*inputs):
@@ -56,44 +55,45 @@ def stage():
         kernel.pump()
         return heard
 
-    return play, backend
+    return play, kernel.seats["scene"].module
 
 
 def only(heard, kind):
     return [message for message in heard if isinstance(message, kind)]
 
 
-def test_a_scene_reaches_the_backend_with_ground_and_camera(stage, box):
-    """One LoadScene: the backend gets the scene, a ground under it and a view of it."""
-    play, backend = stage
+def test_an_opened_scene_has_ground_and_camera(stage, box):
+    """One LoadScene: it is told with the ground under it, and looked at."""
+    play, scene = stage
     heard = play(LoadScene(path=box))
-    scene, ground = backend.latest["show_scene"]
-    assert scene.triangles == 12
-    assert ground.height_m < -2.0
-    assert only(heard, SceneLoaded)[0].upper_m == (1.0, 2.0, 1.0)
+    (opened,) = only(heard, SceneOpened)
+    assert scene.state.scene is opened
+    assert opened.triangles == 12
+    assert opened.ground.height_m < -2.0
+    assert opened.upper_m == (1.0, 2.0, 1.0)
     assert only(heard, SceneNeeds)[-1].receives_light
-    (camera,) = backend.latest["set_camera"]
-    assert camera.eye_m[1] > ground.height_m
+    assert scene.state.camera.eye_m[1] > opened.ground.height_m
 
 
-def test_light_is_handed_on(stage, box):
-    """Background, sun light and ambient arrive at the backend as they were posted."""
-    play, backend = stage
-    play(LoadScene(path=box), Resize(width_px=64, height_px=64))
-    assert isinstance(backend.latest["set_background"][0], BackgroundChanged)
-    assert isinstance(backend.latest["set_sun_light"][0], KeyLightChanged)
-    assert isinstance(backend.latest["set_ambient"][0], AmbientChanged)
-    assert backend.latest["set_size"] == (64, 64)
+def test_light_is_kept(stage, box):
+    """Background, key light and ambient are in the state as they were posted."""
+    play, scene = stage
+    assert scene.state.missing == ("scene", "background", "key_light", "ambient", "camera")
+    heard = play(LoadScene(path=box), Resize(width_px=64, height_px=64))
+    assert [scene.state.background] == only(heard, BackgroundChanged)
+    assert [scene.state.key_light] == only(heard, KeyLightChanged)
+    assert [scene.state.ambient] == only(heard, AmbientChanged)
+    assert scene.state.size_px == (64, 64)
+    assert scene.state.missing == ()
 
 
 def test_the_ground_gets_the_albedo_of_the_skys_lower_half(stage, box):
     """pi L / E: sky 4 above, ground 1.5 below, sun 10 overhead: E = 4 pi + 10, both by hand."""
-    play, backend = stage
+    play, scene = stage
     play(LoadScene(path=box), Resize(width_px=64, height_px=64))
-    (albedo,) = backend.latest["set_ground_albedo"]
     expected = np.pi * 1.5 / (4 * np.pi + np.array([10.0, 9.0, 8.0]))
     # E comes from 25 harmonics, which miss the edge of the darker nadir by 1 %.
-    np.testing.assert_allclose(albedo, expected, rtol=0.015)
+    np.testing.assert_allclose(scene.state.ground_albedo_rgb, expected, rtol=0.015)
 
 
 def test_a_black_night_has_a_black_ground_and_no_nan():
@@ -104,33 +104,32 @@ def test_a_black_night_has_a_black_ground_and_no_nan():
 
 def test_a_bad_scene_is_told_and_the_old_one_stays(stage, box, tmp_path):
     """A mistyped name must not cost the scene that is open, nor suspend the manager."""
-    play, backend = stage
+    play, scene = stage
     play(LoadScene(path=box))
-    before = len(backend.told)
+    before = scene.state
     for _ in range(4):
         faults = only(play(LoadScene(path=str(tmp_path / "none.glb"))), Fault)
         assert faults[0].for_user
         assert not faults[0].suspended
-    assert len(backend.told) == before
-    assert only(play(LoadScene(path=box)), SceneLoaded)
+    assert scene.state is before
+    assert only(play(LoadScene(path=box)), SceneOpened)
 
 
 def test_a_new_scene_brings_its_own_view(stage, box):
     """A camera that was moved in one scene would look at nothing in the next."""
-    play, backend = stage
+    play, scene = stage
     moved = MoveCamera(eye_m=(9.0, 9.0, 9.0), target_m=(0.0, 0.0, 0.0))
     play(LoadScene(path=box), moved)
-    assert backend.latest["set_camera"] == (moved,)
+    assert scene.state.camera == moved
     play(LoadScene(path=box))
-    assert backend.latest["set_camera"] != (moved,)
+    assert scene.state.camera != moved
 
 
 def test_the_eye_s_height_is_told_also_of_a_scene_s_own_camera(stage, box):
     """Who computes the sky for the observer's altitude hears of no other camera."""
-    play, backend = stage
+    play, scene = stage
     heard = play(LoadScene(path=box))
-    own = backend.latest["set_camera"][0]
-    assert only(heard, SceneNeeds)[-1].eye_height_m == own.eye_m[1]
+    assert only(heard, SceneNeeds)[-1].eye_height_m == scene.state.camera.eye_m[1]
 
 
 def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
@@ -139,8 +138,8 @@ def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
     walls.invert()
     path = tmp_path / "room.glb"
     walls.export(path)
-    kernel, backend = Kernel(), RecordingBackend()
-    kernel.add_module(SceneManager, backend=backend)
+    kernel = Kernel()
+    kernel.add_module(SceneManager)
     kinds = (BackgroundChanged, KeyLightChanged, AmbientChanged)
     for kind in kinds:
         kernel.inject(Demand(consumer="scene", message=kind.__name__, size=64))
@@ -152,18 +151,18 @@ def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
         needs = kernel.last(SceneNeeds)
         assert needs.receives_light is not inside
         assert (needs.visible_faces == ()) is inside
-        assert backend.latest.get("set_sheltered", (False,)) == (inside,)
+        assert kernel.seats["scene"].module.state.sheltered is inside
         wanted = [kernel.wanted(kind) for kind in kinds]
         assert [demand and demand.size for demand in wanted] == [None if inside else 64] * 3
     assert kernel.seats["scene"].module.ledger.skipped["light: in a closed room"] == 3
 
 
-def test_exposure_is_handed_on(stage):
+def test_exposure_is_kept(stage):
     """The manager does not interpret it."""
-    play, backend = stage
+    play, scene = stage
     wish = SetExposure(mode="manual", ev100=7.0)
     play(wish)
-    assert backend.latest["set_exposure"] == (wish,)
+    assert scene.state.exposure == wish
 
 
 @pytest.mark.parametrize("size", [(1.0, 1.0, 1.0), (30.0, 2.0, 4.0), (0.5, 80.0, 0.5)])

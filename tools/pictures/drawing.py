@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from vrut_lite.commands.scene_pictures import ScenePlan, SceneShot
+from vrut_lite.daylight.camera import look_at
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.project import Project, load_project
-from vrut_lite.scene.camera import look_at
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SKIES = {"dynamic_skylight": "Hosek-Wilkie", "bruneton_sky": "Bruneton"}

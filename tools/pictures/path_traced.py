@@ -27,7 +27,10 @@ from scipy.ndimage import minimum_filter
 from tools.pictures.drawing import SKIES, Captioned, scene_project, sheet
 from vrut_lite.array import Array
 from vrut_lite.commands.engines import EngineHost
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.darkness import no_ambient, no_background, no_sun
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.project import Project, daylight_inputs, view_inputs
@@ -35,7 +38,6 @@ from vrut_lite.render import mesh_renderer
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.pyrender_backend import PyrenderBackend
-from vrut_lite.scene.darkness import no_ambient, no_background, no_sun
 
 DRAWN = ("sundial.toml", "street.toml", "spheres.glb", "pavilion.gltf", "large/terrain.toml",
          "large/hall.toml", "work/ground.glb", "work/indoor.glb")  # fmt: skip
@@ -91,72 +93,54 @@ def cases(gl: PyrenderBackend, scene: str, sky: str) -> Iterator[Case]:
             project = project_of(scene, sky, hour)
             host.inject(*daylight_inputs(project), *view_inputs(project))
             host.settle()
-            subject = host.backend.subject()
-            ambient = host.kernel.last(AmbientChanged)
-            assert ambient is not None
             caption = f"{Path(scene).stem} {hour} {SKIES[sky]}"
             samples = INDOOR_SAMPLES if scene in INDOORS else SAMPLES
-            yield case(gl, subject, ambient, caption, samples)
+            yield case(gl, host.state, caption, samples)
     finally:
         host.close()
 
 
-def case(
-    gl: PyrenderBackend, subject: Subject, ambient: AmbientChanged, caption: str, samples: int
-) -> Case:
-    """The frame's and the path tracer's pictures of a subject."""
-    by_sun = replace(subject, background=no_background())
-    by_sky = replace(subject, sun=no_sun())
+def case(gl: PyrenderBackend, state: SceneState, caption: str, samples: int) -> Case:
+    """The frame's and the path tracer's pictures of a scene."""
+    by_sun = replace(state, background=no_background(), ambient=no_ambient())
+    by_sky = replace(state, key_light=no_sun())
     sun = traced(by_sun, DIRECT_SAMPLES, max_bounces=1)
-    frame = framed(gl, subject, ambient)
+    frame = gl.draw(state)
     with patch.object(mesh_renderer, "DIELECTRIC_F0", 0.0):
-        bare_frame = framed(gl, by_sun, no_ambient()).radiance
+        bare_frame = gl.draw(by_sun).radiance
     return Case(
         caption=caption,
         frame=frame.radiance,
-        traced=traced(subject, samples),
+        traced=traced(state, samples),
         direct=sun + traced(by_sky, DIRECT_SAMPLES, max_bounces=1),
         sun=sun,
-        sun_frame=framed(gl, by_sun, no_ambient()).radiance,
+        sun_frame=gl.draw(by_sun).radiance,
         bare=traced(by_sun, 8, max_bounces=1, surfaces="bare", sun="sharp"),
         bare_frame=bare_frame,
         sun_principled=traced(by_sun, 8, max_bounces=1, surfaces="principled"),
-        regions=regions_of(subject),
+        regions=regions_of(state),
         ev100=frame.ev100,
     )
 
 
-def traced(subject: Subject, samples: int, **settings: Any) -> Picture:
+def traced(state: SceneState, samples: int, **settings: Any) -> Picture:
     """The path tracer's radiance."""
-    picture = Tracer(subject, PathTracerSettings(spp=samples, **settings)).trace(0, samples)
+    picture = Tracer(Subject(state), PathTracerSettings(spp=samples, **settings)).trace(0, samples)
     assert picture is not None
     return picture
 
 
-def framed(gl: PyrenderBackend, subject: Subject, ambient: AmbientChanged) -> Any:
-    """The GL frame of the same subject."""
-    gl.set_size(*subject.size)
-    gl.show_scene(subject.scene, subject.ground)
-    gl.set_ground_albedo(subject.ground_albedo)
-    gl.set_background(subject.background)
-    gl.set_sun_light(subject.sun)
-    gl.set_ambient(ambient)
-    gl.set_camera(subject.camera)
-    return gl.draw()
-
-
-def regions_of(subject: Subject) -> dict[str, NDArray[np.bool_]]:
+def regions_of(state: SceneState) -> dict[str, NDArray[np.bool_]]:
     """Where sky without the sun is seen, where all of a pixel is in the sun, and where none is.
 
     The sun's disc is some pixels wide: how much of it a frame's few samples a pixel meet is chance.
     """
     above = (texel_directions(64)[..., 1:2] > 0.0) * np.ones(3)
     # No surface may be met: what the eye sees of the sky is 1, and all else black.
-    sky = traced(replace(subject, background=uniform(above), sun=no_sun()), 8, max_bounces=0)
-    bare = traced(
-        replace(subject, background=uniform(np.ones_like(above)), sun=no_sun()), 8, max_bounces=0
-    )
-    by_sun = replace(subject, background=no_background())
+    unlit = replace(state, key_light=no_sun())
+    sky = traced(replace(unlit, background=uniform(above)), 8, max_bounces=0)
+    bare = traced(replace(unlit, background=uniform(np.ones_like(above))), 8, max_bounces=0)
+    by_sun = replace(state, background=no_background())
     lit = luminance(traced(by_sun, 8, max_bounces=1, sun="sharp"))
     disc = luminance(traced(by_sun, 8, max_bounces=0))
     things = bare.max(axis=-1) == 0.0
@@ -223,45 +207,52 @@ def balls(gl: PyrenderBackend) -> list[str]:
     host = EngineHost("path-tracer", project)
     host.inject(*daylight_inputs(project), *view_inputs(project))
     host.settle()
-    subject = host.backend.subject()
-    ambient = host.kernel.last(AmbientChanged)
-    assert ambient is not None
+    state = host.state
+    assert state.scene is not None
+    geometry, materials = state.scene.geometry, state.scene.materials.all()
     lines = ["| ball | sun | sky |", "|---|---|---|"]
-    for placed in subject.scene.meshes:
-        material = placed.mesh.visual.material
-        extent = np.ptp(placed.world_triangles().reshape(-1, 3), axis=0)
+    for part, mesh in enumerate(geometry.part_mesh.values):
+        extent = np.ptp(geometry.world_triangles(part).reshape(-1, 3), axis=0)
         if not np.allclose(extent, 1.0, atol=0.02):
             continue
-        alone = _alone(subject, placed)
+        alone = _alone(state, state.scene, part)
+        by_sun = replace(alone, background=no_background(), ambient=no_ambient())
         mask = _disc_mask(_BALL_SIZE)
         cells = []
-        for light in ({"background": no_background()}, {"sun": no_sun()}):
-            shown = replace(alone, **light)
-            harmonics = no_ambient() if "background" in light else ambient
-            picture = framed(gl, shown, harmonics).radiance
+        for shown in (by_sun, replace(alone, key_light=no_sun())):
+            picture = gl.draw(shown).radiance
             cells.append(_percent(difference(picture, traced(shown, _BALL_SAMPLES), mask)))
-        lines.append(f"| {material.name} | " + " | ".join(cells) + " |")
+        name = materials[geometry.mesh(mesh).material].name
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
     host.close()
     return lines
 
 
-def _alone(subject: Subject, placed: Any) -> Subject:
-    """One mesh without ground, a sphere, filling the picture, seen 40 degrees beside the sun."""
-    corners = placed.world_triangles().reshape(-1, 3)
+def _alone(state: SceneState, scene: SceneOpened, part: int) -> SceneState:
+    """One part without ground, a sphere, filling the picture, seen 40 degrees beside the sun."""
+    assert state.key_light is not None
+    assert state.camera is not None
+    corners = scene.geometry.world_triangles(part).reshape(-1, 3)
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     centre = 0.5 * (lower + upper)
-    sun = np.array(subject.sun.direction)
+    sun = np.array(state.key_light.direction)
     across = np.cross(sun, [0.0, 1.0, 0.0])
     away = sun + np.tan(_BESIDE_RAD) * across / np.linalg.norm(across)
     eye = centre + 4.0 * away / np.linalg.norm(away)
     camera = msgspec.structs.replace(
-        subject.camera,
+        state.camera,
         eye_m=tuple(map(float, eye)),
         target_m=tuple(map(float, centre)),
         vertical_field_of_view_rad=0.3,
     )
-    scene = replace(subject.scene, meshes=(placed,), lower_m=lower, upper_m=upper)
-    return replace(subject, scene=scene, ground=None, camera=camera, size=_BALL_SIZE)
+    geometry = msgspec.structs.replace(
+        scene.geometry,
+        part_mesh=Array(scene.geometry.part_mesh.values[part : part + 1]),
+        world_from_part=Array(scene.geometry.world_from_part.values[part : part + 1]),
+    )
+    bounds = {"lower_m": tuple(lower.tolist()), "upper_m": tuple(upper.tolist())}
+    shown = msgspec.structs.replace(scene, geometry=geometry, ground=None, **bounds)
+    return replace(state, scene=shown, moved_camera=camera, size_px=_BALL_SIZE)
 
 
 def _disc_mask(size: tuple[int, int]) -> NDArray[np.bool_]:

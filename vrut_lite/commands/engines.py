@@ -17,13 +17,14 @@ from rich.progress import Progress
 from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.commands.open_kernel import tell
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.messages import Input, SetSetting
 from vrut_lite.kernel.module import Module
 from vrut_lite.project import Project, setting_inputs
-from vrut_lite.scene.backend import Picture
+from vrut_lite.scene.backend import Picture, SceneView
 from vrut_lite.scene.manager import SceneManager
 
 GL = "gl"
@@ -85,11 +86,17 @@ class EngineHost:
         settings: Any = self.kernel.check_module(name).settings
         self.samples: int = settings.spp
         self._traced: Callable[[int], None] = lambda samples: None
-        self.backend = module.open_engine(settings, lambda samples: self._traced(samples))
+        self._backend = module.open_engine(settings, lambda samples: self._traced(samples))
+        self._view = SceneView(self._backend)
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
-        self.kernel.add_module(SceneManager, backend=self.backend)
+        self.kernel.add_module(SceneManager, view=self._view)
         demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
         self.settle()
+
+    @property
+    def state(self) -> SceneState:
+        """The present state of the scene."""
+        return self._view.state
 
     def inject(self, *messages: Input) -> None:
         """Bring inputs; `settle` or `draw` acts on them."""
@@ -110,7 +117,7 @@ class EngineHost:
         """Act on all inputs and draw; a terminal is shown how far it is."""
         self.settle()
         with _samples_shown(self.samples) as self._traced:
-            picture: Picture = self.backend.draw()
+            picture: Picture = self._backend.draw(self.state)
         return picture
 
     def close(self) -> None:

@@ -1,8 +1,5 @@
 """The host's own modules for sessions without a window: a scene that is opened, never drawn."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from vrut_lite.commands.open_kernel import tell
 from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
@@ -10,32 +7,27 @@ from vrut_lite.kernel.module import Module
 from vrut_lite.recording.entry import Setup
 from vrut_lite.recording.gpu_stand_in import GpuStandIn
 
-Services = Mapping[str, Mapping[str, Any]]
-
 
 def add_headless_scene(kernel: Kernel) -> None:
-    """Load the scene manager, on a backend that draws nothing."""
-    module, services = _scene()
-    kernel.add_module(module, **services)
+    """Load the scene manager, with nothing that draws."""
+    kernel.add_module(_scene_manager())
 
 
-def modules_for(setup: Setup) -> tuple[list[type[Module]], Services]:
-    """What a replay of this setup may load: installed modules, and those of a host's that it needs.
+def modules_for(setup: Setup) -> list[type[Module]]:
+    """Modules that a replay of this setup may load: installed ones, and the host's that it needs.
 
-    In the place of who runs GPU jobs stands one who leaves them to the journal.
+    A stand-in takes the place of the runner of GPU jobs; the journal holds their results.
     """
     modules, failures = discover()
     tell(failures)
     modules.append(GpuStandIn)
     if all(wanted.name != "scene" for wanted in setup.modules):
-        return modules, {}
-    scene, services = _scene()
-    return [*modules, scene], {scene.manifest.name: services}
+        return modules
+    return [*modules, _scene_manager()]
 
 
-def _scene() -> tuple[type[Module], Mapping[str, Any]]:
+def _scene_manager() -> type[Module]:
     # Loading scenes takes libraries that a session without one need not wait for.
     from vrut_lite.scene.manager import SceneManager
-    from vrut_lite.scene.recording_backend import RecordingBackend
 
-    return SceneManager, {"backend": RecordingBackend()}
+    return SceneManager

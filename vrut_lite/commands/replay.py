@@ -31,7 +31,7 @@ def replay(journal: str, check: bool, trace: str | None) -> None:
     if trace is not None:
         check_writable(trace)
     recorded = Journal(journal)
-    rerun = Replay(recorded, *modules_for(recorded.setup))
+    rerun = Replay(recorded, modules_for(recorded.setup))
     outcome = rerun.run(to_the_end=not check)
     if trace is not None:
         _write_trace(rerun, trace)

@@ -95,7 +95,7 @@ class SceneStudio:
 
 @dataclass(frozen=True)
 class SceneShot:
-    """A picture and what is to be told of it."""
+    """A picture and its metadata."""
 
     picture: Picture
     metadata: Metadata

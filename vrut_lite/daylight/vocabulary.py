@@ -5,7 +5,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
@@ -23,7 +23,7 @@ INPUTS: tuple[type[Input], ...] = (
     PictureClicked,
 )
 DERIVED: tuple[type[Derived], ...] = (
-    SceneLoaded,
+    SceneOpened,
     SceneNeeds,
     SunMoved,
     BackgroundChanged,

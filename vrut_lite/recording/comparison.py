@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vrut_lite.errors import one_line
+from vrut_lite.recording.earlier_names import UNKNOWN
 from vrut_lite.recording.entry import Entry
 
 # Eleven times what was measured between processors (docs/journals.md): a number that went
@@ -51,6 +52,8 @@ ArrayRule = Callable[[list[Any], list[Any]], Difference]
 
 def _compare(there: Any, here: Any, path: str, same: ScalarRule, arrays: ArrayRule) -> Difference:
     """The first difference of two plain values, its path before it."""
+    if there == UNKNOWN:
+        return None
     if isinstance(there, dict) and isinstance(here, dict):
         if "$array" in there and "$array" in here:
             return _compare_arrays(there, here, path, arrays)

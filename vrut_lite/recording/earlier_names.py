@@ -3,10 +3,15 @@
 from typing import Any
 
 Plain = dict[str, Any]
+# Of a field that an earlier version did not record: it agrees with anything.
+UNKNOWN = {"$unknown": True}
 
-_RENAMED = {"SunLightChanged": "KeyLightChanged"}
+_RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
 # Fields that earlier messages lack, by today's type names, and what they meant without them.
-_ADDED: dict[str, Plain] = {"KeyLightChanged": {"body": "sun"}}
+_ADDED: dict[str, Plain] = {
+    "KeyLightChanged": {"body": "sun"},
+    "SceneOpened": dict.fromkeys(("geometry", "materials", "ground", "camera"), UNKNOWN),
+}
 
 
 def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:

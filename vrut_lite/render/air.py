@@ -14,16 +14,16 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
 from vrut_lite.gpu_texture import GpuTexture
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.uniform_blocks import AIR
 
 # As air.glsl binds them.
-_BLOCK, _RADIANCE_UNIT, _EXTINCTION_UNIT = 0, 12, 13
-_BLOCK_BYTES = 4 * 48
+_RADIANCE_UNIT, _EXTINCTION_UNIT = 12, 13
 
 
 class AirSurroundings(NamedTuple):
-    """What else the air of a frame depends on.
+    """Inputs of a frame's air besides the volume.
 
     Attributes:
         eye_altitude_m: the eye's y.
@@ -39,7 +39,7 @@ class AirSurroundings(NamedTuple):
 
 
 class FrameAir(NamedTuple):
-    """What the shaders of meshes and sky define, to do with air what a frame asks for."""
+    """The defines with which shaders of meshes and sky are compiled for a frame's air."""
 
     mesh: Defines = ()
     sky: Defines = ()
@@ -56,7 +56,7 @@ class AirOnGpu:
 
     def __init__(self, context: Any):
         self._context = context
-        self._block = context.buffer(reserve=_BLOCK_BYTES)
+        self._block = context.buffer(reserve=AIR.size_bytes)
         self._uploaded: Any = None
         self._radiance: Any = None
         self._extinction: Any = None
@@ -84,8 +84,8 @@ class AirOnGpu:
     def bind(self, around: AirSurroundings) -> None:
         """Hand volume and surroundings to all shaders that are drawn with next."""
         assert self.volume is not None
-        self._block.write(_packed(self.volume, around).tobytes())
-        self._block.bind_to_uniform_block(_BLOCK)
+        self._block.write(_packed(self.volume, around))
+        self._block.bind_to_uniform_block(AIR.binding)
         self._radiance.use(location=_RADIANCE_UNIT)
         self._extinction.use(location=_EXTINCTION_UNIT)
 
@@ -108,7 +108,7 @@ class AirOnGpu:
 
     def _release(self, texture: Any) -> None:
         if texture is not None:
-            rest(self._context)
+            bind_permanent_framebuffer(self._context)
             texture.release()
 
 
@@ -121,34 +121,42 @@ def _between_nodes(context: Any, texture: Any) -> Any:
     return texture
 
 
-def _packed(volume: AirVolume, around: AirSurroundings) -> NDArray[np.float32]:
-    """The block `Air` of air.glsl."""
-    slices = volume.extinction.shape[0]
+def _packed(volume: AirVolume, around: AirSurroundings) -> bytes:
+    """The uniform block `AIR`."""
     horizon, top = horizon_depth(volume)
     radius, altitude = volume.ground_radius_m, volume.observer_altitude_m
     start_m = min(altitude, volume.top_altitude_m)
     down_m, up_m = start_m + BELOW_LEVEL_M, volume.top_altitude_m - start_m
     ground_radius = radius + around.ground_level_m
     above_ground_m = max(around.eye_altitude_m - around.ground_level_m, 0.0)
-    return np.array(
-        [
-            *volume.sun_direction, volume.reach_m,
-            *_azimuth(volume), horizon, top - horizon,
-            slices, volume.rows_above, volume.rows_below, volume.columns,
-            *volume.aerosol_phase, volume.radiance_scale,
-            radius + altitude, radius + volume.top_altitude_m,
-            altitude - volume.top_altitude_m, evenness(altitude),
-            radius + start_m, down_m * (2.0 * radius + start_m - BELOW_LEVEL_M),
-            up_m * (2.0 * radius + start_m + volume.top_altitude_m),
-            min(SHORTEST_SPAN_M, volume.reach_m),
-            ground_radius, above_ground_m,
-            _horizon_height(ground_radius, above_ground_m) if around.ground_is_bare else 0.0,
-            float(around.ground_is_bare),
-            *rows_below(volume), 0.0,
-            *around.shadow_from_eye.T.ravel(),
-        ],
-        np.float32,
-    )  # fmt: skip
+    bare = around.ground_is_bare
+    return AIR.packed(
+        sun_direction=volume.sun_direction,
+        reach_m=volume.reach_m,
+        sun_azimuth=_azimuth(volume),
+        horizon_depth=horizon,
+        depth_above_horizon=top - horizon,
+        slices=volume.extinction.shape[0],
+        rows_above=volume.rows_above,
+        rows_below=volume.rows_below,
+        columns=volume.columns,
+        aerosol_phase=volume.aerosol_phase,
+        radiance_scale=volume.radiance_scale,
+        observer_radius_m=radius + altitude,
+        top_radius_m=radius + volume.top_altitude_m,
+        above_top_m=altitude - volume.top_altitude_m,
+        evenness=evenness(altitude),
+        start_radius_m=radius + start_m,
+        tangent_below_m2=down_m * (2.0 * radius + start_m - BELOW_LEVEL_M),
+        tangent_above_m2=up_m * (2.0 * radius + start_m + volume.top_altitude_m),
+        shortest_span_m=min(SHORTEST_SPAN_M, volume.reach_m),
+        ground_radius_m=ground_radius,
+        above_ground_m=above_ground_m,
+        horizon_height=_horizon_height(ground_radius, above_ground_m) if bare else 0.0,
+        ground_is_bare=float(bare),
+        rows_down=rows_below(volume),
+        shadow_from_eye=around.shadow_from_eye,
+    )
 
 
 def _azimuth(volume: AirVolume) -> NDArray[np.float64]:

@@ -60,7 +60,7 @@ class BackgroundView:
             self._buffers.append((binding, self._context.buffer(values.tobytes())))
 
     def screen(self, defines: Defines) -> FullScreen | None:
-        """The shader with its numbers handed over, None where the cube map is to be drawn."""
+        """The shader with its uniforms set; None to draw the cube map."""
         view = self._shown
         screen = self._screen(view.source, defines) if view is not None else None
         if view is None or screen is None:

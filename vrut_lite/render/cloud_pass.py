@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.render.by_size import BySize
 from vrut_lite.render.clouds import CloudsOnGpu
 from vrut_lite.render.full_screen import FullScreen
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.mesh_renderer import View
-from vrut_lite.render.patience import Patience
-from vrut_lite.render.pieces import Pieces
+from vrut_lite.render.pieces import Patience, Pieces
 from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.targets import Targets
 
 import_pyrender()
@@ -37,8 +36,8 @@ class CloudPass:
         self._pieces = Pieces(patience, _MOST_TILES)
         self._marches: dict[Defines, FullScreen] = {}
         self._composite: FullScreen | None = None
-        self._targets = BySize(context, lambda size: _CloudTarget(context, size))
-        self._depths = BySize(context, _MeshDepth)
+        self._targets = SizeCache(context, lambda size: _CloudTarget(context, size))
+        self._depths = SizeCache(context, _MeshDepth)
 
     def draw(
         self,
@@ -56,11 +55,11 @@ class CloudPass:
             before_meshes: whether clouds may stand before meshes.
         """
         width, height = targets.size
-        target = self._targets.of((-(-width // pixels), -(-height // pixels)))
+        target = self._targets.get((-(-width // pixels), -(-height // pixels)))
         defines = (*(name for name in air if name == "AIR"),)
         if before_meshes:
             defines = (*defines, "BEFORE_MESHES")
-            depth = self._depths.of(targets.size)
+            depth = self._depths.get(targets.size)
             depth.copy(targets)
             depth.use(location=4)
         self._march(clouds, view, defines, target, pixels)
@@ -94,7 +93,7 @@ class CloudPass:
         self._pieces.draw(target.size, lambda piece: march.draw())
 
     def _blend(self, cloud: Any, only_sky: bool) -> None:
-        """Over the samples of the sky, at infinite depth, or over those of meshes."""
+        """Blend over samples of the sky, at infinite depth, or over samples of meshes."""
         if self._composite is None:
             self._composite = FullScreen(self._context, "cloud_composite.frag")
         cloud.use(location=0)
@@ -111,7 +110,7 @@ class CloudPass:
 
 
 class _CloudTarget:
-    """Radiance and transmittance of what is before the sky, and before the meshes."""
+    """Radiance and transmittance of the clouds before the sky, and before the meshes."""
 
     def __init__(self, context: Any, size: tuple[int, int]):
         self.size = size

@@ -11,10 +11,10 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Vector
-from vrut_lite.render.cloud_light import ClearLight
 from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings, ShadowPlane
 from vrut_lite.render.full_screen import FullScreen
 

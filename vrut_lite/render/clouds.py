@@ -14,20 +14,20 @@ from vrut_lite.daylight.cloud_density import (
     WEATHER_TURN_RAD,
     turned,
 )
+from vrut_lite.daylight.cloud_light import ClearLight, sky_beneath
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.render.cloud_light import ClearLight, sky_beneath
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+from vrut_lite.render.uniform_blocks import CLOUDS
 from vrut_lite.render.unlocked import build_mipmaps
 
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
-# As cloud_block.glsl, cloud_density.glsl and cloud_light.glsl bind them.
-_BLOCK, _WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 1, 0, 1, 2, 3
-_BLOCK_BYTES = 4 * 44
+# As cloud_density.glsl and cloud_light.glsl bind them.
+_WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 0, 1, 2, 3
 _SUNS, _LOWEST_SUN = 256, -0.1
 _UP = np.array([0.0, 1.0, 0.0])
 
@@ -64,7 +64,7 @@ class CloudsOnGpu:
 
     def __init__(self, context: Any):
         self._context = context
-        self._block = context.buffer(reserve=_BLOCK_BYTES)
+        self._block = context.buffer(reserve=CLOUDS.size_bytes)
         self._noises: list[Any] = []
         self._uploaded: tuple[NDArray, ...] = ()
         self._suns: Any = None
@@ -89,8 +89,8 @@ class CloudsOnGpu:
     def bind(self, light: ClearLight, around: CloudSurroundings, plane: ShadowPlane) -> None:
         """Hand layer, light and surroundings to all shaders that are drawn with next."""
         assert self.layer is not None
-        self._block.write(_packed(self.layer, light, around, plane).tobytes())
-        self._block.bind_to_uniform_block(_BLOCK)
+        self._block.write(_packed(self.layer, light, around, plane))
+        self._block.bind_to_uniform_block(CLOUDS.binding)
 
     def bind_noises(self) -> None:
         """Hand over what densities are made of."""
@@ -136,7 +136,7 @@ class CloudsOnGpu:
 
     def _release_textures(self) -> None:
         if self._noises:
-            rest(self._context)
+            bind_permanent_framebuffer(self._context)
             for texture in self._noises:
                 texture.release()
         self._noises = []
@@ -144,28 +144,41 @@ class CloudsOnGpu:
 
 def _packed(
     layer: CloudLayer, light: ClearLight, around: CloudSurroundings, plane: ShadowPlane
-) -> NDArray[np.float32]:
-    """The block `Clouds` of cloud_block.glsl."""
+) -> bytes:
+    """The uniform block `CLOUDS`."""
     eye = around.eye_m
     level = eye[[0, 2]]
     base, top = layer.base_m, layer.base_m + layer.thickness_m
     beneath = sky_beneath(layer, light)
     ground = min(around.ground_level_m, float(eye[1]))
-    return np.array(
-        [
-            *light.sun_direction, PLANET_RADIUS_M + eye[1],
-            base, layer.thickness_m, layer.extinction_per_m, layer.threshold,
-            *_weather_origin(layer, level), *_noise_origin(layer, level),
-            *layer.phase, around.pixel_rad,
-            *(_squares_m2(altitude, float(eye[1])) for altitude in (top, base, ground)), eye[1],
-            *(evaluate_irradiance(light.irradiance_sh, _UP) / np.pi), beneath.scattered_share,
-            *beneath.light_from_below, layer.coverage,
-            *(level - plane.centre_m), plane.near_m, plane.growth,
-            *beneath.ground_by_sun, plane.least_sine,
-            *beneath.ground_by_sky, plane.texels,
-        ],
-        np.float32,
-    )  # fmt: skip
+    eye_altitude_m = float(eye[1])
+    return CLOUDS.packed(
+        sun_direction=light.sun_direction,
+        eye_radius_m=PLANET_RADIUS_M + eye_altitude_m,
+        base_m=base,
+        thickness_m=layer.thickness_m,
+        extinction_per_m=layer.extinction_per_m,
+        threshold=layer.threshold,
+        weather_origin=_weather_origin(layer, level),
+        noise_origin=_noise_origin(layer, level),
+        phase=layer.phase,
+        pixel_rad=around.pixel_rad,
+        top_squares_m2=_squares_m2(top, eye_altitude_m),
+        base_squares_m2=_squares_m2(base, eye_altitude_m),
+        ground_squares_m2=_squares_m2(ground, eye_altitude_m),
+        eye_altitude_m=eye_altitude_m,
+        light_from_above=evaluate_irradiance(light.irradiance_sh, _UP) / np.pi,
+        scattered_share=beneath.scattered_share,
+        light_from_below=beneath.light_from_below,
+        covered_share=layer.coverage,
+        shadow_origin_m=level - plane.centre_m,
+        shadow_near_m=plane.near_m,
+        shadow_growth=plane.growth,
+        ground_by_sun=beneath.ground_by_sun,
+        sun_slope=plane.least_sine,
+        ground_by_sky=beneath.ground_by_sky,
+        shadow_texels=plane.texels,
+    )
 
 
 def _squares_m2(altitude_m: float, eye_altitude_m: float) -> float:

@@ -6,7 +6,8 @@ afar lost 3 % of theirs, and a chequerboard more than half (glTF 2.0, section 3.
 
 from typing import Any
 
-from PIL import Image
+import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.render.gl_environment import import_pyrender
 
@@ -36,6 +37,6 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
         GL.glBindTexture(self.tex_type, 0)
 
 
-def colour_texture(image: Image.Image | None, channels: str) -> Any:
-    """The texture of an sRGB-encoded image; `channels` is RGB or RGBA."""
-    return None if image is None else ColourTexture(source=image, source_channels=channels)
+def colour_texture(texels: NDArray[np.uint8] | None, channels: str) -> Any:
+    """The texture of sRGB-encoded texels (h, w, 3 or 4); `channels` is RGB or RGBA."""
+    return None if texels is None else ColourTexture(source=texels, source_channels=channels)

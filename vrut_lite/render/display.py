@@ -5,8 +5,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.picture import ToneMap
+from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.render import exposure, tone_map
+from vrut_lite.render.white_balance import white_balance_matrix
+from vrut_lite.scene.backend import Picture
 
 Bits = Literal[8, 16]
 
@@ -33,6 +35,15 @@ def display_picture(
         return np.rint(encoded * 65535.0).astype(np.uint16)
     encoded += dither(*radiance.shape[:2])[..., None] / 255.0
     return np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
+
+
+def developed(radiance: NDArray[np.float32], wish: SetExposure) -> Picture:
+    """Radiance (h, w, 3) exposed and tone-mapped as the GL frame does it."""
+    ev100 = exposure.ev100_of(wish, radiance)
+    white = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
+    # GL counts rows from below, and so does its dither.
+    display = display_picture(radiance[::-1], ev100, wish.tone_map, white)[::-1]
+    return Picture(radiance, np.ascontiguousarray(display, np.uint8), ev100)
 
 
 def dither(height: int, width: int) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ ISO 12232, as Lagarde 2014 uses it); automatic exposure puts the mean on middle 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
 MIDDLE_GREY = 0.18
@@ -25,6 +26,12 @@ _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
 def scale_of(ev100: float) -> float:
     """Factor from linear sRGB radiance (W m^-2 sr^-1) to picture values."""
     return LUMENS_PER_WATT / (_SATURATION * 2.0**ev100)
+
+
+def ev100_of(wish: SetExposure, radiance_rgb: NDArray[np.floating]) -> float:
+    """EV100 that is wished for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1."""
+    metered = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance_rgb)
+    return metered - wish.compensation_ev
 
 
 def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:

@@ -9,15 +9,15 @@ from typing import Any
 
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader
+from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render import exposure
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
-from vrut_lite.render.by_size import BySize
-from vrut_lite.render.cloud_stage import CloudStage
 from vrut_lite.render.culling import in_view, part_of
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.frame_clouds import FrameClouds
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.mesh_renderer import (
     SHADOW_UNIT,
@@ -26,19 +26,16 @@ from vrut_lite.render.mesh_renderer import (
     in_order,
     shadow_from_eye,
 )
-from vrut_lite.render.patience import IsGivenUp, Patience
-from vrut_lite.render.pieces import Piece, Pieces
+from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
-from vrut_lite.render.reflection import reflectance_table
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.shadow_map import ShadowMaps
-from vrut_lite.render.skips import FrameSkips
+from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.sky_pass import SkyPass, SunDisc
-from vrut_lite.render.specular_filter import SpecularFilter
+from vrut_lite.render.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.targets import Targets
-from vrut_lite.render.tolerance import reflection_change
 from vrut_lite.render.tone_pass import TonePass
-from vrut_lite.scene.backend import Picture
+from vrut_lite.scene.backend import IsGivenUp, Picture
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Of the 24 slices of the filtered sky, in a frame that is not to wait for them: a sixth of its
@@ -52,13 +49,13 @@ class Frame:
     """GL objects of the frame; made and used on the GL thread only.
 
     `measure` is entered around each pass, with its name; `ledger` counts what was done and
-    what was skipped, `skips` says what may be.
+    what was skipped.
     """
 
     def __init__(self, context: Any):
         self._context = context
         self.ledger = Ledger()
-        self.skips = FrameSkips()
+        self._skips = FrameSkips()
         self.measure: Measure = lambda name: nullcontext()
         context.enable_direct(_CUBE_MAP_SEAMLESS)
         self._meshes = MeshRenderer()
@@ -69,13 +66,9 @@ class Frame:
         self._air = AirOnGpu(context)
         self._patience = Patience(self.ledger)
         self._mesh_pieces = Pieces(self._patience)
-        self._clouds = CloudStage(context, self.ledger, self._patience)
+        self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
-        self._targets = BySize(context, lambda size: Targets(context, size))
-
-    def set_tolerance(self, tolerance: float) -> None:
-        """Let reflections lag behind the sky as far as a tolerance of radiance allows."""
-        self._filter.change_seen = reflection_change(tolerance)
+        self._targets = SizeCache(context, lambda size: Targets(context, size))
 
     def show_view(self, view: ViewShader | None) -> None:
         """Draw this behind the scene; None or an error: the cube map (see `SkyPass`)."""
@@ -94,33 +87,37 @@ class Frame:
         scene: PyrenderScene,
         view: View,
         light: Light,
-        disc: SunDisc,
-        wish: SetExposure,
-        size: tuple[int, int],
+        state: SceneState,
         still: bool = True,
-        light_shafts: bool = False,
         is_given_up: IsGivenUp | None = None,
     ) -> Picture:
-        """Draw a scene, the sky and the sun; size is (width, height) in pixels.
+        """Draw a scene, the sky and the sun, with the state's size, exposure and skips.
 
         A `still` is finished in every respect; otherwise what may lag is done in slices.
-        With `light_shafts` the scene shades the air too.
 
         Raises:
             GivenUp: `is_given_up()`, asked again and again, says that nobody waits for it.
         """
         self._patience.is_given_up = is_given_up
-        targets = self._targets.of(size)
+        self._skips = state.skips
+        self._filter.change_seen = reflection_change(state.tolerance)
+        assert state.key_light is not None
+        disc = SunDisc(
+            light.sun_irradiance,
+            state.key_light.angular_radius_rad,
+            state.key_light.limb_darkening_rgb,
+        )
+        targets = self._targets.get(state.size_px)
         self._meshes.update(scene)
         seen = self._seen(scene, view)
         with self.measure("reflection"):
             reflection = self._reflection(light, seen, still)
         with self.measure("shadow"):
-            always = not self.skips.shadow
+            always = not self._skips.shadow
             shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always)
-        air = self._air_before(scene, view, light, shadows.scene, light_shafts)
+        air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
-            light, air = self._clouds.prepare(scene, view, light, air, size)
+            light, air = self._clouds.prepare(scene, view, light, air, state.size_px)
         self._patience.check()
         targets.multisampled.use()
         targets.multisampled.clear()
@@ -132,15 +129,14 @@ class Frame:
             self._context.copy_framebuffer(targets.resolved, targets.multisampled)
         with self.measure("copy and meter"):
             radiance = targets.read_radiance()
-            ev100 = wish.ev100 if wish.mode == "manual" else exposure.automatic_ev100(radiance)
-        ev100 -= wish.compensation_ev
+            ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
-            self._tone.draw(targets, ev100, wish)
+            self._tone.draw(targets, ev100, state.exposure)
         return Picture(radiance, targets.read_display(), ev100)
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
-        rest(self._context)
+        bind_permanent_framebuffer(self._context)
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
                       self._air, self._clouds, self._targets):  # fmt: skip
@@ -164,7 +160,7 @@ class Frame:
         def draw_meshes(placed: list[PlacedPrimitive]) -> None:
             def draw(piece: Piece) -> None:
                 within = placed
-                if self.skips.meshes and piece[2:] != targets.size:
+                if self._skips.meshes and piece[2:] != targets.size:
                     part = part_of(view, targets.size, piece)
                     within = [p for p in placed if in_view(p, part)]
                 self._meshes.draw(scene, within, view, light, shadows, reflection, air.mesh)
@@ -173,11 +169,11 @@ class Frame:
                 self._mesh_pieces.draw(targets.size, draw)
 
         opaque, blended = in_order(seen, view.eye_m)
-        if not self.skips.sky:
+        if not self._skips.sky:
             self._draw_sky(targets, view, light, disc, air)
         with self.measure("mesh"):
             draw_meshes(opaque)
-        if self.skips.sky:
+        if self._skips.sky:
             self._draw_sky(targets, view, light, disc, air)
         with self.measure("clouds"):
             self._clouds.draw(scene, targets, view, air, still)
@@ -211,17 +207,17 @@ class Frame:
     def _draw_sky(
         self, targets: Targets, view: View, light: Light, disc: SunDisc, air: FrameAir
     ) -> None:
-        if light.is_none and self.skips.unlit:
+        if light.is_none and self._skips.unlit:
             self.ledger.skip("sky sample: in a closed room", targets.samples)
             return
         with self.measure("sky"):
-            drawn = self._sky.draw(view, light, disc, self.skips.sky, air.sky)
+            drawn = self._sky.draw(view, light, disc, self._skips.sky, air.sky)
         self.ledger.did("sky sample", drawn)
         self.ledger.skip("sky sample: covered", targets.samples - drawn)
 
     def _seen(self, scene: PyrenderScene, view: View) -> list[PlacedPrimitive]:
         """What may be in the picture."""
-        if not self.skips.meshes:
+        if not self._skips.meshes:
             seen = scene.placed
         else:
             seen = [placed for placed in scene.placed if in_view(placed, view)]
@@ -232,11 +228,11 @@ class Frame:
     def _reflection(self, light: Light, seen: list[PlacedPrimitive], still: bool) -> Reflection:
         """The sky for the surfaces that mirror it."""
         glossy = any(not placed.primitive.material.matte for placed in seen)
-        if light.is_none and self.skips.unlit:
+        if light.is_none and self._skips.unlit:
             self.ledger.skip("reflection: in a closed room")
-        elif glossy or not self.skips.reflection:
+        elif glossy or not self._skips.reflection:
             slices = None if still else SLICES_A_FRAME
-            self._filter.update(light.sky, slices, not self.skips.reflection)
+            self._filter.update(light.sky, slices, not self._skips.reflection)
         else:
             self.ledger.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture

@@ -83,9 +83,9 @@ def _create_context() -> Any:
     return context
 
 
-def rest(context: Any) -> None:
-    """Bind a framebuffer that is never released; call it before releasing others.
+def bind_permanent_framebuffer(context: Any) -> None:
+    """Bind a framebuffer that lives as long as the context; call it before releasing others.
 
-    moderngl returns to the framebuffer that was bound last, also when that is gone.
+    moderngl binds the last used framebuffer again, even after its release.
     """
     context.extra.use()

@@ -3,18 +3,16 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.cloud_density import sun_transmittance
+from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.render.cloud_light import ClearLight, under_clouds
-from vrut_lite.render.rays import Hit, SceneRays
-from vrut_lite.scene.camera import look_at
+from vrut_lite.render.rays import SceneRays
 
 
 class Illuminance(NamedTuple):
@@ -58,22 +56,3 @@ def illuminance(
         sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
         sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,
     )
-
-
-def surface_at(
-    rays: SceneRays, camera: MoveCamera, size: tuple[int, int], x: int, y: int
-) -> Hit | None:
-    """What the middle of a pixel shows, None if it is the sky; y counts from the top."""
-    return rays.first_hit(camera.eye_m, pixel_direction(camera, size, x, y))
-
-
-def pixel_direction(
-    camera: MoveCamera, size: tuple[int, int], x: int, y: int
-) -> NDArray[np.float64]:
-    """Unit world direction (3,) through the middle of a pixel."""
-    width, height = size
-    tangent = np.tan(0.5 * camera.vertical_field_of_view_rad)
-    right = (2.0 * (x + 0.5) / width - 1.0) * tangent * width / height
-    up = (1.0 - 2.0 * (y + 0.5) / height) * tangent
-    direction = look_at(camera.eye_m, camera.target_m)[:3, :3].T @ np.array([right, up, -1.0])
-    return np.asarray(direction / np.linalg.norm(direction))

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.scene_content import MapName
+from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
-from vrut_lite.render.reflection import DIELECTRIC_F0
 from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
 from vrut_lite.render.specular_filter import LEVEL_ROUGHNESS
 
@@ -26,12 +27,12 @@ from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E
 
 # As mesh.frag binds them; the first units are a material's textures, which pyrender numbers.
 _SKY_UNIT, SHADOW_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT, _NEAR_SHADOW_UNIT = 8, 9, 10, 11, 15
-_LAYER_UNIFORMS = {
-    "base_color_layer": "baseColorTexture",
-    "metallic_roughness_layer": "metallicRoughnessTexture",
-    "normal_layer": "normalTexture",
-    "occlusion_layer": "occlusionTexture",
-    "emissive_layer": "emissiveTexture",
+_LAYER_UNIFORMS: dict[str, MapName] = {
+    "base_color_layer": "base_colour",
+    "metallic_roughness_layer": "metallic_roughness",
+    "normal_layer": "normal",
+    "occlusion_layer": "occlusion",
+    "emissive_layer": "emission",
 }
 
 
@@ -149,7 +150,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glUseProgram(0)
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
-        """A mask casts by its own cut-off; what is blended casts where it is more than half."""
+        """A masked surface casts by its own cut-off, a blended one where alpha exceeds 0.5."""
         cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": 0.5}
         cut_off = cut_offs.get(material.alphaMode, 0.0)
         texture = material.baseColorTexture if cut_off > 0.0 else None
@@ -157,7 +158,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         program.set_uniform("base_alpha", float(material.baseColorFactor[3]))
         program.set_uniform("has_alpha_texture", 0.0 if texture is None else 1.0)
         if texture is not None:
-            program.set_uniform("alpha_layer", material.layer_of.get("baseColorTexture", 0))
+            program.set_uniform("alpha_layer", material.layer_of.get("base_colour", 0))
             self._bind_texture(texture, "alpha_texture", program)
 
     def _draw_both_sides(self, primitive: Any) -> None:

@@ -1,4 +1,4 @@
-"""What the picture writers take: an array of pixels and what is to be known about it."""
+"""Types of the picture writers: an array of pixels, and its metadata."""
 
 from collections.abc import Mapping
 

@@ -1,15 +1,16 @@
 """A pass drawn piece by piece, so that a picture can be given up while it is being drawn.
 
-A software renderer takes seconds for a finished picture. Whoever moves on meanwhile is not to wait
-for it: after each piece it is asked whether anybody still does.
+A software renderer takes seconds for a finished picture. After each piece the caller is asked
+whether it still wants the picture; a user who moves on then need not wait for it.
 """
 
 from collections.abc import Callable
 from time import perf_counter
 from typing import NamedTuple
 
+from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.patience import Patience
+from vrut_lite.scene.backend import GivenUp, IsGivenUp
 
 import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
@@ -31,15 +32,37 @@ class Piece(NamedTuple):
 
     @property
     def tiles(self) -> float:
-        """How large it is."""
+        """Its area."""
         return (self.right - self.left) * (self.upper - self.lower) / TILE**2
+
+
+class Patience:
+    """Ends a picture that its caller has given up.
+
+    `is_given_up` is None for a picture that is finished in any case. The ledger counts, as
+    skipped, pictures that were given up.
+    """
+
+    def __init__(self, ledger: Ledger):
+        self._ledger = ledger
+        self.is_given_up: IsGivenUp | None = None
+
+    def check(self) -> None:
+        """Return if the picture is still wanted.
+
+        Raises:
+            GivenUp: it is not.
+        """
+        if self.is_given_up is not None and self.is_given_up():
+            self._ledger.skip("picture: given up")
+            raise GivenUp
 
 
 class Pieces:
     """Pieces of one pass, as large as can be drawn in a sixth of a second; on the GL thread only.
 
-    Pixels are those of a pass that is drawn whole. Sizes are learned from piece to piece, and have
-    `most_tiles` where the next may take many times longer than the last.
+    The pixels equal those of a pass that is drawn whole. The time of a piece sets the size of the
+    next, up to `most_tiles` where the next may take many times longer.
     """
 
     def __init__(self, patience: Patience, most_tiles: int | None = None):
@@ -48,12 +71,12 @@ class Pieces:
         self._tiles = _LEAST_TILES
 
     def draw(self, size: tuple[int, int], draw: Callable[[Piece], None]) -> None:
-        """Draw all of a picture of this size, piece after piece, what is around each cut off.
+        """Draw all of a picture of this size, piece after piece, each clipped to its rectangle.
 
         A picture that is finished in any case is one piece.
 
         Raises:
-            GivenUp: nobody waits any more.
+            GivenUp: the picture is no longer wanted.
         """
         if self._patience.is_given_up is None:
             draw(Piece(0, 0, *size))
@@ -83,7 +106,7 @@ class Pieces:
 
 
 def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:
-    """So many tiles from a corner on: whole rows of them, or what is left of one row."""
+    """A piece of so many tiles from a corner on: whole rows, or the remainder of one row."""
     width, height = size
     rows = 1 if left else max(1, tiles // -(-width // TILE))
     right = width if rows > 1 else min(left + tiles * TILE, width)
@@ -91,11 +114,11 @@ def piece_at(left: int, lower: int, size: tuple[int, int], tiles: int) -> Piece:
 
 
 def next_tiles(asked: int, drawn: float, placed_s: float, shaded_s: float) -> int:
-    """How large the next piece is to be, after one for which placing and shading took so long.
+    """Tiles of the next piece, from the seconds that placing and shading the last one took.
 
-    Every piece places triangles anew: no more time is to go into that than into pixels. A piece
-    of bare sky says little of the next, which is at most twice as large as was `asked` for: of
-    that the picture's edge may have left little to be `drawn`.
+    Every piece places triangles again, which must take no longer than shading its pixels. The
+    next piece has at most twice the tiles that were `asked` for, since a piece of bare sky says
+    little about the next; `drawn` are fewer at the picture's edge.
     """
     wished_s = max(_PIECE_S - placed_s, placed_s)
     wished = min(2.0 * max(asked, drawn), wished_s / max(shaded_s, 1e-6) * drawn)

@@ -6,15 +6,14 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
-from PIL import Image
 
+from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene_content import MapName, Material, Mesh
+from vrut_lite.numeric_types import FloatArray, Vector
 from vrut_lite.render.colour_texture import colour_texture
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.scene.ground_disc import GroundDisc, triangulate
-from vrut_lite.scene.loading import LoadedScene
-from vrut_lite.scene.materials import SurfaceMaterial
 
 pyrender = import_pyrender()
 
@@ -28,8 +27,8 @@ class PlacedPrimitive:
     """
 
     primitive: Any
-    world_from_model: NDArray[np.float64]
-    centre_m: NDArray[np.float64]
+    world_from_model: FloatArray
+    centre_m: FloatArray
     radius_m: float
     casts_shadow: bool
 
@@ -37,25 +36,28 @@ class PlacedPrimitive:
 class PyrenderScene:
     """Meshes whose buffers pyrender keeps, where they stand, and the paint of the ground."""
 
-    def __init__(self, loaded: LoadedScene, ground: GroundDisc | None):
+    def __init__(self, opened: SceneOpened):
         self.scene = pyrender.Scene()
         self.placed: list[PlacedPrimitive] = []
         self._known: set[int] = set()
-        self.centre_m = 0.5 * (loaded.lower_m + loaded.upper_m)
-        self.radius_m = max(0.5 * float(np.linalg.norm(loaded.upper_m - loaded.lower_m)), 1e-6)
+        lower_m, upper_m = np.asarray(opened.lower_m), np.asarray(opened.upper_m)
+        self.centre_m = 0.5 * (lower_m + upper_m)
+        self.radius_m = max(0.5 * float(np.linalg.norm(upper_m - lower_m)), 1e-6)
         # Where the ground behind the scene lies.
-        self.ground_level_m = 0.0 if ground is None else ground.height_m
+        self.ground_level_m = 0.0 if opened.ground is None else opened.ground.height_m
         self._ground_material: Any = None
-        shared: dict[int, tuple[Any, NDArray[np.float64]]] = {}
-        for placed in loaded.meshes:
-            if id(placed.mesh) not in shared:
-                shared[id(placed.mesh)] = _primitive(placed.mesh)
-            primitive, model_from_centred = shared[id(placed.mesh)]
-            self._place(primitive, placed.world_from_model @ model_from_centred, True)
-        if ground is not None:
-            self._add_ground(ground)
+        geometry = opened.geometry
+        surfaces = [_surface(material) for material in opened.materials.all()]
+        meshes = [geometry.mesh(number) for number in range(geometry.mesh_count)]
+        primitives = [_primitive(mesh, surfaces[mesh.material]) for mesh in meshes]
+        places = zip(geometry.part_mesh.values, geometry.world_from_part.values, strict=True)
+        for number, matrix in places:
+            primitive, model_from_centred = primitives[number]
+            self._place(primitive, matrix @ model_from_centred, True)
+        if opened.ground is not None:
+            self._add_ground(opened.ground)
 
-    def _place(self, primitive: Any, matrix: NDArray[np.float64], casts_shadow: bool) -> None:
+    def _place(self, primitive: Any, matrix: FloatArray, casts_shadow: bool) -> None:
         if id(primitive) not in self._known:
             self._known.add(id(primitive))
             self.scene.add(pyrender.Mesh([primitive]))
@@ -66,10 +68,10 @@ class PyrenderScene:
             PlacedPrimitive(primitive, matrix, matrix[:3, 3], radius_m, casts_shadow)
         )
 
-    def paint_ground(self, albedo_rgb: NDArray[np.float64]) -> None:
-        """Give the ground disc an albedo (3,), linear."""
+    def paint_ground(self, albedo_rgb: Vector) -> None:
+        """Give the ground disc an albedo, linear RGB in [0, 1]."""
         if self._ground_material is not None:
-            self._ground_material.baseColorFactor = [*np.clip(albedo_rgb, 0.0, 1.0), 1.0]
+            self._ground_material.baseColorFactor = [*albedo_rgb, 1.0]
 
     def _add_ground(self, ground: GroundDisc) -> None:
         vertices, triangles = triangulate(ground)
@@ -90,22 +92,20 @@ class PyrenderScene:
         self._place(primitive, middle, False)
 
 
-def _primitive(mesh: trimesh.Trimesh) -> tuple[Any, NDArray[np.float64]]:
+def _primitive(mesh: Mesh, surface: "Surface") -> tuple[Any, FloatArray]:
     """The primitive, its vertices centred, and the matrix (4, 4) that moves them back.
 
     Single precision is then spent on the mesh itself, not on where its origin happens to be.
     """
-    vertices = np.asarray(mesh.vertices, dtype=np.float64)
-    centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    uv = getattr(mesh.visual, "uv", None)
+    centre = 0.5 * (mesh.positions_m.min(axis=0) + mesh.positions_m.max(axis=0))
     primitive = pyrender.Primitive(
-        positions=(vertices - centre).astype(np.float32),
-        normals=np.asarray(mesh.vertex_normals, np.float32),
-        texcoord_0=None if uv is None else np.asarray(uv, np.float32),
-        texcoord_1=mesh.vertex_attributes.get("second_uv"),
-        color_0=mesh.vertex_attributes.get("color"),
-        indices=np.asarray(mesh.faces, np.uint32),
-        material=_material(mesh),
+        positions=(mesh.positions_m - centre).astype(np.float32),
+        normals=np.asarray(mesh.normals, np.float32),
+        texcoord_0=None if mesh.uv is None else np.asarray(mesh.uv, np.float32),
+        texcoord_1=mesh.second_uv,
+        color_0=mesh.colours_rgba,
+        indices=np.asarray(mesh.triangles, np.uint32),
+        material=surface,
     )
     model_from_centred = np.eye(4)
     model_from_centred[:3, 3] = centre
@@ -115,36 +115,36 @@ def _primitive(mesh: trimesh.Trimesh) -> tuple[Any, NDArray[np.float64]]:
 class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
     """pyrender's material, and what of ours it has no place for."""
 
-    layer_of: Mapping[str, int] = MappingProxyType({})
+    layer_of: Mapping[MapName, int] = MappingProxyType({})
     normal_scale = 1.0
     occlusion_strength = 1.0
     # Reflects nothing: Lambert's surface itself.
     matte = False
 
 
-def _material(mesh: trimesh.Trimesh) -> Surface:
-    source: SurfaceMaterial = mesh.visual.material  # type: ignore[union-attr]
+def _surface(material: Material) -> Surface:
+    texels = {name: image.texels for name, image in material.maps.items()}
     surface = Surface(
-        name=source.name,
-        baseColorFactor=source.baseColorFactor,
-        baseColorTexture=colour_texture(source.baseColorTexture, "RGBA"),
-        metallicFactor=source.metallicFactor,
-        roughnessFactor=source.roughnessFactor,
-        metallicRoughnessTexture=source.metallicRoughnessTexture,
-        normalTexture=source.normalTexture,
-        occlusionTexture=_rgb_texture(source.occlusionTexture),
-        emissiveFactor=source.emissiveFactor,
-        emissiveTexture=colour_texture(source.emissiveTexture, "RGB"),
-        alphaMode=source.alphaMode,
-        alphaCutoff=source.alphaCutoff,
-        doubleSided=bool(source.doubleSided),
+        name=material.name,
+        baseColorFactor=material.base_colour_rgba,
+        baseColorTexture=colour_texture(texels.get("base_colour"), "RGBA"),
+        metallicFactor=material.metallic,
+        roughnessFactor=material.roughness,
+        metallicRoughnessTexture=texels.get("metallic_roughness"),
+        normalTexture=texels.get("normal"),
+        occlusionTexture=_rgb_texture(texels.get("occlusion")),
+        emissiveFactor=material.emission_rgb,
+        emissiveTexture=colour_texture(texels.get("emission"), "RGB"),
+        alphaMode=material.alpha_mode,
+        alphaCutoff=material.alpha_cutoff,
+        doubleSided=material.double_sided,
     )
-    surface.layer_of = source.layer_of
-    surface.normal_scale = source.normal_scale
-    surface.occlusion_strength = source.occlusion_strength
+    surface.layer_of = {name: image.uv_layer for name, image in material.maps.items()}
+    surface.normal_scale = material.normal_scale
+    surface.occlusion_strength = material.occlusion_strength
     return surface
 
 
-def _rgb_texture(image: Image.Image | None) -> Any:
+def _rgb_texture(texels: NDArray[np.uint8] | None) -> Any:
     """All three channels: pyrender's way to one channel fails for a row or column of pixels."""
-    return None if image is None else pyrender.Texture(source=image, source_channels="RGB")
+    return None if texels is None else pyrender.Texture(source=texels, source_channels="RGB")

@@ -1,14 +1,12 @@
-"""Rays against a loaded scene, on the CPU in double precision: for single points."""
+"""Single rays against an opened scene, on the CPU in double precision."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.scene.ground_disc import PLANET_RADIUS_M, GroundDisc, fall_m
-from vrut_lite.scene.loading import LoadedScene
-from vrut_lite.scene.materials import SurfaceMaterial
-from vrut_lite.scene.placed import PlacedMesh
+from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M, fall_m
+from vrut_lite.daylight.scene import SceneOpened
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6
@@ -25,19 +23,22 @@ class Hit(NamedTuple):
 class SceneRays:
     """The triangles of a scene and its ground; textures that cut out are not looked at."""
 
-    def __init__(self, scene: LoadedScene, ground: GroundDisc | None):
-        triangles = [placed.world_triangles() for placed in scene.meshes]
+    def __init__(self, scene: SceneOpened):
+        parts = range(len(scene.geometry.part_mesh.values))
+        triangles = [scene.geometry.world_triangles(part) for part in parts]
         self._ends = np.cumsum([len(t) for t in triangles])
-        self._materials = [str(_material_of(placed).name) for placed in scene.meshes]
+        names = [material.name for material in scene.materials.all()]
+        meshes = (scene.geometry.mesh(int(mesh)) for mesh in scene.geometry.part_mesh.values)
+        self._materials = [names[mesh.material] for mesh in meshes]
         self._corner = np.concatenate([t[:, 0] for t in triangles])
         self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
         self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])
-        self._ground = ground
-        size_m = float(np.linalg.norm(scene.upper_m - scene.lower_m))
+        self._ground = scene.ground
+        size_m = float(np.linalg.norm(np.subtract(scene.upper_m, scene.lower_m)))
         self._clearance_m = _CLEARANCE * max(size_m, 1e-6)
 
     def first_hit(self, eye_m: ArrayLike, direction: ArrayLike) -> Hit | None:
-        """What a ray from `eye_m` (3,) along a unit direction (3,) meets first."""
+        """The nearest hit of a ray from `eye_m` (3,) along a unit direction; None for the sky."""
         eye, ray = np.asarray(eye_m, dtype=float), np.asarray(direction, dtype=float)
         distances_m = self._distances_m(eye, ray)
         nearest = int(np.argmin(distances_m)) if distances_m.size else -1
@@ -90,7 +91,3 @@ class SceneRays:
         distance_m = c / (np.sqrt(squared) - b)
         inside = np.linalg.norm(start + distance_m * along) <= self._ground.radius_m
         return float(distance_m) if inside else float(np.inf)
-
-
-def _material_of(placed: PlacedMesh) -> SurfaceMaterial:
-    return placed.mesh.visual.material  # type: ignore[union-attr]

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
+from vrut_lite.render.uniform_blocks import BLOCK_FILES
+
 SHADERS = Path(__file__).parent / "shaders"
 _INCLUDE = re.compile(r"^//!include (\S+)$", re.MULTILINE)
 
@@ -14,7 +16,9 @@ Defines = tuple[str, ...]
 
 @lru_cache(maxsize=32)
 def shader_source(name: str) -> str:
-    """The text of a shader; a line `//!include FILE` stands for that file."""
+    """The text of a shader; a line `//!include FILE` stands for that file or uniform block."""
+    if name in BLOCK_FILES:
+        return BLOCK_FILES[name].glsl()
     text = (SHADERS / name).read_text()
     return _INCLUDE.sub(lambda found: shader_source(found.group(1)), text)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.tolerance import budget
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Sky
 from vrut_lite.render.shader_files import shader_source
@@ -28,6 +29,16 @@ _CELLS = 8
 _DARKEST_CELL = 0.01
 _GROUP = 8
 _FACES = 6
+
+
+def reflection_change(tolerance: float) -> float:
+    """Share by which no coarse cell of the sky may differ from the one that is mirrored.
+
+    The one knob of the frame that follows the tolerance; it bounds the change itself, so that no
+    front has to be measured. Sizes and samples of the filtered map do not follow: they err by 1 %
+    of the brightest at most.
+    """
+    return budget(tolerance, CHANGE_SEEN, 0.5)
 
 
 class SpecularFilter:
@@ -94,7 +105,7 @@ class SpecularFilter:
                 thing.release()
 
     def _begin(self, sky: Sky, always: bool) -> None:
-        """Take a copy of the sky and queue its slices, if it is to be seen that it changed."""
+        """Copy the sky and queue its slices, if its change is visible."""
         if sky.owner is self._measured and not always:
             self._ledger.skip("reflection: the same sky")
             return
@@ -116,7 +127,7 @@ class SpecularFilter:
         )
 
     def _looks_like(self, cells: NDArray[np.float64]) -> bool:
-        """Whether nobody sees what tells these cells from those of the sky that was filtered."""
+        """Whether these cells differ invisibly from those of the sky that was filtered."""
         return self._cells is not None and change(self._cells, cells) <= self.change_seen
 
     def _coarse_cells(self) -> NDArray[np.float64]:

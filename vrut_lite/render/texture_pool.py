@@ -1,4 +1,4 @@
-"""Textures for the results of GPU jobs, used again when nobody holds them any more."""
+"""Textures for the results of GPU jobs, reused once their handles are released."""
 
 import weakref
 from typing import Any, NamedTuple
@@ -27,7 +27,7 @@ class TexturePool:
         self._lent: list[_Lent] = []
 
     def take(self, context: Any, job: GpuJob) -> GpuTexture:
-        """The handle of a texture of the job's size and format that nobody else holds."""
+        """The handle of a texture of the job's size and format that has no other handle."""
         kind = (job.output, job.size, job.format)
         texture = self._free_one(kind) or _make(context, job)
         handle = GpuTexture(size=job.size, format=job.format, recipe=job.recipe).holding(texture)

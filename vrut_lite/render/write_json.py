@@ -1,4 +1,4 @@
-"""What a picture's header says, as a JSON file for programs that cannot read the header."""
+"""A picture's metadata as a JSON file, for programs that cannot read its header."""
 
 import json
 import os

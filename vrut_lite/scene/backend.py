@@ -1,20 +1,20 @@
-"""What the scene manager drives: something that can show a scene under a light."""
+"""What draws the scene: OpenGL, a path tracer, or nothing at all."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.air import AirChanged
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
-from vrut_lite.scene.ground_disc import GroundDisc
-from vrut_lite.scene.loading import LoadedScene
+
+IsGivenUp = Callable[[], bool]
+
+
+class GivenUp(Exception):
+    """The caller gave up the picture while it was being drawn."""
 
 
 @dataclass(frozen=True)
@@ -42,49 +42,41 @@ class Picture:
 
 
 class SceneBackend(Protocol):
-    """Shows one scene; every call may come in any order and replaces what it set before."""
+    """Draws the scene; calls come from one thread at a time."""
 
-    def show_scene(self, scene: LoadedScene, ground: GroundDisc | None) -> None:
-        """Show this scene, on this ground if there is one."""
+    def prepare(self, state: SceneState) -> None:
+        """Bring to the GPU what has changed since the last call, before a picture is wanted.
 
-    def set_background(self, background: BackgroundChanged) -> None:
-        """Show this sky."""
+        `draw` does so too; whoever must hear of an error at once calls this.
 
-    def set_sun_light(self, light: KeyLightChanged) -> None:
-        """Light with this sun."""
+        Raises:
+            UserError: the background's own shader does not compile; its cube map is drawn.
+        """
 
-    def set_ambient(self, ambient: AmbientChanged) -> None:
-        """Light with this sky."""
-
-    def set_air(self, air: AirChanged) -> None:
-        """Show the scene through this air."""
-
-    def set_clouds(self, clouds: CloudsChanged) -> None:
-        """Show these clouds."""
-
-    def set_light_shafts(self, light_shafts: bool) -> None:
-        """Whether the scene shades the air."""
-
-    def set_ground_albedo(self, albedo_rgb: NDArray[np.float64]) -> None:
-        """Paint the ground disc; (3,) linear sRGB."""
-
-    def set_camera(self, camera: MoveCamera) -> None:
-        """Look from here."""
-
-    def set_sheltered(self, sheltered: bool) -> None:
-        """Whether the camera is in a closed room, where sun and sky light nothing."""
-
-    def set_exposure(self, exposure: SetExposure) -> None:
-        """Expose like this."""
-
-    def set_size(self, width_px: int, height_px: int) -> None:
-        """Draw pictures of this size."""
-
-    def draw(self, still: bool = True) -> Picture:
+    def draw(
+        self, state: SceneState, still: bool = True, is_given_up: IsGivenUp | None = None
+    ) -> Picture:
         """Draw a frame.
 
         A still is finished; in a frame of many, what changes slowly may lag behind.
 
         Raises:
             RuntimeError: scene, light or camera is still missing.
+            GivenUp: `is_given_up()`, asked again and again, said so.
         """
+
+
+class SceneView:
+    """The scene's state and the backend that draws it, where there is one.
+
+    The scene manager replaces the state; the host draws it, also while the manager is restarted.
+    """
+
+    def __init__(self, backend: SceneBackend | None = None):
+        self.state = SceneState()
+        self._backend = backend
+
+    def prepare(self) -> None:
+        """Let the backend take what has changed; UserError as `SceneBackend.prepare` says."""
+        if self._backend is not None:
+            self._backend.prepare(self.state)

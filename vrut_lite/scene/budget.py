@@ -48,7 +48,7 @@ class SceneBudget:
             )
 
     def take(self, size_bytes: int, what: str) -> None:
-        """Count what is about to be held until the scene is loaded.
+        """Count memory that will be held until the scene is loaded.
 
         Raises:
             SceneFileError: as `check` does.

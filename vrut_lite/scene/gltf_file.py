@@ -32,7 +32,7 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class GltfFile:
-    """A parsed document with all its buffers in memory; those of the same bytes are one object."""
+    """A parsed document with all its buffers in memory; equal buffers share one object."""
 
     document: Gltf
     buffers: tuple[bytes | memoryview, ...]

@@ -45,7 +45,7 @@ class SparseIndices(Part, frozen=True):
 
 
 class SparseValues(Part, frozen=True):
-    """What a sparse accessor puts there."""
+    """The values of a sparse accessor."""
 
     buffer_view: Index
     byte_offset: Size = 0

@@ -1,13 +1,12 @@
-"""What a view needs: which cube faces of the sky it can show, and how far its air reaches."""
+"""The needs of a view: visible cube faces of the sky, and the distance that air is seen over."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera, look_at, rays_through
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.scene.camera import look_at
-from vrut_lite.scene.ground_disc import PLANET_RADIUS_M
 
 # Coarse directions stand for whole texels, so the view is widened by one texel's reach.
 _PROBE_SIZE = 16
@@ -20,7 +19,7 @@ _WIDENED = 1.02
 def visible_faces(camera: MoveCamera, aspect: float) -> tuple[tuple[int, ...], bool]:
     """Indices of the cube faces inside the view, and whether any sky above the horizon is.
 
-    What hides the sky in the scene itself is not asked: a conservative answer.
+    Conservative: the scene's own surfaces are taken to hide nothing.
     """
     view = look_at(camera.eye_m, camera.target_m)
     directions = texel_directions(_PROBE_SIZE) @ view[:3, :3].T
@@ -43,10 +42,10 @@ def air_reach_m(
     upper_m: ArrayLike,
     ground_level_m: float,
 ) -> float:
-    """How far from the eye the farthest thing in view may stand, in m; 0 if there is none.
+    """Greatest distance from the eye to a surface in view, in m; 0 without one.
 
-    Things are the scene in its bounds (3,), if its sphere reaches into the view, and the ground
-    at a level, out to the horizon if that is in view and else to the highest ray that meets it.
+    Surfaces are the scene in its bounds (3,), if its sphere reaches into the view, and the ground
+    at a level, out to the horizon if that is in view, else to the highest ray that meets it.
     """
     height_m = max(camera.eye_m[1] - ground_level_m, 0.0)
     scene_m = _scene_reach_m(camera, aspect, np.asarray(lower_m), np.asarray(upper_m))
@@ -54,7 +53,7 @@ def air_reach_m(
 
 
 def cloud_reach_m(camera: MoveCamera, layer: CloudLayer) -> float:
-    """How far from the eye the last clouds over the horizon stand, in m."""
+    """Distance from the eye to the farthest clouds over the horizon, in m."""
     heights_m = np.array([camera.eye_m[1], layer.base_m + layer.thickness_m])
     return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * PLANET_RADIUS_M).sum())
 
@@ -77,12 +76,8 @@ def _scene_reach_m(camera: MoveCamera, aspect: float, lower_m: NDArray, upper_m:
 
 def _heights_in_view(camera: MoveCamera, aspect: float) -> tuple[float, float]:
     """The least and the greatest sine of elevation in the view."""
-    turn = look_at(camera.eye_m, camera.target_m)[:3, :3]
-    tangent = _WIDENED * np.tan(0.5 * camera.vertical_field_of_view_rad)
-    steps = np.linspace(-1.0, 1.0, _BORDER_STEPS)
-    across, up = np.meshgrid(steps * tangent * aspect, steps * tangent)
-    rays = np.stack([across, up, -np.ones_like(up)], axis=-1)
-    heights = (rays @ turn)[..., 1] / np.linalg.norm(rays, axis=-1)
+    steps = _WIDENED * np.linspace(-1.0, 1.0, _BORDER_STEPS)
+    heights = rays_through(camera, aspect, *np.meshgrid(steps, steps))[..., 1]
     return float(heights.min()), float(heights.max())
 
 

@@ -70,7 +70,7 @@ def _corner_angles(vertices: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def _blocks(count: int) -> Iterator[slice]:
-    """Slices of so many items: what is worked out for each stays small, and in the cache."""
+    """Slices of so many items, small enough that their temporaries stay in the cache."""
     for start in range(0, count, _BLOCK):
         yield slice(start, start + _BLOCK)
 

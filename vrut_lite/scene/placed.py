@@ -1,4 +1,4 @@
-"""What a loaded scene is made of: meshes where they stand, and a camera."""
+"""Placed meshes and the camera of a loaded scene."""
 
 from dataclasses import dataclass
 

@@ -15,7 +15,7 @@ MOST_LAYERS = 2
 
 
 class UvLayer(NamedTuple):
-    """A vertex attribute's name, and what is done to its values."""
+    """A vertex attribute's name and the transform of its values."""
 
     attribute: str
     transform: TextureTransform | None

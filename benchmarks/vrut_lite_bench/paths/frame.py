@@ -16,10 +16,10 @@ from typing import Any
 
 import msgspec
 
+from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
-from vrut_lite.render.skips import FrameSkips
 from vrut_lite.scene.backend import Picture
 from vrut_lite_bench.bench_path import (
     CPU_TIME,

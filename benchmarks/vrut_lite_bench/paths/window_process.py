@@ -24,7 +24,7 @@ from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
@@ -233,7 +233,7 @@ def acts(bench: Window) -> dict[str, Callable[[], None]]:
 
     def load() -> None:
         def loaded() -> bool:
-            scene = bench.session.last(SceneLoaded)
+            scene = bench.session.last(SceneOpened)
             return scene is not None and scene.path.endswith("pavilion.gltf")
 
         send(LoadScene(path=str(SCENES / "pavilion.gltf")))

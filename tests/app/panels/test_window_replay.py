@@ -19,7 +19,7 @@ from vrut_lite.recording.replay import Replay
 
 def replayed(path):
     journal = Journal(path)
-    return Replay(journal, *modules_for(journal.setup)).run(to_the_end=True)
+    return Replay(journal, modules_for(journal.setup)).run(to_the_end=True)
 
 
 def saved_journal(driver, monkeypatch, path):
@@ -96,7 +96,7 @@ def test_a_session_by_hand_is_replayed_headless_digest_by_digest(
     told = {(entry.type_name, entry.sender) for entry in Journal(path).entries()}
     assert {
         ("BackgroundChanged", "bruneton_sky"), ("BackgroundChanged", "dynamic_skylight"),
-        ("SlotChanged", "host"), ("SceneLoaded", "scene"), ("Fault", "host"),
+        ("SlotChanged", "host"), ("SceneOpened", "scene"), ("Fault", "host"),
         ("CloudsChanged", "clouds"), ("Tick", "host"),
     } <= told  # fmt: skip
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from vrut_lite.app.view.camera_rig import CameraRig, dip_rad
 from vrut_lite.app.view.view_projection import project_directions
-from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.render.light_meter import pixel_direction
+from vrut_lite.daylight.camera import MoveCamera, pixel_rays
 
 CAMERA = MoveCamera(
     eye_m=(3.0, 2.0, 8.0), target_m=(0.0, 1.0, -1.0), vertical_field_of_view_rad=0.9
@@ -95,8 +94,8 @@ def test_a_hundred_steps_lead_from_the_ground_to_space():
 @given(x=st.integers(0, 299), y=st.integers(0, 199))
 @settings(deadline=None, max_examples=50)
 def test_directions_are_projected_where_the_light_meter_sees_them(x, y):
-    """`pixel_direction` is the frame's own: its inverse must lead back to the pixel."""
-    direction = pixel_direction(CAMERA, (300, 200), x, y)
+    """`pixel_rays` is the frame's own: its inverse must lead back to the pixel."""
+    direction = pixel_rays(CAMERA, (300, 200), x, y)
     (place,) = project_directions([direction], CAMERA, 1.5)
     assert place == pytest.approx([(x + 0.5) / 300, (y + 0.5) / 200], abs=1e-9)
 

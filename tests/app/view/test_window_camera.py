@@ -14,9 +14,9 @@ from window_driver import HeadlessStage, WindowDriver
 from vrut_lite.app.engine.stage import GlStage
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize, SetExposure
-from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import Tick
-from vrut_lite.render.patience import GivenUp
+from vrut_lite.scene.backend import GivenUp
 
 
 @pytest.fixture
@@ -180,7 +180,7 @@ def test_keys_alone_turn_and_frame(driver, qtbot):
     qtbot.keyClick(driver.view, Qt.Key.Key_Left)
     assert driver.view.rig.azimuth_rad != azimuth
     driver.window.actions_by_name["frame"].trigger()
-    scene = driver.session.last(SceneLoaded)
+    scene = driver.session.last(SceneOpened)
     middle = 0.5 * np.add(scene.lower_m, scene.upper_m)
     driver.until_heard(MoveCamera, lambda m: np.allclose(m.target_m, middle))
 
@@ -217,7 +217,7 @@ def test_a_scene_is_dropped_on_the_picture(driver):
     from window_driver import SCENES
 
     assert dropped(driver.view, SCENES / "pavilion.gltf")
-    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("pavilion.gltf"))
+    driver.until_heard(SceneOpened, lambda m: m.path.endswith("pavilion.gltf"))
     assert "pavilion.gltf" in driver.window.windowTitle()
     driver.until(lambda: driver.view.camera.eye_m != (1.5, 1.5, 3.4))
 

@@ -7,7 +7,7 @@ from window_driver import NOON, SCENES
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded, SceneNeeds
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting, SettingChanged
 from vrut_lite.project import (
     CameraView,
@@ -77,7 +77,7 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
 
 def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
     """One line that names the file; scene, title and picture stay."""
-    before = driver.session.last(SceneLoaded)
+    before = driver.session.last(SceneOpened)
     title = driver.window.windowTitle()
     broken = tmp_path / "broken.glb"
     broken.write_bytes(b"glTF but not really")
@@ -85,10 +85,10 @@ def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
     driver.until(lambda: bool(driver.problems))
     assert "broken.glb" in driver.window.news.text()
     assert "\n" not in driver.window.news.text()
-    assert driver.session.last(SceneLoaded) is before
+    assert driver.session.last(SceneOpened) is before
     assert driver.window.windowTitle() == title
     driver.session.send(LoadScene(path=str(SCENES / "spheres.glb")))
-    driver.until_heard(SceneLoaded)
+    driver.until_heard(SceneOpened)
 
 
 @pytest.mark.parametrize("text", ["scene = ", "scene = 'a.glb'\nspeed = 3\n", "place = '1,2'\n"])
@@ -110,7 +110,7 @@ def test_a_project_with_a_module_that_is_not_there_is_refused_whole(driver, tmp_
     driver.window.open_path(str(path))
     driver.until(lambda: "no_such_module" in driver.window.news.text())
     driver.settled()
-    assert not any(isinstance(message, SceneLoaded) for message in driver.heard)
+    assert not any(isinstance(message, SceneOpened) for message in driver.heard)
 
 
 def test_the_text_is_for_people_too():

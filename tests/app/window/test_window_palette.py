@@ -12,7 +12,7 @@ from vrut_lite.app.window.actions import ACTIONS
 from vrut_lite.app.window.command_palette import CommandPalette
 from vrut_lite.app.window.palette_entries import PaletteEntry, matching
 from vrut_lite.app.window.shortcut_list import ShortcutList
-from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import ClockMoved, SlotChanged
 
 
@@ -79,17 +79,17 @@ def test_panels_and_settings_are_gone_to(driver):
 def test_a_recent_scene_is_opened_from_the_palette_and_from_the_menu(driver):
     """Both list what was opened lately; what has gone is not offered."""
     driver.window.open_path(str(SCENES / "spheres.glb"))
-    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("spheres.glb"))
+    driver.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     driver.heard.clear()
     run(driver, "open sundial")
-    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("sundial.glb"))
+    driver.until_heard(SceneOpened, lambda m: m.path.endswith("sundial.glb"))
     driver.window.menus.fill_recent()
     offered = driver.window.menus.recent.actions()
     assert "sundial.glb" in offered[0].text()
     assert "spheres.glb" in offered[1].text()
     driver.heard.clear()
     offered[1].trigger()
-    driver.until_heard(SceneLoaded, lambda m: m.path.endswith("spheres.glb"))
+    driver.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
 
 
 def test_the_best_match_comes_first():

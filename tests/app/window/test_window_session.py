@@ -17,7 +17,7 @@ from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.commands.run import run
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import SceneLoaded
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
@@ -47,7 +47,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     """Scene, place, hour, settings, camera: a second window has all of it."""
     first = open_window()
     first.window.open_path(str(SCENES / "spheres.glb"))
-    first.until_heard(SceneLoaded, lambda m: m.path.endswith("spheres.glb"))
+    first.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     first.session.send(
         SetPlace(latitude_deg=-33.87, longitude_deg=151.21, altitude_m=40.0),
         SetClock(instant=NOON.replace(hour=3)),
@@ -61,7 +61,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     assert project is not None
     second = open_window()
     second.window.open_project(project)
-    second.until_heard(SceneLoaded, lambda m: m.path.endswith("spheres.glb"))
+    second.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     second.settled()
     assert second.session.last(SetPlace).latitude_deg == -33.87
     assert second.session.last(ClockMoved).instant == NOON.replace(hour=3)

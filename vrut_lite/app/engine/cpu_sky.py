@@ -3,74 +3,62 @@
 Scenes are opened and light is computed as ever; meshes are not drawn.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.app.engine.stage import GlStage, Stage, WatchedBackend
+from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
-from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.render.display import display_picture
-from vrut_lite.render.exposure import automatic_ev100
+from vrut_lite.render.display import developed
 from vrut_lite.render.light_meter import Illuminance
-from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.rays import Hit
-from vrut_lite.render.white_balance import white_balance_matrix
-from vrut_lite.scene.backend import Picture
-from vrut_lite.scene.camera import look_at
+from vrut_lite.scene.backend import IsGivenUp, Picture, SceneView
 from vrut_lite.scene.manager import SceneManager
-from vrut_lite.scene.recording_backend import RecordingBackend
 
 _CUBE_SIZE = 128
 # A sky is smooth: more pixels would show no more.
 _MOST_PIXELS = 320 * 240
 
 
-class CpuSkyBackend(RecordingBackend):
+class CpuSkyBackend:
     """A `SceneBackend` that draws the background and the sun's disc, and no scene."""
 
-    def draw(self, still: bool = True) -> Picture:
-        """The sky in the camera's view, at `_MOST_PIXELS` at most."""
-        (width, height), (camera,) = self.latest["set_size"], self.latest["set_camera"]
-        step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
-        directions = view_directions(camera, round(width / step), round(height / step))
-        radiance = self._radiance(directions)
-        (wish,) = self.latest.get("set_exposure", (SetExposure(),))
-        ev100 = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance)
-        ev100 -= wish.compensation_ev
-        balance = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-        display = display_picture(radiance, ev100, wish.tone_map, balance)
-        return Picture(radiance, display.astype(np.uint8), ev100)
+    def prepare(self, state: SceneState) -> None:
+        """Do nothing: no background's own shader runs here."""
 
-    def _radiance(self, directions: NDArray[np.float64]) -> NDArray[np.float32]:
-        background: BackgroundChanged = self.latest["set_background"][0]
+    def draw(
+        self, state: SceneState, still: bool = True, is_given_up: IsGivenUp | None = None
+    ) -> Picture:
+        """The sky that the camera sees; fewer pixels than asked for where these are many."""
+        state.check_drawable()
+        width, height = state.size_px
+        step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
+        radiance = self._radiance(state, (round(width / step), round(height / step)))
+        return developed(radiance, state.exposure)
+
+    def _radiance(self, state: SceneState, size_px: tuple[int, int]) -> NDArray[np.float32]:
+        camera, background, sun = state.camera, state.background, state.key_light
+        assert camera is not None
+        assert background is not None
+        assert sun is not None
         assert isinstance(background.cube, Array)
+        directions = pixel_rays(camera, size_px, *np.meshgrid(*map(np.arange, size_px)))
         cube = decode_float16(background.cube.values, background.radiance_scale)
         radiance = sample_sky(cube, directions)
-        sun: KeyLightChanged = self.latest["set_sun_light"][0]
         cosine = directions @ np.asarray(sun.direction)
         solid_angle = 2.0 * np.pi * (1.0 - np.cos(sun.angular_radius_rad))
         inside = (cosine >= np.cos(sun.angular_radius_rad)) & (directions[..., 1] > 0.0)
         radiance[inside] += np.asarray(sun.irradiance_rgb) / solid_angle
         return radiance.astype(np.float32)
-
-
-def view_directions(camera: MoveCamera, width: int, height: int) -> NDArray[np.float64]:
-    """Unit world directions (height, width, 3) through the middles of the pixels."""
-    tangent = np.tan(0.5 * camera.vertical_field_of_view_rad)
-    right = (2.0 * (np.arange(width) + 0.5) / width - 1.0) * tangent * width / height
-    up = (1.0 - 2.0 * (np.arange(height) + 0.5) / height) * tangent
-    local = np.stack(np.broadcast_arrays(right[None, :], up[:, None], np.float64(-1.0)), axis=-1)
-    directions = local @ look_at(np.zeros(3), np.subtract(camera.target_m, camera.eye_m))[:3, :3]
-    return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
 
 
 class CpuSkyStage:
@@ -80,18 +68,24 @@ class CpuSkyStage:
         self.kernel: Kernel
         self.kernel, failures = daylight_kernel()
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
-        self.watched = WatchedBackend(CpuSkyBackend())
-        self.kernel.add_module(SceneManager, backend=self.watched)
+        self._backend = CpuSkyBackend()
+        self._view = SceneView(self._backend)
+        self.kernel.add_module(SceneManager, view=self._view)
         demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
         self.renderer = "CPU, sky alone"
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()
 
+    @property
+    def state(self) -> SceneState:
+        """The present state of the scene."""
+        return self._view.state
+
     def draw(
         self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
     ) -> Picture:
-        """Draw the present state; quick enough that it is never given up."""
-        return self.watched.draw_sized(size, lambda: self.watched.draw(still))
+        """Draw what is known by now, which does not take long."""
+        return self._backend.draw(replace(self.state, size_px=size), still)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """There is nothing but sky."""

@@ -17,10 +17,10 @@ from typing import Any, NamedTuple, TypeVar
 from vrut_lite.app.engine.pacing import Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Input, Message
-from vrut_lite.render.patience import GivenUp
-from vrut_lite.scene.backend import Picture
+from vrut_lite.scene.backend import GivenUp, Picture
 
 T = TypeVar("T")
 Question = Callable[[Stage], Any]
@@ -68,6 +68,7 @@ class Engine:
         # A finished picture was given up, and nothing visible has changed since.
         self._in_vain = False
         self._camera: Any = None
+        self._drawn: SceneState | None = None
         self._numbers = count()
         self._thread = threading.Thread(target=self._run, name="vrut-lite engine", daemon=True)
 
@@ -171,7 +172,7 @@ class Engine:
                 self._trouble(error)
             else:
                 break
-        camera = stage.watched.camera
+        camera = stage.state.camera
         if camera is not None and camera is not self._camera:
             self._camera = camera
             self._tell(CAMERA, camera)
@@ -188,10 +189,10 @@ class Engine:
 
     def _draw(self, stage: Stage) -> None:
         now_s = perf_counter()
-        if not stage.watched.can_draw:
+        if stage.state.missing:
             return
-        if stage.watched.changed:
-            stage.watched.changed = self._in_vain = False
+        if stage.state is not self._drawn:
+            self._drawn, self._in_vain = stage.state, False
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
             self._finish_at_s = perf_counter() + self._pacing.rest_s()
         elif self._awake.is_set():
@@ -203,7 +204,7 @@ class Engine:
 
     def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
         start_s = perf_counter()
-        size = scaled(stage.watched.size, scale)
+        size = scaled(stage.state.size_px, scale)
         is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
         try:
             picture = stage.draw(size, still, is_given_up if still else None)

@@ -19,7 +19,7 @@ def export_picture(stage: Stage, path: str | Path, project: Project) -> str:
     """
     suffix = picture_format(path, FORMATS)
     check_writable(path)
-    picture = stage.draw(stage.watched.size, still=True)
+    picture = stage.draw(stage.state.size_px, still=True)
     metadata = {
         **picture_metadata(project, stage.kernel),
         "exposureEv100": picture.ev100,

@@ -9,7 +9,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolerance_of
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting
@@ -40,7 +40,7 @@ def project_of(session: Session) -> Project:
     found: dict[str, object] = {}
     if _SCENE in modules:
         found |= {name: modules[_SCENE].values[name] for name in ("air", "light_shafts")}
-    if (scene := session.last(SceneLoaded)) is not None:
+    if (scene := session.last(SceneOpened)) is not None:
         found["scene"] = scene.path
     if (clock := session.last(ClockMoved)) is not None:
         found["at"] = clock.instant.isoformat()
@@ -60,7 +60,7 @@ def project_of(session: Session) -> Project:
 
 def folder_of(session: Session) -> str:
     """The folder of the scene that is shown; empty if there is none."""
-    scene = session.last(SceneLoaded)
+    scene = session.last(SceneOpened)
     return "" if scene is None else str(Path(scene.path).resolve().parent)
 
 

@@ -62,7 +62,7 @@ class LightProbe(QObject):
         radiance_rgb = shown.picture.radiance[int(at[1] * height), int(at[0] * width)]
 
         def send(stage: Stage) -> None:
-            width, height = stage.watched.size
+            width, height = stage.state.size_px
             if stage.kernel.wanted(PictureClicked) is None:
                 return
             hit = stage.surface_at_pixel(int(at[0] * width), int(at[1] * height))
@@ -96,7 +96,7 @@ class LightProbe(QObject):
         at = self._at
 
         def measure(stage: Stage) -> Illuminance | None:
-            width, height = stage.watched.size
+            width, height = stage.state.size_px
             return stage.light_at_pixel(int(at[0] * width), int(at[1] * height))
 
         self._session.ask(

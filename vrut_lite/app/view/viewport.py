@@ -33,11 +33,9 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.view.camera_rig import CameraRig, height_text
 from vrut_lite.app.view.light_probe import LightProbe
 from vrut_lite.app.view.sun_path import SunPath
-from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import SceneLoaded
-from vrut_lite.render.light_meter import pixel_direction
-from vrut_lite.scene.camera import frame_bounds
+from vrut_lite.daylight.scene import SceneOpened
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
 _SETTLED_MS, _FLIGHT_MS = 60, 16
@@ -74,7 +72,7 @@ class Viewport(QWidget):
         self._sun_path = sun_path
         self._image: QImage | None = None
         self._sent: MoveCamera | None = None
-        self._scene: SceneLoaded | None = None
+        self._scene: SceneOpened | None = None
         self._held: set[Qt.Key] = set()
         self._grip: QPointF | None = None
         self._pressed: QPointF | None = None
@@ -92,7 +90,7 @@ class Viewport(QWidget):
         self.setAccessibleName("picture")
         session.picture_shown.connect(self._show_picture)
         session.camera_moved.connect(self._adopt)
-        session.listen(SceneLoaded, self._note_scene)
+        session.listen(SceneOpened, self._note_scene)
         sun_path.changed.connect(self.update)
         self.probe.changed.connect(self.update)
 
@@ -146,7 +144,7 @@ class Viewport(QWidget):
         ).copy()
         self.update()
 
-    def _note_scene(self, scene: SceneLoaded) -> None:
+    def _note_scene(self, scene: SceneOpened) -> None:
         self._scene = scene
 
     def _adopt(self, camera: MoveCamera) -> None:
@@ -193,7 +191,7 @@ class Viewport(QWidget):
 
     def _tell_direction(self, spot: QPointF) -> None:
         size = (self.width(), self.height())
-        x, y, z = pixel_direction(self.camera, size, int(spot.x()), int(spot.y())).tolist()
+        x, y, z = pixel_rays(self.camera, size, int(spot.x()), int(spot.y())).tolist()
         if y > 0.0:
             self.sky_pointed.emit((x, y, z))
 

@@ -37,7 +37,7 @@ from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
-from vrut_lite.daylight.scene import LoadScene, SceneLoaded
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
@@ -134,7 +134,7 @@ class MainWindow(QMainWindow):
         session, desk = self.session, self.desk
         desk.scout.day_changed.connect(desk.sun_path.set_day)
         session.listen(SunMoved, desk.sun_path.set_sun)
-        session.listen(SceneLoaded, self._scene_loaded)
+        session.listen(SceneOpened, self._scene_loaded)
         session.ready.connect(self._ready)
         session.problem.connect(self.show_problem)
         session.picture_shown.connect(self._show_facts)
@@ -247,7 +247,7 @@ class MainWindow(QMainWindow):
             self.restoreGeometry(shape.geometry)
             self.restoreState(shape.docks)
 
-    def _scene_loaded(self, scene: SceneLoaded) -> None:
+    def _scene_loaded(self, scene: SceneOpened) -> None:
         self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
         self.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
         self._guarded(lambda: self.kept.add_recent(scene.path))

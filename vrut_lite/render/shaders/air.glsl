@@ -1,33 +1,7 @@
-// What the air before a point lets through and adds: the twin of geometry/air_volume.py, which
+// What the air before a point lets through and adds: the twin of daylight/air_volume.py, which
 // says where the nodes of its tables lie.
 
-layout(std140, binding = 0) uniform Air {  // render/air.py packs it
-    vec3 sun_direction;
-    float reach_m;
-    vec2 sun_azimuth;
-    float horizon_depth;          // 1 + mu of the tables' horizon
-    float depth_above_horizon;    // from there to their highest row
-    float slices;
-    float rows_above;
-    float rows_below;
-    float columns;
-    vec3 aerosol_phase;           // g, factor, form
-    float radiance_scale;
-    float observer_radius_m;      // from the planet's middle
-    float top_radius_m;
-    float above_top_m;            // of the observer; negative inside the air
-    float evenness;               // of slices
-    float start_radius_m;         // of where rays begin in the air
-    float tangent_below_m2;       // squared, from there to the deepest sphere
-    float tangent_above_m2;       // minus the squared tangent to the edge of the air
-    float shortest_span_m;
-    float ground_radius_m;        // of the ground behind the scene
-    float above_ground_m;
-    float horizon_height;         // mu that parts it from the sky
-    float ground_is_bare;         // 1: air is drawn before it
-    vec3 rows_down;               // crowding, x and place of the row that is moved: air_rows.py
-    mat4 shadow_from_eye;
-} air;
+//!include air_block.glsl
 layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice
 layout(binding = 13) uniform sampler2D air_extinction;  // its logarithm; rows by slices
 

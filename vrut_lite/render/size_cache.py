@@ -1,29 +1,29 @@
-"""What is made for one size of picture, kept for the next picture of that size."""
+"""A cache of GL objects by the size of the picture that they are made for."""
 
 from collections.abc import Callable
 from typing import Any, Generic, Protocol, TypeVar
 
-from vrut_lite.render.gl_owner import rest
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 
 Size = tuple[int, int]
 
 
 class Released(Protocol):
-    """What has GL objects to free."""
+    """Something that holds GL objects."""
 
     def release(self) -> None:
         """Free them; another framebuffer must be bound."""
 
 
 T = TypeVar("T", bound=Released)
-# One for pictures while something moves, one for the finished picture.
+# One size for frames while something moves, one for the finished picture.
 _KEPT = 2
 
 
-class BySize(Generic[T]):
-    """The two that were used last; on the GL thread only.
+class SizeCache(Generic[T]):
+    """Keeps the objects of the two sizes that were used last; on the GL thread only.
 
-    To make a large picture's framebuffers anew took 30 ms, in which Python stood still.
+    Making the framebuffers of a large picture takes 30 ms.
     """
 
     def __init__(self, context: Any, make: Callable[[Size], T]):
@@ -31,8 +31,8 @@ class BySize(Generic[T]):
         self._make = make
         self._kept: dict[Size, T] = {}
 
-    def of(self, size: Size) -> T:
-        """The one of this size."""
+    def get(self, size: Size) -> T:
+        """The objects for this size, made if they are not kept."""
         thing = self._kept.pop(size, None)
         if thing is None:
             while len(self._kept) >= _KEPT:
@@ -47,5 +47,5 @@ class BySize(Generic[T]):
             self._release_oldest()
 
     def _release_oldest(self) -> None:
-        rest(self._context)
+        bind_permanent_framebuffer(self._context)
         self._kept.pop(next(iter(self._kept))).release()

@@ -1,4 +1,4 @@
-"""Light that is none: what lights a closed room into which no light ever came."""
+"""Light of zero: stands for light that was never computed, in a closed room."""
 
 import numpy as np
 

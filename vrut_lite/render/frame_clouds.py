@@ -1,4 +1,4 @@
-"""All that a frame does with clouds; nothing, where there are none."""
+"""The clouds of a frame: uploading, shadows, light under them, and drawing."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
-from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.render.cloud_pass import COARSER, CloudPass
 from vrut_lite.render.cloud_shadow import CloudShadowMap
 from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
 from vrut_lite.render.mesh_renderer import View
-from vrut_lite.render.patience import Patience
+from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.targets import Targets
 
@@ -24,11 +24,11 @@ _SHADOWS = "CLOUD_SHADOWS"
 Measure = Callable[[str], AbstractContextManager[Any]]
 
 
-class CloudStage:
+class FrameClouds:
     """The clouds of a frame; made and used on the GL thread only.
 
-    The ledger counts "clouds" drawn, and what was skipped: where there are none, in a closed
-    room, and the copy of depths where no mesh reaches up to them.
+    The ledger counts "clouds" drawn, and skips: no clouds, a closed room, and the copy of depths
+    where no mesh reaches up to them.
     """
 
     def __init__(self, context: Any, ledger: Ledger, patience: Patience):
@@ -54,7 +54,7 @@ class CloudStage:
     def prepare(
         self, scene: PyrenderScene, view: View, light: Light, air: FrameAir, size: tuple[int, int]
     ) -> tuple[Light, FrameAir]:
-        """Bind the clouds of this frame; the light under them, and what shaders do besides."""
+        """Bind the clouds of this frame; returns the light under them and the shaders' defines."""
         self._drawn = False
         if self._clouds is None or self._clouds.layer is None:
             self._ledger.skip("clouds: none")
@@ -100,6 +100,6 @@ class CloudStage:
 
 
 def with_cloud_shadows(air: FrameAir) -> FrameAir:
-    """What shaders define where clouds shade the sun; the sky's own ground only through air."""
+    """The defines where clouds shade the sun; the sky's own ground is shaded only through air."""
     sky = (*air.sky, _SHADOWS) if "AIR" in air.sky else air.sky
     return FrameAir((*air.mesh, _SHADOWS), sky)

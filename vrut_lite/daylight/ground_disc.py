@@ -4,8 +4,7 @@ It bends down with the planet: seen through air, also from high up, it then goes
 sky's own ground at its rim.
 """
 
-from dataclasses import dataclass
-
+import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -21,8 +20,7 @@ _WIDEST_M = 2e5
 _DROP = 2e-3
 
 
-@dataclass(frozen=True)
-class GroundDisc:
+class GroundDisc(msgspec.Struct, frozen=True):
     """A disc at a height, around a point (x, z) where it is level; metres, world axes."""
 
     centre_xz_m: tuple[float, float]

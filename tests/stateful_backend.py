@@ -1,0 +1,36 @@
+"""A backend and the state that it draws, of which tests change a part at a time."""
+
+from dataclasses import replace
+
+import msgspec
+
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.scene.loading import LoadedScene, load_scene
+from vrut_lite.scene.packing import packed
+
+
+class StatefulBackend:
+    """Draws `state` with a backend."""
+
+    def __init__(self, backend, **parts):
+        self.backend = backend
+        self.state = SceneState(**parts)
+
+    def change(self, **parts):
+        """Give parts of the state other values."""
+        self.state = replace(self.state, **parts)
+
+    def draw(self, still=True, is_given_up=None):
+        """The picture."""
+        return self.backend.draw(self.state, still, is_given_up)
+
+    @property
+    def ledger(self):
+        """What frames did and skipped."""
+        return self.backend.ledger
+
+
+def opened(scene, ground=None):
+    """A scene, loaded or a file, on this ground and on no other."""
+    loaded = scene if isinstance(scene, LoadedScene) else load_scene(scene)
+    return msgspec.structs.replace(packed(loaded), ground=ground)

@@ -1,0 +1,141 @@
+"""The state of the scene that backends draw, as one frozen value."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.camera import MoveCamera, frame_bounds
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.darkness import no_ambient, no_background, no_sun
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.numeric_types import Vector
+
+_UP = np.array([0.0, 1.0, 0.0])
+# Below this irradiance (W m^-2) the quotient of ground radiance and irradiance is rounding.
+_DARKEST_IRRADIANCE = 1e-12
+# Of the ground disc before there is light to derive it from.
+_UNLIT_GROUND_ALBEDO = (0.1, 0.1, 0.1)
+
+
+@dataclass(frozen=True)
+class FrameSkips:
+    """Which work a frame leaves out, True for each; the picture is the same without.
+
+    Attributes:
+        meshes: meshes outside the view.
+        sky: samples of the sky that meshes cover.
+        shadow: the shadow map when the sun is down, or neither scene nor sun have changed.
+        unlit: the sky and its reflection where they light nothing, in a closed room.
+        reflection: filtering a sky that is not seen to differ, or that nothing in view mirrors.
+    """
+
+    meshes: bool = True
+    sky: bool = True
+    shadow: bool = True
+    unlit: bool = True
+    reflection: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class SceneState:
+    """Geometry, light, camera and all else that a backend draws.
+
+    A part is replaced, never changed: a part that is the same object needs no work.
+
+    Attributes:
+        background, key_light, ambient: None before the sky has spoken.
+        ground_albedo_rgb: of the ground disc, linear.
+        moved_camera: where the user looks from; None for the scene's own or the framing camera.
+        size_px: the picture's width and height.
+        air: what the scene is seen through; None where it would not be seen.
+        light_shafts: whether the scene shades the air.
+        sheltered: whether the eye is in a closed room, where sun and sky light nothing.
+        tolerance: share by which radiance may be off.
+    """
+
+    scene: SceneOpened | None = None
+    background: BackgroundChanged | None = None
+    key_light: KeyLightChanged | None = None
+    ambient: AmbientChanged | None = None
+    ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
+    moved_camera: MoveCamera | None = None
+    size_px: tuple[int, int] = (960, 540)
+    exposure: SetExposure = field(default_factory=SetExposure)
+    air: AirVolume | None = None
+    clouds: CloudLayer | None = None
+    light_shafts: bool = False
+    sheltered: bool = False
+    tolerance: float = DEFAULT_TOLERANCE
+    skips: FrameSkips = field(default_factory=FrameSkips)
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of the picture."""
+        return self.size_px[0] / self.size_px[1]
+
+    @cached_property
+    def camera(self) -> MoveCamera | None:
+        """The camera that is looked through: the user's, the scene's own, or one that frames it."""
+        if self.moved_camera is not None or self.scene is None:
+            return self.moved_camera
+        return self.scene.camera or frame_bounds(
+            self.scene.lower_m, self.scene.upper_m, self.aspect
+        )
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of the parts that a picture still lacks."""
+        needed = ("scene", "background", "key_light", "ambient", "camera")
+        return tuple(name for name in needed if getattr(self, name) is None)
+
+    def check_drawable(self) -> None:
+        """Raise RuntimeError that names what a picture still lacks, if anything."""
+        if self.missing:
+            names = (name.replace("_", " ") for name in self.missing)
+            raise RuntimeError(f"nothing to draw yet: no {', no '.join(names)}")
+
+    def with_light(self, **light: Any) -> Self:
+        """The state with other `background`, `key_light` or `ambient`, and the ground in it."""
+        lit = replace(self, **light)
+        if lit.background is None or lit.key_light is None or lit.ambient is None:
+            return lit
+        albedo = ground_albedo(lit.background, lit.key_light, lit.ambient)
+        return replace(lit, ground_albedo_rgb=albedo)
+
+    def with_shelter(self, sheltered: bool) -> Self:
+        """The state inside or outside a closed room.
+
+        Inside, darkness stands for light that was never computed, so that it can be drawn.
+        """
+        if not sheltered:
+            return replace(self, sheltered=False)
+        return replace(
+            self,
+            sheltered=True,
+            background=self.background or no_background(),
+            key_light=self.key_light or no_sun(),
+            ambient=self.ambient or no_ambient(),
+        )
+
+
+def ground_albedo(
+    background: BackgroundChanged, key_light: KeyLightChanged, ambient: AmbientChanged
+) -> Vector:
+    """Albedo (R, G, B) of the ground that a sky was computed with: pi L / E at the nadir.
+
+    Taken from the messages themselves, so that it holds for whichever module made them and
+    the ground disc meets the sky's lower half without an edge.
+    """
+    radiance = np.asarray(background.ground_radiance_rgb)
+    direct = np.asarray(key_light.irradiance_rgb) * max(0.0, key_light.direction[1])
+    irradiance = evaluate_irradiance(ambient.irradiance_sh_rgb.values, _UP) + direct
+    albedo = np.clip(np.pi * radiance / np.maximum(irradiance, _DARKEST_IRRADIANCE), 0.0, 1.0)
+    return (float(albedo[0]), float(albedo[1]), float(albedo[2]))

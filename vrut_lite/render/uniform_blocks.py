@@ -1,0 +1,133 @@
+"""Uniform blocks: one description makes both the GLSL and the bytes, so that they always agree.
+
+Fields are laid out by the rules of std140 (OpenGL 4.3, section 7.6.2.2).
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# Floats of a type, and the multiple of floats at which it begins.
+_LAYOUT = {"float": (1, 1), "vec2": (2, 2), "vec3": (3, 4), "vec4": (4, 4), "mat4": (16, 4)}
+
+
+class UniformBlock(NamedTuple):
+    """A block `name`, whose fields shaders read as `instance.field`.
+
+    `fields` gives each field's GLSL type and what it means.
+    """
+
+    name: str
+    instance: str
+    binding: int
+    fields: Mapping[str, tuple[str, str]]
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of the buffer behind it."""
+        return 4 * self._places()[1]
+
+    def glsl(self) -> str:
+        """Its declaration."""
+        lines = [f"    {kind} {name};  // {text}" for name, (kind, text) in self.fields.items()]
+        head = f"layout(std140, binding = {self.binding}) uniform {self.name} {{"
+        return "\n".join([head, *lines, f"}} {self.instance};\n"])
+
+    def packed(self, **values: Any) -> bytes:
+        """The bytes of a value for each field; a matrix (4, 4) as mathematics writes it.
+
+        Raises:
+            ValueError: a field has no value, a value no field, or another number of numbers.
+        """
+        if values.keys() != self.fields.keys():
+            odd = sorted(values.keys() ^ self.fields.keys())
+            raise ValueError(f"the uniform block {self.name} and its values differ in {odd}")
+        places, length = self._places()
+        block = np.zeros(length, np.float32)
+        for name, value in values.items():
+            kind, _ = self.fields[name]
+            numbers = np.asarray(value, np.float64)
+            if numbers.size != _LAYOUT[kind][0]:
+                raise ValueError(f"{name} of the uniform block {self.name} must be a {kind}")
+            # GLSL keeps matrices column by column.
+            block[places[name] : places[name] + numbers.size] = numbers.T.ravel()
+        return block.tobytes()
+
+    def _places(self) -> tuple[dict[str, int], int]:
+        """Where each field begins, in floats, and the block's length."""
+        places, end = {}, 0
+        for name, (kind, _) in self.fields.items():
+            size, multiple = _LAYOUT[kind]
+            places[name] = -(-end // multiple) * multiple
+            end = places[name] + size
+        return places, -(-end // 4) * 4
+
+
+AIR = UniformBlock(
+    "Air",
+    "air",
+    binding=0,
+    fields={
+        "sun_direction": ("vec3", "of the volume's own sun"),
+        "reach_m": ("float", "how much of a ray's air the slices span at most"),
+        "sun_azimuth": ("vec2", "unit vector, world x and z"),
+        "horizon_depth": ("float", "1 + mu of the tables' horizon"),
+        "depth_above_horizon": ("float", "from there to their highest row"),
+        "slices": ("float", "by distance"),
+        "rows_above": ("float", "above the horizon"),
+        "rows_below": ("float", "below it"),
+        "columns": ("float", "by azimuth"),
+        "aerosol_phase": ("vec3", "g, factor, form"),
+        "radiance_scale": ("float", "from texels to W m^-2 sr^-1"),
+        "observer_radius_m": ("float", "from the planet's middle"),
+        "top_radius_m": ("float", "of the edge of the air"),
+        "above_top_m": ("float", "of the observer; negative inside the air"),
+        "evenness": ("float", "of slices"),
+        "start_radius_m": ("float", "of where rays begin in the air"),
+        "tangent_below_m2": ("float", "squared, from there to the deepest sphere"),
+        "tangent_above_m2": ("float", "minus the squared tangent to the edge of the air"),
+        "shortest_span_m": ("float", "of a ray's air"),
+        "ground_radius_m": ("float", "of the ground behind the scene"),
+        "above_ground_m": ("float", "of the eye"),
+        "horizon_height": ("float", "mu that parts that ground from the sky"),
+        "ground_is_bare": ("float", "1: air is drawn before it"),
+        "rows_down": ("vec3", "crowding, x and place of the row that is moved: air_rows.py"),
+        "shadow_from_eye": ("mat4", "into the shadow map, from positions relative to the eye"),
+    },
+)
+CLOUDS = UniformBlock(
+    "Clouds",
+    "clouds",
+    binding=1,
+    # Positions count from the eye; "level" is world x and z.
+    fields={
+        "sun_direction": ("vec3", "towards the sun"),
+        "eye_radius_m": ("float", "from the planet's middle"),
+        "base_m": ("float", "altitude of the layer's base"),
+        "thickness_m": ("float", "of the layer"),
+        "extinction_per_m": ("float", "of a cloud's full density"),
+        "threshold": ("float", "of the weather, above which there is cloud"),
+        "weather_origin": ("vec4", "the eye in the two views of the weather, in periods"),
+        "noise_origin": ("vec4", "the eye in shape and detail, in periods"),
+        "phase": ("vec3", "g forward, g backward, share of the first"),
+        "pixel_rad": ("float", "what a pixel of the cloud picture spans"),
+        "top_squares_m2": ("float", "squared radius less the eye's, of the layer's top"),
+        "base_squares_m2": ("float", "the same of its base"),
+        "ground_squares_m2": ("float", "the same of the ground"),
+        "eye_altitude_m": ("float", "the eye's y"),
+        "light_from_above": ("vec3", "mean radiance of the upper hemisphere"),
+        "scattered_share": ("float", "of light from above, that reaches the ground through clouds"),
+        "light_from_below": ("vec3", "radiance of the ground"),
+        "covered_share": ("float", "of the sky's zenith that is cloud"),
+        "shadow_origin_m": ("vec2", "the eye on the shadow map's plane"),
+        "shadow_near_m": ("float", "how far from the middle texels begin to grow"),
+        "shadow_growth": ("float", "of texels away from the middle"),
+        "ground_by_sun": ("vec3", "of the light of open, level ground, what the sun gives"),
+        "sun_slope": ("float", "least sine of the sun's height that shadows are cast by"),
+        "ground_by_sky": ("vec3", "of the same, what sky and clouds give"),
+        "shadow_texels": ("float", "along a side of the map"),
+    },
+)
+# By the names under which shaders include them.
+BLOCK_FILES = {"air_block.glsl": AIR, "cloud_block.glsl": CLOUDS}
