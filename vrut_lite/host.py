@@ -24,13 +24,15 @@ from vrut_lite.scene.manager import SceneManager
 class Host:
     """Everything that a picture needs, headless; `close` gives the GPU back.
 
-    A `cube_size` of 1 leaves the sky's size to its module and the tolerance. `watch` may stand
+    Without a `cube_size` (texels) the sky's module chooses one by the tolerance. `watch` may stand
     itself between the scene manager and the backend that draws. Who pumps the kernel on a thread
     of its own uses `draw_now` and `light_at_pixel`, on that thread.
     """
 
     def __init__(
-        self, cube_size: int = 1, watch: Callable[[SceneBackend], SceneBackend] | None = None
+        self,
+        cube_size: int | None = None,
+        watch: Callable[[SceneBackend], SceneBackend] | None = None,
     ):
         self.kernel, self.failures = daylight_kernel()
         self.faults = FaultCollector(self.kernel)

@@ -233,8 +233,7 @@ class BrunetonSky(Module):
     def _size(self, product: type[Derived], demand: Demand) -> float:
         if product is not BackgroundChanged:
             return self._reach_m if product is AirChanged else 0
-        # A demand of 1 is the default of a consumer that leaves the size to the sky.
-        return demand.size if demand.size > 1 else self._quality.cube_size
+        return demand.size or self._quality.cube_size
 
     @property
     def _quality(self) -> Quality:

@@ -154,8 +154,7 @@ class DynamicSkyLight(Module):
         daylight, sun = self._daylight_of(sun)
         demand = self._demand(BackgroundChanged)
         if demand is not None:
-            # A demand of 1 is the default of a consumer that leaves the size to the sky.
-            self._paint(daylight, demand.size if demand.size > 1 else self._quality.cube_size)
+            self._paint(daylight, demand.size or self._quality.cube_size)
         if self._demand(KeyLightChanged) is not None:
             self._post_if_new(
                 KeyLightChanged,

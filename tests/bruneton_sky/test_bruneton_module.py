@@ -64,7 +64,7 @@ class FakeLink:
         for name, run in jobs.items():
             sky.job_done(JobResult(module="bruneton_sky", job=name, value=run()))
 
-    def want(self, *products: type[Message], size: int = 16) -> None:
+    def want(self, *products: type[Message], size: int | None = 16) -> None:
         for product in products:
             self.demands[product] = Demand(consumer="test", message=product.__name__, size=size)
 
@@ -164,7 +164,7 @@ def test_a_new_demand_is_served_from_the_present_sky(sky: BrunetonSky, link: Fak
     link.want(AmbientChanged)
     tell(sky, link, sun_at(30.0))
     assert link.taken() == [AmbientChanged]
-    link.want(BackgroundChanged, size=1)
+    link.want(BackgroundChanged, size=None)
     tell(sky, link, link.demands[BackgroundChanged])
     assert link.posted[0].cube.shape[1] == 256  # type: ignore[attr-defined]
     assert link.taken() == [BackgroundChanged]
@@ -426,7 +426,7 @@ def test_lives_in_the_kernel() -> None:
 def gpu_sky(link: FakeLink) -> BrunetonSky:
     """With the GPU chosen, somebody to run its jobs, and the sun 30 degrees up."""
     sky = BrunetonSky(link, BrunetonSkySettings(cube_device="gpu"))
-    link.want(GpuJob, BackgroundChanged, size=1)
+    link.want(GpuJob, BackgroundChanged, size=None)
     tell(sky, link, sun_at(30.0))
     return sky
 

@@ -110,7 +110,7 @@ class FakeLink:
 
     def __init__(self) -> None:
         self.memory: dict[type[Message], Any] = {}
-        self.size = 1
+        self.size: int | None = None
         self.asked: list[tuple[Any, ...]] = []
 
     def post(self, message: Message) -> None:

@@ -43,7 +43,7 @@ def tell(module, link, message):
             getattr(module, method)(message)
 
 
-def want(link, *kinds, size=1):
+def want(link, *kinds, size=None):
     """Demand message types of a link."""
     for kind in kinds:
         link.demands[kind] = Demand(consumer="test", message=kind.__name__, size=size)

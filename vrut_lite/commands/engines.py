@@ -27,8 +27,6 @@ from vrut_lite.scene.backend import Picture
 from vrut_lite.scene.manager import SceneManager
 
 GL = "gl"
-# Left to the sky.
-_CUBE_SIZE = 1
 
 
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -87,7 +85,7 @@ class EngineHost:
         self.backend = module.open_engine(settings, lambda samples: self._traced(samples))
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
         self.kernel.add_module(SceneManager, backend=self.backend)
-        demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
+        demand_light(self.kernel, SceneManager.manifest.name)
         self.settle()
 
     def inject(self, *messages: Input) -> None:

@@ -110,7 +110,7 @@ class SceneManager(Module):
     def on_demand(self, message: Demand) -> None:
         """Remember what light is wanted for the picture, to ask for it again after a room."""
         for kind in LIGHT:
-            if message.consumer == NAME and message.message == kind.__name__ and message.size:
+            if message.consumer == NAME and message.message == kind.__name__ and message.size != 0:
                 self._wanted_light[kind] = message
 
     @handles(SetExposure)
@@ -208,7 +208,7 @@ class SceneManager(Module):
         if useful == self._wants_clouds:
             return
         self._wants_clouds = useful
-        self.link.demand(CloudsChanged, int(useful))
+        self.link.demand(CloudsChanged, None if useful else 0)
         self._clouds = (self.link.last(CloudsChanged) if useful else None) or _NO_CLOUDS
         if self._clouds.layer is not None or not useful:
             self._backend.set_clouds(self._clouds)
@@ -221,7 +221,7 @@ class SceneManager(Module):
         if wanted == self._wants_air:
             return
         self._wants_air = wanted
-        self.link.demand(AirChanged, int(wanted))
+        self.link.demand(AirChanged, None if wanted else 0)
         told = self.link.last(AirChanged) if wanted else None
         self._backend.set_air(told or _NO_AIR)
 
