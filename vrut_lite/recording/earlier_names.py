@@ -19,4 +19,7 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
         # One texel stood for a size that is left to the sky; nobody shows a sky of one texel.
         if message.get("message") == "BackgroundChanged" and message.get("size") == 1:
             added["size"] = None
+    # The handler that told of a GPU that failed, by the name that a Fault gives it.
+    if name == "Fault" and message.get("where") == "cube_done":
+        added["where"] = "job_done"
     return (name, {**message, **added}) if added else (name, message)
