@@ -3,7 +3,7 @@
     OPENBLAS_NUM_THREADS=1 python -m vrut_lite_bench.bruneton_cube
 
 Times are minima of one thread's CPU time, of what the module does (`solve_air`, `surroundings`,
-`products.background`) and of its parts. Errors are those of the sky's texels as the module makes
+`background_cube`) and of its parts. Errors are those of the sky's texels as the module makes
 them against direct evaluation with converged sizes and all orders (Gauss-Legendre with 48 nodes
 for light scattered once), over the larger of the value and a thousandth of the brightest: mean, and
 what 99 % stay below.
@@ -14,7 +14,6 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from bruneton_sky import products
 from bruneton_sky.background import Surroundings, background_cube, surroundings
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.kernels import fast_scattered_without_phase
@@ -27,6 +26,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.geometry.encoding import encode_float16
 
 SKIES = {
     "turbidity 3": BrunetonSkySettings(),
@@ -117,7 +117,7 @@ def print_times() -> None:
 
 
 def _message(around: Callable[..., Surroundings], *known: Surroundings) -> object:
-    return products.background(around(*known), 256)
+    return encode_float16(background_cube(around(*known), 256))
 
 
 def _changed_ms(settings: BrunetonSkySettings) -> str:
@@ -125,7 +125,7 @@ def _changed_ms(settings: BrunetonSkySettings) -> str:
 
     def message(height_m: float) -> object:
         around = surroundings(solve_air(atmosphere), height_m, sun(35.0), 1.0, sunlight)
-        return products.background(around, 256)
+        return encode_float16(background_cube(around, 256))
 
     works = (partial(solve_air, atmosphere), partial(message, 0.0), partial(message, 2000.0))
     return ", ".join(f"{least_ms(work, 5):.0f}" for work in works)

@@ -55,6 +55,12 @@ class BrunetonSky(SkyModule):
 
     def light(self, hour: Hour, quality: Quality, prepared: Prepared) -> BrunetonLight:
         """The light of the solved atmosphere, which may be older than the settings."""
-        sun = hour.sun
-        seen = sun.direction, sun.visible_disc_fraction, hour.eye_height_m, quality.table
-        return BrunetonLight(*prepared, *seen, self._memo)
+        return BrunetonLight(
+            of=prepared.of,
+            solved=prepared.result,
+            sun_direction=hour.sun.direction,
+            visible_disc_fraction=hour.sun.visible_disc_fraction,
+            eye_height_m=hour.eye_height_m,
+            table=quality.table,
+            memo=self._memo,
+        )

@@ -167,7 +167,7 @@ class Sky:
         """The sun's light on the scene."""
         raise NotImplementedError
 
-    def ambient(self) -> FloatArray:
+    def ambient(self) -> FloatArray | Float32Array:
         """Harmonics (25, 3) of the irradiance on the scene by sky and ground."""
         raise NotImplementedError
 
