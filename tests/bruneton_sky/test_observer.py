@@ -11,7 +11,6 @@ from bruneton_sky.observer import (
     HORIZON_TOLERANCE_RAD,
     RADIANCE_TOLERANCE,
     altitude_step_m,
-    same_to_the_eye,
     sun_step_rad,
 )
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
@@ -124,10 +123,3 @@ def test_steps_follow_the_fog() -> None:
     assert altitude_step_m(2.0, air) == pytest.approx(0.2)
     assert altitude_step_m(90.0, air) == pytest.approx(0.2)
     assert altitude_step_m(100.0, air) == altitude_step_m(100.0, clear)
-
-
-def test_a_step_is_not_followed_and_more_is() -> None:
-    """Half a step leaves the picture, two do not."""
-    step_rad = sun_step_rad(0.3)
-    for steps, same in ((0.5, True), (2.0, False)):
-        assert same_to_the_eye(tuple(sun(0.3)), tuple(sun(0.3 + steps * step_rad))) is same

@@ -178,7 +178,8 @@ class SkyContract:
         for azimuth_deg, face in ((0.0, 5), (90.0, 0)):
             sky.sun(30.0, azimuth_deg)
             faces.append(cube_of(sky)[face])
-        np.testing.assert_allclose(*faces, rtol=0.01, atol=0.01 * faces[0].max())
+        north, east = faces
+        np.testing.assert_allclose(east, north, rtol=0.01, atol=0.01 * north.max())
 
     def test_below_the_horizon_is_the_ground(self, by_day: SkyOnBus) -> None:
         """The lower half holds the ground's radiance: of what falls on it, all at most."""
