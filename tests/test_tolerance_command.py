@@ -94,7 +94,7 @@ def test_a_typed_size_wins():
     about."""
     loose = Project(tolerance=0.5)
     assert SkyPlan(loose, "cube", size=48).cube_size == 48
-    assert SkyPlan(loose, "lat-long", size=48).cube_size == 1
+    assert SkyPlan(loose, "lat-long", size=48).cube_size is None
     assert SkyPlan(Project(), "lat-long", size=48).cube_size == 64
 
 

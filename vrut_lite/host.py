@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.kernel.ledger import Ledger
@@ -23,12 +23,12 @@ from vrut_lite.scene.manager import SceneManager
 class Host:
     """A kernel with all modules and a GL backend, headless; `close` frees the GPU.
 
-    A `cube_size` of 1 leaves the sky's size to its module and the tolerance. `frame_skips` says
+    Without a `cube_size` (texels) the sky's module chooses one by the tolerance. `frame_skips` says
     which work frames leave out. Callers that pump the kernel on a thread of their own use
     `draw_now` and `light_at_pixel`, on that thread.
     """
 
-    def __init__(self, cube_size: int = 1):
+    def __init__(self, cube_size: int | None = None):
         self.frame_skips = FrameSkips()
         self.kernel, self.failures = daylight_kernel()
         self.faults = FaultCollector(self.kernel)
@@ -40,8 +40,7 @@ class Host:
             raise
         self.kernel.add_module(GlJobs, owner=self.gl, inject=self.kernel.inject)
         self._view = SceneView(self._backend)
-        self.kernel.add_module(SceneManager, view=self._view)
-        demand_light(self.kernel, SceneManager.manifest.name, cube_size)
+        self.kernel.add_module(SceneManager, view=self._view, cube_size=cube_size)
         self.settle()
 
     def settle(self) -> None:

@@ -4,11 +4,11 @@
 |---|---|---|
 | `solver` | nodes, directions, suns, bins, orders of an atmosphere's solution | front "solver" |
 | `table` | rows, columns, steps and bins of the sky-view table | front "table" |
-| `cube_size` | edge of the background's cube map, for who names none | front "cube_size" |
-| `sun_change` | share by which an unfollowed sun may change a texel | `unseen_moves` and its test |
-| `altitude_steps` | of an unfollowed observer, in usual ones | proportion |
+| `cube_size` | edge of the background's cube map where no consumer names one | front "cube_size" |
+| `sun_change` | share by which the sun may change a texel unseen | `unseen_moves` and its test |
+| `altitude_steps` | unseen moves of the eye, in steps of `unseen_moves` | proportion |
 
-Orders that someone sets are not exceeded. The fronts are measured by
+Orders of scattering never exceed the setting `orders`. The fronts are measured by
 `tools/tolerance_fronts.py`.
 """
 
@@ -45,7 +45,7 @@ class Quality(NamedTuple):
 
 @lru_cache(maxsize=16)
 def quality_for(tolerance: float) -> Quality:
-    """The cheapest that keep a picture's radiance within a tolerance, a share above 0."""
+    """The cheapest choices that keep a picture within a tolerance of radiance, a share above 0."""
     fronts = read_fronts(FRONTS).fronts
     return Quality(
         solver=cast(SolverRung, cheapest(fronts["solver"], _SOLVER_SHARE * tolerance)),

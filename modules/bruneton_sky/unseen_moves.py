@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
-from vrut_lite.numeric_types import Vector
 
 # Change of a texel that is not seen, relative to the larger of its value and 1 % of the map's
 # maximum; the default.
@@ -52,12 +51,3 @@ def sun_step_rad(
         change_per_deg = max(0.9 * min((10.0 / elevation_deg) ** 2, 1.0), 0.13)
     aureole_per_deg = 0.035 / (1.0 - min(abs(mie_g), 0.99))
     return float(np.radians(change / max(change_per_deg, aureole_per_deg)))
-
-
-def same_to_the_eye(
-    shown: Vector, now: Vector, mie_g: float = 0.8, change: float = RADIANCE_TOLERANCE
-) -> bool:
-    """Whether the pictures of two directions to the sun differ by no more than `change` a texel."""
-    chord = float(np.linalg.norm(np.subtract(shown, now)))
-    elevation_rad = float(np.arcsin(np.clip(shown[1], -1.0, 1.0)))
-    return chord <= sun_step_rad(elevation_rad, mie_g, change)

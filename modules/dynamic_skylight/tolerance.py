@@ -2,10 +2,10 @@
 
 | knob | what it is | source |
 |---|---|---|
-| `cube_size` | edge of the background's cube map, for who names none | front "cube_size" |
+| `cube_size` | edge of the background's cube map where no consumer names one | front "cube_size" |
 | `light_size` | edge of the small cube that lights ground and scene | front "light_size" |
-| `sun_change` | share by which an unfollowed sun may change a texel | `sun_step` and its test |
-| `altitude_change` | share by which air may thin below an unfollowed eye | proportion |
+| `sun_change` | share by which the sun may change a texel unseen | `sun_step` and its test |
+| `altitude_change` | share by which air may thin over unseen moves of the eye | proportion |
 
 The model itself is a formula: no order or sample of it depends on the tolerance. The fronts are
 measured by `tools/tolerance_fronts.py`.
@@ -34,7 +34,7 @@ class Quality(NamedTuple):
 
 @lru_cache(maxsize=16)
 def quality_for(tolerance: float) -> Quality:
-    """The cheapest that keep a picture's radiance within a tolerance, a share above 0."""
+    """The cheapest sizes that keep a picture within a tolerance of radiance, a share above 0."""
     fronts = read_fronts(FRONTS).fronts
     return Quality(
         cube_size=int(cheapest(fronts["cube_size"], budget(tolerance, _USUAL, _CUBE_SHARE))),

@@ -54,14 +54,14 @@ class TracedPanel(QWidget):
 
     def showEvent(self, event: QShowEvent) -> None:
         """Ask for the picture."""
-        self._demand(1)
+        self._demand(None)
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Take the demand back."""
         if not self._session.has_ended:
             self._demand(0)
 
-    def _demand(self, size: int) -> None:
+    def _demand(self, size: int | None) -> None:
         self._session.send(
             Demand(consumer=_CONSUMER, message=PathTracedPicture.__name__, size=size)
         )

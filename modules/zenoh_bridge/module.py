@@ -213,7 +213,7 @@ class ZenohBridge(Module):
         """Take back what a session that is closed has left."""
         if self._connection is not None:
             self._connection.check(theirs)
-        elif self._inject is not None and theirs.size > 0:
+        elif self._inject is not None and theirs.size != 0:
             self._inject(Demand(consumer=NAME, message=theirs.message, size=0))
 
     @handles(EnableModule)
@@ -241,6 +241,6 @@ class ZenohBridge(Module):
         running = merged.consumer.split(", ")
         demands = Demands(lambda consumer: consumer not in running)
         for (message, _), demand in self._demands.items():
-            if message == kind.__name__ and demand.size > 0:
+            if message == kind.__name__ and demand.size != 0:
                 demands.note(demand)
         return demands.merged.get(kind.__name__)

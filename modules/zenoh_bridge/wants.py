@@ -17,7 +17,7 @@ from vrut_lite.kernel.messages import Demand, Encoding
 from zenoh_bridge.shareable import BY_NAME
 
 # How much is wanted: edge in texels and encoding, by type of message.
-Wishes = Mapping[str, tuple[int, str]]
+Wishes = Mapping[str, tuple[int | None, str]]
 
 _ANY = "any"
 # One process has a token for each type; a stranger could declare them without end.
@@ -26,9 +26,9 @@ _MOST_TOKENS = 1024
 LONGEST_PEER = 64
 
 
-def token_key(prefix: str, peer: str, type_name: str, size: int, encoding: str) -> str:
+def token_key(prefix: str, peer: str, type_name: str, size: int | None, encoding: str) -> str:
     """The token's key that stands for a demand."""
-    return f"{prefix}/want/{peer}/{type_name}/{size}/{encoding or _ANY}"
+    return f"{prefix}/want/{peer}/{type_name}/{_ANY if size is None else size}/{encoding or _ANY}"
 
 
 def demand_of(key: str, max_array: int) -> Demand:
@@ -44,12 +44,13 @@ def demand_of(key: str, max_array: int) -> Demand:
         raise UserError(f"a demand for {type_name[:40]!r} as {encoding[:40]!r} was refused")
     if len(peer) > LONGEST_PEER:
         raise UserError(f"a demand of {peer[:40]!r}... was refused: the name is too long")
-    if not (size.isascii() and size.isdigit() and 0 < len(size) <= 9 and int(size)):
+    is_number = size.isascii() and size.isdigit() and 0 < len(size) <= 9 and int(size)
+    if not (size == _ANY or is_number):
         raise UserError(f"a demand for {type_name} in size {size[:40]!r} was refused")
     demand = Demand(
         consumer=f"{peer}/{size}/{encoding}",
         message=type_name,
-        size=int(size),
+        size=None if size == _ANY else int(size),
         encoding=encodings[encoding],
     )
     demand.check()
@@ -63,9 +64,9 @@ def demand_of(key: str, max_array: int) -> Demand:
 
 
 def _cube_bytes(demand: Demand) -> int:
-    """What a cube map takes, in the encoding that is wanted or the usual one."""
+    """What a cube map of the named size takes, in the encoding that is wanted or the usual one."""
     item = {"u8": 1, "float32": 4}.get(demand.encoding, 2)
-    return 6 * demand.size**2 * 3 * item
+    return 6 * (demand.size or 0) ** 2 * 3 * item
 
 
 class RemoteWants:

@@ -12,7 +12,7 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
 from vrut_lite.project import Project, load_project
@@ -33,8 +33,7 @@ class HeadlessStage:
     def __init__(self):
         self.kernel, self.failures = daylight_kernel()
         self._view = SceneView()
-        self.kernel.add_module(SceneManager, view=self._view)
-        demand_light(self.kernel, SceneManager.manifest.name, 16)
+        self.kernel.add_module(SceneManager, view=self._view, cube_size=16)
         self.kernel.pump_until_idle()
         self.pass_seconds = {}
         self.frame_ledger = Ledger()

@@ -1,14 +1,13 @@
 """The Bruneton sky at a tolerance: what it chooses, what it keeps, what is made anew."""
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
 from bruneton_sky.module import BrunetonSky
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from bruneton_sky.solver import real_time_sizes
+from bruneton_sky.solver import SourceField, real_time_sizes
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.solver_rungs import SOLVER_RUNGS, counted_work, rung_sizes, rung_tolerance
 from bruneton_sky.tolerance import FRONTS, TABLES, Quality, quality_for
@@ -16,9 +15,8 @@ from bruneton_sky.tolerance_knobs import Air, air_errors, evaluated, random_airs
 from bruneton_sky.unseen_moves import RADIANCE_TOLERANCE
 
 from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
-from vrut_lite.kernel.messages import Demand, JobResult, Message
+from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 AIRS = {
@@ -96,87 +94,27 @@ def test_a_draft_would_not_do(held: tuple[Air, list[np.ndarray]]) -> None:
     assert max(air_errors(air, truth, quality_for(1.0))) > 0.02
 
 
-class FakeLink:
-    """A kernel's side that holds the sky, remembers what is said, and works when told to."""
-
-    def __init__(self) -> None:
-        self.memory: dict[type[Message], Any] = {}
-        self.size = 1
-        self.asked: list[tuple[Any, ...]] = []
-
-    def post(self, message: Message) -> None:
-        self.memory[type(message)] = message
-
-    def wanted(self, message_type: type[Message]) -> Demand | None:
-        wish = Demand(consumer="test", message="BackgroundChanged", size=self.size)
-        return wish if message_type is BackgroundChanged else None
-
-    def holds(self, slot: str) -> bool:
-        return slot == "sky"
-
-    def last(self, message_type: type[Message]) -> Any:
-        return self.memory.get(message_type)
-
-    def start_job(self, _name: str, _work: Any, *arguments: Any) -> None:
-        self.asked.append(arguments)
-
-    def cancel_job(self, _name: str) -> None:
-        """Nothing runs."""
-
-
 @pytest.fixture
-def link() -> FakeLink:
-    return FakeLink()
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Rungs that atmospheres are solved at; all are solved as drafts: here counts who asks."""
+    rungs: list[str] = []
+
+    def draft(atmosphere: Atmosphere, orders: int, rung: str) -> SourceField:
+        rungs.append(rung)
+        return solve_air(atmosphere, orders, "draft")
+
+    monkeypatch.setattr("bruneton_sky.module.solve_air", draft)
+    return rungs
 
 
-@pytest.fixture
-def sky(link: FakeLink) -> BrunetonSky:
-    """The sky at 30 degrees, its atmosphere asked for at the default tolerance and solved."""
-    link.memory[SunMoved] = SunMoved(
-        direction=(0.0, 0.5, -(0.75**0.5)),
-        azimuth_rad=0.0,
-        elevation_rad=0.52,
-        apparent_elevation_rad=0.52,
-        visible_disc_fraction=1.0,
-    )
-    sky = BrunetonSky(link, BrunetonSkySettings())  # type: ignore[arg-type]
-    sky.light_changed(link.memory[SunMoved])
-    bring(sky, link)
-    return sky
-
-
-def bring(sky: BrunetonSky, link: FakeLink) -> None:
-    """The job's result, whichever rung was asked for: what is measured here is who asks."""
-    atmosphere, orders, _rung = link.asked[-1]
-    field = solve_air(atmosphere, orders, "draft")
-    sky.job_done(JobResult(module="bruneton_sky", job="solve", value=field))
-
-
-def set_tolerance(sky: BrunetonSky, link: FakeLink, tolerance: float) -> None:
-    link.memory[SetTolerance] = SetTolerance(tolerance=tolerance)
-    sky.light_changed(link.memory[SetTolerance])
-
-
-def test_a_tighter_tolerance_solves_the_air_again(sky: BrunetonSky, link: FakeLink) -> None:
-    """At the rung that it names; one of the same rung asks for nothing."""
-    assert [rung for *_, rung in link.asked] == ["usual"]
-    set_tolerance(sky, link, DEFAULT_TOLERANCE)
-    assert len(link.asked) == 1
-    set_tolerance(sky, link, 0.01)
-    assert link.asked[-1][2] == quality_for(0.01).solver != "usual"
-    bring(sky, link)
-    set_tolerance(sky, link, 0.01)
-    assert len(link.asked) == 2
-
-
-def test_sizes_follow_unless_someone_names_one(sky: BrunetonSky, link: FakeLink) -> None:
-    """A background is filled anew with more texels; a named size stays."""
-    assert link.memory[BackgroundChanged].cube.shape[1] == 256
-    set_tolerance(sky, link, 0.01)
-    bring(sky, link)
-    assert link.memory[BackgroundChanged].cube.shape[1] == quality_for(0.01).cube_size > 256
-    link.size = 48
-    for tolerance in (0.5, 0.01):
-        set_tolerance(sky, link, tolerance)
-        bring(sky, link)
-        assert link.memory[BackgroundChanged].cube.shape[1] == 48
+def test_a_tolerance_solves_the_air_again_and_names_the_size(asked: list[str]) -> None:
+    """At the rung that it names, with as many texels; one of the same rung solves nothing."""
+    sky = SkyOnBus(BrunetonSky)
+    sky.want(BackgroundChanged)
+    sky.sun(30.0)
+    for tolerance in (DEFAULT_TOLERANCE, 0.01, 0.01):
+        sky.tell(SetTolerance(tolerance=tolerance))
+        size = sky.last(BackgroundChanged).cube.shape[1]  # type: ignore[union-attr]
+        assert size == quality_for(tolerance).cube_size
+    assert asked == ["usual", quality_for(0.01).solver]
+    assert asked[1] != "usual"

@@ -6,16 +6,24 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
-from bruneton_sky import Atmosphere, products
-from bruneton_sky.background import Surroundings, surroundings
+from bruneton_sky import Atmosphere
+from bruneton_sky.background import (
+    Surroundings,
+    ambient_coefficients,
+    background_cube,
+    surroundings,
+)
+from bruneton_sky.light import background_with
 from bruneton_sky.sky_view import SkyView, level_direction
 from bruneton_sky.solver import SolverSizes, SourceField, solve
 from bruneton_sky.sun_light import disc_light
 from numpy.typing import NDArray
 from stateful_backend import StatefulBackend, opened
 
+from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera, look_at
-from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky_of_hour import SunDisc
 from vrut_lite.errors import UserError
 from vrut_lite.recording.codec import arrays_of, decode, to_plain
 
@@ -81,12 +89,18 @@ def backend(gl_owner, tmp_path_factory):
     backend.close()
 
 
+def background_message(around: Surroundings, size: int) -> BackgroundChanged:
+    """The background that the module posts for these surroundings."""
+    return background_with(around, background_cube(around, size)).message("test")
+
+
 def show(backend, around: Surroundings, **changes) -> None:
     """Light the frame with these surroundings."""
     sun = tuple(map(float, around.view.sun_direction))
-    background = msgspec.structs.replace(products.background(around, 16), **changes)
-    key_light = products.sun_light(around, sun, RADIUS_RAD)
-    backend.change(background=background, key_light=key_light, ambient=products.ambient(around))
+    background = msgspec.structs.replace(background_message(around, 16), **changes)
+    key_light = SunDisc(around.sun_irradiance_rgb, RADIUS_RAD).message(sun, "test")
+    ambient = AmbientChanged(irradiance_sh_rgb=Array(ambient_coefficients(around)), source="test")
+    backend.change(background=background, key_light=key_light, ambient=ambient)
     backend.backend.prepare(backend.state)
 
 
@@ -142,8 +156,8 @@ def test_the_cube_map_stays_for_reflections(backend):
     show(backend, around, view=None)
     coarse, _ = look(backend, -19.0)
     assert np.abs(sharp - coarse).max() > 0.1 * sharp.max()
-    assert products.background(around, 16).view is not None
-    assert products.background(surroundings(field(), 2.0, direction(30.0)), 16).view is None
+    assert background_message(around, 16).view is not None
+    assert background_message(surroundings(field(), 2.0, direction(30.0)), 16).view is None
 
 
 @pytest.mark.gl
@@ -152,7 +166,7 @@ def test_what_does_not_compile_is_told_once_and_the_cube_is_drawn(backend):
     around = surroundings(field(), 4e5, direction(30.0))
     show(backend, around, view=None)
     coarse, _ = look(backend, -19.0)
-    broken = msgspec.structs.replace(products.background(around, 16).view, source="no GLSL")
+    broken = msgspec.structs.replace(background_message(around, 16).view, source="no GLSL")
     with pytest.raises(UserError, match="its cube map is shown instead"):
         show(backend, around, view=broken)
     np.testing.assert_array_equal(look(backend, -19.0)[0], coarse)
@@ -219,7 +233,7 @@ def test_the_disc_s_light_is_that_of_the_air_before_it():
 def test_a_journal_keeps_the_shader():
     """Recorded and read back, arrays and all."""
     around = surroundings(field(), 4e5, direction(30.0))
-    background = products.background(around, 8)
+    background = background_message(around, 8)
     kept = {array.digest: array for array in arrays_of(background)}
     assert len(kept) == 3
     plain = msgspec.json.decode(msgspec.json.encode(to_plain(background)))

@@ -14,7 +14,6 @@ from bruneton_sky.unseen_moves import (
     HORIZON_TOLERANCE_RAD,
     RADIANCE_TOLERANCE,
     altitude_step_m,
-    same_to_the_eye,
     sun_step_rad,
 )
 from hypothesis import given, settings
@@ -124,10 +123,3 @@ def test_steps_follow_the_fog() -> None:
     assert altitude_step_m(2.0, air) == pytest.approx(0.2)
     assert altitude_step_m(90.0, air) == pytest.approx(0.2)
     assert altitude_step_m(100.0, air) == altitude_step_m(100.0, clear)
-
-
-def test_half_a_step_keeps_the_picture_and_two_do_not() -> None:
-    """Below the step the picture stays, above it a new one is made."""
-    step_rad = sun_step_rad(0.3)
-    for steps, same in ((0.5, True), (2.0, False)):
-        assert same_to_the_eye(tuple(sun(0.3)), tuple(sun(0.3 + steps * step_rad))) is same

@@ -11,18 +11,15 @@ from dynamic_skylight.air import (
 )
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.module import DynamicSkyLight
-from dynamic_skylight.settings import DynamicSkyLightSettings
-from sky_link import NOON, PRAGUE, FakeLink, tell, want
 
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.air_volume import look_up_air
-from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.geometry.colour import (
     SKYLIGHT_NM,
     rgb_from_spectrum,
     solar_irradiance,
 )
-from vrut_lite.kernel.messages import SlotChanged
+from vrut_lite.testing.sky_on_bus import SkyOnBus
 
 
 def daylight(elevation_deg, turbidity=3.0):
@@ -151,65 +148,37 @@ def test_what_air_is_seen():
     assert not air_is_seen(3.0, 1e6, -1.0)
 
 
-def needs(reach_m, height_m=0.0):
-    """A scene whose farthest thing stands so far off, seen from so high up."""
-    return SceneNeeds(
-        sky_in_view=True,
-        visible_faces=(0,),
-        receives_light=True,
-        air_reach_m=reach_m,
-        eye_height_m=height_m,
-    )
-
-
 @pytest.fixture
-def link():
-    """Holds both slots."""
-    return FakeLink("sun", "sky")
+def sky():
+    """The module under a high sun, for someone who wants air."""
+    sky = SkyOnBus(DynamicSkyLight)
+    sky.want(AirChanged)
+    sky.sun(60.0)
+    return sky
 
 
-@pytest.fixture
-def module(link):
-    """A module on a summer noon, for someone who wants air."""
-    want(link, AirChanged)
-    module = DynamicSkyLight(link, DynamicSkyLightSettings())
-    for message in (NOON, PRAGUE):
-        tell(module, link, message)
-    tell(module, link, link.posted[-1])
-    link.posted.clear()
-    return module
-
-
-def test_air_is_posted_when_something_stands_in_it(module, link):
+def test_air_is_posted_when_something_stands_in_it(sky):
     """Nothing without things in the air; then one volume past them, and no second for the same,
     for an eye that moved unseen, or for things a little nearer."""
-    assert module.ledger.skipped["AirChanged without things in it"] == 1
-    tell(module, link, needs(20_000.0))
-    (message,) = link.posted
+    assert sky.taken() == []
+    assert sky.ledger.skipped["AirChanged without things in it"] == 1
+    sky.eye(0.0, 20_000.0)
+    (message,) = sky.taken()
     assert message.volume.reach_m >= 20_000.0
     assert message.source == "dynamic_skylight"
-    for again in (needs(20_000.0), needs(20_000.0, 3.0), needs(19_500.0)):
-        tell(module, link, again)
-    assert link.posted == [message]
-    assert module.ledger.skipped["AirChanged unchanged"] == 3
-    tell(module, link, needs(20_000.0, 800.0))
-    tell(module, link, needs(90_000.0, 800.0))
-    assert [m.volume.observer_altitude_m for m in link.posted[1:]] == [800.0, 800.0]
+    for height_m, reach_m in ((0.0, 20_000.0), (3.0, 20_000.0), (0.0, 19_500.0)):
+        sky.eye(height_m, reach_m)
+    assert sky.taken() == []
+    sky.eye(800.0, 20_000.0)
+    sky.eye(800.0, 90_000.0)
+    assert [m.volume.observer_altitude_m for m in sky.taken()] == [800.0, 800.0]
 
 
-def test_air_too_thin_to_be_seen_is_none(module, link):
-    """Around a thing on a table there is none; said once, and told again to who shows the sky
-    after another did."""
-    tell(module, link, needs(1.0))
-    tell(module, link, needs(0.9))
-    assert [m.volume for m in link.posted] == [None]
-    tell(module, link, SlotChanged(name="sky", holder="dynamic_skylight"))
-    assert [m.volume for m in link.posted if isinstance(m, AirChanged)] == [None, None]
-
-
-def test_nobody_wants_air(module, link):
-    """Without a demand nothing is made."""
-    del link.demands[AirChanged]
-    tell(module, link, needs(20_000.0))
-    assert link.posted == []
-    assert module.ledger.skipped["AirChanged unwanted"] == 1
+def test_air_too_thin_to_be_seen_is_none(sky):
+    """Around a thing on a table there is none; posted once, and again after another sky."""
+    sky.eye(0.0, 1.0)
+    sky.eye(0.0, 0.9)
+    assert [m.volume for m in sky.taken()] == [None]
+    sky.lose_slot()
+    sky.regain_slot()
+    assert [m.volume for m in sky.taken()] == [None]

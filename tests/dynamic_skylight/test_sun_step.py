@@ -1,22 +1,19 @@
 """Moves of the sun that nobody sees: the same picture for less work."""
 
-from datetime import timedelta
-
-import msgspec
 import numpy as np
 import pytest
-from dynamic_skylight.module import DynamicSkyLight
-from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun_step import RADIANCE_TOLERANCE, sun_step_rad
 from dynamic_skylight.twilight import sky_of_hour
 from exact_cube import angles_to, world_sun
-from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
+from noon_in_prague import PRAGUE, clock, sky_with_its_sun
 
-from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
+from vrut_lite.kernel.messages import ChooseSlot
 
+LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 UPPER = texel_directions(24)[texel_directions(24)[..., 1] > 0]
 
 
@@ -40,92 +37,65 @@ def radiance(turbidity, albedo, elevation, azimuth):
 
 
 @pytest.fixture
-def link():
-    link = FakeLink("sun", "sky")
-    want(link, *SKY, size=16)
-    return link
-
-
-@pytest.fixture
-def module(link):
+def sky():
     """Noon in Prague, its sky posted."""
-    module = DynamicSkyLight(link, DynamicSkyLightSettings())
-    tell(module, link, NOON)
-    tell(module, link, PRAGUE)
-    tell(module, link, link.last(SunMoved))
-    return module
+    sky = sky_with_its_sun()
+    sky.want(*LIGHT, size=16)
+    sky.tell(clock(), PRAGUE)
+    sky.taken()
+    return sky
 
 
-def play(module, link, seconds):
-    later = msgspec.structs.replace(NOON, instant=NOON.instant + timedelta(seconds=seconds))
-    tell(module, link, later)
-    tell(module, link, link.last(SunMoved))
-
-
-def shown(link):
-    background = link.last(BackgroundChanged)
+def shown(sky):
+    background = sky.last(BackgroundChanged)
     return decode_float16(background.cube.values, background.radiance_scale)
 
 
-def test_playing_in_real_time_makes_few_skies(module, link):
+def test_playing_in_real_time_makes_few_skies(sky):
     """A minute at one tick a second: the sun goes 0.25 deg, in steps of 0.01 at noon."""
     for second in range(1, 61):
-        play(module, link, second)
-    made, skipped = module.ledger.done["BackgroundChanged"], module.ledger.skipped
-    assert made == module.ledger.done["KeyLightChanged"]
-    assert made <= 27
-    assert skipped["sun within tolerance"] == skipped["BackgroundChanged unchanged"] == 61 - made
-    assert skipped["AmbientChanged unchanged"] == 61 - made
+        sky.tell(clock(second))
+    posted = [kind for kind in sky.kinds_taken() if kind is not SunMoved]
+    made = posted.count(BackgroundChanged)
+    assert posted == list(LIGHT) * made
+    assert made <= 26
+    assert sky.ledger.skipped["sun or eye moved unseen"] == 60 - made
+    assert sky.ledger.skipped["AmbientChanged unchanged"] == 60 - made
 
 
-def test_the_picture_is_the_same_with_less_work(module, link):
+def test_the_picture_is_the_same_with_less_work(sky):
     """What is shown at any second is that second's sky, within the tolerance and rounding."""
     for second in range(1, 31):
-        play(module, link, second)
-        own = FakeLink("sun", "sky")
-        want(own, *SKY, size=16)
-        fresh = DynamicSkyLight(own, DynamicSkyLightSettings())
-        own.memory[SunMoved] = link.last(SunMoved)
-        tell(fresh, own, link.last(SunMoved))
-        exact = shown(own)
+        sky.tell(clock(second))
+        fresh = sky_with_its_sun()
+        fresh.want(*LIGHT, size=16)
+        fresh.tell(clock(second), PRAGUE)
+        exact = shown(fresh)
         allowed = (RADIANCE_TOLERANCE + 2**-10) * np.maximum(exact, 1e-2 * exact.max())
-        assert np.all(np.abs(shown(link) - exact) <= allowed)
-    assert module.ledger.done["BackgroundChanged"] < 16
+        assert np.all(np.abs(shown(sky) - exact) <= allowed)
+    assert sky.ledger.done["BackgroundChanged"] < 16
 
 
-def test_small_moves_do_not_add_up(module, link):
+def test_small_moves_do_not_add_up(sky):
     """Each is counted from the sky that is shown, not from the last that was skipped."""
-    first = link.last(SunMoved)
+    first = sky.last(SunMoved)
     for second in range(1, 600):
-        play(module, link, second)
-        shown_sun = np.array(link.last(KeyLightChanged).direction)
-        now = np.array(link.last(SunMoved).direction)
+        sky.tell(clock(second))
+        shown_sun = np.array(sky.last(KeyLightChanged).direction)
+        now = np.array(sky.last(SunMoved).direction)
         assert np.linalg.norm(now - shown_sun) <= sun_step_rad(first.apparent_elevation_rad)
 
 
-def test_a_sun_on_the_horizon_is_followed_closely(module, link):
+def test_a_sun_on_the_horizon_is_followed_closely(sky):
     """While its visible share changes, so does the light: no move of the disc is skipped."""
-    low = msgspec.structs.replace(
-        link.last(SunMoved),
-        direction=(0.0, 0.0, 1.0),
-        apparent_elevation_rad=0.0,
-        visible_disc_fraction=0.5,
-    )
-    tell(module, link, low)
-    count = module.ledger.done["KeyLightChanged"]
-    tell(module, link, msgspec.structs.replace(low, visible_disc_fraction=0.4999))
-    assert module.ledger.done["KeyLightChanged"] == count + 1
+    sky.tell(ChooseSlot(slot="sun", module="sun_and_eye"))
+    sky.sun(0.0)
+    sky.taken()
+    sky.sun(0.0001)
+    assert KeyLightChanged in sky.kinds_taken()
 
 
-def test_another_turbidity_is_never_within_the_tolerance(module, link):
+def test_another_turbidity_is_never_within_the_tolerance(sky):
     """Only the sun's moves are: a setting that somebody changed shows."""
-    module.settings = msgspec.structs.replace(module.settings, turbidity=3.0001)
-    module.settings_changed("turbidity")
-    assert module.ledger.done["BackgroundChanged"] == 2
-
-
-def test_a_new_albedo_does_not_move_the_sun(module, link):
-    """Only what changed is computed: the sun's position is the clock's and the place's."""
-    module.settings = msgspec.structs.replace(module.settings, albedo=0.5)
-    module.settings_changed("albedo")
-    assert module.ledger.done["SunMoved"] == 1
+    sky.set("turbidity", 3.0001)
+    assert BackgroundChanged in sky.kinds_taken()

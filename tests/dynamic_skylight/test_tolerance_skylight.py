@@ -5,43 +5,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from dynamic_skylight.module import DynamicSkyLight
-from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun_step import RADIANCE_TOLERANCE
 from dynamic_skylight.tolerance import FRONTS, Quality, quality_for
 from dynamic_skylight.tolerance_knobs import hour_error, random_hours, truth
 from long_parameters import mostly_long
-from sky_link import NOON, PRAGUE, SKY, FakeLink, tell, want
 
-from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, read_fronts
-from vrut_lite.kernel.messages import Demand
+from vrut_lite.testing.sky_on_bus import SkyOnBus
 
+LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
-
-
-@pytest.fixture
-def link():
-    link = FakeLink("sun", "sky")
-    want(link, *SKY)
-    return link
-
-
-@pytest.fixture
-def module(link):
-    """Noon in Prague, its sky posted."""
-    module = DynamicSkyLight(link, DynamicSkyLightSettings())
-    for message in (NOON, PRAGUE):
-        tell(module, link, message)
-    tell(module, link, link.last(SunMoved))
-    return module
-
-
-def set_tolerance(module, link, tolerance):
-    """What is posted on account of it."""
-    before = len(link.posted)
-    tell(module, link, SetTolerance(tolerance=tolerance))
-    return [type(message) for message in link.posted[before:]]
 
 
 def test_the_default_is_what_it_was():
@@ -86,21 +61,16 @@ def test_a_coarse_choice_would_not_do():
     assert max(errors) > 0.003
 
 
-def test_a_tolerance_makes_the_sky_anew(module, link):
+def test_a_tolerance_makes_the_sky_anew():
     """A tighter one at once, with all light of the hour; the same again makes nothing."""
-    assert link.last(BackgroundChanged).cube.shape[1] == 256
-    assert set_tolerance(module, link, 0.003) == list(SKY)
-    assert link.last(BackgroundChanged).cube.shape[1] == quality_for(0.003).cube_size > 256
-    assert set_tolerance(module, link, 0.003) == []
-    set_tolerance(module, link, 1.0)
-    assert link.last(BackgroundChanged).cube.shape[1] == quality_for(1.0).cube_size < 256
-
-
-def test_a_size_that_someone_names_wins(module, link):
-    """Who asks for 96 texels gets 96 at any tolerance."""
-    tell(module, link, Demand(consumer="picture", message="BackgroundChanged", size=96))
-    link.demands[BackgroundChanged] = link.last(Demand)
-    for tolerance in (1.0, 0.01, 0.003):
-        set_tolerance(module, link, tolerance)
-    tell(module, link, link.last(SunMoved))
-    assert link.last(BackgroundChanged).cube.shape[1] == 96
+    sky = SkyOnBus(DynamicSkyLight)
+    sky.want(*LIGHT)
+    sky.sun(60.0)
+    sizes = []
+    for tolerance, posts in ((0.003, True), (0.003, False), (1.0, True)):
+        sky.taken()
+        sky.tell(SetTolerance(tolerance=tolerance))
+        assert sky.kinds_taken() == (list(LIGHT) if posts else [])
+        sizes.append(sky.last(BackgroundChanged).cube.shape[1])
+        assert sizes[-1] == quality_for(tolerance).cube_size
+    assert sizes[0] > 256 > sizes[-1]

@@ -271,7 +271,6 @@ DEEDS = {
     "a job with other arguments": lambda m: m.link.start_job("j", abs, 1, 2, 3),
     "a demand by text": lambda m: m.link.demand("SunMoved"),
     "a demand of text size": lambda m: m.link.demand(SunMoved, size="x"),
-    "a demand of no size": lambda m: m.link.demand(SunMoved, size=None),
     "a demand of half a size": lambda m: m.link.demand(SunMoved, size=0.5),
     "a demand of truth": lambda m: m.link.demand(SunMoved, size=True),
     "a demand too large": lambda m: m.link.demand(SunMoved, size=10**400),

@@ -40,7 +40,7 @@ def any_input(dice):
             EnableModule(module="clouds", enabled=dice.random() < 0.5),
             LookAlong(direction=(0.6, dice.choice([0.64, -0.64]), 0.48)),
             SetTolerance(tolerance=dice.choice([0.1, 0.05])),
-            Demand(consumer="test", message="CloudsChanged", size=1),
+            Demand(consumer="test", message="CloudsChanged"),
         ]
     )
 

@@ -99,7 +99,7 @@ def test_a_configuration_is_plain_json():
     assert json.loads(json.dumps(plan().config)) == plan().config
 
 
-@given(st.integers(1, 4096), st.sampled_from(["", "u8", "float16", "float32"]))
+@given(st.none() | st.integers(1, 4096), st.sampled_from(["", "u8", "float16", "float32"]))
 @settings(deadline=None, max_examples=50)
 def test_a_demand_is_a_key_and_back(size, encoding):
     """The key of a token is all that crosses."""

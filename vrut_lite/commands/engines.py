@@ -16,7 +16,7 @@ from rich.progress import Progress
 
 from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.commands.open_kernel import tell
-from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
@@ -28,8 +28,6 @@ from vrut_lite.scene.backend import Picture, SceneView
 from vrut_lite.scene.manager import SceneManager
 
 GL = "gl"
-# Left to the sky.
-_CUBE_SIZE = 1
 
 
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -90,7 +88,6 @@ class EngineHost:
         self._view = SceneView(self._backend)
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
         self.kernel.add_module(SceneManager, view=self._view)
-        demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
         self.settle()
 
     @property

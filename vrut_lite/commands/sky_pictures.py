@@ -89,12 +89,12 @@ class SkyPlan:
         return kind(self.size, seen_offset_rad)
 
     @property
-    def cube_size(self) -> int:
-        """A cube whose texels are no wider than a pixel, or 1: what a named tolerance asks for."""
+    def cube_size(self) -> int | None:
+        """A cube whose texels are no wider than a pixel; None where a tolerance is named."""
         if self.projection == "cube":
             return self.size
         if self.project.tolerance is not None:
-            return 1
+            return None
         return int(2 ** np.ceil(np.log2(max(64, self.size))))
 
     def open(self) -> "SkyStudio":

@@ -1,23 +1,24 @@
-"""How far a volume of air is made to reach: in rungs, so that few moves ask for another.
+"""The reach of a volume of air, in steps, so that few moves of the camera need a new volume.
 
-A camera's move changes how far off the things in its view stand. A volume that reaches too far
-loses little sharpness, since its slices are dense near the eye; one made anew at each move would
-cost what it was made to save.
+A move of the camera changes how far off the things in its view stand. A volume that reaches too
+far loses little sharpness, since its slices are dense near the eye; a new volume at each move would
+cost more than it saves.
 """
 
 import math
 
-# Share of light that air must take or add to be seen: below a step of 10 bits in display values.
+# The smallest share of light, taken or added by air, that is seen: below a step of 10 bits in
+# display values.
 UNSEEN_SHARE = 5e-4
 _RUNG = math.sqrt(2.0)
-# So much less must be needed than a rung below before that is stepped down to.
+# A lower rung is taken when it exceeds the need by this factor.
 _SLACK = 1.1
-# Air of a metre is not seen: no finer steps are needed.
+# A metre of air is not seen: no lower rung is needed.
 _LOWEST_M = 1.0
 
 
 def rung_m(needed_m: float, shown_m: float = 0.0) -> float:
-    """The reach to make for what is needed, both in m; `shown_m` again where that still serves.
+    """The reach (m) of a volume that needs `needed_m`; `shown_m` again while that still serves.
 
     0 where nothing is needed.
     """

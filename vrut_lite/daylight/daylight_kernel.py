@@ -24,8 +24,8 @@ def daylight_kernel() -> tuple[Kernel, list[str]]:
     return kernel, failures
 
 
-def demand_light(kernel: Kernel, consumer: str, cube_size: int) -> None:
-    """Ask for background, sun light and ambient, with a cube map of this size."""
+def demand_light(kernel: Kernel, consumer: str, cube_size: int | None = None) -> None:
+    """Ask for background, key light and ambient light; without a size the sky chooses one."""
     for message_type in LIGHT:
         kernel.inject(Demand(consumer=consumer, message=message_type.__name__, size=cube_size))
 

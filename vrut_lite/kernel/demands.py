@@ -20,12 +20,12 @@ class Demands:
         """Take in a demand that is sound, or take it back at size 0."""
         consumers = self._of.setdefault(demand.message, {})
         before = consumers.pop(demand.consumer, None)
-        if demand.size > 0:
+        if demand.size != 0:
             consumers[demand.consumer] = demand
         merged = self.merged.get(demand.message)
         if before is None and merged is not None:
             # One more of many: what the others want was merged before.
-            if demand.size > 0 and not self._is_stopped(demand.consumer):
+            if demand.size != 0 and not self._is_stopped(demand.consumer):
                 self.merged[demand.message] = _of_all([merged, demand])
         else:
             self._merge(demand.message)
@@ -56,6 +56,6 @@ def _of_all(wishes: Sequence[Demand]) -> Demand:
     return Demand(
         consumer=", ".join(wish.consumer for wish in wishes),
         message=wishes[0].message,
-        size=max(wish.size for wish in wishes),
+        size=max((wish.size for wish in wishes if wish.size is not None), default=None),
         encoding=max((wish.encoding for wish in wishes), key=_PRECEDENCE.index),
     )

@@ -149,13 +149,13 @@ class ChooseSlot(Input, frozen=True, kw_only=True):
 class Demand(Input, frozen=True, kw_only=True):
     """A consumer wants messages of a type, in this size and format; size 0 takes it back.
 
-    The encoding "" leaves the choice to the producer. The demand of a consumer that is a
-    module holds while that module runs.
+    The size None and the encoding "" leave the choice to the producer. The demand of a consumer
+    that is a module holds while that module runs.
     """
 
     consumer: str
     message: str
-    size: int = 1
+    size: int | None = None
     encoding: Encoding = ""
 
     def key(self) -> str:
@@ -165,7 +165,8 @@ class Demand(Input, frozen=True, kw_only=True):
     def check(self) -> None:
         """A size and an encoding that producers know."""
         checks.text(self, "consumer", "message")
-        checks.whole(self, "size", 0, LARGEST_DEMAND)
+        if self.size is not None:
+            checks.whole(self, "size", 0, LARGEST_DEMAND)
         if not (isinstance(self.encoding, str) and self.encoding in get_args(Encoding)):
             raise UserError(
                 f"{self.consumer} wants {self.message} as {checks.shown(self.encoding)}: "

@@ -44,11 +44,17 @@ class Link(Protocol):
     def wanted(self, message_type: type[Message]) -> Demand | None:
         """The merged demand for a type of message, or None when nobody wants it.
 
-        Its size is the largest and its encoding the most exact that any consumer asked for.
+        Its size is the largest that any consumer named, None where none did, and its encoding
+        the most exact.
         """
 
-    def demand(self, message_type: type[Message], size: int = 1, encoding: Encoding = "") -> None:
-        """Ask producers for messages of a type, this large and exact; size 0 takes it back."""
+    def demand(
+        self, message_type: type[Message], size: int | None = None, encoding: Encoding = ""
+    ) -> None:
+        """Ask producers for messages of a type, this large and exact; size 0 takes it back.
+
+        The size None leaves it to the producer.
+        """
 
     def holds(self, slot: str) -> bool:
         """Whether this module holds the slot."""

@@ -106,7 +106,9 @@ class ModuleLink:
         """See `Link`."""
         return self._kernel.wanted(message_type)
 
-    def demand(self, message_type: type[Message], size: int = 1, encoding: Encoding = "") -> None:
+    def demand(
+        self, message_type: type[Message], size: int | None = None, encoding: Encoding = ""
+    ) -> None:
         """Ask for messages of a type; see `Link`."""
         if self.alive:
             name = message_type.__name__

@@ -18,6 +18,13 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     """Type name and plain message as today's version would have recorded them."""
     name = _RENAMED.get(type_name, type_name)
     added = {field: value for field, value in _ADDED.get(name, {}).items() if field not in message}
-    if name == "Demand" and message.get("message") in _RENAMED:
-        added["message"] = _RENAMED[message["message"]]
+    if name == "Demand":
+        if message.get("message") in _RENAMED:
+            added["message"] = _RENAMED[message["message"]]
+        # One texel stood for a size that is left to the sky; nobody shows a sky of one texel.
+        if message.get("message") == "BackgroundChanged" and message.get("size") == 1:
+            added["size"] = None
+    # The handler that told of a GPU that failed, by the name that a Fault gives it.
+    if name == "Fault" and message.get("where") == "cube_done":
+        added["where"] = "job_done"
     return (name, {**message, **added}) if added else (name, message)

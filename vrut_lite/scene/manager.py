@@ -16,7 +16,7 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
-from vrut_lite.kernel.messages import Demand, Derived, SlotChanged
+from vrut_lite.kernel.messages import SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import load_scene
@@ -39,19 +39,29 @@ class SceneSettings(msgspec.Struct, frozen=True):
 
 
 class SceneManager(Module):
-    """Owns the state of a `SceneView`; draws nothing itself."""
+    """Owns the state of a `SceneView`; draws nothing itself.
+
+    It demands light, of a sky's cube map in `cube_size` texels where that is named.
+    """
 
     manifest = Manifest(name=NAME, title="Scene", version=__version__)
     settings_type = SceneSettings
 
-    def __init__(self, link: Link, settings: Any, view: SceneView | None = None):
+    def __init__(
+        self,
+        link: Link,
+        settings: Any,
+        view: SceneView | None = None,
+        cube_size: int | None = None,
+    ):
         super().__init__(link, settings)
         self._view = view or SceneView()
+        self._cube_size = cube_size
         self._shelter: Shelter | None = None
-        self._wanted_light: dict[type[Derived], Demand] = {}
         self._wants_air = False
         self._wants_clouds = False
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
+        self._want_light(True)
 
     @property
     def state(self) -> SceneState:
@@ -103,13 +113,6 @@ class SceneManager(Module):
         self._look()
 
     # --- its light and its air ----------------------------------------------------------
-
-    @handles(Demand)
-    def on_demand(self, message: Demand) -> None:
-        """Remember the demands for light, to renew them after a closed room."""
-        for kind in LIGHT:
-            if message.consumer == NAME and message.message == kind.__name__ and message.size:
-                self._wanted_light[kind] = message
 
     @handles(BackgroundChanged)
     def on_background(self, message: BackgroundChanged) -> None:
@@ -196,7 +199,7 @@ class SceneManager(Module):
         if wanted == self._wants_air:
             return
         self._wants_air = wanted
-        self.link.demand(AirChanged, int(wanted))
+        self.link.demand(AirChanged, None if wanted else 0)
         last = self.link.last(AirChanged) if wanted else None
         self._change(air=last and last.volume)
 
@@ -205,7 +208,7 @@ class SceneManager(Module):
         if useful == self._wants_clouds:
             return
         self._wants_clouds = useful
-        self.link.demand(CloudsChanged, int(useful))
+        self.link.demand(CloudsChanged, None if useful else 0)
         last = self.link.last(CloudsChanged) if useful else None
         self._change(clouds=last and last.layer)
 
@@ -214,11 +217,13 @@ class SceneManager(Module):
         if sheltered == self.state.sheltered:
             return
         self._view.state = self.state.with_shelter(sheltered)
-        for kind, wanted in self._wanted_light.items():
-            size = 0 if sheltered else wanted.size
-            self.link.demand(kind, size, wanted.encoding)
+        self._want_light(not sheltered)
         if sheltered:
-            self.ledger.skip("light: in a closed room", len(self._wanted_light))
+            self.ledger.skip("light: in a closed room", len(LIGHT))
+
+    def _want_light(self, useful: bool) -> None:
+        for kind in LIGHT:
+            self.link.demand(kind, self._cube_size if useful else 0)
 
 
 def _altitudes_m(layer: CloudLayer | None) -> tuple[float, float] | None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import pixel_rays
-from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
@@ -70,8 +70,7 @@ class CpuSkyStage:
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
         self._backend = CpuSkyBackend()
         self._view = SceneView(self._backend)
-        self.kernel.add_module(SceneManager, view=self._view)
-        demand_light(self.kernel, SceneManager.manifest.name, _CUBE_SIZE)
+        self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE)
         self.renderer = "CPU, sky alone"
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()

@@ -1,0 +1,183 @@
+"""The Bruneton sky of an hour, as `SkyModule` asks for it."""
+
+from dataclasses import dataclass, field, replace
+
+from bruneton_sky.air_volume import air_is_seen, air_volume
+from bruneton_sky.air_volume.gpu import air_volume_job
+from bruneton_sky.background import (
+    Surroundings,
+    ambient_coefficients,
+    background_cube,
+    surroundings,
+)
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_atmosphere_of
+from bruneton_sky.sky_view.gpu import sky_view_job, view_shader
+from bruneton_sky.solver import SourceField
+from bruneton_sky.solver_rungs import SolverRung
+from bruneton_sky.spectrum import SPECTRUM_NM, sky_spectrum
+from bruneton_sky.sun_light import limb_darkening_rgb
+from bruneton_sky.tolerance import TABLES, Quality
+from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.sky_of_hour import (
+    AIR_JOB,
+    CUBE_JOB,
+    Background,
+    Hour,
+    Sky,
+    Spectrum,
+    SunDisc,
+    Unseen,
+)
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.numeric_types import Float32Array, Vector
+
+NAME = "bruneton_sky"
+
+
+@dataclass(frozen=True)
+class Air:
+    """All that scattered light depends on, for any sun and observer."""
+
+    settings: BrunetonSkySettings
+    ground_altitude_m: float
+    rung: SolverRung
+
+
+class SurroundingsMemo:
+    """The surroundings that were made last: of them the next take what did not change."""
+
+    def __init__(self, ledger: Ledger):
+        self._ledger = ledger
+        self._made: tuple[BrunetonLight, Surroundings] | None = None
+
+    def of(self, light: "BrunetonLight") -> Surroundings:
+        """The surroundings in a light; that on the scene is kept where only the eye moved."""
+        known = None
+        if self._made is not None:
+            before, around = self._made
+            if before == light:
+                return around
+            if before.on_scene() == light.on_scene():
+                self._ledger.skip("light on the scene: only the observer moved")
+                known = around
+        air = light.of
+        if self._made is None or self._made[0].solved is not light.solved:
+            for what, count in light.solved.skipped.items():
+                if count:
+                    self._ledger.skip(f"{what} of the atmosphere: zero or too small")
+        made = surroundings(
+            light.solved,
+            light.eye_height_m,
+            light.sun_direction,
+            light.visible_disc_fraction,
+            spectral_atmosphere_of(air.settings, air.ground_altitude_m),
+            known,
+            TABLES[light.table],
+        )
+        self._made = (light, made)
+        self._ledger.did("sky-view table")
+        return made
+
+
+@dataclass(frozen=True)
+class BrunetonLight(Sky):
+    """Sky, sun, ground and air around an eye, `of` a solved air; the sun is the apparent one."""
+
+    of: Air
+    solved: SourceField
+    sun_direction: Vector
+    visible_disc_fraction: float
+    eye_height_m: float
+    table: str
+    memo: SurroundingsMemo = field(compare=False, repr=False)
+
+    def on_scene(self) -> "BrunetonLight":
+        """The scene's light does not depend on who looks."""
+        return replace(self, eye_height_m=0.0)
+
+    def unseen(self, hour: Hour, quality: Quality) -> Unseen:
+        """By what `observer` measured for such an atmosphere."""
+        atmosphere = self.solved.atmosphere
+        step_m = altitude_step_m(self.eye_height_m, atmosphere)
+        return Unseen(
+            sun_step_rad(hour.sun.apparent_elevation_rad, atmosphere.mie_g, quality.sun_change),
+            quality.altitude_steps * step_m,
+        )
+
+    def background(self, size: int) -> Background:
+        """The sky-view table as a cube map."""
+        return background_with(self._around, background_cube(self._around, size))
+
+    def gpu_background(self, size: int) -> tuple[GpuJob, Background]:
+        """The same table, laid onto the cube by the GPU."""
+        around = self._around
+        job, scale = sky_view_job(around.view, size, around.ground_radiance_rgb, NAME, CUBE_JOB)
+        texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
+        return job, background_with(around, texture, scale)
+
+    def sun(self) -> SunDisc:
+        """The sun as the scene's light."""
+        radius_rad = self.solved.atmosphere.sun_angular_radius_rad
+        return SunDisc(self._around.sun_irradiance_rgb, radius_rad, limb_darkening_rgb())
+
+    def ambient(self) -> Float32Array:
+        """Harmonics of what is seen from the ground."""
+        return ambient_coefficients(self._around)
+
+    def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
+        """All orders of scattering along every ray."""
+        in_air_m = self._reach_in_air_m(reach_m)
+        if not in_air_m:
+            return None
+        return air_volume(self.solved, eye_height_m, self.sun_direction, in_air_m)
+
+    def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
+        """Rows by the CPU, the light of all their columns by the GPU."""
+        in_air_m = self._reach_in_air_m(reach_m)
+        if not in_air_m:
+            return None
+        where = self.solved, eye_height_m, self.sun_direction, in_air_m
+        return air_volume_job(*where, NAME, AIR_JOB)
+
+    def spectrum(self, direction: Vector) -> Spectrum:
+        """Of the same atmosphere solved at twelve wavelengths; none of the ground."""
+        if direction[1] <= 0.0:
+            return Spectrum()
+        air = self.of
+        seen = sky_spectrum(
+            atmosphere_at(SPECTRUM_NM, air.settings, air.ground_altitude_m),
+            air.settings.orders,
+            self.eye_height_m,
+            direction,
+            self.sun_direction,
+        )
+        return Spectrum(SPECTRUM_NM, tuple(seen.radiance.tolist()))
+
+    @property
+    def _around(self) -> Surroundings:
+        return self.memo.of(self)
+
+    def _reach_in_air_m(self, reach_m: float) -> float:
+        """How much of a ray lies in air; 0 where none is to be seen."""
+        atmosphere = self.solved.atmosphere
+        # From above the air, the way to it is empty.
+        in_air_m = reach_m - max(self.eye_height_m - atmosphere.top_altitude_m, 0.0)
+        return in_air_m if air_is_seen(atmosphere, self.eye_height_m, in_air_m) else 0.0
+
+
+def background_with(
+    around: Surroundings, cube: Float32Array | GpuTexture, scale: float = 1.0
+) -> Background:
+    """What surrounds an eye as a background with this cube; see `Background`."""
+    disc = around.disc
+    return Background(
+        cube,
+        around.ground_radiance_rgb,
+        scale,
+        ground_through_air=around.view.shape[1] > 0,
+        view=view_shader(around.view, disc) if disc is not None else None,
+        seen_sun_rgb=disc.seen_rgb if disc is not None else None,
+    )

@@ -1,0 +1,94 @@
+"""The Hosek-Wilkie sky of an hour, as `SkyModule` asks for it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynamic_skylight.air import TOP_ALTITUDE_M, air_is_seen, air_volume
+from dynamic_skylight.daylight import Daylight
+from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
+from dynamic_skylight.hosek_wilkie.gpu_cube import gpu_cube_job
+from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
+from dynamic_skylight.sun_step import sun_step_rad
+from dynamic_skylight.tolerance import Quality
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.sky_of_hour import (
+    CUBE_JOB,
+    Background,
+    Hour,
+    Sky,
+    Spectrum,
+    SunDisc,
+    Unseen,
+)
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.numeric_types import FloatArray, Vector
+
+NAME = "dynamic_skylight"
+# Over how many metres, and the eye's own height, air thins: an eye that moves by a share of it
+# sees air that is as much thinner or denser.
+_THINNING_M = 500.0
+
+
+@dataclass(frozen=True)
+class HosekWilkieLight(Sky):
+    """Sky, sun, ground and air; `sun_direction` is the apparent one."""
+
+    daylight: Daylight
+    sun_direction: Vector
+
+    def background(self, size: int) -> Background:
+        """The exact model's cube by its fast fill; at twilight the blend with the table's."""
+        cube, scale = self.daylight.encoded_background(size)
+        return Background(cube, self.daylight.ground_rgb, scale)
+
+    def gpu_background(self, size: int) -> tuple[GpuJob, Background] | None:
+        """By day the formula is the GPU's too; twilight is not the formula's alone."""
+        light = self.daylight
+        if light.model is None:
+            return None
+        asked = light.sun_azimuth_rad, light.ground_rgb, size, light.half_scale
+        job = gpu_cube_job(NAME, CUBE_JOB, light.model, *asked)
+        texture = GpuTexture(size=size, format=job.format, recipe=job.recipe)
+        return job, Background(texture, light.ground_rgb, light.half_scale)
+
+    def sun(self) -> SunDisc:
+        """Of the radius that the sun has on average over the year."""
+        sun = self.daylight.sun
+        return SunDisc(sun.irradiance_rgb, MEAN_ANGULAR_RADIUS_RAD, sun.limb_darkening_rgb)
+
+    def ambient(self) -> FloatArray:
+        """Harmonics of a small cube of sky and ground."""
+        return self.daylight.ambient()
+
+    def unseen(self, hour: Hour, quality: Quality) -> Unseen:
+        """The sun's by the model's largest change; the eye's by the air's thinning."""
+        return Unseen(
+            sun_step_rad(hour.sun.apparent_elevation_rad, quality.sun_change),
+            quality.altitude_change * (_THINNING_M + hour.eye_height_m),
+        )
+
+    def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
+        """Two exponential layers that fade into this sky."""
+        # From above the air, the way to it is empty.
+        in_air_m = reach_m - max(eye_height_m - TOP_ALTITUDE_M, 0.0)
+        if not air_is_seen(self.daylight.turbidity, eye_height_m, in_air_m):
+            return None
+        return air_volume(self.daylight, self.sun_direction, eye_height_m, in_air_m)
+
+    def spectrum(self, direction: Vector) -> Spectrum:
+        """The exact model's at its own bands; none at twilight, nor of the ground."""
+        light = self.daylight
+        if light.model is None or direction[1] <= 0.0:
+            return Spectrum()
+        sun = world_from_enu(
+            direction_from_angles(light.sun_azimuth_rad, light.apparent_elevation_rad)
+        )
+        theta, gamma = (
+            float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+            for cosine in (direction[1], np.dot(direction, sun))
+        )
+        radiance = light.model.spectral_radiance(theta, gamma, WAVELENGTHS_NM)
+        return Spectrum(tuple(WAVELENGTHS_NM.tolist()), tuple(radiance.tolist()))

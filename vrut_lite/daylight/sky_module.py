@@ -1,0 +1,294 @@
+"""`SkyModule`: all that skies have in common, between the bus and the light of an hour.
+
+It hears what changes the light, asks the sky for what somebody wants, and posts what is new:
+background, key light, ambient light and air, in this order. Sizes follow demand, else the
+tolerance; moves of sun and eye that nobody sees cost nothing; when the slot returns, all is posted
+again; a sky that needs a long computation first has it done by a background job, and shows the one
+before until then. With a setting `cube_device` on "gpu" the GPU makes cube map and air; the CPU
+does where nobody runs GPU jobs, where one has failed, and where the sky says so.
+
+The ledger counts, by the messages' type names, what was posted ("BackgroundChanged") and what was
+not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
+"""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.air_reach import rung_m
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
+from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
+from vrut_lite.errors import UserError
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
+from vrut_lite.kernel.module import Link, Module, handles
+from vrut_lite.numeric_types import Vector
+
+SPECTRUM = "spectrum"
+Kinds = tuple[type[Derived], ...]
+PRODUCTS: Kinds = (BackgroundChanged, KeyLightChanged, AmbientChanged, AirChanged)
+# What depends on where the eye is.
+SEEN: Kinds = (BackgroundChanged, AirChanged)
+
+
+class SkyModule(Module):
+    """Base of the modules that provide the slot "sky": override `light` and what else differs."""
+
+    # Whether a spectrum takes so long that a background job looks for it.
+    spectrum_is_slow: ClassVar[bool] = False
+
+    def __init__(self, link: Link, settings: Any):
+        super().__init__(link, settings)
+        # What each message that was posted last was made from.
+        self._posted: dict[type[Derived], tuple[object, ...]] = {}
+        # The latest sky, and the hour that it shows.
+        self._sky: Sky | None = None
+        self._hour: Hour | None = None
+        # Height of the eye, and how far from it air is made.
+        self._view = (0.0, 0.0)
+        self._preparation = Preparation(link, self.ledger)
+        self._refused: tuple[object, ...] = ()
+        self._textures = AwaitedTextures()
+        self._gpu_failed = False
+
+    # --- what a sky is -------------------------------------------------------------------
+
+    def quality(self, tolerance: float) -> Quality:
+        """Sizes and thresholds for a tolerance of radiance, a share above 0."""
+        raise NotImplementedError
+
+    def prepare(self, ground_altitude_m: float, quality: Any) -> Work | None:
+        """What must be computed for the settings before there is light; None if nothing.
+
+        It is run as a background job, once for equal work.
+
+        Raises:
+            ValueError: the settings describe no atmosphere above that ground.
+        """
+        return None
+
+    def light(self, hour: Hour, quality: Any, prepared: Any) -> Sky:
+        """The sky of an hour, by `self.settings` and by what was `prepared` last (`Prepared`).
+
+        Called often, also when nothing changed: leave the computing to the sky's methods.
+        """
+        raise NotImplementedError
+
+    # --- what changes it -----------------------------------------------------------------
+
+    @handles(SunMoved)
+    @handles(SetPlace)
+    @handles(Demand)
+    @handles(SetTolerance)
+    def light_changed(self, _message: SunMoved | SetPlace | Demand | SetTolerance) -> None:
+        """Post what is wanted and new."""
+        self._update()
+
+    @handles(MoveCamera)
+    @handles(SceneNeeds)
+    def view_changed(self, _message: MoveCamera | SceneNeeds) -> None:
+        """The eye rose or sank, or things stand farther off or nearer."""
+        if self._present_view() != self._view:
+            self._update(SEEN)
+
+    @handles(SlotChanged)
+    def slot_changed(self, message: SlotChanged) -> None:
+        """Another sky may have been shown in between: post everything again."""
+        if message.name == "sky":
+            self._posted.clear()
+            self._update()
+
+    def settings_changed(self, name: str) -> None:
+        """Post the sky of the new settings."""
+        if name == "cube_device":
+            self._gpu_failed = False
+        self._update()
+
+    @handles(LookAlong)
+    def looked_along(self, message: LookAlong) -> None:
+        """Someone asks for the spectrum of a direction."""
+        if not self.link.holds("sky") or (sky := self._present_sky()) is None:
+            return
+        asked = sky, message.direction, self.manifest.name
+        if self.spectrum_is_slow:
+            self.link.start_job(SPECTRUM, _spectrum_seen, *asked)
+        else:
+            self._post(_spectrum_seen(*asked))
+
+    @handles(JobResult)
+    def job_done(self, result: JobResult) -> None:
+        """An atmosphere is solved, a spectrum found, or a texture made.
+
+        Raises:
+            UserError: the GPU could not make cube map or air; from now on the CPU does.
+        """
+        if result.job == SOLVE:
+            if self._preparation.take(result):
+                self._update()
+        elif result.job == SPECTRUM:
+            if not result.error:
+                self._post(result.value)
+        elif result.job in (CUBE_JOB, AIR_JOB):
+            self._texture_made(result)
+
+    def _texture_made(self, result: JobResult) -> None:
+        if result.error:
+            self._gpu_failed = True
+            # Also what nobody wants just now, for somebody may come back to it.
+            for kind in SEEN:
+                self._posted.pop(kind, None)
+            self._update()
+            raise UserError(
+                f"the GPU could not make the sky ({result.error}): set cube_device to cpu"
+            )
+        message = self._textures.next(result.job, GpuTexture.of(result.value))
+        if message is None:
+            self.ledger.skip("GpuJob outdated")
+        else:
+            self._post(message)
+
+    # --- what is to be posted ------------------------------------------------------------
+
+    def _update(self, kinds: Kinds = PRODUCTS) -> None:
+        if self.link.last(SunMoved) is None or not self.link.holds("sky"):
+            self.ledger.skip("sky: no sun, or another sky is shown")
+            return
+        self._view = self._present_view()
+        wanted = {kind: demand for kind in kinds if (demand := self._demand(kind)) is not None}
+        if not wanted or (sky := self._present_sky()) is None:
+            return
+        assert self._hour is not None
+        for kind, demand in wanted.items():
+            self._post_if_new(kind, sky, self._hour, demand.size or self._quality.cube_size)
+
+    @property
+    def _quality(self) -> Quality:
+        return self.quality(tolerance_of(self.link))
+
+    def _present_sky(self) -> Sky | None:
+        """The sky of the present hour, or of one that looks like it; None while it is prepared."""
+        sun, place, quality = self.link.last(SunMoved), self.link.last(SetPlace), self._quality
+        if sun is None:
+            return None
+        altitude_m = 0.0 if place is None else place.altitude_m
+        self._prepare(altitude_m, quality)
+        if not self._preparation.ready:
+            return None
+        hour = now = Hour(sun, altitude_m, self._view[0])
+        if self._sky is not None and self._hour is not None:
+            hour = self._hour.unless_unseen(now, self._sky.unseen(self._hour, quality))
+            if hour != now:
+                self.ledger.skip("sun or eye moved unseen")
+        self._hour = hour
+        sky = self.light(hour, quality, self._preparation.latest)
+        # An equal one before has kept what it computed.
+        if self._sky is None or sky != self._sky:
+            self._sky = sky
+        return self._sky
+
+    def _demand(self, kind: type[Derived]) -> Demand | None:
+        demand = self.link.wanted(kind)
+        if demand is None:
+            self.ledger.skip(f"{kind.__name__} unwanted")
+        elif kind is AirChanged and not self._view[1]:
+            self.ledger.skip("AirChanged without things in it")
+            return None
+        return demand
+
+    def _present_view(self) -> tuple[float, float]:
+        """The eye's height, at least 0, and the air's reach: the one before where it serves.
+
+        The height is that of the view that is shown, be it a scene's own; where no scene manager
+        tells it, that of the camera as it was moved.
+        """
+        needs = self.link.last(SceneNeeds)
+        if needs is not None:
+            return max(needs.eye_height_m, 0.0), rung_m(needs.air_reach_m, self._view[1])
+        camera = self.link.last(MoveCamera)
+        return max(camera.eye_m[1], 0.0) if camera is not None else 0.0, 0.0
+
+    def _prepare(self, ground_altitude_m: float, quality: Quality) -> None:
+        """Have computed what the sky needs first.
+
+        Raises:
+            UserError: there is no such atmosphere; told once for the same settings.
+        """
+        asked = self.settings, ground_altitude_m, quality
+        try:
+            work = self.prepare(ground_altitude_m, quality)
+        except ValueError as error:
+            self._preparation.drop()
+            if asked != self._refused:
+                self._refused = asked
+                name = self.manifest.name
+                raise UserError(f"{name} has no such atmosphere: {error}") from error
+        else:
+            self._refused = ()
+            self._preparation.ask(work)
+
+    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, size: int) -> None:
+        """Post what is made from other things than the last of its kind."""
+        name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
+        made_from: tuple[object, ...] = sky.on_scene(), direction
+        if kind is BackgroundChanged:
+            on_gpu = self._gpu_serves(type(sky).gpu_background is not Sky.gpu_background)
+            made_from = sky, size, on_gpu
+        elif kind is AirChanged:
+            on_gpu = self._gpu_serves(type(sky).gpu_air is not Sky.gpu_air)
+            made_from = sky, eye_m, self._view[1], on_gpu
+        if self._posted.get(kind) == made_from:
+            self.ledger.skip(f"{kind.__name__} unchanged")
+            return
+        if kind is BackgroundChanged:
+            self._post(self._background(sky, size, on_gpu))
+        elif kind is AirChanged:
+            self._post(self._air(sky, eye_m, self._view[1], on_gpu))
+        elif kind is KeyLightChanged:
+            self._post(sky.sun().message(direction, name))
+        else:
+            harmonics = Array(np.asarray(sky.ambient(), dtype=np.float32))
+            self._post(AmbientChanged(irradiance_sh_rgb=harmonics, source=name))
+        self._posted[kind] = made_from
+
+    def _post(self, message: Derived) -> None:
+        self.link.post(message)
+        self.ledger.did(type(message).__name__)
+
+    def _background(self, sky: Sky, size: int, on_gpu: bool) -> Derived:
+        asked = sky.gpu_background(size) if on_gpu else None
+        if on_gpu and asked is None:
+            self.ledger.skip("GpuJob: an hour for the CPU")
+        job, made = (None, sky.background(size)) if asked is None else asked
+        return self._textures.first(CUBE_JOB, job, made.message(self.manifest.name))
+
+    def _air(self, sky: Sky, eye_height_m: float, reach_m: float, on_gpu: bool) -> Derived:
+        asked = sky.gpu_air(eye_height_m, reach_m) if on_gpu else None
+        job, volume = (None, sky.air(eye_height_m, reach_m)) if asked is None else asked
+        message = AirChanged(volume=volume, source=self.manifest.name)
+        return self._textures.first(AIR_JOB, job, message)
+
+    def _gpu_serves(self, able: bool) -> bool:
+        if not able or getattr(self.settings, "cube_device", "cpu") == "cpu":
+            return False
+        if self.link.wanted(GpuJob) is None:
+            self.ledger.skip("GpuJob: nobody runs GPU jobs")
+            return False
+        if self._gpu_failed:
+            self.ledger.skip("GpuJob: the GPU failed")
+        return not self._gpu_failed
+
+
+def _spectrum_seen(sky: Sky, direction: Vector, source: str) -> SpectrumSeen:
+    wavelength_nm, radiance = sky.spectrum(direction)
+    return SpectrumSeen(
+        direction=direction, wavelength_nm=wavelength_nm, radiance=radiance, source=source
+    )

@@ -1,0 +1,204 @@
+"""What a sky's author writes: the light of one hour, in plain values.
+
+`SkyModule` (`sky_module.py`) asks for them and makes messages of them. Radiance is W m^-2 sr^-1 in
+linear sRGB, irradiance W m^-2; directions are unit vectors in world axes (east +X, up +Y, north
+-Z).
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.sky import BackgroundChanged, ViewShader
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+
+# Names of a sky's jobs for the GPU.
+CUBE_JOB, AIR_JOB = "cube", "air"
+
+
+class Unseen(NamedTuple):
+    """The largest moves of the sun (rad) and of the eye (m, up or down) that change no picture."""
+
+    sun_rad: float = 0.0
+    eye_m: float = 0.0
+
+
+class Hour(msgspec.Struct, frozen=True):
+    """What the light of a sky depends on besides its settings.
+
+    `ground_altitude_m` is the place's above sea level, `eye_height_m` the eye's above that ground.
+    """
+
+    sun: SunMoved
+    ground_altitude_m: float = 0.0
+    eye_height_m: float = 0.0
+
+    @property
+    def sun_azimuth_rad(self) -> float:
+        """The sun's azimuth in world axes: from -Z, clockwise seen from above."""
+        x, _, z = self.sun.direction
+        return float(np.arctan2(x, -z))
+
+    def unless_unseen(self, later: "Hour", unseen: Unseen) -> "Hour":
+        """A later hour, with this one's sun and eye where nobody would see that they moved.
+
+        While the disc crosses the horizon, its visible share tells every move apart.
+        """
+        chord = float(np.linalg.norm(np.subtract(later.sun.direction, self.sun.direction)))
+        disc_stays = later.sun.visible_disc_fraction == self.sun.visible_disc_fraction
+        eye_stays = abs(later.eye_height_m - self.eye_height_m) <= unseen.eye_m
+        return msgspec.structs.replace(
+            later,
+            sun=self.sun if disc_stays and chord <= unseen.sun_rad else later.sun,
+            eye_height_m=self.eye_height_m if eye_stays else later.eye_height_m,
+        )
+
+
+class Quality(Protocol):
+    """What a sky makes of the tolerance; its other fields are the sky's own."""
+
+    @property
+    def cube_size(self) -> int:
+        """Edge of the background's cube map in texels where the consumer gives no size."""
+
+
+class Work(NamedTuple):
+    """A plain function and its arguments, for a background job; equal work is not done twice.
+
+    `of` is handed on with the result: settings that the light needs too, say.
+    """
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    of: Any = None
+
+
+class Prepared(NamedTuple):
+    """What the work of a sky was `of`, and what it returned."""
+
+    of: Any
+    result: Any
+
+
+class Background(NamedTuple):
+    """The whole sphere without the sun's disc.
+
+    Attributes:
+        cube: radiance (6, size, size, 3) in float32; or in float16, to be multiplied by `scale`, a
+            power of two; or a texture of such values.
+        ground_rgb: radiance (3,) of the ground, which fills the cube below the horizon.
+        ground_through_air: whether the cube shows the ground through the air before it; else the
+            renderer adds that air.
+        view: the same pixel by pixel, where a cube map would blur it.
+        seen_sun_rgb: the sun's irradiance (3,) at the eye, where it differs from the scene's.
+    """
+
+    cube: Float32Array | NDArray[np.float16] | GpuTexture
+    ground_rgb: FloatArray
+    scale: float = 1.0
+    ground_through_air: bool = False
+    view: ViewShader | None = None
+    seen_sun_rgb: FloatArray | None = None
+
+    def message(self, source: str) -> BackgroundChanged:
+        """The same as the sky's holder posts it."""
+        cube, scale = self.cube, self.scale
+        if not isinstance(cube, GpuTexture) and cube.dtype != np.float16:
+            cube, scale = encode_float16(cube)
+        return BackgroundChanged(
+            cube=cube if isinstance(cube, GpuTexture) else Array(cube),
+            radiance_scale=scale,
+            ground_radiance_rgb=_vector(self.ground_rgb),
+            source=source,
+            ground_through_air=self.ground_through_air,
+            view=self.view,
+            seen_sun_irradiance_rgb=(
+                None if self.seen_sun_rgb is None else _vector(self.seen_sun_rgb)
+            ),
+        )
+
+
+class SunDisc(NamedTuple):
+    """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`."""
+
+    irradiance_rgb: FloatArray
+    angular_radius_rad: float = 0.004675
+    limb_darkening_rgb: tuple[tuple[float, ...], ...] = ((1.0,),) * 3
+
+    def message(self, direction: Vector, source: str) -> KeyLightChanged:
+        """The same as the sky's holder posts it."""
+        return KeyLightChanged(
+            direction=direction,
+            irradiance_rgb=_vector(self.irradiance_rgb),
+            angular_radius_rad=self.angular_radius_rad,
+            limb_darkening_rgb=self.limb_darkening_rgb,
+            source=source,
+        )
+
+
+class Spectrum(NamedTuple):
+    """Spectral radiance, W m^-2 sr^-1 nm^-1; empty where a sky knows colours alone."""
+
+    wavelength_nm: tuple[float, ...] = ()
+    radiance: tuple[float, ...] = ()
+
+
+class Sky:
+    """The light of one hour; each method is asked only if someone wants what it gives.
+
+    What was posted for a sky is not posted again for an equal one: let it be a frozen dataclass
+    of all that its light depends on.
+    """
+
+    def background(self, size: int) -> Background:
+        """Sky and ground as a cube map with an edge of `size` texels."""
+        raise NotImplementedError
+
+    def sun(self) -> SunDisc:
+        """The sun's light on the scene."""
+        raise NotImplementedError
+
+    def ambient(self) -> FloatArray | Float32Array:
+        """Harmonics (25, 3) of the irradiance on the scene by sky and ground."""
+        raise NotImplementedError
+
+    def on_scene(self) -> object:
+        """What `sun` and `ambient` depend on, to be compared: by default all of the sky."""
+        return self
+
+    def unseen(self, hour: Hour, quality: Any) -> Unseen:
+        """How far sun and eye may move from this sky's hour before it must be made anew."""
+        return Unseen()
+
+    def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
+        """The air before things up to `reach_m` from the eye; None where it would not be seen."""
+        return None
+
+    def spectrum(self, direction: Vector) -> Spectrum:
+        """What makes up the colour of the sky in a direction; empty below the horizon."""
+        return Spectrum()
+
+    def gpu_background(self, size: int) -> tuple[GpuJob, Background] | None:
+        """The job `CUBE_JOB` that makes the cube, and the background but for the texture.
+
+        None where the CPU must make it.
+        """
+        return None
+
+    def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
+        """The job `AIR_JOB` that makes the air's light, and the volume but for the texture."""
+        return None
+
+
+def _vector(values: NDArray[np.floating]) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

@@ -1,0 +1,105 @@
+"""What a sky module waits for: a background job before there is light, and textures of the GPU."""
+
+import msgspec
+
+from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sky_of_hour import Prepared, Work
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.messages import Derived, JobResult
+from vrut_lite.kernel.module import Link
+
+SOLVE = "solve"
+Awaiting = BackgroundChanged | AirChanged
+
+
+class Preparation:
+    """The background job whose result a sky needs; after a failure the result before it stays.
+
+    The latest work replaces older work.
+
+    Attributes:
+        latest: what was prepared last; None before, and for a sky that needs nothing.
+        ready: whether there is light to be made.
+    """
+
+    def __init__(self, link: Link, ledger: Ledger):
+        self._link, self._ledger = link, ledger
+        self.latest: Prepared | None = None
+        self.ready = False
+        self._done: Work | None = None
+        self._asked: Work | None = None
+        self._failed: Work | None = None
+
+    def ask(self, work: Work | None) -> None:
+        """Have work done, unless it is done, is being done, or has failed last."""
+        if work is None:
+            self.ready = True
+            return
+        if work == self._asked:
+            return
+        self.drop()
+        if work == self._failed:
+            return
+        self._failed = None
+        if work != self._done:
+            self._asked = work
+            self._link.start_job(SOLVE, work.function, *work.arguments)
+
+    def drop(self) -> None:
+        """Give up the work that is being done."""
+        if self._asked is not None:
+            self._ledger.skip("preparation overtaken by a newer one")
+            self._asked = None
+            self._link.cancel_job(SOLVE)
+
+    def take(self, result: JobResult) -> bool:
+        """Take in a job's result; whether there is something new."""
+        work, self._asked = self._asked, None
+        if result.error or work is None:
+            self._failed = work
+            return False
+        self._done, self.latest, self.ready = work, Prepared(work.of, result.value), True
+        self._ledger.did("preparation")
+        return True
+
+
+class AwaitedTextures:
+    """Messages waiting for their GPU texture, by the jobs' names and recipes."""
+
+    def __init__(self) -> None:
+        self._messages: dict[str, dict[str, Awaiting]] = {}
+
+    def first(self, name: str, job: GpuJob | None, message: Awaiting) -> Derived:
+        """What to post now: the job that the message waits for, or without one the message.
+
+        A message without a job is newer than all that wait under the name.
+        """
+        waiting = self._messages.setdefault(name, {})
+        if job is None:
+            waiting.clear()
+            return message
+        waiting.pop(job.recipe, None)
+        waiting[job.recipe] = message
+        return job
+
+    def next(self, name: str, texture: GpuTexture) -> Derived | None:
+        """The message that waited for a texture; None if it or a newer one was posted before."""
+        waiting = self._messages.get(name, {})
+        if texture.recipe not in waiting:
+            return None
+        while True:
+            recipe = next(iter(waiting))
+            message = waiting.pop(recipe)
+            if recipe == texture.recipe:
+                return _with(message, texture)
+
+
+def _with(message: Awaiting, texture: GpuTexture) -> Derived:
+    if isinstance(message, BackgroundChanged):
+        return msgspec.structs.replace(message, cube=texture)
+    volume = message.volume
+    assert volume is not None
+    return msgspec.structs.replace(message, volume=msgspec.structs.replace(volume, light=texture))

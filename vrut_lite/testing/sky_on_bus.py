@@ -1,0 +1,188 @@
+"""One sky on a real kernel, under a sun and before an eye that a test moves."""
+
+import math
+from typing import Any, TypeVar
+
+import numpy as np
+
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneNeeds
+from vrut_lite.daylight.sky_module import PRODUCTS, SkyModule
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.gpu_job import GpuJob
+from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    Demand,
+    Derived,
+    Fault,
+    Input,
+    JobResult,
+    Message,
+    SetSetting,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.recording.held_runner import HeldRunner
+
+M = TypeVar("M", bound=Message)
+_SUN_RADIUS_RAD = 0.00465
+
+
+class SunAndEye(Module):
+    """Stands in for the sun's module and for the scene manager.
+
+    A place puts the sun at the elevation of its latitude and the azimuth of its longitude; a camera
+    puts the eye at its height, and things as far off as its target.
+    """
+
+    manifest = Manifest(name="sun_and_eye", title="Sun and eye", version="1", provides=("sun",))
+
+    @handles(SetPlace)
+    def place_set(self, place: SetPlace) -> None:
+        """Move the sun."""
+        elevation_rad, azimuth_rad = (
+            math.radians(angle) for angle in (place.latitude_deg, place.longitude_deg)
+        )
+        level = math.cos(elevation_rad)
+        x, z = level * math.sin(azimuth_rad), -level * math.cos(azimuth_rad)
+        self.link.post(
+            SunMoved(
+                direction=(x, math.sin(elevation_rad), z),
+                azimuth_rad=azimuth_rad,
+                elevation_rad=elevation_rad,
+                apparent_elevation_rad=elevation_rad,
+                visible_disc_fraction=min(max(0.5 + 0.5 * elevation_rad / _SUN_RADIUS_RAD, 0), 1),
+            )
+        )
+
+    @handles(MoveCamera)
+    def camera_moved(self, camera: MoveCamera) -> None:
+        """Tell where the eye is and how far off things stand."""
+        self.link.post(
+            SceneNeeds(
+                sky_in_view=True,
+                visible_faces=(0,),
+                receives_light=True,
+                air_reach_m=float(np.linalg.norm(np.subtract(camera.target_m, camera.eye_m))),
+                eye_height_m=camera.eye_m[1],
+            )
+        )
+
+
+class AnotherSky(Module):
+    """A sky that says nothing."""
+
+    manifest = Manifest(
+        name="another_sky", title="Another sky", version="1", provides=("sky",), stand_in=False
+    )
+
+
+class SkyOnBus:
+    """A kernel with one sky, `SunAndEye` and `AnotherSky`; every method acts until all is done.
+
+    Background jobs are done where they are asked for, unless `holding` is set: then `finish` does
+    them.
+    """
+
+    def __init__(self, module_type: type[SkyModule], **settings: Any):
+        self._runner = HeldRunner()
+        self.kernel = Kernel(runner=self._runner)
+        self.name = module_type.manifest.name
+        self.holding = False
+        self.faults: list[str] = []
+        self._posted: list[Derived] = []
+        for kind in (SunAndEye, AnotherSky, module_type):
+            self.kernel.add_module(kind)
+        self.kernel.tap(self._hear)
+        for name, value in settings.items():
+            self.set(name, value)
+        self.tell(ChooseSlot(slot="sun", module=SunAndEye.manifest.name))
+        self.regain_slot()
+
+    def _hear(self, message: Message, sender: str) -> None:
+        if isinstance(message, Fault):
+            self.faults.append(message.error)
+        elif sender == self.name and isinstance(message, Derived):
+            self._posted.append(message)
+
+    # --- what a test does ----------------------------------------------------------------
+
+    def tell(self, *messages: Input) -> None:
+        """Inject inputs, one after the other."""
+        for message in messages:
+            self.kernel.inject(message)
+            self.kernel.pump()
+            if not self.holding:
+                self.kernel.pump_until_idle()
+
+    def finish(self) -> None:
+        """Do the background jobs that are held."""
+        self.kernel.pump_until_idle()
+
+    def want(self, *kinds: type[Message], size: int | None = None) -> None:
+        """Demand messages; by default all that a sky posts."""
+        for kind in kinds or PRODUCTS:
+            self.tell(Demand(consumer="test", message=kind.__name__, size=size))
+
+    def want_no_more(self, *kinds: type[Message]) -> None:
+        """Take demands back."""
+        self.want(*kinds, size=0)
+
+    def sun(self, elevation_deg: float, azimuth_deg: float = 0.0, ground_m: float = 0.0) -> None:
+        """Move the sun, in degrees, and the ground's altitude."""
+        place = {"latitude_deg": elevation_deg, "longitude_deg": azimuth_deg}
+        self.tell(SetPlace(**place, altitude_m=ground_m))
+
+    def eye(self, height_m: float, reach_m: float = 1.0) -> None:
+        """Move the eye to a height, with things so far off."""
+        self.tell(
+            MoveCamera(eye_m=(0.0, height_m, 0.0), target_m=(0.0, height_m, -reach_m)),
+        )
+
+    def set(self, name: str, value: Any) -> None:
+        """Give a setting of the sky a value."""
+        self.tell(SetSetting(module=self.name, name=name, value=value))
+
+    def lose_slot(self) -> None:
+        """Let another sky be shown."""
+        self.tell(ChooseSlot(slot="sky", module=AnotherSky.manifest.name))
+
+    def regain_slot(self) -> None:
+        """Let the sky be shown."""
+        self.tell(ChooseSlot(slot="sky", module=self.name))
+
+    def answer(self, job: GpuJob, error: str = "") -> None:
+        """Bring the result of a job for the GPU as its owner would."""
+        texture = GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
+        value = None if error else texture
+        self.tell(JobResult(module=job.module, job=job.job, value=value, error=error))
+
+    # --- what a test asks ----------------------------------------------------------------
+
+    def taken(self) -> list[Derived]:
+        """What the sky has posted since this was last asked."""
+        posted, self._posted = self._posted, []
+        return posted
+
+    def kinds_taken(self) -> list[type[Derived]]:
+        """The types of what the sky has posted since this was last asked."""
+        return [type(message) for message in self.taken()]
+
+    def last(self, kind: type[M]) -> M:
+        """The latest message of a type."""
+        message = self.kernel.last(kind)
+        assert message is not None, f"no {kind.__name__} was posted"
+        return message
+
+    @property
+    def held(self) -> list[str]:
+        """Names of the background jobs that are held."""
+        return [job for _, job in self._runner.held]
+
+    @property
+    def ledger(self) -> Ledger:
+        """What the sky did and skipped."""
+        return self.kernel.seats[self.name].ledger
