@@ -1,4 +1,4 @@
-"""Light that is none: what lights a closed room into which no light ever came."""
+"""Messages without light, for closed rooms that daylight never enters."""
 
 import numpy as np
 
