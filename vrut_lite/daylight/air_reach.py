@@ -1,25 +1,24 @@
-"""How far a volume of air is made to reach: in rungs, so that few moves ask for another.
+"""Rounds the reach of a volume of air up to rungs, so that few camera moves need a new volume.
 
-A camera's move changes how far off the things in its view stand. A volume that reaches too far
-loses little sharpness, since its slices are dense near the eye; one made anew at each move would
-cost what it was made to save.
+A volume that reaches too far loses little resolution, since its slices are dense near the eye; a
+new one at each move would cost more than the volume saves.
 """
 
 import math
 
-# Share of light that air must take or add to be seen: below a step of 10 bits in display values.
+# Share of light that air must remove or add to be visible: below a step of 10 bits on a display.
 UNSEEN_SHARE = 5e-4
 _RUNG = math.sqrt(2.0)
-# So much less must be needed than a rung below before that is stepped down to.
+# The need must be this factor below the lower rung before the reach steps down to it.
 _SLACK = 1.1
-# Air of a metre is not seen: no finer steps are needed.
+# A metre of air is invisible, so no finer rungs are needed.
 _LOWEST_M = 1.0
 
 
 def rung_m(needed_m: float, shown_m: float = 0.0) -> float:
-    """The reach to make for what is needed, both in m; `shown_m` again where that still serves.
+    """The reach to compute for a needed reach, both in m; 0 if nothing is needed.
 
-    0 where nothing is needed.
+    The present reach `shown_m` is kept while it is large enough and at most a rung too large.
     """
     if needed_m <= 0.0:
         return 0.0

@@ -92,7 +92,7 @@ class _Reader:
         return self._data[self._at - count : self._at]
 
     def number(self) -> int:
-        """A variable-length integer: seven bits a byte, lowest first; the eighth bit: more follow."""
+        """Seven bits a byte, lowest first; the eighth is set if more bytes follow."""
         value, shift = 0, 0
         while True:
             byte = self.byte()
