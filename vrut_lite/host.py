@@ -85,10 +85,10 @@ class Host:
         return self.draw_now(still)
 
     def draw_now(self, still: bool = True, is_given_up: IsGivenUp | None = None) -> Picture:
-        """Draw the present state of the scene manager.
+        """Draw what the scene manager knows by now.
 
         Raises:
-            GivenUp: `is_given_up()`, called repeatedly on the GL thread, returned true.
+            GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
         """
         self._backend.set_tolerance(tolerance_of(self.kernel))
         return self._backend.draw(still, is_given_up)
@@ -100,7 +100,7 @@ class Host:
 
     @property
     def frame_skips(self) -> FrameSkips:
-        """The kinds of work that frames skip; tests switch them off to compare pictures."""
+        """Which work frames leave out; set another to see that the picture stays."""
         return self._backend.skips
 
     @frame_skips.setter
@@ -125,7 +125,7 @@ class Host:
         return self.light_at_pixel(x, y)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """As `illuminance_at_pixel`, for the present state of the scene manager."""
+        """The same by what the scene manager knows by now."""
         hit = self._backend.surface_at(x, y)
         return None if hit is None else self._backend.illuminance(hit.point_m, hit.normal)
 

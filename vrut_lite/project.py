@@ -1,4 +1,4 @@
-"""A project: scene, place, time, settings and view; read from a TOML file."""
+"""A project: a scene, a place, a time and how to look at it; also as a TOML file."""
 
 import math
 import stat

@@ -1,4 +1,4 @@
-"""Camera matrices, and a camera that frames a scene."""
+"""Cameras: matrices, and a view that frames a scene."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +11,7 @@ DEFAULT_FIELD_OF_VIEW_RAD = 0.75
 _DEFAULT_AZIMUTH_RAD = np.radians(215.0)
 _DEFAULT_ELEVATION_RAD = np.radians(14.0)
 _DRAWABLE_FIELD_OF_VIEW_RAD = np.radians([1.0, 150.0])
-_ROOM = 1.08  # A margin around the scene.
+_ROOM = 1.08  # a little air around the scene
 
 
 def look_at(eye_m: ArrayLike, target_m: ArrayLike) -> NDArray[np.float64]:
@@ -45,7 +45,7 @@ def perspective(
 
 
 def frame_bounds(lower_m: ArrayLike, upper_m: ArrayLike, aspect: float) -> MoveCamera:
-    """A camera from the south-west whose picture the bounds just fill; aspect: width / height."""
+    """A camera from the south-west whose picture, of this aspect, the bounds just fill."""
     lower, upper = np.asarray(lower_m, dtype=float), np.asarray(upper_m, dtype=float)
     centre = 0.5 * (lower + upper)
     half = np.maximum(0.5 * (upper - lower), 1e-3)
@@ -71,7 +71,7 @@ def _away() -> NDArray[np.float64]:
 
 
 def camera_from_pose(pose: ArrayLike, vertical_field_of_view_rad: float) -> MoveCamera:
-    """A camera from a glTF camera node's world pose (4, 4); the field of view is limited."""
+    """A camera from a glTF camera node's world pose (4, 4); its angle is kept drawable."""
     matrix = np.asarray(pose, dtype=float)
     eye, forward = matrix[:3, 3], -matrix[:3, 2]
     return MoveCamera(

@@ -76,7 +76,7 @@ def _scene_reach_m(camera: MoveCamera, aspect: float, lower_m: NDArray, upper_m:
 
 
 def _heights_in_view(camera: MoveCamera, aspect: float) -> tuple[float, float]:
-    """The lowest and the highest sine of elevation in the view."""
+    """The least and the greatest sine of elevation in the view."""
     turn = look_at(camera.eye_m, camera.target_m)[:3, :3]
     tangent = _WIDENED * np.tan(0.5 * camera.vertical_field_of_view_rad)
     steps = np.linspace(-1.0, 1.0, _BORDER_STEPS)
