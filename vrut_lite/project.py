@@ -22,7 +22,7 @@ from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
 
 PROJECT_SUFFIX = ".toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
-# Far enough for views of the whole planet.
+# Beyond the planet's neighbourhood there is nothing to look at.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 _NEAREST_TARGET_M = 1e-6
@@ -30,7 +30,7 @@ _MOST_BYTES = 1 << 20
 
 
 class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The camera's position and target, metres in world axes."""
+    """Where the camera stands and looks, metres in world axes."""
 
     eye_m: Point
     target_m: Point
@@ -49,9 +49,9 @@ class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The fields of a project file. `at` is ISO time, local at the place unless it has an offset.
+    """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
 
-    `tolerance`: allowed relative error of radiance; None keeps the present one.
+    `tolerance`: how far radiance may be off, as a share; none leaves it as it is.
     """
 
     scene: str = ""
@@ -68,19 +68,19 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     light_shafts: bool = False
 
     def where(self) -> Place:
-        """The place; UserError if the text is not a place."""
+        """The place; UserError if the text names none."""
         return parse_place(self.place)
 
     def instant(self) -> datetime:
-        """The aware instant; UserError if the text is not a time at the place."""
+        """The aware instant; UserError if the text names none at the place."""
         return parse_instant(self.at, self.where())
 
 
 def load_project(path: str | Path) -> Project:
-    """Read a project file; its scene is relative to it.
+    """Read a project file; its scene is sought beside it.
 
     Raises:
-        UserError: the file is missing, not TOML, or has unknown or invalid fields.
+        UserError: the file is missing, no TOML, or says something unknown.
     """
     file = Path(path)
     try:
@@ -94,7 +94,7 @@ def load_project(path: str | Path) -> Project:
             )
         values = tomllib.loads(file.read_text(encoding="utf-8"))
         if isinstance(values.get("at"), datetime):
-            # TOML has dates of its own.
+            # A bare TOML date is the natural way to write one.
             values["at"] = values["at"].isoformat()
         project = msgspec.convert(values, Project)
     except OSError as error:
@@ -111,14 +111,14 @@ def load_project(path: str | Path) -> Project:
 
 
 def in_words(error: msgspec.ValidationError) -> str:
-    """A validation error as `camera.eye_m: expected array of length 3`."""
+    """What a value should have been, and which: `camera.eye_m: expected array of length 3`."""
     text, _, path = str(error).replace("`", "").partition(" - at $")
     text = text[:1].lower() + text[1:]
     return f"{path.lstrip('.')}: {text}" if path else text
 
 
 def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
-    """Tolerance, settings and slots as inputs, checked against the installed modules."""
+    """Tolerance, settings and slots as inputs, checked against the modules that are installed."""
     inputs: list[Input] = []
     if project.tolerance is not None:
         inputs.append(SetTolerance(tolerance=project.tolerance))
@@ -148,7 +148,7 @@ def daylight_inputs(project: Project) -> list[Input]:
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """Air, light shafts, size, exposure, scene and camera as inputs."""
+    """What is drawn, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
         SetSetting(module="scene", name="air", value=project.air),

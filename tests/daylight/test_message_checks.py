@@ -215,8 +215,8 @@ def spoilt(message, place, junk):
 
 @given(st.sampled_from(SOUND), st.data())
 @settings(deadline=None, max_examples=400)
-def test_a_check_passes_or_refuses_in_one_sentence(message, data):
-    """With values of wrong types, infinite values, and objects that raise when shown."""
+def test_whatever_a_field_holds_a_check_passes_or_says_one_sentence(message, data):
+    """Also a value of a wrong type, of no finite size, or one that raises when it is shown."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))
     try:
@@ -234,8 +234,8 @@ def test_a_check_passes_or_refuses_in_one_sentence(message, data):
 
 @given(st.sampled_from([m for m in SOUND if isinstance(m, Derived)]), st.data())
 @settings(deadline=None, max_examples=120)
-def test_an_invalid_post_is_the_posters_fault_and_is_not_delivered(message, data):
-    """Consumers get only messages that pass the check; the sender gets a fault."""
+def test_a_malformed_post_is_the_poster_s_fault_and_reaches_nobody(message, data):
+    """Consumers hear what passes the check and nothing else, and who posted it is told."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))
     sound = refusal_of(odd) is None
@@ -250,8 +250,8 @@ def test_an_invalid_post_is_the_posters_fault_and_is_not_delivered(message, data
 
 @given(st.sampled_from([m for m in SOUND if isinstance(m, Input)]), st.data())
 @settings(deadline=None, max_examples=150)
-def test_an_invalid_input_is_refused_and_not_delivered(message, data):
-    """The API accepts any object; an invalid one is refused in one sentence."""
+def test_a_malformed_input_is_refused_and_never_heard(message, data):
+    """The API takes any value: what is none of a type's is one sentence for its user."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))
     heard = []

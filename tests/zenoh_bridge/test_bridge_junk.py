@@ -176,8 +176,8 @@ def frames(draw):
 @settings(
     deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-def test_the_host_draws_whatever_arrives_over_the_bridge(host, spoilt):
-    """For every type and field: settle and draw never raise, and the picture is finite."""
+def test_host_draws_whatever_a_stranger_says(host, spoilt):
+    """Every type, every field: settle and draw never raise, and what is drawn is finite."""
     host.told.clear()
     host.stranger.say_all(*GOOD)
     for type_name, data, held in spoilt:

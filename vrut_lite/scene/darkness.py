@@ -1,4 +1,4 @@
-"""Messages without light, for closed rooms that daylight never enters."""
+"""Light that is none: what lights a closed room into which no light ever came."""
 
 import numpy as np
 

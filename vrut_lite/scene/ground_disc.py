@@ -23,7 +23,7 @@ _DROP = 2e-3
 
 @dataclass(frozen=True)
 class GroundDisc:
-    """A disc around a point (x, z), where it is level, at a height; metres, world axes."""
+    """A disc at a height, around a point (x, z) where it is level; metres, world axes."""
 
     centre_xz_m: tuple[float, float]
     height_m: float
