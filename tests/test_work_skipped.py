@@ -1,4 +1,4 @@
-"""Skipped work does not change pictures, and is counted in the ledger."""
+"""Scenes that need little: what is left out leaves the picture, and the ledger tells of it."""
 
 from dataclasses import replace
 from datetime import timedelta
@@ -14,7 +14,7 @@ from vrut_lite.render.skips import FrameSkips
 
 pytestmark = pytest.mark.gl
 SIZE = (96, 60)
-# Kinds of work that each scene skips completely.
+# What each scene spares in full, of the work that frames do.
 SPARED = {
     "closed room": {"reflection slice", "shadow map", "sky sample"},
     "camera to the ground": {"sky sample"},
@@ -26,7 +26,7 @@ SPARED = {
 
 @pytest.fixture(scope="module")
 def plays():
-    """Each scene, played with and without skipping, once for all tests."""
+    """Each scene played with and without skipping, once for all tests."""
     made = {}
 
     def get(name, skips):
@@ -63,7 +63,7 @@ def test_pictures_stay_while_work_goes(plays, name):
     ],
 )
 def test_a_skip_that_is_switched_off_shows_in_the_ledger(plays, skip, name, work):
-    """Its work is done, unless another skip covers part of it, and the picture stays the same."""
+    """Its work is done then, in full unless another skip spares some of it; the picture stays."""
     without = plays(name, replace(FrameSkips(), **{skip: False}))
     one, everything = plays(name, FrameSkips()), plays(name, NOTHING)
     assert one.frame.done[work] < without.frame.done[work] <= everything.frame.done[work]
@@ -93,5 +93,5 @@ def test_a_day_of_a_street_is_the_same_with_less_work():
 
 
 def replace_size(project):
-    """The project at the tests' size, at the start of the scripted day."""
+    """The project at the tests' size, from the start of the scripted day."""
     return msgspec.structs.replace(project, at="2026-06-21T04:00", size=SIZE)

@@ -97,13 +97,13 @@ def test_the_ground_gets_the_albedo_of_the_skys_lower_half(stage, box):
 
 
 def test_a_black_night_has_a_black_ground_and_no_nan():
-    """Zero divided by zero does not reach the picture."""
+    """Nothing divided by nothing must not reach the picture."""
     albedo = ground_albedo(*light_messages(np.zeros((6, 8, 8, 3))))
     np.testing.assert_array_equal(albedo, 0.0)
 
 
 def test_a_bad_scene_is_told_and_the_old_one_stays(stage, box, tmp_path):
-    """After a mistyped name the open scene stays, and the manager is not suspended."""
+    """A mistyped name must not cost the scene that is open, nor suspend the manager."""
     play, backend = stage
     play(LoadScene(path=box))
     before = len(backend.told)
@@ -116,7 +116,7 @@ def test_a_bad_scene_is_told_and_the_old_one_stays(stage, box, tmp_path):
 
 
 def test_a_new_scene_brings_its_own_view(stage, box):
-    """A new scene resets a camera that was moved in the last one."""
+    """A camera that was moved in one scene would look at nothing in the next."""
     play, backend = stage
     moved = MoveCamera(eye_m=(9.0, 9.0, 9.0), target_m=(0.0, 0.0, 0.0))
     play(LoadScene(path=box), moved)
@@ -159,7 +159,7 @@ def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
 
 
 def test_exposure_is_handed_on(stage):
-    """The manager passes the exposure on unchanged."""
+    """The manager does not interpret it."""
     play, backend = stage
     wish = SetExposure(mode="manual", ev100=7.0)
     play(wish)
@@ -190,7 +190,7 @@ def test_the_framing_camera_holds_the_bounds_and_fills_the_picture(size, aspect)
     ],
 )
 def test_a_narrow_view_needs_one_face(target, faces, sky):
-    """A producer of skies needs to compute only these faces."""
+    """A producer that asks first computes only these."""
     camera = MoveCamera(
         eye_m=(0.0,) * 3, target_m=tuple(map(float, target)), vertical_field_of_view_rad=0.3
     )

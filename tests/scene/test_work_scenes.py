@@ -1,4 +1,4 @@
-"""The scenes in which work can be skipped: their script's output, with the stated properties."""
+"""The scenes that need little: they are what their script makes, and they are what they say."""
 
 import subprocess
 import sys
@@ -21,7 +21,7 @@ def scenes():
 
 
 def test_the_script_makes_the_committed_bytes(tmp_path):
-    """The committed scenes are the script's output, each below 300 kB."""
+    """Nobody edits them by hand; each below 300 kB."""
     script = SCENES / "work_scenes.py"
     subprocess.run([sys.executable, script, tmp_path], check=True, capture_output=True)
     assert sorted(path.name for path in (SCENES / "work").iterdir()) == NAMES
@@ -32,7 +32,7 @@ def test_the_script_makes_the_committed_bytes(tmp_path):
 
 
 def test_only_the_room_shuts_its_camera_in(scenes):
-    """The closed room encloses its camera; the room with a window does not."""
+    """Its walls close around the eye; the room with the window lets light in."""
     inside = {
         name for name, scene in scenes.items()
         if Shelter(scene).holds(scene.camera.world_from_camera[:3, 3])
