@@ -25,7 +25,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SIDES = (0, 1, 4, 5)
 TOP, BOTTOM = 2, 3
-# Six faces of so many texels, in single precision, are 4.8 GB.
+# Six faces of this size, in single precision, take 4.8 GB.
 LARGEST_SIZE = 8192
 _NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
 # No reassociation: the result must not depend on the width of the vectors.
