@@ -1,4 +1,4 @@
-"""Clouds made by hand: a slab whose light can be worked out on paper."""
+"""Simple clouds for tests: a slab whose light can be computed analytically."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 
 
 def slab(**changes):
-    """A layer that is cloud everywhere: density 1 but for the fades of its base and its top."""
+    """A layer of density 1 everywhere, except for the fades at its base and its top."""
     known = {
         "base_m": 1000.0,
         "thickness_m": 1000.0,
@@ -25,7 +25,7 @@ def slab(**changes):
 
 
 def rough_layer(**changes):
-    """A layer of small noises, broken."""
+    """A broken layer with small noise arrays."""
     random = np.random.default_rng(4)
     return slab(
         threshold=0.35,

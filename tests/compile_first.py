@@ -1,6 +1,6 @@
 """Compiles the slowest kernels before the tests begin, side by side.
 
-Workers that meet a kernel at the same time would each compile it, and the first test to need one
+Workers that need a kernel at the same time would each compile it, and the first test to need one
 would take half a minute. A second run finds them on disk.
 """
 
@@ -41,6 +41,6 @@ if __name__ == "__main__":
         subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL)
         for code in (SOLVER, OTHERS)
     ]
-    # What fails here fails in a test too, where it is told.
+    # A failure here is reported by a test, too.
     for process in running:
         process.wait()

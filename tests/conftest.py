@@ -1,4 +1,4 @@
-"""Fixtures that several test folders share; GL tests say so when there is no GL."""
+"""Fixtures that several test folders share; skips GL tests where there is no GL."""
 
 from types import SimpleNamespace
 

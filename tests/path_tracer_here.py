@@ -1,4 +1,4 @@
-"""mitsuba for the tests that compare with it, or the reason why they are skipped."""
+"""mitsuba for the tests that compare with it; skips them where it is missing."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from vrut_lite.errors import UserError
 
 
 def mitsuba_or_skip() -> Any:
-    """The package; skips the test, or the whole file, where it or a library of its is missing."""
+    """The package; skips the test, or the whole file, if it or a library of it is missing."""
     try:
         return load_mitsuba()
     except UserError as error:

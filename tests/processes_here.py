@@ -1,4 +1,4 @@
-"""Processes for the tests that start some, or the reason why those are skipped."""
+"""Skips tests that start processes where these cannot share memory."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from vrut_lite.errors import UserError
 
 
 def processes_or_skip() -> None:
-    """Skip the test where processes cannot share memory, as in some containers."""
+    """Skip the test if processes cannot share memory, as in some containers."""
     try:
         spawn_context()
     except UserError as error:

@@ -42,7 +42,7 @@ def test_a_project_says_what_is_drawn(scene, tmp_path):
 
 @pytest.mark.gl
 def test_switched_off_no_air_is_made_nor_drawn(scene):
-    """Nobody asks, nobody makes, nothing is drawn; switched on, each does."""
+    """Without air there is no demand, no table and no drawing; with air there is each."""
     from vrut_lite.host import Host
 
     project = Project(scene=str(scene), size=(32, 20), air=False)
@@ -60,12 +60,12 @@ def test_switched_off_no_air_is_made_nor_drawn(scene):
 
 @pytest.mark.gl
 def test_the_command_line_switches_the_air(scene, tmp_path):
-    """--no-air is another picture than --air, which is the default."""
+    """--no-air gives another picture than --air, which is the default."""
     pictures = {}
     for name, options in (("default", []), ("air", ["--air"]), ("none", ["--no-air"])):
         output = tmp_path / f"{name}.png"
         size = ["--size", "32x20", "--at", "2026-06-21T12:00"]
-        # From so high that the ground has kilometres of air before it.
+        # From high up, so that the ground is seen through kilometres of air.
         view = ["--eye", "0,5000,0", "--target", "0,4000,-5000"]
         arguments = ["render", str(scene), "-o", str(output), *size, *view, *options]
         result = CliRunner().invoke(root, arguments)

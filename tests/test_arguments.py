@@ -1,4 +1,4 @@
-"""Public functions take numbers, within their ranges, and name what is none: no guess, no trace."""
+"""Public functions accept numbers within their ranges and refuse others by parameter name."""
 
 import re
 from datetime import UTC, date, datetime, timedelta
@@ -22,7 +22,7 @@ FIELD = {"camera_m": (0.0, 0.0, 6_360_010.0), "view": (0.0, 0.6, 0.8), "sun": (0
 
 
 class Hostile:
-    """Of a class whose conversion and text fail."""
+    """An object whose conversion and repr raise."""
 
     def __array__(self, *arguments, **named):
         raise RuntimeError
@@ -31,7 +31,7 @@ class Hostile:
         raise RuntimeError
 
 
-# What numpy or Python would have made numbers of, and what they choke on.
+# Objects that numpy or Python would convert to numbers, and objects that they cannot convert.
 NO_NUMBERS = [
     None, True, np.True_, "3", b"3", "1_0", "３", 0.1j, object(), {}, {0.1}, Decimal("0.5"),
     np.array([0.1, None]), np.array(["0.1"]), np.array([True]), [0.1, True], [[0.1], [0.1, 0.2]],
@@ -51,7 +51,7 @@ def tables():
 
 
 def refusal(call):
-    """The one sentence of a ValueError; any other exception, or none, fails."""
+    """The sentence of the ValueError that the call must raise."""
     with pytest.raises(ValueError, match=r"\S") as caught:
         call()
     sentence = str(caught.value)
@@ -61,7 +61,7 @@ def refusal(call):
     return sentence
 
 
-# Each parameter by the name that its refusal begins with, beside a call that is good but for it.
+# For each parameter its name, which begins the refusal, and a call that is valid otherwise.
 PARAMETERS = {
     "turbidity": lambda v, t: HosekWilkieSky(v, 0.1, 0.8),
     "albedo": lambda v, t: HosekWilkieSky(3.0, v, 0.8),
@@ -110,8 +110,8 @@ PARAMETERS = {
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS)
-def test_what_is_no_number_is_refused_by_the_name_of_its_parameter(tables, parameter):
-    """Texts, booleans, complex numbers, objects, ragged lists, NaN and infinity."""
+def test_non_numbers_are_refused_by_parameter_name(tables, parameter):
+    """Texts, booleans, complex numbers, objects, ragged lists, NaN and infinity are refused."""
     name = parameter.split()[0]
     call = PARAMETERS[parameter]
     for value in NO_NUMBERS:
@@ -165,13 +165,13 @@ def test_what_is_no_number_is_refused_by_the_name_of_its_parameter(tables, param
         (lambda: multiple_scattering(solve(EARTH, 1), 0.0, [1.1], 0.5, [0.5]), "mu must lie"),
     ],
 )
-def test_what_is_outside_is_refused_with_its_range(call, said):
-    """Before memory is taken for it, and in words that say what to give instead."""
+def test_values_out_of_range_are_refused_with_the_range(call, said):
+    """Refused before memory is taken, in a sentence that gives the range."""
     assert re.search(said, refusal(call))
 
 
-def test_a_buffer_that_must_not_be_written_is_not(tables):
-    """A read-only view of somebody else's array stays as it is."""
+def test_a_read_only_output_is_refused(tables):
+    """A read-only view of another array is refused as output and stays unchanged."""
     out = np.zeros((6, 4, 4, 3), np.float32)
     out.flags.writeable = False
     assert "read-only" in refusal(lambda: SKY.cube_map(4, out=out))
@@ -179,8 +179,8 @@ def test_a_buffer_that_must_not_be_written_is_not(tables):
     assert not out.any()
 
 
-def test_shapes_that_do_not_meet_are_told_by_their_names(tables):
-    """Numpy's own sentence names no parameter."""
+def test_incompatible_shapes_are_named(tables):
+    """The sentence names the parameters, which numpy's own does not."""
     two, three = np.tile(FIELD["view"], (2, 1)), np.tile(FIELD["sun"], (3, 1))
     assert "view (2, 3), sun (3, 3)" in refusal(
         lambda: tables.sky_radiance(FIELD["camera_m"], two, three)
@@ -198,14 +198,14 @@ def test_shapes_that_do_not_meet_are_told_by_their_names(tables):
 
 
 def test_directions_of_another_length_are_refused_with_it(tables):
-    """A direction twice as long is more likely a point: nothing is normalised in silence."""
+    """A vector of length 2 is probably a point, so directions are not normalised silently."""
     assert "view must be unit vectors, not 2 long" in refusal(
         lambda: tables.sky_radiance(FIELD["camera_m"], (0.0, 0.0, 2.0), FIELD["sun"])
     )
 
 
 def test_numbers_of_every_kind_are_taken():
-    """Python's and numpy's integers and floats, of any precision, alone, in lists and arrays."""
+    """Integers and floats of Python and numpy are accepted, alone, in lists and in arrays."""
     expected = HosekWilkieSky(3, 0, 1).radiance(1, 1)
     for kind in (np.float32, np.float16, np.int8, np.uint64, np.longdouble, np.array):
         sky = HosekWilkieSky(kind(3), kind(0), kind(1))
@@ -217,7 +217,7 @@ def test_numbers_of_every_kind_are_taken():
 
 @given(st.floats(1.0, 2.0), st.floats(allow_nan=True), st.integers())
 def test_a_range_is_what_it_says(inside, number, whole):
-    """Whatever is inside comes back as it was; whatever is not is refused."""
+    """Values in the range are returned unchanged, others are refused."""
     assert as_number("x", inside, 1.0, 2.0) == inside
     assert as_numbers("x", [inside, 1.0], 1.0, 2.0)[0] == inside
     if not 1.0 <= number <= 2.0:
@@ -229,12 +229,12 @@ def test_a_range_is_what_it_says(inside, number, whole):
 
 
 @given(st.floats(np.pi, np.pi + 3e-9))
-def test_rounding_at_the_end_of_a_range_is_taken_back(angle):
-    """An angle that a sum has carried a hair beyond pi is pi."""
+def test_rounding_at_the_end_of_a_range_is_clipped(angle):
+    """An angle that rounding has carried beyond pi becomes pi."""
     np.testing.assert_array_equal(SKY.raw_radiance(0.1, angle), SKY.raw_radiance(0.1, np.pi))
 
 
-def test_what_broadcasts_is_broadcast():
-    """In the order of the keywords."""
+def test_compatible_shapes_are_broadcast():
+    """Arrays are returned in the order of the keywords."""
     one, two = broadcast(a=np.zeros((3, 1)), b=np.ones(2))
     assert one.shape == two.shape == (3, 2)

@@ -1,4 +1,4 @@
-"""The arrays in messages: what was said stays said, and is copied only where it must be."""
+"""`Array`: values cannot change afterwards, and are copied only if necessary."""
 
 import gc
 
@@ -72,8 +72,8 @@ def through_a_list_beside_a_name():
         through_a_list_beside_a_name,
     ],
 )
-def test_nobody_who_kept_the_memory_changes_what_was_said(make):
-    """A digest that was made before and one that is made after are one."""
+def test_values_cannot_change_through_other_references(make):
+    """The digest is the same before and after a write through the other reference."""
     array, write = make()
     before = Array(array.values.copy()).digest
     write()
@@ -84,7 +84,7 @@ def test_nobody_who_kept_the_memory_changes_what_was_said(make):
 
 
 def test_a_file_that_changes_does_not_change_what_was_said(tmp_path):
-    """Neither the mapped array itself nor an array on it."""
+    """Neither for the mapped array itself nor for an array on it."""
     mapped = np.memmap(tmp_path / "sky.bin", dtype="f4", mode="w+", shape=(8,))
     arrays = [Array(mapped), Array(mapped[2:]), Array(np.asarray(mapped))]
     mapped[:] = 1.0
@@ -136,22 +136,22 @@ def what_was_locked_before():
         what_was_locked_before,
     ],
 )
-def test_what_nobody_else_can_write_is_not_copied(make):
-    """A cube of 9 MB passes by reference, as all messages do."""
+def test_arrays_that_nobody_else_can_write_are_not_copied(make):
+    """A cube of 9 MB is passed by reference."""
     values, array = make()
     assert np.shares_memory(values, array.values)
     assert not values.flags.writeable
 
 
-def test_what_is_spread_out_without_memory_takes_none():
-    """A stranger's description of a large array is looked at before the array comes."""
+def test_broadcast_arrays_take_no_memory():
+    """An array that is broadcast from one number stays without memory of its own."""
     array = Array(np.broadcast_to(np.zeros((), np.float32), (10**6, 10**6)))
     assert array.values.strides == (0, 0)
     gc.collect()
     assert not array.values.flags.writeable
 
 
-def test_python_objects_are_no_array():
-    """Their bytes would be addresses: another digest in each run."""
+def test_arrays_of_objects_are_refused():
+    """Objects have addresses instead of content, and no reproducible digest."""
     with pytest.raises(TypeError, match="holds numbers, not object"):
         Array(np.array([None, {}]))

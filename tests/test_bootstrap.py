@@ -1,6 +1,6 @@
-"""Set-up must do the least that makes the project run, on any machine, and say what it does.
+"""Set-up installs no more than the project needs, on any machine, and says what it does.
 
-The scripts run for real, on a PATH of stand-ins that write down how they were called.
+The real scripts run with a PATH of stand-ins that record how they were called.
 """
 
 import os
@@ -33,7 +33,7 @@ OFFLINE = "exit 100"
 
 
 class Machine:
-    """A checkout with the scripts, and a PATH that holds the stand-ins alone."""
+    """A checkout with the scripts, and a PATH with only the stand-ins."""
 
     def __init__(self, folder: Path):
         self.root = folder / "the checkout"
@@ -74,7 +74,7 @@ class Machine:
         self.has("ldconfig", f"printf '%s' '{lines}'")
 
     def provide(self, purpose: str = "test", **variables: str) -> str:
-        """Climb the ladder as `bootstrap.sh` does; what it said. It must never fail."""
+        """Run the system set-up as `bootstrap.sh` does; returns its output. It must not fail."""
         script = (
             'set -eu; say() { echo "$*" >&2; }; . tools/bootstrap_system.sh; '
             f'provide_system "$PWD" {purpose}; echo on'
@@ -100,7 +100,7 @@ OTHERS = ("qt", "x11", "mitsuba")
 
 
 def test_libraries_that_are_there_are_left_alone(machine):
-    """A look and not a word, though the user could install."""
+    """Nothing is installed or printed, even if the user could install."""
     machine.has_libraries("gl", *OTHERS)
     machine.has("apt-get", APT_GET)
     machine.user(0)
@@ -108,14 +108,14 @@ def test_libraries_that_are_there_are_left_alone(machine):
     assert set(machine.calls()) == {"ldconfig -p"}
 
 
-def test_half_of_gl_is_not_gl(machine):
-    """libGL without libEGL, as on many desktops' minimal installations, must not count."""
+def test_libgl_without_libegl_is_not_enough(machine):
+    """libGL without libEGL, as on minimal desktops, does not count as OpenGL."""
     machine.has("ldconfig", "echo '\tlibGL.so.1 (libc6,x86-64) => /x/libGL.so.1'")
     assert "going on without GL: missing" in machine.provide()
 
 
 def test_root_installs_without_recommendations(machine):
-    """Lists first, as fresh images have none; the two packages bring Mesa's llvmpipe."""
+    """Lists are updated first; the two packages contain Mesa's llvmpipe."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.user(0)
@@ -144,7 +144,7 @@ def test_each_purpose_installs_what_it_loads(machine, purpose, display, groups):
 
 
 def test_a_group_that_cannot_be_installed_costs_no_other(machine):
-    """On a system without one package's name the others are installed, and the line names it."""
+    """If one package does not exist, the others are installed, and the line names it."""
     machine.has("apt-get", "case $* in *--simulate*|*libatomic1*) exit 100;; esac")
     machine.user(0)
     said = machine.provide().splitlines()
@@ -155,7 +155,7 @@ def test_a_group_that_cannot_be_installed_costs_no_other(machine):
 
 
 def test_sudo_is_used_when_it_asks_no_password(machine):
-    """It is asked first with -n, so that set-up never stops at a prompt."""
+    """sudo -n is tried first, so that set-up never stops at a prompt."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("sudo", SUDO)
@@ -168,7 +168,7 @@ def test_sudo_is_used_when_it_asks_no_password(machine):
 
 
 def test_a_failed_update_does_not_stop_the_installation(machine):
-    """One unreachable source fails the update; the packages may be had all the same."""
+    """One unreachable source fails the update; the installation is tried all the same."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", "case $* in *update) exit 100;; esac")
     machine.user(0)
@@ -177,7 +177,7 @@ def test_a_failed_update_does_not_stop_the_installation(machine):
 
 @pytest.mark.parametrize("sudo", ["none", "asks"])
 def test_without_root_the_packages_go_into_a_private_folder(machine, sudo):
-    """What is lacking is downloaded and unpacked, never the C library; nothing is installed."""
+    """Missing packages, but never the C library, are downloaded and unpacked, not installed."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -199,7 +199,7 @@ def test_without_root_the_packages_go_into_a_private_folder(machine, sudo):
 
 
 def test_all_that_is_lacking_goes_into_one_private_folder(machine):
-    """Windows and the path tracer run for a user without rights, too."""
+    """The window and the path tracer also run for a user without root."""
     machine.has_libraries("gl")
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -210,7 +210,7 @@ def test_all_that_is_lacking_goes_into_one_private_folder(machine):
 
 
 def test_the_private_folder_is_found_through_the_environment(machine):
-    """The variables of loader, Mesa, GLVND and glcontext lead there, blanks in the path kept."""
+    """The variables of loader, Mesa, GLVND and glcontext point there, with blanks in the path."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -227,7 +227,7 @@ def test_the_private_folder_is_found_through_the_environment(machine):
 
 
 def test_a_private_folder_is_fetched_once(machine):
-    """The second time no apt-get runs and nothing is said."""
+    """The second run calls no apt-get and prints nothing."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -237,7 +237,7 @@ def test_a_private_folder_is_fetched_once(machine):
 
 
 def test_a_private_folder_that_lacks_a_library_is_fetched_anew(machine):
-    """`make test` after `make run` needs more than that fetched."""
+    """`make test` after `make run` fetches the libraries that are still missing."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -247,7 +247,7 @@ def test_a_private_folder_that_lacks_a_library_is_fetched_anew(machine):
 
 
 def test_the_systems_gl_wins_over_the_private_one(machine):
-    """A driver installed later, with the GPU perhaps, is not hidden by llvmpipe."""
+    """A driver that is installed later is not hidden by llvmpipe."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -258,7 +258,7 @@ def test_the_systems_gl_wins_over_the_private_one(machine):
 
 
 def test_private_can_be_asked_for(machine):
-    """VRUT_LITE_SYSTEM=private leaves the system as it is though root could change it."""
+    """VRUT_LITE_SYSTEM=private leaves the system unchanged, even for root."""
     machine.has_libraries(*OTHERS)
     machine.has("apt-get", APT_GET)
     machine.has("dpkg", DPKG)
@@ -269,7 +269,7 @@ def test_private_can_be_asked_for(machine):
 
 
 def test_none_can_be_asked_for(machine):
-    """VRUT_LITE_SYSTEM=none does not even look."""
+    """VRUT_LITE_SYSTEM=none skips the search."""
     machine.user(0)
     assert machine.provide(VRUT_LITE_SYSTEM="none") == ""
     assert machine.calls() == []
@@ -278,7 +278,7 @@ def test_none_can_be_asked_for(machine):
 @pytest.mark.parametrize("broken", ["no apt", "offline", "no download", "broken package"])
 @pytest.mark.parametrize("user", [0, 1000])
 def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
-    """A line for each group names its packages; no half-made environment is left to source."""
+    """A line for each group names its packages; no incomplete environment file remains."""
     machine.user(user)
     if broken != "no apt":
         failing = {"offline": OFFLINE, "no download": "case $* in *download*|*--yes*) exit 1; esac"}
@@ -293,7 +293,7 @@ def test_without_network_or_apt_set_up_goes_on(machine, broken, user):
 
 
 def with_venv(machine: Machine, pip: str = "") -> None:
-    """A whole .venv, whose Python is new enough and whose pip does as told."""
+    """A complete .venv with a new Python and a stand-in for pip."""
     body = f"""
 case $1$2 in
 -mpip) {pip} ;;
@@ -312,7 +312,7 @@ def installations(machine: Machine) -> list[str]:
 
 
 def test_packages_are_installed_once_and_again_when_pyproject_changes(machine):
-    """The stamp holds all that an installation depends on."""
+    """The stamp holds everything that an installation depends on."""
     with_venv(machine)
     assert machine.shell("tools/bootstrap.sh", "test").returncode == 0
     assert installations(machine) == ["[app,test,ref]"]
@@ -344,7 +344,7 @@ def test_what_suffices_to_test_suffices_to_run_but_not_the_reverse(machine):
 
 
 def test_without_mitsuba_the_tests_still_run_and_it_is_tried_again(machine):
-    """The oracle has no wheels for some machines: its tests are then skipped, in so many words."""
+    """mitsuba has no wheels for some machines: its tests are skipped with the reason."""
     with_venv(machine, pip="case $* in *ref*) exit 1 ;; esac")
     for _ in range(2):
         done = machine.shell("tools/bootstrap.sh", "test")
@@ -355,14 +355,14 @@ def test_without_mitsuba_the_tests_still_run_and_it_is_tried_again(machine):
 
 @pytest.mark.parametrize("purpose", ["run", "test"])
 def test_a_failing_pip_stops_set_up_and_leaves_no_stamp(machine, purpose):
-    """Going on would end in an ImportError that hides the cause."""
+    """Set-up stops, because an ImportError later would hide the cause."""
     with_venv(machine, pip="exit 1")
     assert machine.shell("tools/bootstrap.sh", purpose).returncode != 0
     assert not list((machine.root / ".venv").glob("installed*"))
 
 
 def test_an_old_python_is_refused_in_one_line(machine):
-    """Nothing is made with a Python that the project cannot run on."""
+    """No .venv is made with a Python that is too old."""
     machine.has("python3", "exit 1")
     done = machine.shell("tools/bootstrap.sh", "run")
     assert done.returncode != 0
@@ -381,7 +381,7 @@ esac"""
 
 
 def test_debians_missing_venv_half_is_installed_or_named(machine):
-    """As root by apt-get; without, one line names the package, which differs by version."""
+    """Root installs it by apt-get; for others one line names the package of this version."""
     machine.has("python3", SPLIT_PYTHON)
     (machine.bin / "cp").symlink_to(shutil.which("cp"))
     done = machine.shell("tools/bootstrap.sh", "run")
@@ -399,7 +399,7 @@ def test_debians_missing_venv_half_is_installed_or_named(machine):
 
 
 def test_bootstrap_asks_for_a_purpose(machine):
-    """A slip gives the usage and code 2, and makes nothing."""
+    """A wrong argument prints the usage, exits with 2 and makes nothing."""
     done = machine.shell("tools/bootstrap.sh")
     assert done.returncode == 2
     assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test|lint\n"

@@ -35,7 +35,7 @@ def run(monkeypatch, capsys, *arguments):
 
 @pytest.fixture
 def refused(monkeypatch, capsys, tmp_path):
-    """Run a command that must fail: one line, exit code 2, the old picture still there."""
+    """Run a command that must fail: one line, exit code 2, the old picture unchanged."""
 
     def check(*arguments, says):
         output = tmp_path / "picture.png"
@@ -53,7 +53,7 @@ def refused(monkeypatch, capsys, tmp_path):
 
 
 def gltf(tmp_path, name="scene.gltf", **changes):
-    """A glTF of one triangle with its buffer beside it, and with the given parts changed."""
+    """A glTF of one triangle with its buffer in a file, and with the given parts changed."""
     positions = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4")
     (tmp_path / "triangle.bin").write_bytes(positions.tobytes())
     document = {
@@ -83,13 +83,13 @@ def textured(image_uri):
 
 @pytest.mark.gl
 def test_a_missing_scene(refused, tmp_path):
-    """The most common slip: the name is wrong."""
+    """A wrong file name is the most common mistake."""
     refused("render", tmp_path / "nothing.glb", *GOOD_TIME, says="no such file")
 
 
 @pytest.mark.gl
 def test_a_corrupt_scene(refused, tmp_path):
-    """A download that broke off."""
+    """As after a download that broke off."""
     whole = tmp_path / "whole.glb"
     trimesh.creation.box((1, 1, 1)).export(whole)
     broken = tmp_path / "broken.glb"
@@ -99,20 +99,20 @@ def test_a_corrupt_scene(refused, tmp_path):
 
 @pytest.mark.gl
 def test_a_gltf_whose_buffer_is_missing(refused, tmp_path):
-    """A .gltf copied without its .bin."""
+    """As when a .gltf is copied without its .bin."""
     scene = gltf(tmp_path, buffers=[{"uri": "gone.bin", "byteLength": 36}])
     refused("render", scene, *GOOD_TIME, says="gone.bin")
 
 
 @pytest.mark.gl
 def test_an_empty_mesh(refused, tmp_path):
-    """An export with the wrong selection."""
+    """As after an export with the wrong selection."""
     refused("render", gltf(tmp_path, nodes=[{}]), *GOOD_TIME, says="no triangles")
 
 
 @pytest.mark.gl
 def test_vertices_that_are_nan(refused, tmp_path):
-    """A modelling tool that divided by zero."""
+    """As from a modelling tool that divided by zero."""
     scene = gltf(tmp_path)
     positions = np.full((3, 3), np.nan, "<f4")
     (tmp_path / "triangle.bin").write_bytes(positions.tobytes())
@@ -124,7 +124,7 @@ def test_vertices_that_are_nan(refused, tmp_path):
     "uri", ["../secret.bin", "/etc/passwd", "https://example.com/a.bin", "%2e%2e%2fsecret.bin"]
 )
 def test_a_gltf_that_points_outside_its_folder(refused, tmp_path, uri):
-    """A scene from a stranger must not read other files, nor call the network."""
+    """A scene must not read other files, nor use the network."""
     refused(
         "render", gltf(tmp_path, buffers=[{"uri": uri, "byteLength": 36}]), *GOOD_TIME,
         says="cannot open the scene",
@@ -147,49 +147,49 @@ def test_an_image_that_claims_to_be_huge(refused, tmp_path):
 
 @pytest.mark.parametrize("at", ["2026-02-30T12:00", "2026-06-21T25:00", "tomorrow", ""])
 def test_an_impossible_time(refused, good_scene, at):
-    """Dates that no calendar has."""
+    """Dates that do not exist are refused."""
     refused("render", good_scene, "--at", at, says="2026-06-21T18:30")
 
 
 def test_a_local_time_that_daylight_saving_skips(refused, good_scene):
-    """Prague, 29 March 2026: clocks go from 02:00 to 03:00, and 02:30 never was."""
+    """Prague, 29 March 2026: clocks go from 02:00 to 03:00, so 02:30 does not exist."""
     arguments = ["--at", "2026-03-29T02:30", "--place", "50.0755,14.4378"]
     refused("render", good_scene, *arguments, says="2026-03-29T03:30+02:00")
 
 
 def test_a_local_time_that_daylight_saving_doubles(refused, good_scene):
-    """Prague, 25 October 2026: 02:30 comes twice, and both readings are offered."""
+    """Prague, 25 October 2026: 02:30 occurs twice; the sentence offers both readings."""
     arguments = ["--at", "2026-10-25T02:30", "--place", "50.0755,14.4378"]
     refused("render", good_scene, *arguments, says="2026-10-25T02:30+01:00")
 
 
 @pytest.mark.parametrize("place", ["91,0", "-90.1,0", "nan,0", "Prague", "1,2,3,4"])
 def test_an_impossible_place(refused, good_scene, place):
-    """Latitude ends at 90 degrees."""
+    """A latitude beyond 90 degrees is refused."""
     refused("render", good_scene, *GOOD_TIME, "--place", place, says="latitude")
 
 
 @pytest.mark.parametrize("turbidity", ["0", "11", "nan", "hazy"])
 def test_an_impossible_turbidity(refused, good_scene, turbidity):
-    """The model was fitted from 1 to 10 and has no meaning outside."""
+    """Turbidity outside 1 to 10 is refused."""
     arguments = ["render", good_scene, *GOOD_TIME, "--turbidity", turbidity]
     refused(*arguments, says=f"must be between 1 and 10, or none, not {turbidity}")
 
 
 def test_an_unknown_sky_module(refused, good_scene):
-    """A misspelt model is told with the names of those that there are."""
+    """The sentence lists the existing modules."""
     arguments = ["render", good_scene, *GOOD_TIME, "--sky", "bruneton"]
     refused(*arguments, says="installed are bruneton_sky, clouds, dynamic_skylight")
 
 
 def test_an_unknown_setting(refused, good_scene):
-    """--set names its module's settings when it does not know one."""
+    """The sentence lists the module's settings."""
     arguments = ["render", good_scene, *GOOD_TIME, "--set", "dynamic_skylight.haze=3"]
     refused(*arguments, says="no setting 'haze'")
 
 
 def test_an_unwritable_output(monkeypatch, capsys, good_scene, tmp_path):
-    """Told before the work, not after it."""
+    """An unwritable output is refused before the work."""
     nowhere = tmp_path / "no_such_folder" / "picture.png"
     code, said = run(monkeypatch, capsys, "render", good_scene, *GOOD_TIME, "-o", nowhere)
     assert (code, said.count("\n")) == (2, 1)
@@ -197,7 +197,7 @@ def test_an_unwritable_output(monkeypatch, capsys, good_scene, tmp_path):
 
 
 def test_an_unknown_picture_format(monkeypatch, capsys, good_scene, tmp_path):
-    """The suffix decides the format, and the known ones are named."""
+    """An unknown suffix is refused; the sentence lists the known ones."""
     picture = tmp_path / "picture.jpeg"
     code, said = run(monkeypatch, capsys, "render", good_scene, *GOOD_TIME, "-o", picture)
     assert (code, said.count("\n")) == (2, 1)
@@ -217,7 +217,7 @@ def test_an_unknown_picture_format(monkeypatch, capsys, good_scene, tmp_path):
     ],
 )
 def test_a_project_file_that_says_something_wrong(refused, good_scene, tmp_path, text, says):
-    """A project file is held to the same rules as the options."""
+    """A project file obeys the same rules as the options."""
     project = tmp_path / "project.toml"
     project.write_text(text)
     refused("render", project, says=says)
@@ -237,8 +237,8 @@ def test_a_project_file_that_says_something_wrong(refused, good_scene, tmp_path,
         ["--nonsense"],
     ],
 )
-def test_options_that_make_no_sense(refused, good_scene, arguments):
-    """Every option says what it expects."""
+def test_invalid_option_values(refused, good_scene, arguments):
+    """The sentence for each option says what it expects."""
     name = arguments[0].strip("-").split("-")[0]
     refused("render", good_scene, *GOOD_TIME, *arguments, says=name)
 
@@ -254,7 +254,7 @@ def test_the_sky_command_is_as_strict(refused, arguments):
 
 @pytest.mark.gl
 def test_a_black_ground_does_not_blow_out_what_is_lit(monkeypatch, capsys, good_scene, tmp_path):
-    """Albedo 0 is a legal setting: the picture stays within a stop of that at albedo 0.05."""
+    """Albedo 0 is valid: the picture is within a stop of that at albedo 0.05."""
     exposures = []
     for albedo in ("0", "0.05"):
         picture = tmp_path / f"{albedo}.png"
@@ -283,7 +283,7 @@ def test_without_a_sun_the_reason_is_told(monkeypatch, capsys, good_scene, tmp_p
 
 
 def test_no_arguments_show_the_help(monkeypatch, capsys):
-    """The first thing that anyone types."""
+    """`vrut-lite` alone prints the help."""
     monkeypatch.setattr(sys, "argv", ["vrut-lite"])
     cli.main()
     shown = capsys.readouterr().out
@@ -305,7 +305,7 @@ def test_no_arguments_show_the_help(monkeypatch, capsys):
     ],
 )
 def test_what_a_project_says_wrong_is_named_by_its_place(refused, good_scene, tmp_path, text, says):
-    """Table and key lead to the line that has to be mended."""
+    """The sentence names table and key."""
     project = tmp_path / "project.toml"
     project.write_text(text)
     refused("render", project, says=says)
@@ -313,8 +313,8 @@ def test_what_a_project_says_wrong_is_named_by_its_place(refused, good_scene, tm
 
 @pytest.mark.parametrize("option", ["--height", "--rotate"])
 @pytest.mark.parametrize("number", ["nan", "inf", "high"])
-def test_a_number_that_is_none(refused, option, number):
-    """A NaN lies outside no bound, and kernels that index with it would leave their arrays."""
+def test_nan_and_infinity_are_refused(refused, option, number):
+    """NaN passes comparisons with bounds, and kernels would index outside their arrays."""
     refused("sky", *GOOD_TIME, "--place", "50,14", option, number, says=number)
 
 
@@ -329,8 +329,8 @@ SPAN = [*GOOD_TIME, "--place", "50,14", "--from", "12:00", "--to", "12:20"]
         "%*d.png", "%٣d.png", "%", "day.png",
     ],
 )  # fmt: skip
-def test_a_name_for_many_pictures_that_is_none(monkeypatch, capsys, tmp_path, name):
-    """Refused before a name of a gigabyte is made, or the first picture."""
+def test_invalid_sequence_names_are_refused(monkeypatch, capsys, tmp_path, name):
+    """Refused before a name of a gigabyte is formatted, and before the first picture."""
     monkeypatch.chdir(tmp_path)
     suffix = "" if name.endswith(".png") else ".png"
     code, said = run(monkeypatch, capsys, "sky", *SPAN, "-o", name + suffix)
@@ -343,7 +343,7 @@ def test_a_name_for_many_pictures_that_is_none(monkeypatch, capsys, tmp_path, na
 @pytest.mark.parametrize("name", ["x" * 252 + ".exr", "x" * 9000 + ".exr", "x" * 250 + "%d.exr"])
 @pytest.mark.parametrize("more", [[], ["--sidecar"]])
 def test_a_name_that_is_too_long_is_told_before_the_work(monkeypatch, capsys, tmp_path, name, more):
-    """Of the last picture of many as of the first, and of what is written beside them."""
+    """For the last picture of many too, and for its sidecar file."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("vrut_lite.commands.sky.make_pictures", None)
     times = [*SPAN, "--step", "1m"] if "%" in name else GOOD_TIME
@@ -354,7 +354,7 @@ def test_a_name_that_is_too_long_is_told_before_the_work(monkeypatch, capsys, tm
 
 
 def test_a_picture_of_many_that_is_a_folder_is_told_before_the_work(monkeypatch, capsys, tmp_path):
-    """The third of three cannot be written: the first two are not made in vain."""
+    """If the third of three cannot be written, the first two are not made."""
     monkeypatch.setattr("vrut_lite.commands.sky.make_pictures", None)
     (tmp_path / "sky_3.exr").mkdir()
     code, said = run(monkeypatch, capsys, "sky", *SPAN, "-o", tmp_path / "sky_%d.exr")
@@ -364,15 +364,15 @@ def test_a_picture_of_many_that_is_a_folder_is_told_before_the_work(monkeypatch,
 
 @pytest.mark.parametrize("command", [["sky", "-o"], ["replay"], ["render"], ["demo", "--out"]])
 def test_a_null_character_among_the_arguments(monkeypatch, capsys, command):
-    """No shell passes one on; a script that calls the command line may."""
+    """A null character cannot come from a shell, but from a script."""
     code, said = run(monkeypatch, capsys, *command, "a\0.exr")
     assert (code, said.count("\n")) == (2, 1)
     assert "null character" in said
 
 
 @pytest.mark.parametrize("name", ["a\0.png", "\ud800.png"])
-def test_a_name_that_no_system_takes(name, tmp_path):
-    """A shell cannot pass such a name on, a script can."""
+def test_names_that_no_system_accepts(name, tmp_path):
+    """Such a name cannot come from a shell, but from a script."""
     with pytest.raises(UserError, match="no name of a file"):
         check_writable(tmp_path / name)
 
@@ -391,7 +391,7 @@ def test_a_name_that_no_system_takes(name, tmp_path):
 def test_digits_that_only_python_takes_for_a_number(
     monkeypatch, capsys, good_scene, tmp_path, command, option, number
 ):
-    """`1_0`, other scripts' digits, signs and units: told by the option that has it."""
+    """`1_0`, other scripts' digits, signs and units are refused; the option is named."""
     shapes = {
         "--place": f"{number},14,1", "--size": f"{number}x32" if command == "render" else number,
         "--eye": f"{number},0,0", "--white": f"{number},0",
@@ -425,14 +425,14 @@ def test_digits_that_only_python_takes_for_a_number(
     ],
 )  # fmt: skip
 def test_values_of_another_type_in_a_project(refused, good_scene, tmp_path, text):
-    """Booleans and texts are no numbers, in whichever table they stand."""
+    """Booleans and texts in place of numbers are refused in every table."""
     project = tmp_path / "project.toml"
     project.write_text(f'scene = "good.glb"\n{text}\n')
     refused("render", project, says="")
 
 
 def test_a_project_of_gigabytes_is_not_read(refused, tmp_path):
-    """Its size is looked at first."""
+    """The size is checked first."""
     project = tmp_path / "project.toml"
     project.touch()
     os.truncate(project, 1 << 34)

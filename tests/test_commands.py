@@ -1,4 +1,4 @@
-"""The commands as people type them, and the files that come out."""
+"""The commands and their output files."""
 
 import shutil
 import sys
@@ -19,7 +19,7 @@ EVENING = ["--at", "2026-06-21T19:30", "--place", "50.0755,14.4378"]
 
 @pytest.fixture
 def vrut_lite(monkeypatch, capsys):
-    """Run the command line; it must succeed; what it printed."""
+    """Run the command line, which must succeed; returns its output."""
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
@@ -35,7 +35,7 @@ def read_exr(path):
 
 
 def test_help_shows_every_command_with_an_example(vrut_lite):
-    """Whoever types --help finds the commands, and an example for each."""
+    """--help lists the commands, with an example for each."""
     listing = vrut_lite("--help")
     for command in ("render", "sky", "modules", "demo"):
         assert command in listing
@@ -43,14 +43,14 @@ def test_help_shows_every_command_with_an_example(vrut_lite):
 
 
 def test_settings_of_modules_are_options(vrut_lite):
-    """Options are made from the modules' settings, with bounds and units."""
+    """The modules' settings are options, with bounds and units."""
     text = " ".join(vrut_lite("render", "--help").split())
     assert "--turbidity" in text
     assert "between 1 and 10" in text
 
 
 def test_modules_lists_slots_and_settings(vrut_lite):
-    """Both skies, who holds the slot, and what can be set."""
+    """Both skies, the holder of each slot, and all settings are listed."""
     listing = vrut_lite("modules")
     assert "sky (holds it)" in listing
     assert "bruneton_sky" in listing
@@ -59,7 +59,7 @@ def test_modules_lists_slots_and_settings(vrut_lite):
 
 @pytest.mark.parametrize("sky", ["dynamic_skylight", "bruneton_sky"])
 def test_a_panorama_has_the_sun_where_its_metadata_says(vrut_lite, tmp_path, sky):
-    """The brightest sky lies at the sun's azimuth; elevation and irradiance are in the header."""
+    """The brightest sky is at the sun's azimuth; elevation and irradiance are in the header."""
     path = tmp_path / "sky.exr"
     vrut_lite("sky", "-o", path, "--size", 128, "--sky", sky, *EVENING)
     picture, header = read_exr(path)
@@ -88,7 +88,7 @@ def test_all_sky_formats_hold_one_picture(vrut_lite, tmp_path):
 
 
 def test_a_cube_stays_a_cube_in_npz_and_unfolds_in_pictures(vrut_lite, tmp_path):
-    """(6, n, n, 3) in world axes for programs, a cross for people."""
+    """npz holds (6, n, n, 3) in world axes, pictures an unfolded cross."""
     vrut_lite("sky", "-o", tmp_path / "cube.npz", "--projection", "cube", "--size", 32, *EVENING)
     vrut_lite("sky", "-o", tmp_path / "cube.png", "--projection", "cube", "--size", 32, *EVENING)
     assert np.load(tmp_path / "cube.npz")["cube"].shape == (6, 32, 32, 3)
@@ -96,7 +96,7 @@ def test_a_cube_stays_a_cube_in_npz_and_unfolds_in_pictures(vrut_lite, tmp_path)
 
 
 def test_a_fisheye_is_black_outside_its_circle(vrut_lite, tmp_path):
-    """The whole sky in a circle; nothing around it."""
+    """Pixels outside the circle are black."""
     path = tmp_path / "fish.exr"
     vrut_lite("sky", "-o", path, "--projection", "fisheye", "--size", 64, *EVENING)
     picture, _ = read_exr(path)
@@ -105,7 +105,7 @@ def test_a_fisheye_is_black_outside_its_circle(vrut_lite, tmp_path):
 
 
 def test_turbidity_changes_the_sky_of_both_modules_alike(vrut_lite, tmp_path):
-    """One option for every module that has the setting; --set for one of them."""
+    """--turbidity applies to every module that has the setting, --set to one of them."""
     skies = {}
     for turbidity in ("2", "6"):
         path = tmp_path / f"{turbidity}.npz"
@@ -118,8 +118,8 @@ def test_turbidity_changes_the_sky_of_both_modules_alike(vrut_lite, tmp_path):
 
 
 @pytest.mark.gl
-def test_what_is_left_open_is_left_to_who_knows_such(vrut_lite, tmp_path):
-    """Bruneton's sky takes "none" for a preset's own value; the other module has no such."""
+def test_none_is_given_only_to_settings_that_allow_it(vrut_lite, tmp_path):
+    """Bruneton's sky accepts "none" (the preset's value), the other module does not."""
     said = ["--at", "2026-06-21T12:00Z", "--place", "50,14", "--size", "16"]
     open_ = tmp_path / "open.npz"
     plain = tmp_path / "plain.npz"
@@ -131,7 +131,7 @@ def test_what_is_left_open_is_left_to_who_knows_such(vrut_lite, tmp_path):
 
 
 def test_a_project_file_renders_like_its_options(vrut_lite, tmp_path):
-    """The same scene, hour and setting, once as a project and once as options: equal pixels."""
+    """The same input as a project and as options gives equal pixels."""
     scene = SCENES / "spheres.glb"
     project = tmp_path / "project.toml"
     project.write_text(
@@ -152,7 +152,7 @@ def test_a_project_file_renders_like_its_options(vrut_lite, tmp_path):
 @pytest.mark.long
 @pytest.mark.gl
 def test_the_demo_renders_every_scene_at_four_hours(vrut_lite, tmp_path):
-    """Four pictures for each bundled scene, and one sheet of all; noon is brighter than dusk."""
+    """Four pictures for each bundled scene, and a contact sheet; noon is brighter than dusk."""
     scenes = tmp_path / "scenes"
     scenes.mkdir()
     for path in (path for path in SCENES.iterdir() if path.is_file()):
@@ -176,7 +176,7 @@ def test_the_demo_renders_every_scene_at_four_hours(vrut_lite, tmp_path):
 
 
 def test_a_bare_toml_date_is_a_local_time(tmp_path):
-    """at = 2026-06-21T19:30:00 without quotes is TOML's own way to write it."""
+    """at = 2026-06-21T19:30:00 without quotes is a TOML date and is accepted."""
     path = tmp_path / "project.toml"
     path.write_text('scene = "a.glb"\nat = 2026-06-21T19:30:00\n')
     project = load_project(path)
@@ -185,7 +185,7 @@ def test_a_bare_toml_date_is_a_local_time(tmp_path):
 
 @pytest.mark.gl
 def test_fov_changes_a_projects_camera(vrut_lite, tmp_path):
-    """--fov alone narrows the project's view: the picture is another."""
+    """--fov alone changes the project's field of view."""
     for name, options in (("wide", []), ("narrow", ["--fov", "20"])):
         arguments = ["-o", tmp_path / f"{name}.exr", "--size", "96x64", *options, *EVENING]
         vrut_lite("render", SCENES / "street.toml", *arguments)
@@ -195,7 +195,7 @@ def test_fov_changes_a_projects_camera(vrut_lite, tmp_path):
 
 @pytest.mark.gl
 def test_the_demo_uses_what_a_project_says(vrut_lite, tmp_path):
-    """Slots and settings of a project hold for its pictures, and for no other's."""
+    """Slots and settings of a project apply to its own pictures only."""
     folder = tmp_path / "scenes"
     folder.mkdir()
     shutil.copy(SCENES / "sundial.glb", folder / "a.glb")

@@ -26,14 +26,14 @@ def folder(tmp_path):
 
 
 def found_in(*folders):
-    """Names and failures beyond those of the installed modules."""
+    """Names and failures other than those of the installed modules."""
     installed, failures = discover()
     modules, all_failures = discover(folders)
     return [m.manifest.name for m in modules[len(installed) :]], all_failures[len(failures) :]
 
 
 def test_files_and_packages_load_in_order_of_their_names(folder):
-    """Load order is the order of delivery: it must not hang on the file system."""
+    """Load order, which is the order of delivery, does not depend on the file system."""
     (folder / "probe_zebra.py").write_text(MODULE.format(name="zebra"))
     (folder / "probe_apple").mkdir()
     (folder / "probe_apple" / "__init__.py").write_text("from .inside import mango\n")
@@ -42,8 +42,8 @@ def test_files_and_packages_load_in_order_of_their_names(folder):
     assert found_in(folder) == (["mango", "zebra"], [])
 
 
-def test_the_class_named_module_is_the_one(folder):
-    """A file with several classes says which."""
+def test_module_names_the_class_to_load(folder):
+    """A file with several classes names the one to load as MODULE."""
     two = MODULE.format(name="base") + MODULE.format(name="real")
     (folder / "probe_two.py").write_text(two + "MODULE = real\n")
     assert found_in(folder) == (["real"], [])
@@ -61,8 +61,8 @@ def test_the_class_named_module_is_the_one(folder):
         ("numpy.py", MODULE.format(name="numpy"), "'numpy' is installed already"),
     ],
 )
-def test_what_cannot_be_loaded_is_told_and_the_others_load(folder, file, text, reason):
-    """One module's broken import leaves the others working, with one sentence about it."""
+def test_failures_are_reported_and_other_modules_load(folder, file, text, reason):
+    """A broken import is reported in one sentence, and the other modules load."""
     (folder / file).write_text(text)
     (folder / "probe_good.py").write_text(MODULE.format(name="good"))
     names, failures = found_in(folder)
@@ -72,7 +72,7 @@ def test_what_cannot_be_loaded_is_told_and_the_others_load(folder, file, text, r
     assert reason in failures[0]
 
 
-def test_a_folder_that_is_not_there_is_named(tmp_path):
-    """A misspelt folder must not look like one without modules."""
+def test_a_missing_folder_is_named(tmp_path):
+    """A missing folder is an error, not a folder without modules."""
     with pytest.raises(UserError, match=r"no folder of modules .*nowhere"):
         discover([tmp_path / "nowhere"])

@@ -1,6 +1,6 @@
-"""Energy closes: what the skies publish adds up to their own irradiance, and to the picture's.
+"""Energy closure: published light adds up to the sky's own irradiance and to the picture's.
 
-Every figure is taken from the messages that modules post, as any consumer hears them.
+All figures come from the messages that modules post.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 @pytest.fixture
 def publish():
-    """What a module says at an hour, with some of its settings."""
+    """The messages of a module at an hour, with given settings."""
     kernels = []
 
     def say(module, at, **settings):
@@ -56,7 +56,7 @@ def cube_of(said):
 
 
 def irradiance(cube, normals):
-    """Irradiance (n, 3) on planes by every texel of a cube map, without harmonics."""
+    """Irradiance (n, 3) on planes, summed over all texels of a cube map, without harmonics."""
     small = reduce_cube(cube, 64)
     texels = texel_directions(64).reshape(-1, 3)
     solid_angle = np.broadcast_to(texel_solid_angles(64), (6, 64, 64)).ravel()
@@ -72,7 +72,7 @@ def from_sky_and_sun(said):
 
 
 def integrated(sky, elevation_rad):
-    """The exact formula over the hemisphere: Gauss's rule in mu, even steps around."""
+    """The exact formula over the hemisphere: Gauss's rule in mu, uniform steps in azimuth."""
     nodes, weights = np.polynomial.legendre.leggauss(96)
     mu, weight = 0.5 * nodes + 0.5, 0.5 * weights
     azimuth = (np.arange(360) + 0.5) * np.pi / 180
@@ -85,7 +85,7 @@ def integrated(sky, elevation_rad):
 
 
 def disc_irradiance(sky, elevation_rad):
-    """Luminance-weighted irradiance of the disc, its radiance added up on a fine grid."""
+    """Luminance-weighted irradiance of the disc, its radiance summed on a fine grid."""
     step = 0.26 / 40
     offset = np.radians((np.arange(-40, 40) + 0.5) * step)
     across, up = np.meshgrid(offset, offset)
@@ -114,7 +114,7 @@ def test_the_hosek_wilkie_sky_publishes_all_its_light(publish, at, turbidity):
 
 @pytest.mark.parametrize("at", HOURS)
 def test_the_bruneton_sky_publishes_all_its_light(publish, at):
-    """Cube and sun against the irradiance that the model itself finds on the ground: within 1 %.
+    """Cube and sun against the model's own irradiance of the ground: within 1 %.
 
     That is pi / albedo times the ground's radiance, which the module has from its own solution
     for the ground and not from the cube.

@@ -1,4 +1,4 @@
-"""Environment maps: the sun in them or beside them, turned as other programs want them."""
+"""Environment maps: with or without the sun's disc, rotated for other programs."""
 
 import json
 import sys
@@ -17,7 +17,7 @@ MAPS = {"lat-long": LatLongMap(64), "fisheye": FisheyeMap(64), "cube": CubeFaces
 
 @pytest.fixture
 def sky(monkeypatch, tmp_path):
-    """Write a map by the command line; its path."""
+    """Write a map by the command line; returns its path."""
 
     def run(name, *arguments):
         path = tmp_path / name
@@ -58,7 +58,7 @@ def test_a_map_with_the_disc_has_the_light_of_sky_and_sun(sky, projection, model
 
 @pytest.mark.parametrize("projection", ["lat-long", "fisheye"])
 def test_the_header_says_which_pixel_the_sun_is_in(sky, projection):
-    """Turned by any angle: the brightest pixel is where sunPixel says, from the corner."""
+    """For any rotation the brightest pixel is at sunPixel, counted from the corner."""
     for turned_deg in (0, 77):
         options = ["--projection", projection, "--sun-disc", "--rotate", turned_deg]
         radiance, facts = npz(sky(f"{turned_deg}.npz", *options))
@@ -83,17 +83,17 @@ def test_turning_moves_the_map_and_nothing_else(sky):
         turned, facts = npz(sky("turned.npz", *options, "--rotate", 90))
         expected = turn(as_is)
         if projection == "cube":
-            # The faces above and below turn about themselves.
+            # The top and bottom faces rotate in their plane.
             expected, turned = expected[[0, 1, 4, 5]], turned[[0, 1, 4, 5]]
             assert facts["northOffsetDeg"] == 90.0
-        # A cube map's look-up does not mix faces: along their edges the turn shows.
+        # A cube map's look-up does not interpolate across faces, so edges may differ.
         error = np.abs(turned - expected) / as_is.max()
         assert np.quantile(error, 0.98) < 1e-3
         assert error.max() < 0.03
 
 
 def test_the_sidecar_says_what_the_header_says(sky):
-    """FILE.json, with numbers as numbers; for programs that drop what they do not know."""
+    """FILE.json has the header's values, numbers as numbers."""
     path = sky("sky.exr", "--sidecar", "--sun-disc")
     facts = json.loads((path.parent / "sky.exr.json").read_text())
     header = OpenEXR.File(str(path)).parts[0].header
@@ -155,8 +155,8 @@ def test_mitsuba_reads_the_metadata(sky):
 
 
 def test_from_space_the_sun_is_the_observer_s(sky):
-    """Nothing of it is lost outside the air, by day and when it has set on the ground; the map
-    says from what height it was seen."""
+    """Outside the air sunlight is complete, by day and after sunset at the ground; the header
+    has the height."""
     height = ["--sky", "bruneton_sky", "--height", "3000000", "--at", "2026-06-21T23:00"]
     bare, facts = npz(sky("bare.npz", *height))
     whole, _ = npz(sky("whole.npz", *height, "--sun-disc"))

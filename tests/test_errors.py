@@ -1,4 +1,4 @@
-"""What is told to people: one line, whatever the file that it quotes has in it."""
+"""Error texts are one printable line, whatever they quote."""
 
 import pytest
 from hypothesis import given, settings
@@ -11,14 +11,14 @@ from vrut_lite.errors import ModuleFailed, UserError
 @given(text=st.text(max_size=50))
 @settings(deadline=None, max_examples=50)
 def test_any_text_becomes_one_line_that_a_terminal_shows(kind, text):
-    """A name in a stranger's file may hold what clears the screen or turns the line round."""
+    """Control characters in quoted names, which could clear the screen, are escaped."""
     said = str(kind(f"cannot open {text}"))
     assert said.isprintable()
     assert said.startswith("cannot open ")
 
 
-def test_a_sentence_is_not_longer_than_people_read():
-    """Its start says what is wrong, its end what to do; a megabyte between them says nothing."""
+def test_long_sentences_are_shortened():
+    """Start and end of a long text, which hold the cause and the remedy, are kept."""
     said = str(UserError(f"the name {'x' * 10**6} is too long: choose a shorter one"))
     assert len(said) < 2500
     assert said.startswith("the name xxx")

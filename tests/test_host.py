@@ -1,4 +1,4 @@
-"""The host end to end: settings, place and hour in, a lit scene out."""
+"""The host end to end, from settings, place and hour to a lit scene."""
 
 from pathlib import Path
 
@@ -47,21 +47,21 @@ def cube_of(kernel):
 
 
 def test_both_skies_are_found_by_entry_point(kernel):
-    """Modules are installed packages, not imports of the host's."""
+    """The host finds the skies by entry point."""
     assert set(SKIES) <= set(kernel.seats)
     assert kernel.slots.holder("sky") == "dynamic_skylight"
     assert kernel.slots.holder("sun") == "dynamic_skylight"
 
 
 def test_nothing_is_computed_that_nobody_wants(kernel):
-    """Place and hour alone move the sun and light nothing."""
+    """Without demand place and hour move the sun, but no sky is computed."""
     play(kernel, *daylight_inputs(Project()))
     assert kernel.last(SunMoved) is not None
     assert kernel.last(BackgroundChanged) is None
 
 
 def test_switching_the_sky_changes_background_light_and_ambient_together(kernel):
-    """The slot is atomic: after the switch all three come from the new holder, and back again."""
+    """After the switch all three come from the new holder, and likewise back."""
     at_noon(kernel)
     for holder in ("bruneton_sky", "dynamic_skylight", "bruneton_sky"):
         play(kernel, ChooseSlot(slot="sky", module=holder))
@@ -70,7 +70,7 @@ def test_switching_the_sky_changes_background_light_and_ambient_together(kernel)
 
 
 def test_disabling_the_holder_lets_the_other_sky_take_over(kernel):
-    """The sky does not go out with one module."""
+    """The other sky takes the slot when its holder is disabled."""
     at_noon(kernel)
     play(kernel, EnableModule(module="dynamic_skylight", enabled=False))
     assert kernel.slots.holder("sky") == "bruneton_sky"
@@ -79,7 +79,7 @@ def test_disabling_the_holder_lets_the_other_sky_take_over(kernel):
 
 @pytest.mark.parametrize("holder", SKIES)
 def test_cube_ambient_and_ground_agree(kernel, holder):
-    """One sky, told three ways: E of the cube, E of the harmonics, and the ground's radiance.
+    """E of the cube, E of the harmonics and the ground's radiance agree.
 
     The lower half is albedo / pi times sky plus sun, so that ground and horizon meet: 2 %.
     """
@@ -108,7 +108,7 @@ def test_every_hour_has_a_finite_sky(kernel, holder, at):
 
 
 def test_a_demand_of_another_size_gets_it(kernel):
-    """The largest size that anyone asked for is delivered."""
+    """The largest demanded size is delivered."""
     at_noon(kernel, size=16)
     demand_light(kernel, "someone else", 48)
     kernel.pump_until_idle()
@@ -117,7 +117,7 @@ def test_a_demand_of_another_size_gets_it(kernel):
 
 @pytest.mark.gl
 def test_a_scene_is_lit_warmer_in_the_evening_and_darker(tmp_path):
-    """Noon against ten minutes before sunset, in radiance: less light, and redder."""
+    """Ten minutes before sunset radiance is lower and redder than at noon."""
     from vrut_lite.host import Host
 
     path = tmp_path / "box.glb"
@@ -154,7 +154,7 @@ def test_a_failing_scene_does_not_end_the_host(tmp_path):
 
 @pytest.mark.gl
 def test_a_closed_room_is_drawn_before_any_light():
-    """A room needs no hour: opened in a fresh host, it shows what shines in it."""
+    """A closed room in a new host, before any time is set, shows its own lamps."""
     from vrut_lite.host import Host
 
     with Host() as host:

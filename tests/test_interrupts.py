@@ -1,4 +1,4 @@
-"""Ctrl-C must end a command also when it comes while libraries are being loaded."""
+"""Ctrl-C ends a command even while libraries are being loaded."""
 
 import signal
 import threading
@@ -10,14 +10,14 @@ from vrut_lite.interrupts import interrupts_held
 
 @pytest.fixture
 def heard():
-    """A job that a shell started in the background is born deaf to Ctrl-C."""
+    """Restores Ctrl-C, which a job that a shell started in the background ignores."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
 
 
 def test_an_interrupt_that_would_be_swallowed_comes_afterwards(heard):
-    """A bare except inside sees nothing; whoever loaded gets the KeyboardInterrupt."""
+    """A bare `except` inside does not swallow it; it is raised after the block."""
     swallowed, went_on = [], []
 
     def load():
@@ -35,7 +35,7 @@ def test_an_interrupt_that_would_be_swallowed_comes_afterwards(heard):
 
 
 def test_other_threads_load_as_ever():
-    """Only the main thread may set handlers."""
+    """On other threads, which may not set handlers, nothing changes."""
     done = []
 
     def load():

@@ -1,4 +1,4 @@
-"""PYTHONOPTIMIZE=2 leaves out docstrings and asserts: nothing that is done depends on them."""
+"""Nothing depends on docstrings and asserts, which PYTHONOPTIMIZE=2 removes."""
 
 import os
 import subprocess
@@ -15,7 +15,7 @@ RUN = "from vrut_lite.cli import main; main()"
 
 
 def optimized(*arguments):
-    """What the command says without docstrings and asserts."""
+    """Output of the command without docstrings and asserts."""
     return subprocess.run(
         [sys.executable, "-OO", "-c", RUN, *arguments],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
@@ -27,14 +27,14 @@ def optimized(*arguments):
 
 @pytest.mark.parametrize("command", mostly_long([[], ["replay"]], bool))
 def test_a_help_without_its_text_says_why(command):
-    """An empty help would be taken for all there is to say."""
+    """The help says why its text is missing."""
     assert SAID_INSTEAD in optimized(*command, "--help").stdout
     assert SAID_INSTEAD not in CliRunner().invoke(root, [*command, "--help"]).output
 
 
 @pytest.mark.long
 def test_a_session_replays_with_and_without_asserts(tmp_path):
-    """To the bit: what an assert or a docstring took part in would differ."""
+    """A journal replays to the bit without asserts and docstrings."""
     path = str(tmp_path / "session.mcap")
     done = optimized("record", "-o", path, "--at", "2026-06-21T12:00", "--size", "8")
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,4 @@
-"""Pictures of a span of time: which instants, which files, the same bytes whoever makes them."""
+"""Sequences of pictures: instants, file names, and the same bytes from every worker."""
 
 import sys
 from dataclasses import replace
@@ -27,7 +27,7 @@ def wanted(start, end, step=None, project=PRAGUE, output="day_%04d.png"):
 
 @pytest.fixture
 def run(monkeypatch, capsys):
-    """Run the command line; what it printed."""
+    """Run the command line; returns its output."""
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
@@ -51,12 +51,12 @@ def test_clock_times_are_local_and_of_the_projects_day():
     ("step", "count"), [("30s", 121), ("20 min", 4), ("1h", 2), ("45m", 2), (None, 7), ("30", 3)]
 )
 def test_steps_have_units(step, count):
-    """Seconds, minutes, hours; minutes without a unit, ten of them without a step."""
+    """Seconds, minutes, hours; minutes by default; 10 minutes without a step."""
     assert len(wanted("05:00", "06:00", step)) == count
 
 
 def test_a_span_across_a_change_of_clocks_has_every_hour():
-    """Prague, 25 October 2026: from 00:00 to 06:00 seven hours pass; in March, five."""
+    """Prague, 25 October 2026: 00:00 to 06:00 are seven hours; in March five."""
     for day, hours in (("2026-10-25", 7), ("2026-03-29", 5)):
         project = Project(at=f"{day}T12:00", place=PRAGUE.place)
         pictures = wanted("00:00", "06:00", "1h", project)
@@ -80,8 +80,8 @@ def test_a_span_across_a_change_of_clocks_has_every_hour():
         (("05:00", "later"), "no date and time"),
     ],
 )
-def test_a_span_that_leads_nowhere_has_its_sentence(arguments, says):
-    """Each slip is told in one line, before anything is opened."""
+def test_invalid_spans_are_refused_in_one_sentence(arguments, says):
+    """Refused before anything is opened."""
     with pytest.raises(UserError, match=says) as refused:
         wanted(*arguments)
     assert "\n" not in str(refused.value)
@@ -89,19 +89,19 @@ def test_a_span_that_leads_nowhere_has_its_sentence(arguments, says):
 
 @pytest.mark.parametrize("output", ["day.png", "day_%d_%d.png", "day_%s.png", "100%_%d.png"])
 def test_a_name_without_its_number_is_refused(output):
-    """One file cannot hold many pictures; one %04d, and no other per cent sign."""
+    """A sequence needs one %04d and no other per cent sign."""
     with pytest.raises(UserError, match="%04d"):
         wanted("05:00", "06:00", output=output)
 
 
-def test_without_a_span_a_name_is_a_name():
-    """A single picture may be called as one likes."""
+def test_without_a_span_any_name_is_allowed():
+    """A single picture's name may contain per cent signs."""
     assert wanted(None, None, output="%d.png")[0].path.name == "%d.png"
 
 
 @pytest.mark.parametrize("model", ["dynamic_skylight", "bruneton_sky"])
 def test_a_sky_does_not_remember_the_one_before(model):
-    """Modules spare steps of the sun that nobody sees; a picture is its own hour's all the same."""
+    """Although modules skip invisible moves of the sun, each picture is that of its own hour."""
     plan = SkyPlan(replace_sky(PRAGUE, model), size=32)
     later = NOON + timedelta(seconds=1)
     studio, fresh = plan.open(), plan.open()
@@ -130,7 +130,7 @@ def scene(tmp_path):
 
 @pytest.mark.gl
 def test_a_frame_does_not_remember_the_one_before(scene, tmp_path):
-    """A mirror a second later: reflection, shadow and exposure as if drawn alone, to the byte."""
+    """A frame a second later has the same bytes as if it were drawn alone."""
     project = Project(scene=str(scene), at="2026-06-21T12:00", size=(48, 32))
     later = NOON + timedelta(seconds=1)
     files = {}
@@ -151,7 +151,7 @@ SKY = ["--from", "05:00", "--to", "06:00", "--step", "30m", "--size", 32, "--sid
 
 
 def test_processes_make_the_same_files(run, tmp_path):
-    """Three skies and their sidecars, by one process and by two: equal to the byte."""
+    """Three skies and their sidecars from one process and from two are equal to the byte."""
     processes_or_skip()
     made = {}
     for jobs in (1, 2):
@@ -166,7 +166,7 @@ def test_processes_make_the_same_files(run, tmp_path):
 
 
 def test_without_shared_memory_processes_are_refused(run, tmp_path, monkeypatch, capsys):
-    """Some containers have no /dev/shm that a user may write to: the way out is named."""
+    """Without a writable /dev/shm the sentence names the alternative."""
 
     def refused(*_arguments, **_named):
         raise PermissionError(13, "Permission denied")
@@ -182,7 +182,7 @@ def test_without_shared_memory_processes_are_refused(run, tmp_path, monkeypatch,
 @pytest.mark.long
 @pytest.mark.gl
 def test_dask_makes_the_same_files(run, scene, tmp_path):
-    """Two frames by a cluster of two workers of this machine, and here: equal to the byte."""
+    """Two frames from a local cluster of two workers are equal to the byte."""
     pytest.importorskip("distributed", reason="distributed is not installed: extra `dask`")
     span = ["--from", "05:00", "--to", "06:00", "--step", "1h", "--size", "48x32"]
     made = {}
@@ -195,15 +195,15 @@ def test_dask_makes_the_same_files(run, scene, tmp_path):
     assert made["here"] == made["dask"]
 
 
-def test_a_scheduler_that_is_not_there_is_told(run, tmp_path):
-    """An address of no known kind: one sentence, with an example."""
+def test_a_missing_scheduler_is_reported(run, tmp_path):
+    """An unknown kind of address: one sentence with an example."""
     pytest.importorskip("distributed", reason="distributed is not installed: extra `dask`")
     with pytest.raises(SystemExit) as end:
         run("sky", "-o", tmp_path / "a_%d.exr", *SKY, "--dask", "pigeon://loft:1")
     assert end.value.code == 2
 
 
-def test_dask_that_is_not_installed_is_told(run, tmp_path, monkeypatch, capsys):
+def test_missing_dask_is_reported(run, tmp_path, monkeypatch, capsys):
     """The sentence says how to install it."""
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(SystemExit) as end:
@@ -215,7 +215,7 @@ def test_dask_that_is_not_installed_is_told(run, tmp_path, monkeypatch, capsys):
 
 
 class Studio:
-    """Writes two pictures, and then what it was told happens."""
+    """Writes two pictures, then calls `happens`."""
 
     def __init__(self, happens):
         self.happens, self.shots, self.closed = happens, 0, False
@@ -239,8 +239,8 @@ class Studio:
 
 
 @pytest.mark.parametrize("happens", [KeyboardInterrupt(), UserError("no such thing")])
-def test_what_is_finished_stays(tmp_path, happens):
-    """Ctrl-C or an error in the third of four: two new pictures, the others as they were."""
+def test_finished_pictures_stay(tmp_path, happens):
+    """After Ctrl-C or an error in the third of four there are two new pictures."""
     paths = [tmp_path / f"{i}.png" for i in range(4)]
     for path in paths:
         path.write_text("old")
@@ -252,8 +252,8 @@ def test_what_is_finished_stays(tmp_path, happens):
     assert len(list(tmp_path.iterdir())) == 4
 
 
-def test_plans_tell_each_other_apart():
-    """A worker keeps its studio open for the same plan only."""
+def test_different_plans_compare_unequal():
+    """A worker reuses its studio for equal plans only."""
     plan = SkyPlan(PRAGUE, size=32)
     assert plan == SkyPlan(Project(at=PRAGUE.at, place=PRAGUE.place), size=32)
     assert plan != replace(plan, turned_deg=90.0)

@@ -1,4 +1,4 @@
-"""What the README shows must work as printed."""
+"""The README's examples work as printed."""
 
 import re
 from pathlib import Path
@@ -18,7 +18,7 @@ def blocks(language):
 
 
 def test_the_python_example_runs():
-    """Copied into an interpreter it gives a sky, as the text promises."""
+    """Pasted into an interpreter it gives a sky."""
     (source,) = blocks("python")
     names: dict = {}
     exec(source, names)
@@ -27,7 +27,7 @@ def test_the_python_example_runs():
 
 
 def test_the_project_file_is_one():
-    """The TOML example holds only what a project file may say."""
+    """The TOML example is a valid project file."""
     (source,) = blocks("toml")
     project = msgspec.toml.decode(source, type=Project)
     assert (ROOT / "scenes" / project.scene).exists()
@@ -36,5 +36,5 @@ def test_the_project_file_is_one():
 
 @pytest.mark.parametrize("path", re.findall(r"\]\(([^)h][^)]*)\)", README))
 def test_links_lead_somewhere(path):
-    """A picture or file that the README names is in the repository."""
+    """Every picture and file that the README links is in the repository."""
     assert (ROOT / path).exists()

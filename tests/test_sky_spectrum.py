@@ -1,4 +1,4 @@
-"""The spectra that skies tell on demand: of the light that their cube maps show."""
+"""The spectra that skies post on demand agree with their cube maps."""
 
 from datetime import UTC, datetime
 
@@ -13,7 +13,7 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.messages import ChooseSlot, Demand, SetClock
 
-# The solver's four wavelengths against twelve, the bands of the fit against its RGB: few per cent.
+# Four wavelengths of the solver against twelve, and the model's bands against its RGB fit.
 TOLERANCE = 0.06
 
 
@@ -40,7 +40,7 @@ def ask(kernel, module, hour, direction):
 
 @pytest.mark.parametrize("module", ["dynamic_skylight", "bruneton_sky"])
 def test_a_spectrum_has_the_colour_of_its_sky(kernel, module):
-    """Integrated over the CIE's curves it is the radiance that the cube map has there."""
+    """The spectrum, weighted by the CIE's curves, is the cube map's radiance there."""
     for direction in ((0.0, 1.0, 0.0), (-0.6, 0.8, 0.0), (0.0, 0.3, -0.954)):
         seen = ask(kernel, module, 16, direction)
         assert (seen.source, seen.direction) == (module, direction)
@@ -53,12 +53,12 @@ def test_a_spectrum_has_the_colour_of_its_sky(kernel, module):
 
 @pytest.mark.parametrize("module", ["dynamic_skylight", "bruneton_sky"])
 def test_the_ground_has_no_spectrum(kernel, module):
-    """Below the level there is no sky: an empty answer, not that of the horizon."""
+    """Below the horizon the answer is empty."""
     assert ask(kernel, module, 12, (0.0, -0.6, 0.8)).radiance == ()
 
 
 def test_only_the_skys_holder_answers(kernel):
-    """One question, one answer."""
+    """Only the holder of the slot `sky` answers."""
     answers = []
     kernel.tap(lambda m, sender: answers.append(sender) if isinstance(m, SpectrumSeen) else None)
     ask(kernel, "bruneton_sky", 12, (0.0, 1.0, 0.0))

@@ -1,4 +1,4 @@
-"""A day in fast motion, scenes that come and go: what stays behind after many inputs."""
+"""No leaks after a day in fast motion and after many scenes."""
 
 import ctypes
 import gc
@@ -20,12 +20,12 @@ SCENES = sorted(
     for path in (ROOT / folder).iterdir()
     if path.suffix in {".glb", ".gltf", ".obj"}
 )
-# Rounds of all scenes until caches of programs and arenas of memory have their size.
+# Rounds of all scenes after which caches and memory arenas have their final size.
 WARM_UP_ROUNDS = 2
-# The heap's own ups and downs, from one round of scenes to the next, are 30 MB.
+# The heap varies by 30 MB from one round of scenes to the next.
 MOST_GROWTH_BYTES = 40e6
 PAGE_BYTES = 4096
-# Drivers number their objects on and on; far more names than a scene takes.
+# Drivers give objects rising names; these numbers far exceed what a scene needs.
 FIRST_NAMES, NAMES_A_SCENE = 4000, 120
 TICKS_A_MINUTE = 3600
 WARM_UP_TICKS = 200
@@ -57,7 +57,7 @@ def test_play_leaves_nothing_behind(kernel, request):
             kernel.pump()
         gc.collect()
 
-    # Until the trace's ring is full, memory grows by design.
+    # Memory grows by design until the trace's ring is full.
     ring = kernel.trace.deliveries
     play(WARM_UP_TICKS)
     ring.extend(
@@ -71,13 +71,13 @@ def test_play_leaves_nothing_behind(kernel, request):
     play(int(request.config.getoption("--soak-minutes") * TICKS_A_MINUTE))
     assert faults.faults == []
     assert {name: seat.methods for name, seat in kernel.seats.items()} == methods
-    # The tap's own list of skies is not the kernel's.
+    # The test's own list of skies does not count.
     assert sys.getallocatedblocks() - blocks < 2000
     assert skies
 
 
 def gl_objects(highest_name):
-    """How many GL objects of each kind there are; on the GL thread."""
+    """Number of GL objects of each kind; call it on the GL thread."""
     from OpenGL import GL
 
     kinds = (GL.glIsTexture, GL.glIsBuffer, GL.glIsVertexArray, GL.glIsFramebuffer,
@@ -86,7 +86,7 @@ def gl_objects(highest_name):
 
 
 def resident_bytes():
-    """What the process holds once the C library has given back what nobody uses."""
+    """Resident memory after the C library has returned unused memory."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE_BYTES
@@ -95,7 +95,7 @@ def resident_bytes():
 @pytest.mark.long
 @pytest.mark.gl
 def test_scenes_come_and_go_in_one_host(request):
-    """Every scene there is, one after another: no GL object more, no scene, memory within 40 MB.
+    """After all scenes in turn no GL object or scene is left over; memory grows below 40 MB.
 
     From file to picture, at another hour each time; whole rounds, so that the last scene is
     the first measurement's. --scene-cycles says how many, 24 by default.

@@ -1,4 +1,4 @@
-"""The whole line, measured in the picture: the gnomon's shadow tells where the sun is."""
+"""End to end: the gnomon's shadow in the picture gives the sun's azimuth."""
 
 import math
 from pathlib import Path
@@ -27,12 +27,12 @@ def host():
 
 
 def shadow_azimuth_rad(radiance):
-    """Direction from the gnomon's foot of what is darker than half of the dial, from north."""
+    """Azimuth, from the gnomon's foot, of the pixels that are much darker than the dial."""
     c = (np.arange(SIZE_PX) + 0.5) / SIZE_PX * 2.0 - 1.0
     east, north = np.meshgrid(c * HALF_VIEW_M, -c * HALF_VIEW_M)
     distance = np.hypot(east, north)
     brightness = luminance(radiance)
-    # The gnomon itself covers its foot; the dial is plain out to 5 m.
+    # Excludes the gnomon, which covers its foot; the dial is plain out to 5 m.
     dark = (brightness < 0.6 * np.median(brightness)) & (distance > 0.2) & (distance < 3.9)
     assert dark.sum() > 100, "no shadow in the picture"
     return math.atan2((east / distance)[dark].mean(), (north / distance)[dark].mean())

@@ -1,4 +1,4 @@
-"""--tolerance of render, sky and record: taken, said in the picture's header, refused."""
+"""--tolerance of render, sky and record: accepted, written to the header, refused."""
 
 import json
 import sys
@@ -22,7 +22,7 @@ AT = ["--at", "2026-06-21T12:00Z", "--place", "50.0755,14.4378"]
 
 
 def run(command, *arguments):
-    """What a command prints; what it raises is raised here."""
+    """Output of a command; its exceptions are raised here."""
     result = CliRunner().invoke(command, [str(argument) for argument in arguments])
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
@@ -41,15 +41,15 @@ def tolerance_said(text):
     [("1%", 0.01), ("0.01", 0.01), ("1 %", 0.01), ("0.3%", 0.003), ("100%", 1.0), ("1e-3", 1e-3)],
 )
 def test_percent_and_shares_are_read(text, share):
-    """One per cent has two spellings."""
+    """1% and 0.01 are the same."""
     assert tolerance_said(text) == pytest.approx(share, rel=1e-12)
 
 
 @pytest.mark.parametrize(
     "text", ["0", "0%", "-1%", "101%", "1.5", "nan", "nan%", "one", "1%%", "%"]
 )
-def test_what_is_no_share_is_refused(monkeypatch, capsys, tmp_path, text):
-    """One sentence that says what to type, exit code 2, and no picture."""
+def test_invalid_tolerances_are_refused(monkeypatch, capsys, tmp_path, text):
+    """One sentence with an example, exit code 2, no picture."""
     picture = tmp_path / "sky.exr"
     monkeypatch.setattr(
         sys, "argv", ["vrut-lite", "sky", "-o", str(picture), f"--tolerance={text}"]
@@ -65,7 +65,7 @@ def test_what_is_no_share_is_refused(monkeypatch, capsys, tmp_path, text):
 
 @pytest.mark.parametrize("value", ["0.0", "nan", "1.5", '"1%"'])
 def test_a_project_file_is_held_to_the_same(tmp_path, value):
-    """A share above 0 and up to 1, and the sentence names the line's word."""
+    """Values outside (0, 1] are refused, and the sentence names the key."""
     file = tmp_path / "scene.toml"
     file.write_text(f'scene = "scene.obj"\ntolerance = {value}\n')
     with pytest.raises(UserError, match=r"tolerance: expected"):
@@ -73,7 +73,7 @@ def test_a_project_file_is_held_to_the_same(tmp_path, value):
 
 
 def test_the_header_says_it_and_the_sky_keeps_it(tmp_path):
-    """At 1 % the picture's own header says 0.01, else the default; and the two skies agree."""
+    """The header has 0.01 at 1 %, else the default; and the sky keeps to it."""
     pictures = []
     for name, named in (("said", ["--tolerance", "1%"]), ("not_said", [])):
         file = tmp_path / f"{name}.npz"
@@ -84,14 +84,13 @@ def test_the_header_says_it_and_the_sky_keeps_it(tmp_path):
     said, not_said = pictures
     up = slice(0, 32)
     error = np.abs(said - not_said)[up] / np.maximum(not_said[up], 1e-3 * not_said.max())
-    # Unsaid, the 64 rows of this map come from a cube of 64 texels, which is 2 % off.
+    # Without a tolerance the 64 rows of this map come from a cube of 64 texels, which errs by 2 %.
     assert np.quantile(error, 0.99) < 0.03
     assert error.max() > 0.0
 
 
 def test_a_typed_size_wins():
-    """A cube of so many texels is what was asked for; a map's own cube is what the tolerance is
-    about."""
+    """--size sets a cube's size; the tolerance sets the internal cube of other projections."""
     loose = Project(tolerance=0.5)
     assert SkyPlan(loose, "cube", size=48).cube_size == 48
     assert SkyPlan(loose, "lat-long", size=48).cube_size is None
@@ -99,7 +98,7 @@ def test_a_typed_size_wins():
 
 
 def test_a_journal_holds_it_and_replays(tmp_path):
-    """It is an input like any other, before place and time, so that nothing is computed twice."""
+    """The tolerance is an input before place and time, so that nothing is computed twice."""
     journal = tmp_path / "day.mcap"
     run(record, "-o", journal, "--size", "8", "--tolerance", "0.02", *AT)
     inputs = [json.loads(line) for line in run(dump, journal).splitlines()]

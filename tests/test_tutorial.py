@@ -1,4 +1,4 @@
-"""What docs/tutorial.md prints must work as printed; here with smaller pictures."""
+"""The commands and code of docs/tutorial.md work as printed, here with smaller pictures."""
 
 import os
 import re
@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 PYTHON = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 SHELL = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
-# Stands for the command: as it, but for what takes long.
+# Replaces the command: the same, with smaller sizes and fewer steps.
 COMMAND = f"""#!{sys.executable}
 import sys
 from vrut_lite.cli import main
@@ -42,7 +42,7 @@ def desk(tmp_path, monkeypatch):
 
 
 def run(block: str) -> str:
-    """What a block of shell commands prints; every one of them must end well."""
+    """Output of a block of shell commands, each of which must succeed."""
     done = subprocess.run(
         ["bash", "-eu", "-o", "pipefail", "-c", block], capture_output=True, text=True, check=False
     )
@@ -51,13 +51,13 @@ def run(block: str) -> str:
 
 
 def block_with(text: str) -> str:
-    """The one block of commands that has this text."""
+    """The only block of commands with this text."""
     (block,) = [each for each in SHELL if text in each]
     return block
 
 
 def test_every_block_is_tried_here() -> None:
-    """A block that nobody runs would go wrong unseen."""
+    """Every block of the page is run by a test."""
     tried = ("noon.exr", "dusk.png", "day_%04d.png", "hazy.png", "model.npz", "bench", "my_modules")
     assert len(SHELL) == len(tried) + 1
     assert [len([b for b in SHELL if text in b]) for text in tried] == [1] * len(tried)
@@ -67,7 +67,7 @@ def test_every_block_is_tried_here() -> None:
 
 @pytest.mark.parametrize("name", ["tutorial.md", "benchmarks.md"])
 def test_links_lead_somewhere(name: str) -> None:
-    """Every picture and page that the two pages name is there; plots are small enough to load."""
+    """Every picture and page that the two pages link exists; pictures are small."""
     page = (ROOT / "docs" / name).read_text(encoding="utf-8")
     for link in re.findall(r"\]\(([^)]+)\)", page):
         assert (ROOT / "docs" / link).stat().st_size < 200_000, link
@@ -92,7 +92,7 @@ def test_skies_of_other_atmospheres(desk) -> None:
 
 
 def test_python_s_atmosphere() -> None:
-    """The printed ratios are those of the page's comment, and the tables shine."""
+    """The ratios are those in the page's comment, and the tables give light."""
     names: dict = {}
     exec(PYTHON[0], names)
     ratio = names["once"][names["small"]] / names["once"][names["earth"]]
@@ -113,7 +113,7 @@ def test_comparison(desk, capsys) -> None:
 
 @pytest.mark.long
 def test_benchmark(desk) -> None:
-    """The page is where the text says."""
+    """The output is where the text says."""
     pytest.importorskip("pvlib", reason="the extra `bench` is not installed")
     run(block_with("vrut-lite bench"))
     assert (desk / "bench" / "index.html").exists()
@@ -121,7 +121,7 @@ def test_benchmark(desk) -> None:
 
 
 def test_module(desk) -> None:
-    """Two golden hours a day, told by a module of thirty lines, and the journal replays."""
+    """The module posts two golden hours a day, and the journal replays."""
     (desk / "my_modules").mkdir()
     (desk / "my_modules" / "golden_hour.py").write_text(PYTHON[2])
     said = run(block_with("my_modules"))

@@ -1,4 +1,4 @@
-"""The wheel must hold all that the checkout runs with; an editable installation hides a gap."""
+"""The wheel holds everything that the checkout uses."""
 
 import configparser
 import os
@@ -68,24 +68,24 @@ def test_every_file_of_the_packages_is_in_the_wheel(wheel, package):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_the_packages_are_marked_as_typed(wheel, package):
-    """PEP 561: without the marker type checkers of those who use the package see nothing."""
+    """PEP 561: type checkers ignore packages without the marker."""
     assert f"{package}/py.typed" in wheel.namelist()
 
 
 def test_nothing_else_is_in_the_wheel(wheel):
-    """Tests and tools would land as top-level packages in everybody's environment."""
+    """Tests and tools are not top-level packages of the wheel."""
     tops = {name.split("/")[0] for name in wheel.namelist()}
     folders = {f"vrut_lite-{PROJECT['version']}.{kind}" for kind in ("dist-info", "data")}
     assert tops == {*PACKAGES, *folders}
 
 
 def test_the_first_scene_is_found_where_the_wheel_is_installed(wheel, tmp_path):
-    """Without a checkout the first start would show nothing: the street, all that it is made of."""
+    """The first start without a checkout shows the street, with all its files."""
     home = tmp_path / "lib" / "site-packages"
     data = f"vrut_lite-{PROJECT['version']}.data/data/"
     record = f"vrut_lite-{PROJECT['version']}.dist-info/RECORD"
     wheel.extractall(home)
-    # As an installer lays data out, and tells where: beside `lib`.
+    # Data are beside `lib`, as an installer puts them.
     shutil.copytree(home / data, tmp_path, dirs_exist_ok=True)
     told = (home / record).read_text(encoding="utf-8").replace(data, "../../")
     (home / record).write_text(told, encoding="utf-8")
@@ -111,7 +111,7 @@ def test_the_first_scene_is_found_where_the_wheel_is_installed(wheel, tmp_path):
 
 
 def test_without_a_distribution_there_is_no_first_scene(monkeypatch):
-    """A folder on the path that nobody has installed opens an empty project, no traceback."""
+    """Without an installed distribution the window starts with an empty project."""
     from vrut_lite.commands import run
 
     monkeypatch.setattr(run, "_FIRST_SCENE", "nowhere.toml")
@@ -120,7 +120,7 @@ def test_without_a_distribution_there_is_no_first_scene(monkeypatch):
 
 
 def test_licence_notices_travel_with_the_wheel(wheel):
-    """MIT asks for its notice in all copies, the Hosek-Wilkie data for theirs in binary ones."""
+    """The MIT licence and that of the Hosek-Wilkie data require their notices in all copies."""
     assert PROJECT["license-files"]
     for name in PROJECT["license-files"]:
         assert information(wheel, f"licenses/{name}") == (ROOT / name).read_text(encoding="utf-8")
@@ -130,7 +130,7 @@ def test_licence_notices_travel_with_the_wheel(wheel):
 
 
 def test_entry_points_are_those_of_the_project_and_lead_to_files_of_the_wheel(wheel):
-    """Modules and commands are found by entry point alone: one lost is a module gone."""
+    """Modules and commands are found by entry point only, so none may be missing."""
     parser = configparser.ConfigParser(delimiters=("=",))
     parser.optionxform = str
     parser.read_string(information(wheel, "entry_points.txt"))

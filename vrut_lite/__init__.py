@@ -1,4 +1,4 @@
-"""vrut_lite: a small kernel that links modules by messages; its first modules make daylight."""
+"""vrut_lite: a small kernel that connects modules by messages, and daylight for scenes."""
 
 from pathlib import Path
 

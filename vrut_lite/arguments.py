@@ -1,7 +1,7 @@
-"""Arguments of public functions: a refusal names the parameter, what was given and what may be.
+"""Checks arguments of public functions; errors name the parameter, the value and the range.
 
-Numbers are integers and floats of Python or numpy, finite, in arrays of any shape. Booleans, texts,
-complex numbers, masked arrays and objects are none, though numpy would make numbers of some.
+Numbers are finite integers and floats of Python or numpy, in arrays of any shape. Booleans, texts,
+complex numbers, masked arrays and objects are refused, though numpy would convert some of them.
 """
 
 import math
@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.numeric_types import FloatArray
 
 # Civil dates before 1583 were Julian. At both ends the ephemeris of astronomy-engine and NREL's SPA
-# still agree to 0.004 degrees on where the sun stands; further out they part.
+# still agree to 0.004 degrees on the sun's position; further out they diverge.
 FIRST_YEAR, LAST_YEAR = 1600, 2600
-# What rounding may add to an angle or a cosine, as a share of its range.
+# Tolerance for rounding of angles and cosines, as a share of their range.
 ROUNDING = 1e-9
 _REAL_KINDS = "iuf"
 _short = reprlib.Repr()
@@ -31,9 +31,9 @@ def as_number(
     """One finite number from `low` to `high`.
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is not one.
     """
-    # What is given most often needs no array, which would take microseconds.
+    # A plain float, the usual case, needs no array, which would take microseconds.
     if type(value) is float and low <= value <= high and math.isfinite(value):
         return value
     array = _real(name, value, f"a number, {_range_text(low, high, unit)}")
@@ -53,20 +53,20 @@ def as_numbers(
 ) -> FloatArray:
     """Finite numbers (...,) from `low` to `high`.
 
-    Those that are outside by at most `slack`, a share of the range, are put on its end.
+    Values outside by at most `slack`, a share of the range, are clipped to it.
 
     Raises:
-        ValueError: one of them is outside, or they are no numbers.
+        ValueError: one of them is outside, or they are not numbers.
     """
     array = _real(name, value, f"a number or an array of them, {_range_text(low, high, unit)}")
     return _within(name, array, low, high, unit, slack * (high - low) if slack else 0.0)
 
 
 def as_vectors(name: str, value: ArrayLike, longest: float = math.inf) -> FloatArray:
-    """Finite vectors (..., 3), no component of which is larger than `longest`.
+    """Finite vectors (..., 3) with components of at most `longest` in magnitude.
 
     Raises:
-        ValueError: they are none.
+        ValueError: they are not.
     """
     array = _real(name, value, "finite numbers of shape (..., 3)")
     if array.ndim == 0 or array.shape[-1] != 3:
@@ -75,10 +75,10 @@ def as_vectors(name: str, value: ArrayLike, longest: float = math.inf) -> FloatA
 
 
 def as_count(name: str, value: object, low: int, high: int) -> int:
-    """A whole number from `low` to `high`; 3.0 and True are none.
+    """A whole number from `low` to `high`; 3.0 and True are refused.
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is not one.
     """
     if type(value) is int and low <= value <= high:
         return value
@@ -115,7 +115,7 @@ def check_type(name: str, value: object, *kinds: type) -> None:
 
 
 def check_instant(name: str, when: datetime) -> None:
-    """Raise ValueError unless this is an aware datetime of the years that the sun is known for."""
+    """Raise ValueError unless this is an aware datetime from FIRST_YEAR to LAST_YEAR."""
     check_type(name, when, datetime)
     if when.utcoffset() is None:
         raise ValueError(
@@ -128,7 +128,7 @@ def check_instant(name: str, when: datetime) -> None:
 def check_output(
     out: NDArray[Any], shape: tuple[int, ...], dtype: type[np.generic], name: str = "out"
 ) -> None:
-    """Raise ValueError unless this array can be filled as it lies in memory."""
+    """Raise ValueError unless the array is C-contiguous, writable and of this shape and dtype."""
     if not isinstance(out, np.ndarray):
         given = shown(out)
     else:
@@ -147,7 +147,7 @@ def broadcast(**arrays: FloatArray) -> tuple[FloatArray, ...]:
     """The arrays, broadcast against each other, in the order given.
 
     Raises:
-        ValueError: their shapes do not allow it; the sentence names them by their keywords.
+        ValueError: their shapes do not broadcast; the sentence names them by their keywords.
     """
     check_shapes(**arrays)
     return np.broadcast_arrays(*arrays.values())
@@ -163,17 +163,17 @@ def check_shapes(**arrays: FloatArray) -> None:
 
 
 def shown(value: object) -> str:
-    """A value for a sentence: on one line, cut short."""
+    """A value for a sentence: on one line, shortened."""
     try:
         return " ".join(_short.repr(value).split())
-    except ValueError:  # Python refuses to write out the longest integers.
+    except ValueError:  # Python refuses to print the longest integers.
         return f"one of the class {type(value).__name__}"
 
 
 def _real(name: str, value: object, wanted: str) -> NDArray[Any]:
     try:
         array = np.asarray(value)
-    except Exception:  # Whatever the conversion of somebody's class may raise.
+    except Exception:  # The conversion of a foreign class may raise anything.
         raise ValueError(f"{name} must be {wanted}, not {shown(value)}") from None
     masked = isinstance(value, np.ma.MaskedArray)
     if array.dtype.kind not in _REAL_KINDS or masked or _holds_booleans(value):
@@ -182,7 +182,7 @@ def _real(name: str, value: object, wanted: str) -> NDArray[Any]:
 
 
 def _holds_booleans(value: object) -> bool:
-    """Whether a list that became an array of numbers had booleans in it."""
+    """Whether there are booleans in a list, which numpy would turn into numbers."""
     if isinstance(value, list | tuple):
         return any(map(_holds_booleans, value))
     return isinstance(value, bool | np.bool_) or (
@@ -197,7 +197,7 @@ def _within(
         values: FloatArray = array.astype(np.float64, copy=False)
     if not values.size:
         return values
-    # One pass each: a NaN comes out of both, and fails every comparison.
+    # A NaN is both minimum and maximum, and fails every comparison.
     least, most = float(values.min()), float(values.max())
     if low <= least and most <= high and math.isfinite(least) and math.isfinite(most):
         return values

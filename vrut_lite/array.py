@@ -1,4 +1,4 @@
-"""A read-only array that rides in a message."""
+"""A read-only array for messages."""
 
 import hashlib
 from functools import cached_property
@@ -10,21 +10,20 @@ from numpy.typing import NDArray
 
 
 class Array:
-    """A numpy array passed by reference in process and known by its content elsewhere.
+    """A numpy array, passed by reference within a process and by content between processes.
 
-    A message is a fact, not a buffer: its memory is made read-only when wrapped. Where others
-    could still write to it (through an array that these values are a view of, through another
-    view, a file or a buffer), the values are copied; memory that is read-only already is
-    taken at its word.
+    Its memory is made read-only. The values are copied if others could still write to them
+    (through the array that they are a view of, another view, a file or a buffer); memory that
+    is read-only already is not copied.
 
     Raises:
-        TypeError: the values are Python objects, which have no content of their own.
+        TypeError: the values are Python objects, which have no digest.
     """
 
     def __init__(self, values: NDArray[Any]):
         if values.dtype.hasobject:
             raise TypeError(f"an Array holds numbers, not {values.dtype}")
-        # Counted here, where the caller's name of it and this parameter are what counts.
+        # Counted here, where only the caller's name and this parameter refer to it.
         alone = values.base is not None or getrefcount(values) <= _NAMED_ONCE
         self.values = values if _sealed(values, alone) else _sealed_copy(values)
 
@@ -40,9 +39,9 @@ class Array:
 
     @cached_property
     def digest(self) -> str:
-        """Hexadecimal BLAKE2b-128 of element type, shape and bytes; computed when first asked."""
+        """Hexadecimal BLAKE2b-128 of element type, shape and bytes; computed on first use."""
         digest = hashlib.blake2b(f"{self.dtype.str}{self.shape}".encode(), digest_size=16)
-        # As bytes and not copied: arrays may be large.
+        # A view as bytes, not a copy: arrays may be large.
         digest.update(np.ascontiguousarray(self.values).reshape(-1).view(np.uint8).data)
         return digest.hexdigest()
 
@@ -57,12 +56,12 @@ class Array:
 
 
 def _sealed(values: NDArray[Any], alone: bool) -> bool:
-    """Make the memory of these values read-only; False if others could go on writing to it.
+    """Make the memory of these values read-only; False if others could still write to it.
 
-    `alone`: no other array looks at memory that is the values' own. All views of an array refer
-    to it, so that the references to it tell whether there are others.
+    `alone`: no other array shares memory that the values own. All views of an array refer to it,
+    so its reference count tells whether there are others.
     """
-    if type(values) is not np.ndarray:  # A mapped file, say.
+    if type(values) is not np.ndarray:  # Such as a mapped file.
         return False
     links, base = [values], values.base
     while type(base) is np.ndarray:
@@ -87,20 +86,20 @@ def _sealed_copy(values: NDArray[Any]) -> NDArray[Any]:
 
 
 class _Count:
-    """What `getrefcount` says inside a constructor; versions of Python differ."""
+    """The result of `getrefcount` inside a constructor; it differs between Python versions."""
 
     def __init__(self, values: NDArray[Any]):
         self.references = getrefcount(values)
 
 
 def _named_once() -> int:
-    """References to an array, in a constructor that is given the only name of it."""
+    """Reference count of an array in a constructor, if the caller has the only name of it."""
     name = np.empty(0)
     return _Count(name).references
 
 
 def _seen_once() -> int:
-    """References to an array that one view alone refers to, beside a name as in `_sealed`."""
+    """Reference count of an array that one view and a local name, as in `_sealed`, refer to."""
     view = np.empty(2)[:1]
     base = view.base
     return getrefcount(base)

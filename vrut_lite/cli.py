@@ -1,4 +1,4 @@
-"""The command `vrut-lite`: finds its subcommands by entry point, tells errors in one line."""
+"""The command `vrut-lite`: finds its subcommands by entry point, prints errors as one line."""
 
 import io
 import os
@@ -44,7 +44,7 @@ class EntryPointGroup(click.Group):
 
 
 def _with_help(command: click.Command) -> click.Command:
-    """The command; where Python left its docstring out, its help says so."""
+    """The command; its help says so where Python has removed docstrings."""
     if sys.flags.optimize >= 2 and not command.help:
         command.help = "PYTHONOPTIMIZE=2 leaves out what would be said here: unset it."
     return command
@@ -73,17 +73,17 @@ def root() -> None:
 
 
 def main() -> None:
-    """Run the command line; 0 when all is well, 2 for bad input, 1 for a failure of ours."""
+    """Run the command line; exit code 0, 2 for bad input, 1 for a failure of the program."""
     _tell_any_name()
-    # Matrices are small here: several threads of numpy's BLAS would only wait for each other, for
-    # seconds on a busy machine. It reads this when it is imported, which is later.
+    # Matrices are small: threads of numpy's BLAS would only wait for each other, for seconds on a
+    # busy machine. BLAS reads the variable when numpy is imported, which is later.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if any("\0" in argument for argument in sys.argv):
         _end("an argument holds a null character, which no text or name can: leave it out", 2)
     try:
         with terminations_raised():
             _with_help(root)(standalone_mode=False)
-        # There is no output at all where it was closed before the start.
+        # stdout is None if it was closed before the start.
         if sys.stdout is not None:
             sys.stdout.flush()
     except click.exceptions.NoArgsIsHelpError as error:
@@ -97,7 +97,7 @@ def main() -> None:
     except MemoryError:
         _end("there is not enough memory for this: ask for a smaller size", 1)
     except BrokenPipeError:
-        # Whoever read the output has had enough; nothing is left to say, and nowhere to.
+        # The reader of the output has closed it, as `head` does: not an error.
         _drop_output()
     except OSError as error:
         _drop_output()
@@ -109,7 +109,7 @@ def main() -> None:
 
 
 def _drop_output() -> None:
-    """Let what cannot be written vanish: Python would try again at its end, and exit with 120."""
+    """Discard unwritable output: Python would try again at its end, and exit with 120."""
     try:
         sys.stdout.flush()
     except OSError:
@@ -117,7 +117,7 @@ def _drop_output() -> None:
 
 
 def _tell_any_name() -> None:
-    """Write what the terminal has no letters for in escapes: names of files are any bytes."""
+    """Escape characters that the terminal cannot show: file names may hold any bytes."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

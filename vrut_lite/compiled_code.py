@@ -1,8 +1,8 @@
-"""Where numba keeps what it compiles: in a folder that can be written.
+"""Gives numba a writable folder for compiled code.
 
-It tries NUMBA_CACHE_DIR, the package's own folder and the user's cache, and where none of them
-takes files (a system-wide installation, a home that cannot be read) it refuses to compile at all.
-A folder for this process alone then costs the compilation's seconds, not the sky.
+numba tries NUMBA_CACHE_DIR, the package's own folder and the user's cache. If none is writable (a
+system-wide installation, an unreadable home) it refuses to compile. A temporary folder for this
+process then costs only the seconds of compilation.
 """
 
 import atexit
@@ -17,10 +17,10 @@ _VARIABLE = "NUMBA_CACHE_DIR"
 
 
 def find_room(package: Path) -> None:
-    """Name a new temporary folder in NUMBA_CACHE_DIR if no usual one can be written.
+    """Set NUMBA_CACHE_DIR to a new temporary folder if none of numba's own is writable.
 
-    To be called before numba is imported: it reads the variable once. Where there is not even
-    a temporary folder, numba's refusal is told as any module's that fails to load.
+    Call it before numba is imported, which reads the variable once. Without even a temporary
+    folder numba's refusal appears as a module that fails to load.
     """
     named = os.environ.get(_VARIABLE)
     places = [Path(named)] if named else []
@@ -35,7 +35,7 @@ def find_room(package: Path) -> None:
 
 
 def _is_open(folder: Path) -> bool:
-    """Whether files can be made there, the folder itself too if it is missing."""
+    """Whether files can be created in a folder, which may have to be created first."""
     try:
         there = next((place for place in (folder, *folder.parents) if place.exists()), folder)
         return there.is_dir() and os.access(there, os.W_OK | os.X_OK)

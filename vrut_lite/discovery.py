@@ -1,4 +1,4 @@
-"""Finding modules: installed ones by entry point, others by the folder they lie in."""
+"""Finds modules: installed ones by entry point, others in folders."""
 
 import importlib
 import importlib.util
@@ -18,22 +18,22 @@ from vrut_lite.kernel.module import Module
 
 GROUP = "vrut_lite.modules"
 FOLDERS_VARIABLE = "VRUT_LITE_MODULES"
-# Who speaks under these is the host: itself, its scene manager, its queue of GPU jobs.
+# Reserved names: the host itself, its scene manager, its queue of GPU jobs.
 _NAMES_OF_THE_HOST = ("host", "scene", "gl_jobs")
 Loader = Callable[[], object]
 
 
 def module_folders() -> list[str]:
-    """Folders of modules that are not installed, as the environment names them."""
+    """Folders of modules that are not installed, from the environment."""
     return [folder for folder in os.environ.get(FOLDERS_VARIABLE, "").split(os.pathsep) if folder]
 
 
 def discover(folders: Iterable[str | Path] | None = None) -> tuple[list[type[Module]], list[str]]:
     """Module classes in load order, and a sentence for each that failed to load.
 
-    First the entry points, sorted by name, then each folder's packages and files, sorted by
-    name; without `folders` those that the environment names. In a folder, a package or file
-    names its class as `MODULE`, or defines just one.
+    Entry points come first, then the packages and files of each folder, each sorted by name.
+    `folders` defaults to those of the environment. In a folder, a package or file names its class
+    as `MODULE`, or defines exactly one.
     """
     found: dict[str, type[Module]] = {}
     failures: list[str] = []
@@ -80,7 +80,7 @@ def _load_file(path: Path) -> object:
     """The module class of a package or file, imported by its own name."""
     folder, name = str(path.parent), path.stem
     if folder not in sys.path:
-        sys.path.append(folder)  # At the end: what is installed keeps its names.
+        sys.path.append(folder)  # At the end: installed packages take precedence.
     importlib.invalidate_caches()
     spec = importlib.util.find_spec(name)
     if spec is None or spec.origin not in (str(path), str(path / "__init__.py")):
@@ -89,10 +89,10 @@ def _load_file(path: Path) -> object:
 
 
 def class_in(python_module: ModuleType) -> object:
-    """What a python module names as `MODULE`, or the one module class that it defines.
+    """The object named `MODULE` in a python module, or the only module class that it defines.
 
     Raises:
-        UserError: it names none and defines none, or several.
+        UserError: there is no `MODULE`, and not exactly one class.
     """
     if hasattr(python_module, "MODULE"):
         return python_module.MODULE

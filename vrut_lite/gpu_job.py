@@ -1,7 +1,7 @@
-"""Work that a module hands to the owner of the GPU, without importing any GL itself.
+"""Compute jobs that a module sends to the owner of the GPU, without importing GL.
 
-Whoever can run such jobs demands `GpuJob` (a `Demand` as for any message): a module asks
-`link.wanted(GpuJob)`, and where nobody can, takes its CPU path.
+A host that can run such jobs demands `GpuJob` (a `Demand` as for any message). A module checks
+`link.wanted(GpuJob)` and uses its CPU path where it is not wanted.
 """
 
 import hashlib
@@ -20,20 +20,20 @@ __all__ = ["GpuJob", "GpuTexture"]
 
 Number = float | int
 UniformValue = Number | tuple[Number, ...]
-# What every OpenGL 4.3 can start along one axis.
+# Work groups along one axis that every OpenGL 4.3 can start.
 _MOST_GROUPS = 65535
 
 
 class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
     """A compute shader that writes a texture; its completion comes back as a `JobResult`.
 
-    The shader (GLSL 4.30) writes image unit 0, a cube (`imageCube`) or 2-D image
-    (`image2D`) of the given size and format, or a 3-D image (`image3D`), of which the size is
-    (width, height, depth). It reads `uniforms` by name, and `buffers`, pairs of a binding and
-    what a std430 storage buffer there holds: an `Array` of float32. An `Array` that the last job
-    of this name had too is not sent again. Of a module's waiting jobs of one name only the
-    latest is run. The result's value is an `Array` (6, size, size, 4), (size, size, 4) or
-    (depth, height, width, 4) of float32 if `read_back`, else a `GpuTexture`: nothing is copied.
+    The shader (GLSL 4.30) writes image unit 0: a cube (`imageCube`) or 2-D image (`image2D`) of
+    the given size and format, or a 3-D image (`image3D`) of size (width, height, depth). It reads
+    `uniforms` by name, and `buffers`: pairs of a binding and the content of the std430 storage
+    buffer there, an `Array` of float32, which is not sent again if the last job of this name had
+    it too. Of a module's waiting jobs of one name only the latest is run. The result is an `Array`
+    (6, size, size, 4), (size, size, 4) or (depth, height, width, 4) of float32 if `read_back`,
+    else a `GpuTexture`, without a copy.
     """
 
     module: str
@@ -52,7 +52,7 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
         return f"{self.module}.{self.job}"
 
     def check(self) -> None:
-        """Work for a GPU: whether the shader compiles, OpenGL says."""
+        """Checks all fields; only OpenGL can tell whether the shader compiles."""
         checks.text(self, "module", "job", "compute_shader")
         checks.shader_inputs(self)
         checks.choice(self, "output", ("cube", "2d", "3d"))
@@ -65,16 +65,16 @@ class GpuJob(Derived, frozen=True, kw_only=True, dict=True):
 
     @cached_property
     def recipe(self) -> str:
-        """Hexadecimal BLAKE2b-128 of all that decides the texels."""
+        """Hexadecimal BLAKE2b-128 of everything that determines the texels."""
         buffers = [(binding, array.digest) for binding, array in self.buffers]
         return recipe_of(self.compute_shader, self.uniforms, self.output, self.size, self.format,
                          self.groups, buffers)  # fmt: skip
 
 
 def recipe_of(*made_of: Any) -> str:
-    """The recipe of a job's shader, uniforms, output, size, format and groups, and of its buffers.
+    """Digest of a job's shader, uniforms, output, size, format, groups and buffers.
 
-    Those are pairs of a binding and an array's digest.
+    Buffers are pairs of a binding and an array's digest.
     """
     text = msgspec.json.encode(made_of if made_of[-1] else made_of[:-1], order="sorted")
     return hashlib.blake2b(text, digest_size=16).hexdigest()

@@ -1,4 +1,4 @@
-"""A texture that stays on the GPU, as messages carry it."""
+"""A texture that stays on the GPU, for messages."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -8,11 +8,11 @@ import msgspec
 
 @dataclass(frozen=True)
 class GpuTexture:
-    """What a texture is and how it was made; its texels stay where they are.
+    """Description of a texture on the GPU and of how it was made.
 
-    Who holds this object holds the texels: nothing else is written over them before the last
-    holder has let go. Equal are textures of one size, format and recipe, so that messages
-    compare and journals digest alike on every machine.
+    The texels are kept, and not overwritten, while a reference to this object exists. Textures
+    are equal if size, format and recipe are equal, so that messages compare and journals digest
+    alike on every machine.
 
     Attributes:
         size: edge in texels; of a 3-D texture (width, height, depth).
@@ -24,7 +24,7 @@ class GpuTexture:
     format: str
     recipe: str
 
-    # The GL owner's reference: no field, for it is neither compared nor recorded.
+    # The GL owner's reference; not a field, because it is neither compared nor recorded.
     _texture = None
 
     @property
@@ -42,6 +42,6 @@ class GpuTexture:
         """The texture of a job's result, which a journal gives back as its plain fields.
 
         Raises:
-            msgspec.ValidationError: the value is neither.
+            msgspec.ValidationError: the value is neither a texture nor its fields.
         """
         return value if isinstance(value, cls) else msgspec.convert(value, cls)

@@ -44,39 +44,39 @@ class Host:
         self.settle()
 
     def settle(self) -> None:
-        """Pump until nothing is left to do, GPU jobs included.
+        """Pump until no work is left, GPU jobs included.
 
         Raises:
-            UserError: an input was not as it should be, a scene that cannot be opened, say.
-            ModuleFailed: a module raised something else.
+            UserError: an input was invalid, such as a scene that cannot be opened.
+            ModuleFailed: a module raised another exception.
         """
         while True:
             self.kernel.pump_until_idle()
             wait(self._gl_work())
-            # A finished GPU job has left its result as an input, which may ask for more.
+            # The result of a finished GPU job is an input, which may cause more work.
             if self.kernel.pump() == 0:
                 break
         self.faults.raise_first()
 
     def _gl_work(self) -> list[Future[None]]:
-        """GPU jobs that were handed to the GL thread."""
+        """GPU jobs that the GL thread has not finished."""
         jobs = self.kernel.seats[GlJobs.manifest.name].module
         return list(jobs.pending) if isinstance(jobs, GlJobs) else []
 
     def inject(self, *messages: Input) -> None:
-        """Bring inputs; `settle` or `draw` acts on them."""
+        """Queue inputs; `settle` or `draw` delivers them."""
         for message in messages:
             self.kernel.inject(message)
 
     def load(self, path: str) -> None:
-        """Open a scene; UserError if it cannot be."""
+        """Open a scene; UserError if it cannot be opened."""
         self.inject(LoadScene(path=path))
         self.settle()
 
     def draw(self, still: bool = True) -> Picture:
-        """Act on all inputs and draw a frame.
+        """Deliver all inputs and draw a frame.
 
-        A still is finished; in a frame of many, blurred reflections may lag behind the sky.
+        A still is complete; in a moving frame blurred reflections may lag behind the sky.
         """
         self.settle()
         return self.draw_now(still)
@@ -104,7 +104,7 @@ class Host:
 
     @property
     def frame_ledger(self) -> Ledger:
-        """What frames did and what they skipped, since the host was made."""
+        """Work that frames did and skipped since the host was made."""
         return self._backend.ledger
 
     def measure_passes(self, measure: Measure) -> None:
@@ -117,9 +117,9 @@ class Host:
         return self._backend.illuminance(self.state, point_m, normal)
 
     def illuminance_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """Lux on the surface that a pixel shows, None for the sky; y counts from the top.
+        """Lux on the surface behind a pixel, None for the sky; y counts from the top.
 
-        Its luminance is the picture's own: `draw().luminance_cd_m2(x, y)`.
+        For its luminance see `draw().luminance_cd_m2(x, y)`.
         """
         self.settle()
         return self.light_at_pixel(x, y)

@@ -1,4 +1,4 @@
-"""Ctrl-C while libraries are being loaded, requests to end, and what is neither."""
+"""Ctrl-C and SIGTERM: delayed while libraries load, and told apart from modules' exceptions."""
 
 import signal
 import threading
@@ -8,11 +8,11 @@ from contextlib import contextmanager
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Deliver Ctrl-C only afterwards; outside the main thread, which alone hears it, no change.
+    """Delay Ctrl-C until the block ends; no effect outside the main thread, which alone gets it.
 
-    Libraries that try optional imports with a bare `except` swallow an interrupt that arrives
-    while they are loaded, and the command would run on. A handler that only remembers serves
-    where a blocked signal does not: another thread of the process would take it.
+    Libraries that try optional imports with a bare `except` would swallow an interrupt, and the
+    command would go on. A handler records the signal; blocking it would not do, because another
+    thread of the process would receive it.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -28,14 +28,14 @@ def interrupts_held() -> Iterator[None]:
 
 
 class Terminated(BaseException):
-    """Someone asked the process to end (SIGTERM): what is unfinished is to be cleared away."""
+    """The process received SIGTERM; unfinished files and workers must be removed."""
 
 
 @contextmanager
 def terminations_raised() -> Iterator[None]:
-    """Let SIGTERM raise `Terminated`, as Ctrl-C raises, so that files and workers are cleared.
+    """Let SIGTERM raise `Terminated`, so that unfinished files and workers are removed.
 
-    Outside the main thread, which alone hears signals, no change.
+    No effect outside the main thread, which alone receives signals.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -48,17 +48,17 @@ def terminations_raised() -> Iterator[None]:
 
 
 def _raise_terminated(_number: int, _frame: object) -> None:
-    # Once: a second request must not end the clearing away.
+    # Only once: a second SIGTERM must not interrupt the clean-up.
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise Terminated
 
 
 def pass_interrupt(error: BaseException, during: str = "") -> None:
-    """Raise an exception anew that asks the process to end; return for one of a module's own.
+    """Raise Ctrl-C and SIGTERM again; return for any other exception, which is a module's.
 
-    Python raises Ctrl-C and requests to end in the main thread alone: on any other thread such an
-    exception was raised by whoever wrote the code that ran. `during` names what was interrupted,
-    for `interrupted_during`.
+    Python raises Ctrl-C and `Terminated` only in the main thread: on another thread the code that
+    ran raised such an exception itself. `during` names what was interrupted, for
+    `interrupted_during`.
     """
     asked = isinstance(error, KeyboardInterrupt | Terminated)
     if asked and threading.current_thread() is threading.main_thread():
@@ -68,6 +68,6 @@ def pass_interrupt(error: BaseException, during: str = "") -> None:
 
 
 def interrupted_during(error: BaseException) -> str:
-    """What an exception that asks to end came in the midst of, or nothing."""
+    """What Ctrl-C or SIGTERM interrupted, or an empty text."""
     origin = error.__cause__ or error
     return ", ".join(getattr(origin, "__notes__", ()))

@@ -1,4 +1,4 @@
-"""How much memory a file from elsewhere may take: one number for journals and scenes."""
+"""The memory limit for files that may come from strangers: journals and scenes."""
 
 import os
 import re
@@ -15,7 +15,7 @@ def memory_limit_bytes() -> int:
     """VRUT_LITE_MEMORY_GIB of the environment in bytes; 4 GiB if it is unset or empty.
 
     Raises:
-        UserError: it is no number above 0.
+        UserError: it is not a number above 0.
     """
     text = os.environ.get(VARIABLE, "").strip() or str(_DEFAULT_GIB)
     limit_gib = float(text) if _NUMBER.fullmatch(text) else 0.0

@@ -1,9 +1,8 @@
-"""numba's `njit`, whose files on disk are held to a digest: a damaged one is compiled anew.
+"""numba's `njit` with digests on its cache files: damaged ones are compiled again.
 
-numba unpickles what it finds, machine code too: a file that was cut short would end every sky in a
-traceback until somebody removes it, and one with a flipped bit in a crash. And processes that save
-at once lose what the other has added to the index, which is read, changed and written: here one
-waits for the other.
+numba unpickles cached machine code unchecked: a truncated file would end every sky in a traceback
+until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
+would lose each other's entries of the index; here a lock makes one wait for the other.
 """
 
 import fcntl
@@ -29,10 +28,10 @@ _DIGEST_BYTES = 32
 
 
 class CheckedCacheFile(caching.IndexDataCacheFile):
-    """Index and data with a digest behind them, which numba's own reading passes over."""
+    """Index and data files with a digest at their end, which numba's own reader ignores."""
 
     def save(self, key: Any, data: Any) -> None:
-        """Add what was compiled, while no other process does."""
+        """Save compiled code while no other process does."""
         with _alone_in(Path(self._index_path).parent):
             super().save(key, data)
 
@@ -42,12 +41,12 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
                 pickle.load(stream)
                 sound = _is_whole(stream.read())
             return super()._load_index() if sound else {}
-        except Exception:  # An unpickled piece of noise may raise anything.
+        except Exception:  # Unpickling damaged data may raise anything.
             return {}
 
     def _load_data(self, name: str) -> Any:
         if not _is_whole(Path(self._data_path(name)).read_bytes()):
-            # What numba takes for a file that has been removed.
+            # numba takes this for a removed file.
             raise FileNotFoundError(name)
         return super()._load_data(name)
 
@@ -60,7 +59,7 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
 def _alone_in(folder: Path) -> Iterator[None]:
     handle = os.open(folder, os.O_RDONLY)
     try:
-        # Where a file system knows no locks, numba's own way must do.
+        # Some file systems have no locks; numba then works as without this class.
         with suppress(OSError):
             fcntl.flock(handle, fcntl.LOCK_EX)
         yield
@@ -76,5 +75,5 @@ def _digest(data: bytes) -> bytes:
     return hashlib.blake2b(data, digest_size=_DIGEST_BYTES).digest()
 
 
-# Functions that keep what is compiled of them take whichever class stands there.
+# Cached functions use the class that has this name in numba's module.
 setattr(caching, "IndexDataCacheFile", CheckedCacheFile)  # noqa: B010

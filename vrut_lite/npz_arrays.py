@@ -1,6 +1,6 @@
-"""Arrays out of an .npz that may be damaged, or made to harm: sizes are looked at before memory.
+"""Reads an .npz that may be damaged or malicious: sizes are checked before memory is taken.
 
-numpy takes the memory that an array's header asks for before it looks whether the file has as much.
+numpy allocates the size in an array's header without checking that the file is as large.
 """
 
 import math
@@ -15,10 +15,10 @@ _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0
 
 
 def read_npz(source: IO[bytes], most_bytes: int) -> dict[str, NDArray[Any]]:
-    """The arrays of an archive, by name; none of them holds objects.
+    """The arrays of an archive by name; arrays of objects are refused.
 
     Raises:
-        ValueError: it is no whole archive of arrays, or they are larger than `most_bytes`.
+        ValueError: the archive is damaged, or its arrays are larger than `most_bytes`.
     """
     try:
         with zipfile.ZipFile(source) as archive:
@@ -32,12 +32,12 @@ def read_npz(source: IO[bytes], most_bytes: int) -> dict[str, NDArray[Any]]:
             return {name: np.asarray(arrays[name]) for name in arrays.files}
     except ValueError:
         raise
-    except Exception as error:  # Whatever zip, inflate or a header's parser choke on.
+    except Exception as error:  # zip, inflate and numpy's header parser raise many types.
         raise ValueError(f"it is no whole archive of arrays ({error})") from error
 
 
 def _check_size(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> None:
-    """Raise ValueError unless a member has the bytes that its header asks memory for."""
+    """Raise ValueError unless a member is as large as its header declares."""
     with archive.open(info) as member:
         version = npy.read_magic(member)
         if version not in _HEADERS:

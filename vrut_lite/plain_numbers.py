@@ -1,6 +1,6 @@
-"""Numbers as people type them: ASCII digits, one sign, one point, an exponent.
+"""Parses numbers in plain form: ASCII digits, one sign, one point, an exponent.
 
-Python's own `float` and `int` take more: digits of every script, and `1_0` for ten.
+Python's own `float` and `int` accept more: digits of every script, and `1_0` for ten.
 """
 
 import re
@@ -10,10 +10,10 @@ _NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf(inity)?|nan)", re
 
 
 def plain_float(text: str) -> float:
-    """The number that the text writes, spaces around it aside; inf and nan have their names.
+    """Parse a number, also inf and nan; spaces around it are ignored.
 
     Raises:
-        ValueError: it writes none.
+        ValueError: the text is not a number.
     """
     if not _NUMBER.fullmatch(text.strip()):
         raise ValueError(f"{text!r} is no number")
@@ -21,10 +21,10 @@ def plain_float(text: str) -> float:
 
 
 def plain_int(text: str) -> int:
-    """The whole number that the text writes, spaces around it aside.
+    """Parse a whole number; spaces around it are ignored.
 
     Raises:
-        ValueError: it writes none, or one of thousands of digits.
+        ValueError: the text is not a whole number, or has thousands of digits.
     """
     if not _WHOLE.fullmatch(text.strip()):
         raise ValueError(f"{text!r} is no whole number")

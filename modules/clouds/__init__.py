@@ -1,1 +1,1 @@
-"""Clouds: a layer of them, made of noise and carried by the wind."""
+"""A layer of clouds, made of noise and moved by the wind."""

@@ -1,4 +1,4 @@
-"""From settings to a `CloudLayer`: how much weather bears cloud, so that so much sky is covered."""
+"""Makes a `CloudLayer` from settings; solves for the weather threshold that gives the coverage."""
 
 import msgspec
 import numpy as np
@@ -19,24 +19,24 @@ from vrut_lite.daylight.cloud_density import (
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
-# Two lobes that stand for a droplet's: Henyey and Greenstein's, of mean cosine 0.74.
+# Two Henyey-Greenstein lobes for a droplet's phase function; their mean cosine is 0.74.
 PHASE = (0.85, -0.3, 0.9)
-# Columns a side and heights that the covered share is counted in.
+# Samples for the coverage: columns along each side, and heights.
 _COLUMNS, _HEIGHTS = 96, 24
 _HALVINGS = 12
-# Of the threshold: lower covers all, higher nothing, whatever the noise.
+# Range of the threshold: at the lower end all sky is covered, at the upper end none.
 _LOWEST, _HIGHEST = -0.5, 1.0
-# A closed layer: its last gaps would need clouds without any form.
+# Coverage of a closed layer: to close its last gaps clouds would lose all shape.
 _CLOSED = 0.997
-# Through less of it the sky behind is seen as if there were none.
+# Columns of less optical depth count as clear sky.
 _LEAST_OPTICAL_DEPTH = 0.5
 
 
 class _Samples:
-    """Columns of noise (columns,) and (columns, heights), without what the threshold decides."""
+    """Noise in columns, (columns,) and (columns, heights), before the threshold is applied."""
 
     def __init__(self, layer: CloudLayer):
-        # Spread over incommensurate periods without a pattern: the R2 sequence (Roberts 2018).
+        # The R2 sequence (Roberts 2018): evenly spread, without a pattern.
         index = np.arange(_COLUMNS * _COLUMNS)
         spread = np.stack([index * 0.7548776662466927, index * 0.5698402909980532], axis=-1) % 1.0
         level = spread * 7.0 * max(*WEATHER_PERIODS_M, SHAPE_PERIOD_M, DETAIL_PERIOD_M)
@@ -56,7 +56,7 @@ class _Samples:
 
 
 def cloud_layer(settings: CloudSettings) -> CloudLayer:
-    """The layer of some settings, not moved by any wind."""
+    """The layer for these settings, without drift."""
     weather, shape, detail = noises(settings.seed)
     layer = CloudLayer(
         base_m=settings.base_m,

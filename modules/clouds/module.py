@@ -1,6 +1,6 @@
-"""Clouds on the bus: settings become a layer, and the wind carries it with the clock.
+"""The module `clouds`: makes a layer from its settings and moves it with the clock.
 
-Without coverage, or where nobody asks for clouds, nothing is made and nothing compiled.
+Without coverage or without demand nothing is made and nothing compiled.
 """
 
 import math
@@ -23,10 +23,10 @@ _WIND = ("wind_speed_m_s", "wind_azimuth_deg")
 
 
 class Clouds(Module):
-    """Says what clouds there are.
+    """Posts `CloudsChanged`.
 
-    The ledger counts "clouds" said and "layer" made, and skips as "no coverage", "unwanted",
-    "unchanged" and "layer outdated" (another was asked for while it was made).
+    The ledger counts "clouds" posted and "layer" made, and skips as "no coverage", "unwanted",
+    "unchanged" and "layer outdated" (the settings changed while it was made).
     """
 
     manifest = Manifest(name=NAME, title="Clouds", version="0.1.0")
@@ -37,21 +37,21 @@ class Clouds(Module):
         super().__init__(link, settings)
         self._asked: CloudSettings | None = None
         self._layer: CloudLayer | None = None
-        self._told: CloudLayer | None = None
+        self._posted: CloudLayer | None = None
 
     @handles(ClockMoved)
     @handles(SetPlace)
     @handles(Demand)
     def inputs_changed(self, _message: ClockMoved | SetPlace | Demand) -> None:
-        """The wind blew, the wind turned, or someone asks."""
+        """The clock moves the clouds; a place turns them; a demand may be the first."""
         self._update()
 
     @handles(JobResult)
     def layer_made(self, result: JobResult) -> None:
-        """Say the layer, unless other clouds were asked for meanwhile.
+        """Post the new layer, unless the settings have changed meanwhile.
 
         Raises:
-            RuntimeError: it could not be made.
+            RuntimeError: the job failed.
         """
         if result.error:
             self._asked = None
@@ -65,7 +65,7 @@ class Clouds(Module):
         self._update()
 
     def settings_changed(self, name: str) -> None:
-        """Make other clouds, move them, or have none."""
+        """Make a new layer, move it, or remove it."""
         self._update()
 
     def _update(self) -> None:
@@ -80,22 +80,22 @@ class Clouds(Module):
             self.link.start_job(JOB, make_layer, self._asked)
         elif self._layer is not None:
             drift_m = self._drift_m()
-            self._say(msgspec.structs.replace(self._layer, drift_m=drift_m))
+            self._post(msgspec.structs.replace(self._layer, drift_m=drift_m))
 
     def _forget(self) -> None:
-        """No clouds any more: say so, once, to those who were told of some."""
+        """Drop the layer; post this once if a layer was posted before."""
         if self._asked is not None:
             self.link.cancel_job(JOB)
             self._asked = self._layer = None
-        if self._told is not None:
-            self._say(None)
+        if self._posted is not None:
+            self._post(None)
 
-    def _say(self, layer: CloudLayer | None) -> None:
-        if layer is not None and _alike(layer, self._told):
+    def _post(self, layer: CloudLayer | None) -> None:
+        if layer is not None and _looks_like(layer, self._posted):
             self.ledger.skip("clouds: unchanged")
             return
         self.link.post(CloudsChanged(layer=layer, source=NAME))
-        self._told = layer
+        self._posted = layer
         self.ledger.did("clouds")
 
     def _drift_m(self) -> tuple[float, float]:
@@ -110,8 +110,8 @@ class Clouds(Module):
 
 
 def make_layer(settings: CloudSettings) -> tuple[CloudSettings, CloudLayer]:
-    """What the background job does; the settings tell whose layer it is."""
-    # The noise is compiled: only those who have clouds import numba.
+    """The background job; it returns its settings too, to identify the layer."""
+    # Imported here because it imports numba, which is needed only if there are clouds.
     from clouds.layer import cloud_layer
 
     return settings, cloud_layer(settings)
@@ -120,10 +120,10 @@ def make_layer(settings: CloudSettings) -> tuple[CloudSettings, CloudLayer]:
 def drift_m(
     settings: CloudSettings, seconds: float, north_offset_rad: float = 0.0
 ) -> tuple[float, float]:
-    """How far the wind has carried clouds since a time 0, along world x and z.
+    """Drift of the clouds by the wind since time 0, along world x and z, in m.
 
-    It is a function of the clock alone, so that a time shows the same clouds however it was
-    come to. In double precision it is exact to 0.1 mm for seconds since 1970.
+    It is a function of the clock alone, so that a time always shows the same clouds. In double
+    precision it is exact to 0.1 mm for seconds since 1970.
     """
     towards = math.radians(settings.wind_azimuth_deg) + math.pi
     east_north_up = direction_from_angles(towards, 0.0)
@@ -135,10 +135,10 @@ def _without_wind(settings: CloudSettings) -> CloudSettings:
     return msgspec.structs.replace(settings, **dict.fromkeys(_WIND, 0.0))
 
 
-def _alike(layer: CloudLayer, told: CloudLayer | None) -> bool:
-    """Whether nobody would see a difference; a layer's noises are made anew with it."""
-    if told is None or layer.shape is not told.shape:
+def _looks_like(layer: CloudLayer, posted: CloudLayer | None) -> bool:
+    """Whether a layer shows what was posted last; each new layer has its own noise arrays."""
+    if posted is None or layer.shape is not posted.shape:
         return False
-    moved_m = float(np.hypot(*np.subtract(layer.drift_m, told.drift_m)))
-    moved_back = msgspec.structs.replace(layer, drift_m=told.drift_m)
-    return moved_m < LEAST_DRIFT_M and moved_back == told
+    moved_m = float(np.hypot(*np.subtract(layer.drift_m, posted.drift_m)))
+    moved_back = msgspec.structs.replace(layer, drift_m=posted.drift_m)
+    return moved_m < LEAST_DRIFT_M and moved_back == posted

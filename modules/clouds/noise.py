@@ -1,6 +1,6 @@
-"""The noise that clouds are made of: a weather map, billows, and what frays their edges.
+"""The noise of clouds: a weather map, a volume of billows, and one of detail for their edges.
 
-All are of whole-number hashes of a seed, and repeat without a seam.
+All are made from integer hashes of a seed, and are periodic without a seam.
 """
 
 from collections.abc import Callable
@@ -16,12 +16,12 @@ WEATHER_SIZE, SHAPE_SIZE, DETAIL_SIZE = 512, 128, 64
 # Cells of the coarsest octave in a period.
 _FIELDS, _CELLS = 7, 19
 _BILLOWS, _FRINGES = 5, 3
-# Share of the values of a volume that is cut off at either end.
+# Share of a volume's values that is clipped at either end.
 _CUT = 0.005
 
 
 class Noises(NamedTuple):
-    """Weather (n, n) uint16 with even ranks; shape and detail (n, n, n) uint8, y first."""
+    """Weather (n, n) uint16, uniformly distributed; shape and detail (n, n, n) uint8, y first."""
 
     weather: NDArray[np.uint16]
     shape: NDArray[np.uint8]
@@ -30,12 +30,12 @@ class Noises(NamedTuple):
 
 @lru_cache(maxsize=2)
 def noises(seed: int) -> Noises:
-    """The noises of a seed; the last two stay known."""
+    """The noises of a seed; those of the last two seeds are cached."""
     return Noises(weather_map(seed), shape_volume(seed), detail_volume(seed))
 
 
 def weather_map(seed: int, size: int = WEATHER_SIZE) -> NDArray[np.uint16]:
-    """Cells of convection, gathered in fields: values (size, size) spread evenly."""
+    """Convection cells, grouped in fields: values (size, size), uniformly distributed."""
     from clouds.noise_kernels import perlin, worley
 
     at = _places((1, size, size))
@@ -48,7 +48,7 @@ def weather_map(seed: int, size: int = WEATHER_SIZE) -> NDArray[np.uint16]:
 
 
 def shape_volume(seed: int, size: int = SHAPE_SIZE) -> NDArray[np.uint8]:
-    """Billows in (size, size, size): Worley's noise, pulled apart by Perlin's."""
+    """Billows (size, size, size): Worley's noise, modulated by Perlin's."""
     from clouds.noise_kernels import perlin, worley
 
     at = _places((size, size, size))
@@ -58,7 +58,7 @@ def shape_volume(seed: int, size: int = SHAPE_SIZE) -> NDArray[np.uint8]:
 
 
 def detail_volume(seed: int, size: int = DETAIL_SIZE) -> NDArray[np.uint8]:
-    """Hollows between small billows in (size, size, size): 1 farthest from their middles."""
+    """Inverted small billows (size, size, size): largest farthest from their centres."""
     from clouds.noise_kernels import worley
 
     at = _places((size, size, size))
@@ -80,7 +80,7 @@ def _octaves(
 
 
 def _places(shape: tuple[int, int, int]) -> FloatArray:
-    """Middles (n, 3) of the cells of a box whose edges are 1 long."""
+    """Centres (n, 3) of the cells of a box with edges of length 1."""
     axes = [(np.arange(size) + 0.5) / size for size in shape]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 

@@ -1,7 +1,7 @@
-"""Noise in space that repeats, compiled: Perlin's and Worley's, of whole-number hashes.
+"""Periodic Perlin and Worley noise from integer hashes, compiled.
 
-Importing this module imports numba: do it only where clouds are made. The kernels let other threads
-run: a layer takes a second, in which a window is not to stand still.
+Importing this module imports numba: do it only where clouds are made. The kernels release the GIL:
+a layer takes a second, in which a window must not freeze.
 """
 
 import math
@@ -14,7 +14,7 @@ from vrut_lite.numeric_types import FloatArray
 
 @njit(cache=True, nogil=True)
 def _mixed(x: int, y: int, z: int, seed: int) -> int:
-    """32 well mixed bits of whole coordinates (Murmur's finisher)."""
+    """A 32-bit hash of integer coordinates (Murmur's finaliser)."""
     mask = 0xFFFFFFFF
     h = (x * 0x8DA6B343 ^ y * 0xD8163841 ^ z * 0xCB1AB31F ^ seed * 0x165667B1) & mask
     h = ((h ^ (h >> 16)) * 0x85EBCA6B) & mask
@@ -59,7 +59,7 @@ def worley(at: FloatArray, cells: int, seed: int) -> FloatArray:
 
 @njit(cache=True, nogil=True)
 def _pull(cz: int, cy: int, cx: int, cells: int, z: float, y: float, x: float, seed: int) -> float:
-    """What a lattice point adds, of Perlin's twelve gradients."""
+    """The contribution of a lattice point, with one of Perlin's twelve gradients."""
     h = _mixed(cx % cells, cy % cells, cz % cells, seed) % 12
     first = x if h < 8 else y
     second = y if h < 4 else z

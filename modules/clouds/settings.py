@@ -1,4 +1,4 @@
-"""What a person may choose about the clouds."""
+"""The settings of the clouds."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""DynamicSkyLight: the sun of a place and an hour, and the Hosek-Wilkie sky around it."""
+"""DynamicSkyLight: the sun's position and light, and the Hosek-Wilkie sky."""
 
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky
 from dynamic_skylight.sun.events import SunEvents, sun_events

@@ -1,4 +1,4 @@
-"""The full sphere: the sky above, and below the horizon the ground that sun and sky light."""
+"""The full sphere: sky above the horizon, lit ground below."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ def sphere(
 ) -> Float32Array:
     """Cube map (6, size, size, 3) of sky and ground, world axes, without the sun's disc.
 
-    The azimuth is the world's (from -Z, clockwise from above). Of an odd size the middle
+    The azimuth is the world's (from -Z, clockwise from above). In cubes of odd size the middle
     row, which straddles the horizon, is ground.
     """
     cube = sky.cube_map(size, sun_azimuth_rad)
@@ -44,7 +44,7 @@ def sphere(
 
 
 def fill_ground(cube: Float32Array | NDArray[np.float16], ground_rgb: FloatArray) -> None:
-    """Give every texel that does not look up the ground's radiance."""
+    """Set every texel at or below the horizon to the ground's radiance."""
     ground = ground_rgb.astype(cube.dtype)
     cube[BOTTOM_FACE] = ground
     for face in SIDE_FACES:

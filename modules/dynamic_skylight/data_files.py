@@ -1,4 +1,4 @@
-"""The tables that the package carries."""
+"""Reads the tables in the package's data folder."""
 
 from importlib.resources import files
 
@@ -14,7 +14,7 @@ def packaged_arrays(name: str) -> dict[str, NDArray[np.float64]]:
     """The arrays of a file of the package's data folder, by name.
 
     Raises:
-        RuntimeError: the file is missing, cut short or no archive of arrays, in one sentence.
+        RuntimeError: the file is missing or damaged, in one sentence.
     """
     source = files("dynamic_skylight") / "data" / name
     try:

@@ -1,4 +1,4 @@
-"""What a person can set about DynamicSkyLight; time and place are the host's."""
+"""The settings of DynamicSkyLight; time and place belong to the host."""
 
 from typing import Annotated, Literal
 

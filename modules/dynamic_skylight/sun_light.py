@@ -1,15 +1,15 @@
-"""The direct light of the sun: irradiance in colour, and how the disc darkens to its limb.
+"""The direct light of the sun: irradiance in colour, and limb darkening.
 
-The irradiance is what `HosekWilkieSky.solar_radiance` gives, integrated over the disc that it
-was fitted with. Two things to know about it:
+The irradiance is `HosekWilkieSky.solar_radiance`, integrated over the disc that it was fitted
+with. Two properties:
 
-* The eleven wavelengths end at 720 nm. Of the light of ASTM G-173, cutting there loses
-  6e-4 of linear red and 8e-5 of luminance; sampling it each 40 nm instead of each 5 nm
-  loses 1.4 % of luminance (red 0.4 %, green 1.7 %, blue 1.6 %).
-* Times the solid angle of the real disc (0.2666 deg) the undarkened radiance at 560 nm is ASTM
-  G-173's irradiance behind clear air of optical depth 0.12, to 1 %. The model's smaller disc
-  (0.255 deg) and a darkening that is 1 at the centre, 0.82 in the mean, take 25 % off. The
-  figures here follow the published model, disc and darkening included.
+* The eleven wavelengths end at 720 nm. For ASTM G-173 this loses 6e-4 of linear red and 8e-5 of
+  luminance; sampling at 40 nm instead of 5 nm loses 1.4 % of luminance (red 0.4 %, green 1.7 %,
+  blue 1.6 %).
+* The undarkened radiance at 560 nm times the solid angle of the real disc (0.2666 deg) is ASTM
+  G-173's irradiance behind clear air of optical depth 0.12, within 1 %. The model's smaller disc
+  (0.255 deg) and its limb darkening (1 at the centre, 0.82 in the mean) reduce it by 25 %. The
+  irradiance here follows the published model, disc and darkening included.
 """
 
 from functools import lru_cache
@@ -57,11 +57,11 @@ def sun_light(
     visible_disc_fraction: float,
     colour: SunColour = "disc",
 ) -> SunLight:
-    """The sun's light at the ground, faded with the share of the disc that is up.
+    """The sun's light at the ground, in proportion to the visible share of the disc.
 
-    `colour` says where its hue comes from; the luminance is always the disc's:
-    "disc" from the solar function itself; "sky_formula" from the sky's formula at the sun
-    (gamma = 0), as the daylight thesis (section 3.3) colours its light; "white" from none.
+    `colour` selects the hue; the luminance is always the disc's. "disc": the solar function
+    itself; "sky_formula": the sky's formula at the sun (gamma = 0), as in the daylight thesis
+    (section 3.3); "white".
     """
     visible = float(visible_disc_fraction)
     disc = in_gamut(
@@ -80,10 +80,9 @@ def sun_light(
 def disc_irradiance(turbidity: float, apparent_elevation_rad: float) -> FloatArray:
     """Irradiance (11,) of the whole disc facing the sun, W m^-2 nm^-1, at `WAVELENGTHS_NM`.
 
-    The integral of radiance times cosine, which in sin^2 gamma has constant weight: Gauss-
-    Legendre along it, even around the disc, each point with the air path of its own
-    elevation. Points below the horizon count as on it: the share of the disc that is up is
-    the caller's.
+    The integral of radiance times cosine, whose weight is constant in sin^2 gamma: Gauss-Legendre
+    along it, uniform around the disc, each point with the air path of its own elevation. Points
+    below the horizon count as on it; the caller applies the visible share of the disc.
     """
     rings, spokes = _DISC_NODES
     x, weight = np.polynomial.legendre.leggauss(rings)
@@ -115,8 +114,8 @@ def _with_luminance_of(rgb: FloatArray, hue: FloatArray) -> FloatArray:
 def limb_darkening_rgb() -> tuple[Polynomial, Polynomial, Polynomial]:
     """Polynomials in cos psi, constant first, whose mean over the disc is 1, per channel.
 
-    Weighted with the sun's spectrum outside the air: with that of a low sun the blue channel
-    would divide by next to nothing.
+    Weighted with the extraterrestrial spectrum: with that of a low sun the blue channel would
+    be divided by nearly zero.
     """
     weights = integration_matrix(tuple(WAVELENGTHS_NM)) * solar_irradiance(WAVELENGTHS_NM)[:, None]
     red, green, blue = (_normalised(weight) for weight in weights.T)

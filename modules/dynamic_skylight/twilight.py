@@ -1,14 +1,14 @@
 """The sky of any hour: Hosek-Wilkie by day, computed twilight below, starlight at night.
 
-The model ends where the sun sets, and above that it is not monotone at high turbidity. From half
-a degree down its last sky, the glow at the sun's true place below the horizon, gives way to the
-computed twilight of `twilight_table` in the manner of `twilight_blend`, and is gone at -2.5 deg.
-The sky is scaled to one illuminance on level ground, which goes on from the model's and meets
-the published curve at -7 deg. At 18 deg below the horizon only the constant night sky is left.
+The Hosek-Wilkie model ends where the sun sets. From a geometric elevation of +0.5 deg down to
+-2.5 deg its last sky, with the glow at the sun's place below the horizon, is blended into the
+computed twilight of `twilight_table` (see `twilight_blend`). The result is scaled to an illuminance
+of level ground that continues the model's and meets the published curve at -7 deg. At -18 deg only
+the constant night sky remains.
 
-What turns with the apparent sun: the shape. What follows the geometric elevation: the level and
-the shares of the two skies. The published curve is one of geometric elevations: at sunset, 50'
-below the horizon, it gives 452 lx, and the Glossary of Meteorology 585 to 410 lx.
+The shape of the sky follows the apparent sun; the level and the blend follow the geometric
+elevation, as the published curve does: at sunset, -50', it gives 452 lx, where the Glossary of
+Meteorology has 585 to 410 lx.
 """
 
 from dataclasses import dataclass
@@ -31,13 +31,13 @@ from dynamic_skylight.twilight_table import (
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import FloatArray
 
-# Geometric elevation where the illuminance has come down to the published curve.
+# Geometric elevation at which the illuminance reaches the published curve.
 ON_CURVE_DEG = -7.0
 BLEND_APPARENT_RAD = float(np.radians(BLEND_DEG) + refraction_rad(np.radians(BLEND_DEG)))
 # Starlight and airglow of a clear moonless night, on level ground (RCA Electro-Optics
 # Handbook 1974, table 6-1). Seidelmann's curve ends close by, at 6.5e-4 lx.
 NIGHT_ILLUMINANCE_LX = 1e-3
-# The night sky is taken as even and white, so that its radiance is E / pi in each channel.
+# The night sky is uniform and white, so its radiance is E / pi in each channel.
 _NIGHT_RADIANCE = NIGHT_ILLUMINANCE_LX / LUMENS_PER_WATT / np.pi / float(luminance(np.ones(3)))
 
 
@@ -47,12 +47,12 @@ class HourSky:
 
     Attributes:
         distribution: A to I of the extended Perez formula (3, 9).
-        mean_radiance: its factors (3,), W m^-2 sr^-1; 0 when the sun is far down.
-        sun_elevation_rad: apparent; of the glow's centre, below the horizon at twilight.
+        mean_radiance: its factors (3,), W m^-2 sr^-1; 0 when the sun is far below the horizon.
+        sun_elevation_rad: apparent elevation of the glow's centre, negative in twilight.
         night_radiance: added everywhere (W m^-2 sr^-1, equal in the channels).
-        twilight: (64, 32, 4) on the coordinates v and a of `twilight_table`, to be looked up
-            bilinearly: radiance to be added (W m^-2 sr^-1), and in the last place what the
-            formula is multiplied with before; None by day and at night.
+        twilight: (64, 32, 4) on the coordinates v and a of `twilight_table`, interpolated
+            bilinearly: the formula is multiplied by the fourth number, then the first three are
+            added (W m^-2 sr^-1); None by day and at night.
     """
 
     distribution: FloatArray
@@ -62,7 +62,7 @@ class HourSky:
     twilight: FloatArray | None = None
 
     def radiance(self, theta_rad: ArrayLike, gamma_rad: ArrayLike) -> FloatArray:
-        """Radiance (..., 3) above the horizon, linear sRGB, W m^-2 sr^-1; the exact twin."""
+        """Radiance (..., 3) above the horizon, linear sRGB, W m^-2 sr^-1, in float64."""
         cos_theta = np.maximum(np.cos(np.asarray(theta_rad, dtype=float)), 0.0)
         shape = extended_perez(cos_theta, gamma_rad, self.distribution)
         sky = np.maximum(shape * self.mean_radiance, 0.0)
@@ -77,7 +77,7 @@ class HourSky:
         """Cosine (...,) of the azimuth from the sun's: the spherical law of cosines."""
         level = np.sqrt((1.0 - cos_theta) * (1.0 + cos_theta)) * np.cos(self.sun_elevation_rad)
         cosine = np.cos(gamma) - cos_theta * np.sin(self.sun_elevation_rad)
-        # At the zenith any azimuth is as good as another.
+        # At the zenith the azimuth does not matter.
         return np.asarray(cosine / np.maximum(level, 1e-300))
 
     def cube_map(
@@ -87,8 +87,8 @@ class HourSky:
         out: NDArray[np.float32] | None = None,
         faces: tuple[int, ...] = ALL_FACES,
     ) -> NDArray[np.float32]:
-        """The fast path, as `HosekWilkieSky.cube_map`; the night is added below as well."""
-        # Imported when first used: compiling takes a moment that reading the model need not.
+        """The fast path, as `HosekWilkieSky.cube_map`; night is added below the horizon too."""
+        # Imported on first use, because compiling takes a moment.
         from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
 
         cube = fill_cube(
@@ -118,7 +118,8 @@ def sky_of_hour(turbidity: float, albedo: float, apparent_elevation_rad: float) 
     elevation = float(apparent_elevation_rad)
     if not -np.pi / 2 <= elevation <= np.pi / 2:
         raise ValueError(f"the sun's elevation must lie within +-pi/2 rad, not {elevation}")
-    # Held from the blend down: in the cube root of elevation the model's slope at 0 is infinite.
+    # Held below the blend: the model is a function of the cube root of elevation, with an infinite
+    # slope at 0.
     model = HosekWilkieSky(turbidity, albedo, max(elevation, BLEND_APPARENT_RAD))
     if elevation >= BLEND_APPARENT_RAD:
         return HourSky(model.rgb_distribution, model.rgb_mean_radiance, elevation, 0.0)
@@ -126,12 +127,12 @@ def sky_of_hour(turbidity: float, albedo: float, apparent_elevation_rad: float) 
 
 
 def _twilight(model: HosekWilkieSky, elevation_rad: float) -> HourSky:
-    """Hosek's last sky and the computed twilight, scaled to the hour's illuminance."""
+    """The model's last sky and the computed twilight, scaled to the hour's illuminance."""
     geometric_deg = float(np.degrees(geometric_elevation(elevation_rad)))
     distribution, mean = model.rgb_distribution, model.rgb_mean_radiance
     at_blend = luminous_irradiance(model_on_map(distribution, mean, BLEND_APPARENT_RAD))
     level = _luminous_irradiance(at_blend, geometric_deg)
-    # The night comes in gradually, for the sake of exact continuity with Hosek's day.
+    # The night sky is added gradually, so that the sky is continuous with the model's day.
     night = _NIGHT_RADIANCE * min(BLEND_DEG - geometric_deg, 1.0)
     if level <= 0.0:
         return HourSky(distribution, 0.0 * mean, elevation_rad, night)
@@ -145,10 +146,10 @@ def _twilight(model: HosekWilkieSky, elevation_rad: float) -> HourSky:
 
 
 def _luminous_irradiance(at_blend: float, geometric_deg: float) -> float:
-    """Luminous irradiance (CIE Y, W m^-2), the night's apart: `at_blend` there, 0 at -18 deg.
+    """Luminous irradiance (CIE Y, W m^-2) without night: `at_blend` at the blend, 0 at -18 deg.
 
-    Hosek's last sky is about three times as bright as the curve; the excess fades, evenly in
-    its logarithm, so that from -7 deg down the sky has the published illuminance itself.
+    The model's last sky is about three times as bright as the curve. The excess fades evenly in
+    its logarithm; from -7 deg down the sky has the published illuminance.
     """
     rest = illuminance_lx(NIGHT_BEGINS_DEG)
     curve = float(illuminance_lx(geometric_deg) - rest) / LUMENS_PER_WATT

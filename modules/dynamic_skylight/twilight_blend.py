@@ -1,9 +1,9 @@
-"""How Hosek's last sky gives way to the computed twilight, direction by direction.
+"""Blends the model's last sky into the computed twilight, direction by direction.
 
-At the sun's horizon the model's last sky is several times as bright as the computed one, and in
-thick haze over dark ground its far horizon is black: a sum of the two would let go of the one
-late and of the other at once. So luminance goes from the one to the other along its logarithm,
-evenly in the sun's elevation, and colour in a shorter while, linearly.
+At the horizon below the sun the model's last sky is several times as bright as the computed one;
+in thick haze over dark ground its far horizon is black. A weighted sum would keep the first too
+long and brighten the second at once. So the logarithm of luminance is interpolated, linearly in
+the sun's elevation, and colour over a shorter range, linearly.
 """
 
 import numpy as np
@@ -13,14 +13,14 @@ from dynamic_skylight.twilight_table import MAP_SHAPE, luminous_irradiance, sin_
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import FloatArray
 
-# Geometric elevations: where Hosek's own sky begins to hand over, where nothing of its luminance
-# is left, and where nothing of its colour.
+# Geometric elevations where the blend begins, and where the model's luminance and colour have
+# vanished.
 BLEND_DEG = 0.5
 BLEND_ENDS_DEG = -2.5
 COLOUR_ENDS_DEG = -1.5
-# Share of each end of the way in which the change of luminance sets in and dies away.
+# Share of the blend at each end over which the change of luminance sets in and fades.
 _ROUNDED = 0.12
-# A black direction of the model counts as so much of the twilight's luminance.
+# Lower bound of the model's luminance in the blend, relative to twilight's.
 _DARKEST = 0.05
 
 
@@ -41,12 +41,12 @@ def model_on_map(
 def blend(
     model: FloatArray, twilight: FloatArray, level: float, geometric_deg: float
 ) -> FloatArray:
-    """What to add in each direction, and before that what to multiply the model with: (V, A, 4).
+    """A map (V, A, 4): the radiance to add (3), and the factor of the model before that (1).
 
-    Where the model is as on the map, the result has the luminous irradiance `level`.
+    Applied to `model`, the result has the luminous irradiance `level`.
 
     Args:
-        model: radiance (V, A, 3) of Hosek's last sky.
+        model: radiance (V, A, 3) of the model's last sky.
         twilight: (V, A, 3), of one unit of luminous irradiance.
         level: luminous irradiance on level ground, CIE Y in W m^-2.
         geometric_deg: the sun's elevation.
@@ -65,7 +65,7 @@ def blend(
 def luminance_share(geometric_deg: float) -> float:
     """Exponent of the model's luminance: 1 at the blend, 0 from -2.5 deg down.
 
-    Linear, but for parabolas at both ends that take its kinks away.
+    Linear, with parabolas at both ends that round its kinks.
     """
     x = _position(geometric_deg, BLEND_ENDS_DEG)
     near_end = min(x, 1.0 - x, _ROUNDED)

@@ -1,4 +1,4 @@
-"""How bright the ground is while the sun is low or down: a published curve, no sky."""
+"""Illuminance of level ground under a low or set sun: a published curve."""
 
 from itertools import pairwise
 
@@ -21,10 +21,10 @@ NIGHT_BEGINS_DEG = -18.0
 
 
 def illuminance_lx(elevation_deg: ArrayLike) -> FloatArray:
-    """Illuminance (...,) on level ground, lux, of sun and sky, for a sun from -18 to 20 deg.
+    """Illuminance (...,) of level ground by sun and sky, lux, for a sun from -18 to 20 deg.
 
-    As published, but for the small steps (up to 1 %) where pieces meet: each is scaled to meet
-    the next, and the one that holds the horizon is left as it is. Held outside the range.
+    Outside this range the values at its ends hold. As published, except for steps of up to 1 %
+    between pieces: each piece is scaled to meet the next, starting from the one at the horizon.
     """
     (top, day), (upper_of_horizon, horizon) = _PIECES[:2]
     e = np.clip(np.asarray(elevation_deg, dtype=float), NIGHT_BEGINS_DEG, top)

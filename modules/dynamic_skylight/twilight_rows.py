@@ -1,7 +1,7 @@
-"""Twilight's map of directions laid onto a cube map, in single precision.
+"""Adds twilight's map of directions to a cube map, in single precision.
 
-Two square roots and a division give a texel its coordinates in the map; the rest is a bilinear
-look-up of four numbers, which fill a register. Importing this module imports numba.
+Two square roots and a division give a texel's coordinates in the map; a bilinear look-up of four
+numbers follows. Importing this module imports numba.
 """
 
 import math
@@ -27,11 +27,11 @@ _COMPILE: dict[str, Any] = {
 def lay_over(
     cube: Float32Array, faces: tuple[int, ...], directions: FloatArray, sun_azimuth_rad: float
 ) -> None:
-    """Put a map of directions (V, A, 4) over what a cube map (6, n, n, 3) has above the horizon.
+    """Apply a map of directions (V, A, 4) to a cube map (6, n, n, 3) above the horizon.
 
-    Each texel is multiplied by the map's last number and receives the first three. The map's
-    coordinates are those of `twilight_table`; the azimuth is the world's (from -Z, clockwise
-    seen from above).
+    Each texel is multiplied by the map's fourth number, then the first three are added. The map
+    has the coordinates of `twilight_table`; the azimuth is the world's (from -Z, clockwise seen
+    from above).
     """
     size = cube.shape[1]
     centres = texel_centres(size).astype(np.float32)
@@ -52,7 +52,7 @@ def _lay_over_face(face, axes, centres, directions, sun):  # type: ignore[no-unt
 
 @njit(**_COMPILE)
 def _find_places(places, axes, centres, t, shape, sun):  # type: ignore[no-untyped-def]
-    """The coordinates of a row of texels, counted in the map's nodes; this loop vectorises."""
+    """The coordinates of a row of texels, in units of the map's nodes; this loop vectorises."""
     last_v, last_a = np.float32(shape[0] - 1), np.float32(shape[1] - 1)
     x0, y0, z0 = (
         axes[0, 0] + t * axes[2, 0],
@@ -69,7 +69,7 @@ def _find_places(places, axes, centres, t, shape, sun):  # type: ignore[no-untyp
         length = math.sqrt(level + y * y)
         from_zenith = level / (length * (length + y))
         of_v[j] = math.sqrt((y / length) / (_ONE + math.sqrt(from_zenith))) * last_v
-        # Half the chord between the level directions is the sine of half the azimuth.
+        # Half the chord between horizontal unit vectors is the sine of half the azimuth.
         scale = _ONE / math.sqrt(max(level, _SMALLEST))
         along, across = x * scale - sun[0], z * scale - sun[1]
         of_a[j] = _HALF * math.sqrt(along * along + across * across) * last_a

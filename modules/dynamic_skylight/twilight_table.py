@@ -1,16 +1,16 @@
-"""Where the light of twilight stands in the sky: a table of solved multiple scattering.
+"""The distribution of twilight over the sky: a table of solved multiple scattering.
 
 The table (`data/twilight.npz`, made by tools/twilight_fit) holds the logarithm of the sky's
 radiance over the illuminance on level ground, for seven turbidities from 1 to 10, suns from 2 to
--13 deg and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions,
-in which a look-up is bilinear: so few numbers that a shader can have them as a small texture.
+-13 deg and a grid of directions. For one hour it is interpolated to a map of 64 x 32 directions
+for bilinear look-up, small enough to be a shader's texture.
 
 Directions have the coordinates v and a, both in [0, 1]:
 
-* v = sqrt(1 - sqrt(1 - z)) with z the sine of the elevation: its steps are fine at the horizon,
-  where the sky changes fastest, and even in angle at the zenith, where the azimuth ends.
-* a = sin(azimuth / 2), the azimuth from the sun's: a sky that is even about the plane of the sun
-  is smooth in it at both ends.
+* v = sqrt(1 - sqrt(1 - z)) with z the sine of the elevation: steps are fine at the horizon, where
+  the sky changes fastest, and uniform in angle at the zenith.
+* a = sin(azimuth / 2), the azimuth from the sun's: a sky that is symmetric about the sun's plane is
+  smooth in a at both ends.
 """
 
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class TwilightTable:
     Attributes:
         log_shape: ln of radiance over illuminance (T, S, V, A, 3), illuminance as CIE Y.
         turbidity: (T,), rising.
-        first_sun_deg, sun_step_deg: elevations of the S suns, falling by even steps.
+        first_sun_deg, sun_step_deg: elevations of the S suns, in uniform steps downwards.
     """
 
     log_shape: FloatArray
@@ -46,8 +46,8 @@ class TwilightTable:
     def directions(self, turbidity: float, sun_deg: float) -> FloatArray:
         """Radiance per luminous irradiance (64, 32, 3) on the map's v and a, in sr^-1.
 
-        The logarithm is linear in that of turbidity between the table's; beyond them, and for
-        suns outside the table's, the sky of its ends is held.
+        The logarithm is linear in the logarithm of turbidity. Beyond the table's turbidities and
+        suns, the values at its ends hold.
         """
         suns = self.log_shape.shape[1]
         position = (self.first_sun_deg - sun_deg) / self.sun_step_deg
@@ -73,7 +73,7 @@ class TwilightTable:
 
 @lru_cache(maxsize=1)
 def twilight_table() -> TwilightTable:
-    """The table that the package carries."""
+    """The packaged table."""
     data = packaged_arrays("twilight.npz")
     sun = data["sun_deg"]
     return TwilightTable(
@@ -85,7 +85,7 @@ def twilight_table() -> TwilightTable:
 
 
 def elevation_coordinate(sin_elevation: ArrayLike) -> FloatArray:
-    """v (...,) of the sine of an elevation; written so that nothing cancels at the horizon."""
+    """v (...,) of the sine of an elevation, without cancellation at the horizon."""
     z = np.clip(np.asarray(sin_elevation, dtype=float), 0.0, 1.0)
     return np.asarray(np.sqrt(z / (1.0 + np.sqrt(1.0 - z))))
 
@@ -120,10 +120,10 @@ def luminous_irradiance(directions: FloatArray) -> float:
 
 
 def cubic_weights(position: FloatArray, count: int) -> FloatArray:
-    """Weights (n, count) of evenly spaced nodes at positions (n,), counted in nodes.
+    """Weights (n, count) of evenly spaced nodes at positions (n,), in units of nodes.
 
-    Catmull and Rom 1974: through the nodes, once differentiable, linear where they are; held
-    beyond the ends.
+    Catmull and Rom 1974: interpolates the nodes, has a continuous derivative, reproduces linear
+    functions; beyond the ends the end values hold.
     """
     x = np.clip(position, 0.0, count - 1.0)
     i = np.minimum(x.astype(int), count - 2)
@@ -134,7 +134,7 @@ def cubic_weights(position: FloatArray, count: int) -> FloatArray:
         0.5 * t + 2.0 * t**2 - 1.5 * t**3,
         -0.5 * t**2 + 0.5 * t**3,
     ]
-    # One node more on either side, each on the line through the two next to it.
+    # One more node on either side, extrapolated linearly from the two next to it.
     padded = np.zeros((x.size, count + 2))
     for offset, weight in enumerate(weights):
         padded[np.arange(x.size), i + offset] += weight
@@ -147,7 +147,7 @@ def cubic_weights(position: FloatArray, count: int) -> FloatArray:
 
 
 def _cell(x: FloatArray, count: int) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Where in its cell a coordinate stands, and the cell's first node."""
+    """The position (...,) of a coordinate within its cell, and the cell's first node."""
     scaled = x * (count - 1)
     i = np.clip(scaled.astype(np.intp), 0, count - 2)
     return scaled - i, i
@@ -155,16 +155,16 @@ def _cell(x: FloatArray, count: int) -> tuple[FloatArray, NDArray[np.intp]]:
 
 @lru_cache(maxsize=4)
 def _refining(count: int, fine: int) -> FloatArray:
-    """Matrix (fine, count) from nodes to finer nodes with the same ends."""
+    """Matrix (fine, count) that interpolates nodes to finer nodes with the same ends."""
     return cubic_weights(np.linspace(0.0, count - 1.0, fine), count)
 
 
 @lru_cache(maxsize=2)
 def _irradiance_weights(rows: int, columns: int) -> FloatArray:
-    """What each node (V, A) of a bilinear map adds to the irradiance on level ground, in sr.
+    """Weight (V, A) of each node of a bilinear map in the irradiance of level ground, in sr.
 
     The integral of z dz over v, with dz = 4 v (1 - v^2) dv, and of azimuth over a, both by the
-    midpoint rule; even about the sun's plane.
+    midpoint rule, for a sky that is symmetric about the sun's plane.
     """
     middle = (np.arange(_QUADRATURE) + 0.5) / _QUADRATURE
     edges = sin_elevation_of(np.arange(_QUADRATURE + 1) / _QUADRATURE)
@@ -176,7 +176,7 @@ def _irradiance_weights(rows: int, columns: int) -> FloatArray:
 
 
 def _spread(x: FloatArray, weight: FloatArray, count: int) -> FloatArray:
-    """Weights at coordinates (n,) handed to the nodes (count,) of a linear interpolation."""
+    """Distribute weights at coordinates (n,) to the nodes (count,) of a linear interpolation."""
     part, i = _cell(x, count)
     out = np.zeros(count)
     np.add.at(out, i, weight * (1.0 - part))

@@ -1,4 +1,4 @@
-"""Arrays by digest: what was sent or received last, and bytes from outside made arrays."""
+"""Stores the arrays sent or received last, by digest, and decodes received arrays."""
 
 import math
 import re
@@ -18,7 +18,7 @@ _DTYPE = re.compile(r"[<|][biuf][1248]")
 
 
 class ArrayStore:
-    """The last arrays by digest, at most `max_bytes` and 32 of them; from any thread."""
+    """The last arrays by digest, at most 32 and `max_bytes`; for any thread."""
 
     def __init__(self, max_bytes: int):
         self._max_bytes = max_bytes
@@ -27,8 +27,8 @@ class ArrayStore:
         self._lock = threading.Lock()
 
     def keep(self, array: Array) -> None:
-        """Keep an array, as the latest; those that were longest not asked for give way."""
-        digest = array.digest  # Computed here, without the lock.
+        """Store an array; the least recently used ones are dropped."""
+        digest = array.digest  # May take long: computed before the lock is taken.
         with self._lock:
             if digest not in self._arrays:
                 self._arrays[digest] = array
@@ -41,7 +41,7 @@ class ArrayStore:
                 self._bytes -= oldest.values.nbytes
 
     def find(self, digest: str) -> Array | None:
-        """The array of this content, or None."""
+        """The array with this digest, or None."""
         with self._lock:
             array = self._arrays.get(digest)
             if array is not None:
@@ -53,10 +53,10 @@ class ArrayStore:
 
 
 def check_handle(handle: Handle, max_bytes: int) -> tuple[str, np.dtype[Any], tuple[int, ...]]:
-    """Digest, element type and shape of a handle from outside.
+    """Digest, element type and shape of a received handle.
 
     Raises:
-        UserError: one of them is not as it must be, or the array is too large.
+        UserError: one of them is invalid, or the array is too large.
     """
     digest, dtype, shape = (handle.get(name) for name in ("$array", "dtype", "shape"))
     if not (isinstance(digest, str) and _DIGEST.fullmatch(digest)):
@@ -69,17 +69,17 @@ def check_handle(handle: Handle, max_bytes: int) -> tuple[str, np.dtype[Any], tu
         element = np.dtype(dtype)
     except TypeError:
         raise UserError(f"an array's element type is {dtype}, which there is not") from None
-    # Python's integers: a product that overflows would look small.
+    # With Python's integers, because an overflowing product would look small.
     if len(shape) > 8 or math.prod(shape) * element.itemsize > max_bytes:
         raise UserError(f"an array is larger than {max_bytes} bytes: raise max_array_mib")
     return digest, element, tuple(shape)
 
 
 def unpacked(data: bytes, handle: Handle, max_bytes: int) -> Array:
-    """The array of a handle from its bytes, its content compared with its digest.
+    """Decode an array from its bytes and compare its digest with the handle's.
 
     Raises:
-        UserError: the bytes are not those of the handle.
+        UserError: size or digest differ.
     """
     digest, dtype, shape = check_handle(handle, max_bytes)
     if len(data) != math.prod(shape) * dtype.itemsize:

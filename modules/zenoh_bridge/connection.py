@@ -1,8 +1,8 @@
-"""One joining of processes: from its opening to its close, all of it off the kernel's thread.
+"""One connection to other processes, from opening to close, all of it off the kernel's thread.
 
-The sender's thread opens the session, says what is said here, answers for arrays and shows
-what is wanted here. The reader's thread fetches the arrays of what came in and injects it.
-Both keep only the latest of each type, so that a slow line falls behind in number alone.
+The sender's thread opens the session, sends messages, serves arrays and publishes this process's
+demands. The reader's thread fetches the arrays of received messages and injects the messages. Both
+keep only the latest message of each type, so that a slow line skips messages.
 """
 
 import atexit
@@ -29,18 +29,18 @@ from zenoh_bridge.worker import Worker
 
 NAME = "zenoh_bridge"
 
-# Queries that may wait for their answer, and answers to one that are looked at.
+# Queries that may wait for an answer, and replies to one query that are examined.
 _MOST_QUERIES = 64
 _MOST_REPLIES = 4
-# Processes that are counted; a stranger could pretend to be any number.
+# Processes that are counted at most; a stranger could pretend to be any number.
 _MOST_PEERS = 1024
-# As many of the largest arrays are held for others to fetch.
+# Size of the array store, in units of the largest array.
 _STORE_IN_LARGEST = 4
 _CLOSE_TIMEOUT_S = 5.0
 
 
 class Connection:
-    """Joins other processes from `start` to `close`; what it learns it injects."""
+    """A connection to other processes from `start` to `close`; it injects what it receives."""
 
     def __init__(self, plan: Plan, inject: Callable[[Input], None]):
         self._plan = plan
@@ -54,7 +54,7 @@ class Connection:
         self._presence: Any = None  # A token lives as long as its object.
         self._peers: set[str] = set()
         self._serial = itertools.count()
-        # Held from looking what is wanted to saying so: the last that is said is true.
+        # Held while a demand is read and injected, so that the last one injected is current.
         self._telling = threading.Lock()
         self._shared = {kind.__name__ for kind in plan.share}
         self.states = Paced(self._inject)
@@ -65,13 +65,13 @@ class Connection:
     # --- from the kernel's thread ----------------------------------------------------
 
     def start(self) -> None:
-        """Open in the background; an endpoint that was just let go is waited for."""
+        """Open in the background; waits for an endpoint that has just been released."""
         atexit.register(self.close_now)
         self._reader.start()
         self._sender.start()
 
     def say(self, message: Derived) -> bool:
-        """Send a message to whoever wants it; false if nobody does, or if it is not shared."""
+        """Send a message; False if no process wants it, or if its type is not shared."""
         name = type(message).__name__
         if name not in self._shared:
             return False
@@ -86,21 +86,21 @@ class Connection:
         self._last.pop(type_name, None)
 
     def want(self, wishes: Wishes) -> None:
-        """Let the others know all that is wanted here."""
+        """Publish this process's demands."""
         self._sender.put("want", dict(wishes))
 
     def check(self, demand: Demand) -> None:
-        """Correct what this kernel takes for the others' demand: it may be of a former session."""
+        """Correct this kernel's record of the others' demand, which may be of an old session."""
         with self._telling:
             truth = self._demand(demand.message)
             if truth != demand:
                 self._inject(truth)
 
     def close(self) -> None:
-        """Inject no more of what comes in, and end in the background.
+        """Stop injecting, and end in the background.
 
-        Also called when a garbage collector finds that nobody needs the connection, on any
-        thread at any time: it sets flags, and takes no lock that its caller could hold.
+        The garbage collector may also call it, on any thread at any time, so it only sets flags
+        and takes no lock that its caller could hold.
         """
         self._closed = True
         self._sender.close()
@@ -126,7 +126,7 @@ class Connection:
             session.watch(f"{prefix}/peer/*", self._guarded(self._peer))
             self._presence = session.show(f"{prefix}/peer/{session.peer}")
         except BaseException as error:
-            self.states.put(BridgeState(sentence=_told(error), failed=True))
+            self.states.put(BridgeState(sentence=_one_line(error), failed=True))
             return
         self._tell_state()
 
@@ -169,7 +169,7 @@ class Connection:
         for key in self._tokens.keys() - keys:
             session.hide(self._tokens.pop(key))
 
-    # --- on Zenoh's threads: take note, and no more ----------------------------------
+    # --- on Zenoh's threads: only record what has arrived ----------------------------
 
     def _heard(self, key: str, data: bytes) -> None:
         name = key.rpartition("/")[2]
@@ -177,7 +177,7 @@ class Connection:
         self._reader.put(name, frame)
 
     def _asked(self, query: Any) -> None:
-        # A ring: of too many questions at a time the oldest get no answer.
+        # A ring: with too many queries at a time the oldest get no answer.
         self._sender.put(("query", next(self._serial) % _MOST_QUERIES), query)
 
     def _token(self, key: str, alive: bool) -> None:
@@ -239,7 +239,7 @@ class Connection:
         raise refusal
 
     def _demand(self, name: str) -> Demand:
-        """All that the others want of a type, as this bridge's own demand."""
+        """The other processes' merged demand for a type, with this bridge as its consumer."""
         merged = self._wants.wanted(name) if name in self._shared else None
         if merged is None:
             return Demand(consumer=NAME, message=name, size=0)
@@ -257,9 +257,9 @@ class Connection:
         self.states.put(BridgeState(sentence=f"{self._plan.place}: {joined}", peers=count))
 
     def _trouble(self, error: BaseException) -> None:
-        self.troubles.put(BridgeTrouble(sentence=_told(error)))
+        self.troubles.put(BridgeTrouble(sentence=_one_line(error)))
 
 
-def _told(error: BaseException) -> str:
-    """One line; a Rust library's panic is no `Exception`."""
+def _one_line(error: BaseException) -> str:
+    """An error as one line; a panic of a Rust library is not an `Exception`."""
     return " ".join(sentence_of(error).split())

@@ -1,4 +1,4 @@
-"""A message as bytes and back; nothing in a frame can run code, and its size is bounded."""
+"""Encodes messages as frames and decodes them; a frame is bounded and cannot run code."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,14 +16,14 @@ from zenoh_bridge.inputs import RemoteMessage
 from zenoh_bridge.shareable import revive, texture_in
 
 VERSION = 1
-# More than any shareable message holds: the air has two. A forged one could ask for many.
+# A forged message could name many arrays; the most in a genuine one are the air's two.
 _MOST_ARRAYS = 4
 
 FetchArray = Callable[[Handle], Array]
 
 
 class Frame(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What goes over the wire as JSON; `message` is the plain form of codec.to_plain."""
+    """The JSON that is sent; `message` is the plain form of codec.to_plain."""
 
     version: int
     type_name: str
@@ -34,7 +34,7 @@ def encode_frame(message: Derived, max_bytes: int) -> bytes:
     """A message as a frame, its arrays by digest.
 
     Raises:
-        UserError: it is too large, or holds what lives on a GPU.
+        UserError: it is too large, or holds a GPU texture.
     """
     name = type(message).__name__
     if texture_in(message):
@@ -46,11 +46,11 @@ def encode_frame(message: Derived, max_bytes: int) -> bytes:
 
 
 def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) -> Frame:
-    """The frame in these bytes, all of it checked but for the arrays, which it only names.
+    """Decode and check a frame, except for the content of its arrays, which it only names.
 
     Raises:
         UserError: the frame is too large, damaged, of another version or type than
-            `type_name`, or its content is not as it must be.
+            `type_name`, or has invalid fields.
     """
     with _refusing(type_name):
         if len(data) > max_message:
@@ -65,10 +65,10 @@ def read_frame(data: bytes, type_name: str, max_message: int, max_array: int) ->
 
 
 def remote_message(frame: Frame, fetch: FetchArray) -> RemoteMessage:
-    """The input that a frame stands for, with its arrays.
+    """The input for a frame, with its arrays fetched.
 
     Raises:
-        UserError: an array cannot be had, does not fit, or holds what nobody can draw with.
+        UserError: an array cannot be fetched, does not fit, or holds unusable values.
     """
     with _refusing(frame.type_name):
         fields = from_plain(frame.message, fetch)
@@ -78,18 +78,18 @@ def remote_message(frame: Frame, fetch: FetchArray) -> RemoteMessage:
 
 @contextmanager
 def _refusing(type_name: str) -> Iterator[None]:
-    """Tell whatever a stranger's frame leads to in one clear line."""
+    """Turn any error from a received frame into a UserError of one clear line."""
     try:
         yield
     except (UserError, msgspec.MsgspecError, ValueError, RecursionError) as error:
         text = str(error) or type(error).__name__
-        # Part of it may be the stranger's.
+        # Parts of the text may come from the frame.
         clear = "".join(c if c.isprintable() else "?" for c in text)[:300]
         raise UserError(f"a frame of {type_name} was refused: {clear}") from None
 
 
 class _Dummies:
-    """Stands in for fetching: arrays of the promised shape that take no memory."""
+    """Replaces fetching: arrays of the declared shape that take no memory."""
 
     def __init__(self, max_array: int):
         self._max_array = max_array

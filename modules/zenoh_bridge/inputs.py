@@ -1,4 +1,4 @@
-"""What the bridge brings from outside: all that it learns there enters its kernel as an input."""
+"""The inputs that the bridge injects for everything that it receives."""
 
 from typing import Any, ClassVar, Self
 
@@ -6,9 +6,9 @@ from vrut_lite.kernel.messages import Input
 
 
 class RemoteMessage(Input, frozen=True, kw_only=True):
-    """Another process said a message of this type; the latest of each type counts.
+    """A message from another process; the latest of each type counts.
 
-    `fields` are those of the message in plain form, with arrays in place of their handles.
+    `fields` are the message's fields in plain form, with arrays in place of their handles.
     """
 
     by_stranger: ClassVar[bool] = True
@@ -22,18 +22,18 @@ class RemoteMessage(Input, frozen=True, kw_only=True):
 
 
 class BridgeState(Input, frozen=True, kw_only=True):
-    """How the bridge stands, in one sentence; `failed` if the user has to mend something."""
+    """The bridge's state in one sentence; `failed` if the user must correct something."""
 
     sentence: str
     peers: int = 0
     failed: bool = False
 
     def key(self) -> None:
-        """Every change is told, and none again to a bridge that starts anew."""
+        """No key: every change counts, and none is repeated to a restarted bridge."""
 
 
 class BridgeTrouble(Input, frozen=True, kw_only=True):
-    """So many frames or arrays were refused or could not be had; why the last of them was."""
+    """`count` frames or arrays were refused or could not be fetched; the last one's reason."""
 
     by_stranger: ClassVar[bool] = True
 
@@ -41,8 +41,8 @@ class BridgeTrouble(Input, frozen=True, kw_only=True):
     count: int = 1
 
     def key(self) -> None:
-        """Every one is counted, and none again by a bridge that starts anew."""
+        """No key: every refusal counts, and none is repeated to a restarted bridge."""
 
     def merged(self, older: Self) -> Self:
-        """The later sentence, and both counts."""
+        """The later sentence, and the sum of the counts."""
         return type(self)(sentence=self.sentence, count=self.count + older.count)

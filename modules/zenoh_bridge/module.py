@@ -1,10 +1,10 @@
-"""The bridge on the bus: what is said here goes out, what is said elsewhere comes in.
+"""The module `zenoh_bridge`: sends messages to other processes and posts what they send.
 
-It may hold the slots `sun` and `sky`: then the products of another process are said here, and
-what is wanted of them here is wanted there. Without a slot it keeps the latest that came in.
+It may hold the slots `sun` and `sky`. Then it posts another process's messages here and demands
+there what is demanded here. Without a slot it keeps the latest message of each type.
 
-All that it learns from outside enters as an input: with a journal of these inputs it says the
-same again, joined to nobody.
+All that it receives enters as an input, so that a replay of a journal with these inputs posts the
+same messages without a connection.
 """
 
 import weakref
@@ -45,17 +45,17 @@ def _handles_all(kinds: tuple[type[Derived], ...]) -> Callable[[Handler], Handle
 
 
 class ZenohBridge(Module):
-    """Joins kernels of several processes.
+    """Connects kernels of several processes.
 
-    `inject` brings inputs into this kernel, from any thread; without it (in a replay, say) the
-    bridge joins nobody and only says what its inputs tell. `state` is one sentence.
+    `inject` puts inputs into this kernel, from any thread; without it (as in a replay) the bridge
+    does not connect and only posts what its inputs contain. `state` is one sentence.
 
-    The ledger counts, by message type, what was sent ("... sent"), what came in and was said
-    here (its name), and what was skipped: unwanted there, without slot here, not accepted.
-    "bridge trouble" counts frames and arrays that were refused or could not be had.
+    The ledger counts, by message type, messages sent ("... sent"), messages received and posted
+    (the type's name), and messages skipped: unwanted there, without slot here, not accepted.
+    "bridge trouble" counts frames and arrays that were refused or could not be fetched.
     """
 
-    # It has nothing to say unless somebody is connected: it holds a slot only when chosen.
+    # Without a connection it has nothing to post, so it holds a slot only when chosen.
     manifest = Manifest(
         name=NAME,
         title="Bridge (Zenoh)",
@@ -86,13 +86,13 @@ class ZenohBridge(Module):
         self._join()
 
     def settings_changed(self, name: str) -> None:
-        """Whatever changed, the session is made anew."""
+        """Any change opens a new session."""
         self._join()
 
     # --- joining and leaving ---------------------------------------------------------
 
     def _join(self) -> None:
-        """Leave, and join as the settings say; what is amiss comes back as a BridgeState."""
+        """Close the session, and open one as the settings say; errors return as a BridgeState."""
         if self._connection is not None:
             self._connection.close()
             self._connection = None
@@ -112,7 +112,7 @@ class ZenohBridge(Module):
             self._inject(BridgeState(sentence=str(error), failed=True))
             return
         self._connection = Connection(plan, self._inject)
-        # An instance that the kernel drops is told nothing: its end is that of the session.
+        # The kernel does not notify an instance that it drops: its end must close the session.
         weakref.finalize(self, self._connection.close)
         self._connection.start()
         for kind in SHAREABLE:
@@ -123,10 +123,10 @@ class ZenohBridge(Module):
 
     @handles(BridgeState)
     def state_changed(self, message: BridgeState) -> None:
-        """How the bridge stands.
+        """Update the bridge's state.
 
         Raises:
-            UserError: it could not be opened.
+            UserError: the bridge could not be opened.
         """
         if not self.settings.enabled:
             return
@@ -138,7 +138,7 @@ class ZenohBridge(Module):
 
     @handles(BridgeTrouble)
     def trouble(self, message: BridgeTrouble) -> None:
-        """Count what was refused, and tell it.
+        """Count refusals, and publish the latest as a fault.
 
         Raises:
             UserError: always.
@@ -153,7 +153,7 @@ class ZenohBridge(Module):
 
     @_handles_all(SHAREABLE)
     def said(self, message: Derived) -> None:
-        """Something was said here: send it, unless it came over the bridge."""
+        """Send a message that was posted here, unless it came over the bridge."""
         if self._connection is None or message is self._relayed.get(type(message)):
             return
         name = type(message).__name__
@@ -166,7 +166,7 @@ class ZenohBridge(Module):
 
     @handles(RemoteMessage)
     def came_in(self, remote: RemoteMessage) -> None:
-        """Say here what was said elsewhere, or keep it until this module holds the slot."""
+        """Post a received message, or keep it until this module holds the slot."""
         accepted = {kind.__name__ for kind in types_named(self.settings.accept, "accept")}
         if not self.settings.enabled or remote.type_name not in accepted:
             self.ledger.skip(f"{remote.type_name} not accepted")
@@ -177,7 +177,7 @@ class ZenohBridge(Module):
 
     @handles(SlotChanged)
     def slot_changed(self, change: SlotChanged) -> None:
-        """Say the latest of a slot that this module now holds; want nothing of one it lost."""
+        """Post the latest messages of a slot gained; withdraw the demand for a slot lost."""
         of_slot = [kind for kind in SHAREABLE if kind.slot == change.name]
         if self._connection is not None:
             for kind in of_slot:
@@ -200,17 +200,17 @@ class ZenohBridge(Module):
 
     @handles(Demand)
     def demanded(self, demand: Demand) -> None:
-        """Someone wants something, or no longer: here, or there, which is the bridge's own."""
+        """Demand has changed: in this process, or, with this module as consumer, in others."""
         if demand.consumer == NAME:
             self._theirs[demand.message] = demand
             self._check(demand)
-        # The kernel has told the one who asked for an encoding that there is not.
+        # The kernel has already refused demands for unknown encodings.
         elif demand.encoding in get_args(Encoding):
             self._demands[demand.message, demand.consumer] = demand
             self._tell_wishes()
 
     def _check(self, theirs: Demand) -> None:
-        """Take back what a session that is closed has left."""
+        """Withdraw demands that a closed session has left behind."""
         if self._connection is not None:
             self._connection.check(theirs)
         elif self._inject is not None and theirs.size != 0:
@@ -220,7 +220,7 @@ class ZenohBridge(Module):
     @handles(RestartModule)
     @handles(Fault)
     def modules_changed(self, _message: Any) -> None:
-        """A module may have started or stopped, and its demands with it."""
+        """Demands may have changed, because a module has started or stopped."""
         self._tell_wishes()
 
     def _tell_wishes(self) -> None:
@@ -234,7 +234,7 @@ class ZenohBridge(Module):
         self._connection.want(wishes)
 
     def _local_wish(self, kind: type[Derived]) -> Demand | None:
-        """The demand of this process alone, for what only another can make."""
+        """This process's own demand for a type that another process must produce."""
         merged = self.link.wanted(kind)
         if merged is None or (kind.slot is not None and not self.link.holds(kind.slot)):
             return None

@@ -1,4 +1,4 @@
-"""Inputs at the pace at which they are heard."""
+"""Limits injected inputs of one type to one at a time."""
 
 import threading
 from collections.abc import Callable
@@ -8,10 +8,9 @@ from vrut_lite.kernel.messages import Input
 
 
 class Paced:
-    """Tells inputs of one type, one at a time; while one waits, its successors merge.
+    """Injects inputs of one type, one at a time; while one waits, later ones are merged.
 
-    A stranger who sends rubbish or comes and goes without end fills no memory, and no count is
-    lost.
+    So endless junk, or endless connecting, fills no memory, and counts stay right.
     """
 
     def __init__(self, tell: Callable[[Input], None]):
@@ -21,13 +20,13 @@ class Paced:
         self._lock = threading.Lock()
 
     def put(self, message: Input) -> None:
-        """Tell this, now or merged into what is told next; from any thread."""
+        """Inject an input, now or merged into the next one; from any thread."""
         with self._lock:
             self._next = message if self._next is None else message.merged(self._next)
             self._flush()
 
     def heard(self) -> None:
-        """What was told last was heard: tell what has come since."""
+        """The last input was handled: inject what has arrived since."""
         with self._lock:
             self._waiting = False
             self._flush()

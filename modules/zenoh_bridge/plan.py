@@ -1,4 +1,4 @@
-"""From settings to how a Zenoh session is to be opened, with all that is refused."""
+"""Checks the settings and turns them into the configuration of a Zenoh session."""
 
 import ipaddress
 import re
@@ -15,13 +15,13 @@ _ENDPOINT = re.compile(r"(tcp|tls)/(?:\[([0-9a-fA-F:]+)\]|([\w.-]+)):(\d{1,5})")
 _PREFIX = re.compile(r"\w[\w-]*(/\w[\w-]*)*")
 # A frame's envelope, in bytes, beyond the array that it carries.
 _ENVELOPE = 2**16
-# For so long an endpoint may still be held by the session that this one follows.
+# The previous session may hold the endpoint for this long.
 _LISTEN_TIMEOUT_MS = 2000
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A session to be: keys below `prefix`, sizes in bytes, and Zenoh's own configuration."""
+    """A session to open: keys below `prefix`, sizes in bytes, and Zenoh's configuration."""
 
     prefix: str
     share: tuple[type[Derived], ...]
@@ -33,11 +33,11 @@ class Plan:
 
 
 def plan_of(settings: ZenohBridgeSettings) -> Plan:
-    """How to open a session with these settings.
+    """The session for these settings.
 
     Raises:
-        UserError: the endpoint is not understood or not allowed, TLS is incomplete, a
-            message type cannot cross, or the prefix is no key.
+        UserError: the endpoint is malformed or not allowed, TLS is incomplete, a message type
+            cannot cross, or the prefix is not a key.
     """
     protocol = _check_endpoint(settings)
     if not _PREFIX.fullmatch(settings.prefix):
@@ -59,7 +59,7 @@ def plan_of(settings: ZenohBridgeSettings) -> Plan:
 
 
 def _check_endpoint(settings: ZenohBridgeSettings) -> str:
-    """The protocol of an endpoint that is allowed."""
+    """The endpoint's protocol; UserError if the endpoint is not allowed."""
     found = _ENDPOINT.fullmatch(settings.endpoint)
     if found is None or not 0 < int(found[4]) < 2**16:
         raise UserError(
@@ -100,9 +100,9 @@ def _is_loopback(host: str) -> bool:
 
 
 def _config(settings: ZenohBridgeSettings, protocol: str, max_size: int) -> dict[str, Any]:
-    """Zenoh's configuration: this one endpoint, and no other way in or out.
+    """Zenoh's configuration: this one endpoint and no other.
 
-    Nothing is searched for by multicast or gossip, nothing loaded, no memory shared.
+    Multicast, gossip, plugins and shared memory are off.
     """
     listens = settings.mode == "listen"
     config: dict[str, Any] = {

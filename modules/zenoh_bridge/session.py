@@ -1,7 +1,7 @@
-"""The only place that touches eclipse-zenoh: a session with what the bridge needs of it.
+"""A Zenoh session, with the operations that the bridge needs; the only use of eclipse-zenoh.
 
-Callbacks run on Zenoh's own threads (`indirect=False`): its threads for callbacks would keep
-a program from ending. So whoever gives a callback only takes note in it.
+Callbacks run on Zenoh's own threads (`indirect=False`), because its separate callback threads
+would keep a program from ending. So callbacks must be short.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ OnQuery = Callable[[Any], None]
 
 
 class Session:
-    """An open Zenoh session that says nothing to itself.
+    """An open Zenoh session that does not receive its own messages.
 
     Raises:
         UserError: eclipse-zenoh is not installed, or the session cannot be opened.
@@ -45,7 +45,7 @@ class Session:
         self._kept: list[Any] = []
 
     def put(self, key: str, data: bytes) -> None:
-        """Send to all who listen elsewhere; waits while the line is full."""
+        """Send to all other listeners; blocks while the line is full."""
         self._session.put(
             key,
             data,
@@ -54,7 +54,7 @@ class Session:
         )
 
     def listen(self, key: str, on_data: OnData) -> None:
-        """Hear what others say under a key."""
+        """Receive what others send under a key."""
 
         def take(sample: Any) -> None:
             on_data(str(sample.key_expr), sample.payload.to_bytes())
@@ -66,17 +66,17 @@ class Session:
         )
 
     def serve(self, key: str, on_query: OnQuery) -> None:
-        """Be asked for what lies under a key; see `answer`."""
+        """Receive queries for a key; see `answer`."""
         self._kept.append(self._session.declare_queryable(key, self._direct(on_query)))
 
     def answer(self, query: Any, data: bytes | None) -> None:
-        """Answer a query, or say that there is nothing."""
+        """Answer a query; None: there is no such array."""
         if data is not None:
             query.reply(query.key_expr, data)
         query.drop()
 
     def fetch(self, key: str) -> Iterator[bytes]:
-        """What others hold under a key, one after the other; empty if nobody answers in time."""
+        """The replies of others for a key, in order; empty if nobody replies in time."""
         replies = self._session.get(
             key,
             timeout=FETCH_TIMEOUT_S,
@@ -86,15 +86,15 @@ class Session:
         return (reply.ok.payload.to_bytes() for reply in replies if reply.ok is not None)
 
     def show(self, key: str) -> Any:
-        """Let others see a token of this key for as long as this process lives."""
+        """Declare a liveliness token, visible to others while this process lives."""
         return self._session.liveliness().declare_token(key)
 
     def hide(self, token: Any) -> None:
-        """Take a token back."""
+        """Withdraw a token."""
         token.undeclare()
 
     def watch(self, key: str, on_token: OnToken) -> None:
-        """See the tokens of others appear and go, those that are there already included."""
+        """Observe the tokens of others, including those that exist already."""
 
         def take(sample: Any) -> None:
             on_token(str(sample.key_expr), sample.kind == self._zenoh.SampleKind.PUT)

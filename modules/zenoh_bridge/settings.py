@@ -1,4 +1,4 @@
-"""What a person can set about the bridge."""
+"""The settings of the bridge."""
 
 from typing import Annotated, Literal
 
@@ -12,7 +12,7 @@ _PRODUCTS = ", ".join(kind.__name__ for kind in SLOT_PRODUCTS)
 
 
 class ZenohBridgeSettings(msgspec.Struct, frozen=True):
-    """The settings of the module; a change while it is enabled opens it anew."""
+    """The settings of the module; a change while it is enabled opens a new session."""
 
     enabled: Annotated[bool, setting("Join another process")] = False
     mode: Annotated[

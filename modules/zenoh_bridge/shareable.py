@@ -1,4 +1,4 @@
-"""Which messages can cross, and what must hold of one that a stranger sent."""
+"""The message types that can cross, and checks of received messages."""
 
 from typing import Any
 
@@ -13,17 +13,17 @@ from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import ClockMoved, Derived
 from vrut_lite.recording.codec import FindArray, decode, no_arrays
 
-# All that a slot's holder says, and what producers of light ask after.
+# The messages of slots, and the messages that producers of light need.
 SLOT_PRODUCTS: tuple[type[Derived], ...] = tuple(kind for kind in DERIVED if kind.slot is not None)
 SHAREABLE: tuple[type[Derived], ...] = (*SLOT_PRODUCTS, ClockMoved, SceneNeeds)
 BY_NAME = {kind.__name__: kind for kind in SHAREABLE}
 
 
 def types_named(names: str, setting: str) -> tuple[type[Derived], ...]:
-    """The message types of a comma list.
+    """The message types in a comma-separated list.
 
     Raises:
-        UserError: a name is not that of a type which can cross.
+        UserError: a name is not a type that can cross.
     """
     found = []
     for name in filter(None, (part.strip() for part in names.split(","))):
@@ -37,18 +37,18 @@ def types_named(names: str, setting: str) -> tuple[type[Derived], ...]:
 
 
 def revive(type_name: str, fields: Any, find_array: FindArray = no_arrays) -> Derived:
-    """A message from its type's name and its fields, checked for what consumers rely on.
+    """A message from its type's name and its fields, checked.
 
-    What its arrays hold is left to `Message.check_arrays`.
+    The content of its arrays is checked by `Message.check_arrays`.
 
     Raises:
-        UserError: the type cannot cross, or a field is missing, unknown or not as it must be.
+        UserError: the type cannot cross, or a field is missing, unknown or invalid.
     """
     if type_name not in BY_NAME:
         raise UserError(f"a message of type {type_name[:40]!r} cannot cross")
     message = decode(BY_NAME[type_name], fields, find_array)
     if isinstance(message, BackgroundChanged):
-        # A stranger's shader is not run; the cube map shows the same, less sharply.
+        # Foreign shaders are never run; the cube map shows the same sky, less sharply.
         message = msgspec.structs.replace(message, view=None)
     message.check()
     return message

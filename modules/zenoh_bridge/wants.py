@@ -1,7 +1,7 @@
-"""Demands as they cross: a key that lives as long as the process that wants something.
+"""Demands between processes, as Zenoh liveliness tokens.
 
-A demand is a Zenoh liveliness token `PREFIX/want/PEER/TYPE/SIZE/ENCODING`. Zenoh tells it to
-everyone who joins later, and withdraws it when its process ends, however that ends.
+A demand is a token `PREFIX/want/PEER/TYPE/SIZE/ENCODING`. Zenoh shows it to every process that
+joins later, and withdraws it when its process ends, however that ends.
 """
 
 import threading
@@ -20,7 +20,7 @@ from zenoh_bridge.shareable import BY_NAME
 Wishes = Mapping[str, tuple[int | None, str]]
 
 _ANY = "any"
-# One process has a token for each type; a stranger could declare them without end.
+# A process has one token for each type; a stranger could declare any number.
 _MOST_TOKENS = 1024
 # In letters; Zenoh's own identities have 32.
 LONGEST_PEER = 64
@@ -32,11 +32,11 @@ def token_key(prefix: str, peer: str, type_name: str, size: int | None, encoding
 
 
 def demand_of(key: str, max_array: int) -> Demand:
-    """The demand that a token's key stands for; its consumer is unique to the token.
+    """The demand in a token's key; its consumer is unique to the token.
 
     Raises:
-        UserError: the key is no token's, or wants what there is not, or what cannot cross since
-            it takes more than `max_array` bytes.
+        UserError: the key is malformed, names something that does not exist, or asks for more
+            than `max_array` bytes.
     """
     peer, type_name, size, encoding = [*key.rsplit("/", 4), "", "", "", ""][1:5]
     encodings = {name or _ANY: name for name in get_args(Encoding)}
@@ -70,7 +70,7 @@ def _cube_bytes(demand: Demand) -> int:
 
 
 class RemoteWants:
-    """What all processes on the other side want, merged by type; from any thread."""
+    """The demands of all other processes, merged by type; for any thread."""
 
     def __init__(self, max_array: int) -> None:
         self._max_array = max_array
@@ -83,10 +83,10 @@ class RemoteWants:
         return self._demands.merged.get(type_name)
 
     def note(self, key: str, alive: bool) -> str | None:
-        """Take in that a token appeared or went; the type whose demand changed by it, if one.
+        """Record that a token appeared or vanished; returns the type if its demand may change.
 
         Raises:
-            UserError: the token's key is not as it must be, or there are too many.
+            UserError: the token's key is invalid, or there are too many tokens.
         """
         demand = demand_of(key, self._max_array)
         with self._lock:

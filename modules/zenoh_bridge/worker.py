@@ -1,4 +1,4 @@
-"""A thread that does what comes in: the latest of each key, in the order it came."""
+"""A thread that handles items in order, of each key only the latest."""
 
 import threading
 from collections.abc import Callable, Hashable
@@ -8,9 +8,9 @@ from vrut_lite.mailbox import Mailbox
 
 
 class Worker:
-    """Calls `begin`, then `handle(key, item)` for what is put, and `end` when closed.
+    """Calls `begin`, then `handle(key, item)` for each item put, and `end` when closed.
 
-    None of them may raise. What waits when `close` is called is dropped.
+    None of them may raise. `close` drops waiting items.
     """
 
     def __init__(
@@ -27,15 +27,15 @@ class Worker:
         self._thread = threading.Thread(target=self._run, name=f"zenoh_bridge {name}", daemon=True)
 
     def start(self) -> None:
-        """Begin, on the worker's own thread."""
+        """Start the worker's thread."""
         self._thread.start()
 
     def put(self, key: Hashable, item: Any) -> None:
-        """Leave something to do, in place of what waits under the same key."""
+        """Add an item; it replaces a waiting item of the same key."""
         self._mailbox.put(key, item)
 
     def close(self) -> None:
-        """Do nothing more, and end; returns at once."""
+        """Stop; returns at once."""
         self._closing = True
         self._awake.set()
 

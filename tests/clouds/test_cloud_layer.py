@@ -1,4 +1,4 @@
-"""What a `CloudLayer` holds: as much cloud as was asked for, and optical depths on paper."""
+"""A `CloudLayer` has the requested coverage and analytic optical depths."""
 
 import numpy as np
 import pytest
@@ -24,14 +24,14 @@ UP = np.array([0.0, 1.0, 0.0])
 @pytest.mark.parametrize("coverage", [0.25, 0.5, 0.75])
 @pytest.mark.parametrize("seed", mostly_long([1, 6], (1).__eq__))
 def test_the_zenith_is_covered_as_asked(coverage, seed):
-    """Of columns thrown at random over a million square kilometres: within 3 % of the sky.
+    """The covered share of random columns over a million square kilometres: within 3 % of the sky.
 
-    Covered is what hides: an optical depth of a half. 2000 columns have a standard error of 1 %.
+    Covered means an optical depth above a half. 2000 columns have a standard error of 1 %.
     """
     layer = cloud_layer(CloudSettings(coverage=coverage, seed=seed))
     level = np.random.default_rng(seed).uniform(-5e5, 5e5, (2000, 2))
     heights = layer.base_m + (np.arange(40) + 0.5) / 40 * layer.thickness_m
-    # Each column under its own eye: altitudes count from there.
+    # Each column has its own eye above it, because altitudes depend on the eye.
     eyes = np.stack([level[:, 0], np.zeros(2000), level[:, 1]], axis=-1)[:, None]
     points = eyes + heights[:, None] * UP
     depths = density(layer, points, eyes).mean(axis=1)
@@ -40,7 +40,7 @@ def test_the_zenith_is_covered_as_asked(coverage, seed):
 
 
 def test_a_closed_layer_has_no_gaps():
-    """Coverage 1 must hide the sun everywhere: no column below an optical depth of 1."""
+    """Coverage 1 hides the sun everywhere: no column has an optical depth below 1."""
     layer = cloud_layer(CloudSettings(coverage=1.0))
     places = np.random.default_rng(0).uniform(-3e4, 3e4, (60, 2))
     shown = [sun_transmittance(layer, (x, 0.0, z), UP) for x, z in places]
@@ -50,7 +50,7 @@ def test_a_closed_layer_has_no_gaps():
 def test_a_slab_dims_by_its_optical_depth():
     """exp(-k d / mu): the slab's density is 1 but where it fades, 0.5 % below and 1 % above.
 
-    The fades are those of `envelope`, integrated on paper; the planet bends the path by 0.1 %.
+    The fades of `envelope` are integrated analytically; the planet's curvature adds 0.1 %.
     """
     layer = slab(extinction_per_m=1e-3, thickness_m=1000.0)
     top_fade = 0.03 - 5.0 / np.sqrt(0.75) * (2.0 / 3.0) * 0.03**1.5
@@ -62,7 +62,7 @@ def test_a_slab_dims_by_its_optical_depth():
 
 
 def test_depths_add_up():
-    """Two halves of a ray through real clouds are the whole: steps are fine enough, to 1 %."""
+    """Depths of two halves of a ray add up to the whole within 1 %: steps are fine enough."""
     layer = cloud_layer(CloudSettings(coverage=0.5))
     ray = np.array([0.8, 0.6, 0.0])
     start = ray * layer.base_m / 0.6
@@ -72,7 +72,7 @@ def test_depths_add_up():
 
 
 def test_altitude_is_that_over_the_sphere():
-    """sqrt(x^2 + (R + y)^2 + z^2) - R, without its cancellation: to a micrometre near the eye."""
+    """sqrt(x^2 + (R + y)^2 + z^2) - R, without cancellation: to a micrometre near the eye."""
     far = np.array([3e5, 2e3, -4e5])
     plain = np.linalg.norm(far + np.array([0.0, PLANET_RADIUS_M, 0.0])) - PLANET_RADIUS_M
     assert altitude_m(far, EYE) == pytest.approx(plain, abs=1e-6)
@@ -81,7 +81,7 @@ def test_altitude_is_that_over_the_sphere():
 
 @pytest.mark.parametrize("mu", [-0.02, 0.0, 0.3, 1.0])
 def test_distance_up_ends_at_the_altitude(mu):
-    """A point that far along the ray must have the altitude that was asked for."""
+    """The point at this distance along the ray has the given altitude."""
     ray = np.array([np.sqrt(1.0 - mu * mu), mu, 0.0])
     metres = distance_up_m(10.0, 1500.0, mu)
     assert altitude_m(np.array([0.0, 10.0, 0.0]) + metres * ray, EYE) == pytest.approx(1500.0)

@@ -1,4 +1,4 @@
-"""Clouds on a bus: nothing where there are none, the wind by the clock, and replays."""
+"""The module `clouds`: no work without clouds, drift by the clock, replays."""
 
 from datetime import UTC, datetime, timedelta
 
@@ -34,7 +34,7 @@ def kernel():
 
 @pytest.fixture
 def heard(kernel):
-    """All that is said of clouds."""
+    """All `CloudsChanged` messages."""
     said = []
     kernel.tap(lambda message, _: said.append(message) if type(message) is CloudsChanged else None)
     return said
@@ -51,7 +51,7 @@ def ledger(kernel):
 
 
 def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
-    """Off by default, and free: no message, no job, not even the import of compiled noise."""
+    """By default there is no message, no job and no import of compiled noise."""
     monkeypatch.setattr(clouds_module, "make_layer", None)
     tell(kernel, WANTED, SetClock(instant=NOON), SetClock(instant=NOON + timedelta(hours=1)))
     assert heard == []
@@ -59,8 +59,8 @@ def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
     assert ledger(kernel).skipped["clouds: no coverage"] >= 3
 
 
-def test_nobody_asks_nothing_is_made(kernel, heard):
-    """Clouds that nobody draws are not made."""
+def test_without_demand_nothing_is_made(kernel, heard):
+    """Without demand no layer is made."""
     tell(kernel, SetClock(instant=NOON), coverage_of(0.5))
     assert heard == []
     assert not ledger(kernel).done
@@ -68,8 +68,8 @@ def test_nobody_asks_nothing_is_made(kernel, heard):
     assert heard[-1].layer.coverage == 0.5
 
 
-def test_switched_off_they_go_once(kernel, heard):
-    """A layer that was said must be taken back, and once is enough."""
+def test_switching_off_removes_the_clouds_once(kernel, heard):
+    """A posted layer is withdrawn exactly once."""
     tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.3), coverage_of(0.0))
     assert [message.layer is None for message in heard] == [False, True]
     tell(kernel, SetClock(instant=NOON + timedelta(hours=1)))
@@ -101,8 +101,8 @@ def test_a_turned_world_turns_the_wind():
     np.testing.assert_allclose(drift_m(settings, 2.0, np.pi / 2), (0.0, -10.0), atol=1e-12)
 
 
-def test_half_a_metre_is_not_said(kernel, heard):
-    """Less than the noise can show: 0.04 s of 8 m/s."""
+def test_a_drift_below_half_a_metre_is_not_posted(kernel, heard):
+    """A drift below the noise's resolution, 0.04 s at 8 m/s, is not posted."""
     tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.3))
     tell(kernel, SetClock(instant=NOON + timedelta(milliseconds=40)))
     assert len(heard) == 1
@@ -110,7 +110,7 @@ def test_half_a_metre_is_not_said(kernel, heard):
 
 
 def test_a_recorded_session_replays(tmp_path):
-    """Settings dragged, the clock and the place moved: the same clouds, to the byte."""
+    """After changes of settings, clock and place the clouds are equal to the byte."""
     path = tmp_path / "clouds.mcap"
     turned = SetPlace(latitude_deg=50.0, longitude_deg=14.0, north_offset_rad=0.3)
     kernel = Kernel()

@@ -1,4 +1,4 @@
-"""The noise that clouds are made of: it repeats without a seam, and is the same for a seed."""
+"""The noise of clouds is periodic without a seam, and determined by its seed."""
 
 import numpy as np
 import pytest
@@ -15,14 +15,14 @@ places = st.lists(
 @settings(deadline=None, max_examples=30)
 @given(places, st.integers(1, 9), st.integers(0, 10**6), st.tuples(*[st.integers(-3, 3)] * 3))
 def test_noise_repeats(at, cells, seed, shift):
-    """A place and its neighbour a whole period away must be alike, or textures would show seams."""
+    """Places a whole period apart have equal noise, so that textures have no seams."""
     for noise in (perlin, worley):
         there = noise(at + np.array(shift, float), cells, seed)
         np.testing.assert_allclose(there, noise(at, cells, seed), atol=1e-9)
 
 
 def test_worley_is_the_nearest_point():
-    """1 - distance to the nearest of all points, counted by brute force over three periods."""
+    """1 - distance to the nearest point, compared with brute force over three periods."""
     from clouds.noise_kernels import feature_points
 
     cells, seed = 4, 7
@@ -35,14 +35,14 @@ def test_worley_is_the_nearest_point():
 
 
 def test_weather_is_spread_evenly():
-    """The threshold then is a share of the sky: of 65536 values each quarter holds a quarter."""
+    """Weather is uniformly distributed, so a threshold is a share of the sky."""
     values = weather_map(5, size=64)
     assert np.histogram(values, 4, (0, 65536))[0] == pytest.approx(64 * 64 / 4, rel=2e-3)
 
 
 @pytest.mark.parametrize("volume", [shape_volume, detail_volume, weather_map])
-def test_a_seed_is_a_sky(volume):
-    """The same number must give the same bytes, another number another sky."""
+def test_each_seed_gives_its_own_noise(volume):
+    """The same seed gives the same bytes, another seed others."""
     assert np.array_equal(volume(1, size=16), volume(1, size=16))
     assert not np.array_equal(volume(1, size=16), volume(2, size=16))
     assert volume(1, size=16).std() > 20

@@ -1,4 +1,4 @@
-"""What air takes from the channels, when it takes a single wavelength."""
+"""Transmittance of the channels for air that absorbs a single wavelength."""
 
 import numpy as np
 import pytest
@@ -10,8 +10,8 @@ SHARES = shares_of_white(SKYLIGHT_NM, solar_irradiance(SKYLIGHT_NM))
 
 
 @pytest.mark.parametrize("taken", np.eye(4)[:, None] * [[1e-9], [0.1], [0.9], [1.0]])
-def test_no_channel_gains(taken):
-    """A colour matrix has negative shares: a line of one wavelength would brighten a channel."""
+def test_a_single_absorbed_wavelength_brightens_no_channel(taken):
+    """The colour matrix has negative weights, which must not brighten a channel."""
     assert (SHARES < 0.0).any()
     lost, depth = lost_and_depth(taken, SHARES)
     for part in (lost, depth):

@@ -1,4 +1,4 @@
-"""How far air is made to reach, and what it takes from three channels."""
+"""The rungs of the air's reach, and the transmittance of three channels."""
 
 import numpy as np
 import pytest
@@ -18,15 +18,14 @@ from vrut_lite.geometry.colour import (
 @settings(deadline=None, max_examples=100)
 @given(needed=st.floats(1.0, 1e9), shown=st.sampled_from([0.0, 10.0, 640.0, 1e5, 1e12]))
 def test_a_rung_holds_what_is_needed(needed: float, shown: float) -> None:
-    """The reach is never less than what is needed, and at most 1.1 * sqrt(2) times it, but for
-    the first rung."""
+    """The reach is at least what is needed and, above the first rung, at most 1.1 * sqrt(2)
+    times as far."""
     reach = rung_m(needed, shown)
     assert needed * (1.0 - 1e-9) <= reach <= max(needed * 1.1 * np.sqrt(2.0) * (1.0 + 1e-9), 1.0)
 
 
 def test_rungs_do_not_flicker() -> None:
-    """A need that sways by 5 % about a rung's edge must not change the reach with each sway, and
-    no need has none."""
+    """A need that varies by 5 % about a rung's edge keeps the reach; no need gives 0."""
     edge = rung_m(1000.0)
     reach, seen = 0.0, []
     for factor in (0.98, 1.02, 0.97, 1.03, 0.98, 1.0):
@@ -38,9 +37,9 @@ def test_rungs_do_not_flicker() -> None:
 
 
 def test_channels_follow_the_spectrum() -> None:
-    """Sunlight off a grey thing, seen through molecules and haze of any depth, must have the
+    """Sunlight off a grey surface, seen through molecules and haze of any depth, must have the
     transmittance of its red, green and blue by 95 wavelengths: within 0.004, and within 1.5 %
-    where it is 0.1 or more. Deep air takes blue out of the gamut, where it counts as none. The
+    where it is 0.1 or more. In deep air blue leaves the gamut and counts as zero. The
     haze's spectrum is Angstrom's, wavelength^-1.3; up to ten times the molecules at 550 nm."""
     nm = colour_table()[:, 0]
     sun = solar_irradiance(nm)
@@ -60,9 +59,9 @@ def test_channels_follow_the_spectrum() -> None:
             assert lost == pytest.approx(-np.expm1(-found), rel=1e-6)
 
 
-def test_no_channel_runs_out_of_light() -> None:
-    """Where next to nothing passes, negative shares must not make a transmittance below zero, nor
-    an infinite depth; and thin air keeps its relative precision."""
+def test_channels_stay_finite_in_opaque_and_precise_in_thin_air() -> None:
+    """In opaque air negative weights must not give a negative transmittance or an infinite
+    depth; thin air keeps its relative precision."""
     shares = shares_of_white(SKYLIGHT_NM, solar_irradiance(SKYLIGHT_NM))
     _, depth = lost_and_depth(
         np.array([[0.5, 0.9, 0.999, 1.0], [1.0] * 4, [1.0 - 1e-9] * 4]), shares

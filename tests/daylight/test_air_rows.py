@@ -1,4 +1,4 @@
-"""Which heights the rows of a volume of air stand for."""
+"""The zenith angles of the rows of a volume of air."""
 
 import numpy as np
 import pytest
@@ -32,8 +32,8 @@ GRIDS = st.builds(
 @settings(deadline=None, max_examples=150)
 @given(GRIDS)
 def test_rows_are_found_where_they_lie(grid: Grid) -> None:
-    """From the horizon up to the highest and down to the nadir, one after the other; and each is
-    found again, to 1e-4 of a row: from far off, a direction knows its place in the disc to that."""
+    """Rows are monotone from the horizon up and down, and `rows_of` inverts `row_heights` within
+    1e-4 of a row, the precision of a direction from far away."""
     heights = row_heights(grid)
     above, below = heights[: grid.rows_above], heights[grid.rows_above :]
     assert np.all(np.diff(above) > 0.0)
@@ -49,11 +49,11 @@ def test_rows_are_found_where_they_lie(grid: Grid) -> None:
 @pytest.mark.parametrize("planet", [EARTH, OTHER])
 @pytest.mark.parametrize("reach_m", [5e3, 4e4, 1.5e5, 1e6])
 @pytest.mark.parametrize("altitude_m", [2.0, 300.0, 3000.0, 12e3])
-def test_a_row_stands_where_spans_bend(
+def test_a_row_lies_at_the_kink_of_the_spans(
     altitude_m: float, reach_m: float, planet: tuple[float, float]
 ) -> None:
-    """No ray that ends at the reach, or passes over the depth, may lie between the same two rows
-    as one that ends in the depth: between them straight lines would miss by percents."""
+    """Between two rows all rays end at the same bound, reach or depth: across the kink linear
+    interpolation would err by percents."""
     grid = Grid(altitude_m, *planet, reach_m, 32, 24)
     rays, radius = node_rays(grid, 2, 0.5), planet[0]
     mu, spans = rays.mu[32:], rays.span_m[32:]
@@ -65,7 +65,7 @@ def test_a_row_stands_where_spans_bend(
         return
     row = round(rows_below(grid).moved_place * 23)
     assert spans[row] == pytest.approx(bend_m, rel=1e-4)
-    # Its neighbour toward the nadir ends in the depth.
+    # The next row toward the nadir ends at the depth.
     there = np.sqrt((radius + altitude_m) ** 2 + spans[row + 1] * (
         spans[row + 1] + 2.0 * (radius + altitude_m) * mu[row + 1]))  # fmt: skip
     assert there - radius == pytest.approx(-BELOW_LEVEL_M, abs=0.1)
@@ -77,7 +77,7 @@ def test_a_row_stands_where_spans_bend(
 def test_rows_are_denser_toward_the_horizon_from_high_up() -> None:
     """From high up in the air rows of the first degree below the horizon are 0.3 degrees apart at
     most, where a hundred kilometres off a degree is 1.7 km of height (0.7 by d = x^2 alone); from
-    the ground and from space d is x^2, but for the row that is moved."""
+    the ground and from space d is x^2, except at the moved row."""
     for altitude_m, most_deg in ((12e3, 0.25), (3000.0, 0.3)):
         grid = Grid(altitude_m, *EARTH, 1.5e5, 32, 24)
         below = np.degrees(np.arcsin(row_heights(grid)[32:] - 1.0))

@@ -1,4 +1,4 @@
-"""Where the nodes of a volume of air lie, and that looking it up finds them again."""
+"""The nodes of a volume of air, and look-ups of it."""
 
 import msgspec
 import numpy as np
@@ -69,9 +69,9 @@ def direction_of(one_plus_mu: float, cos_phi: float) -> np.ndarray:
 @pytest.mark.parametrize("planet", [EARTH, OTHER])
 @pytest.mark.parametrize("altitude_m", ALTITUDES)
 def test_look_up_is_exact_on_the_nodes(altitude_m: float, planet: tuple[float, float]) -> None:
-    """At a node the light must be the node's own, whatever the observer's height and the planet:
-    else nodes are filled for other rays than they are looked up for. To 1e-4: a direction from
-    4e8 m, in double precision, knows its place in the disc to that."""
+    """A look-up at a node returns the node's light, for any observer and planet: nodes are filled
+    for the rays they are looked up for. Within 1e-4, the precision of a direction from 4e8 m in
+    float64."""
     grid = grid_at(altitude_m, planet)
     dice = np.random.default_rng(7)
     light = dice.uniform(0.5, 2.0, (3, SLICES, ROWS, COLUMNS, 3))
@@ -80,8 +80,8 @@ def test_look_up_is_exact_on_the_nodes(altitude_m: float, planet: tuple[float, f
     rays = node_rays(grid, COLUMNS, SUN[1])
     heights = row_heights(grid)
     shares = slice_shares(SLICES, altitude_m)
-    # The very horizon is a row of each side, and the air's own edge has no air; at the nadir and
-    # the zenith all azimuths are one.
+    # Excluded: the horizon, which is a row on both sides; the air's edge, which has no air; nadir
+    # and zenith, where all azimuths coincide.
     inner = [r for r in range(ROWS) if r not in (0, ROWS_ABOVE, ROWS_ABOVE - 1, ROWS - 1)]
     for row in inner:
         for column, cos_phi in enumerate(1.0 - 2.0 * np.linspace(0.0, 1.0, COLUMNS) ** 2):
@@ -108,7 +108,7 @@ def test_look_up_is_exact_on_the_nodes(altitude_m: float, planet: tuple[float, f
     azimuth=st.floats(0.0, 7.0),
     share=st.floats(0.0, 1.5),
 )
-def test_even_air_looks_even(
+def test_uniform_air_is_the_same_in_every_direction(
     altitude_m: float,
     planet: tuple[float, float],
     reach_m: float,
@@ -116,8 +116,8 @@ def test_even_air_looks_even(
     azimuth: float,
     share: float,
 ) -> None:
-    """The same air at all nodes must be the same in every direction and at every distance, the
-    horizon, zenith, nadir and the air's edge included: T = exp(-extinction * metres in it)."""
+    """With equal values at all nodes T = exp(-extinction * metres in the air) in every direction
+    and at every distance, the horizon, zenith, nadir and the air's edge included."""
     grid = grid_at(altitude_m, planet, reach_m)
     volume = even_volume(grid)
     sine = np.sqrt((1.0 - height) * (1.0 + height))
@@ -138,7 +138,7 @@ def test_even_air_looks_even(
 
 
 def test_light_on_the_gpu_is_not_looked_up_here() -> None:
-    """Its numbers are not in the message; the sentence says what to do."""
+    """The look-up refuses light on the GPU, in a sentence that says what to do."""
     texture = GpuTexture(size=(COLUMNS, ROWS, 3 * SLICES), format="rgba32f", recipe="")
     volume = msgspec.structs.replace(even_volume(grid_at(2.0)), light=texture)
     with pytest.raises(ValueError, match="ask for air made on the CPU"):
@@ -147,8 +147,7 @@ def test_light_on_the_gpu_is_not_looked_up_here() -> None:
 
 @pytest.mark.parametrize("altitude_m", [0.0, 2.0, 3000.0, 59_999.0])
 def test_no_step_at_the_horizon(altitude_m: float) -> None:
-    """A hair above and below the horizon the same distance must have the same air: there things
-    stand on both sides of one edge."""
+    """Just above and below the horizon the same distance has the same air."""
     grid = grid_at(altitude_m)
     volume = even_volume(grid)
     horizon = horizon_depth(grid)[0]
@@ -164,8 +163,8 @@ def test_no_step_at_the_horizon(altitude_m: float) -> None:
 @pytest.mark.parametrize("planet", [EARTH, OTHER])
 @pytest.mark.parametrize("altitude_m", [0.0, 2.0, 3000.0, 40_000.0])
 def test_slices_reach_past_the_ground(altitude_m: float, planet: tuple[float, float]) -> None:
-    """Below the horizon a ray's slices must go on below the level, where things may stand, and
-    straight down by 500 m; else what stands on the ground would have the air before it cut."""
+    """Slices of rays below the horizon continue below the level, straight down by 500 m: the air
+    before objects on the ground must be complete."""
     grid = grid_at(altitude_m, planet, reach_m=1e7)
     radius = planet[0] + altitude_m
     heights = horizon_depth(grid)[0] * (1.0 - np.linspace(0.0, 1.0, 50) ** 2)
@@ -180,8 +179,8 @@ def test_slices_reach_past_the_ground(altitude_m: float, planet: tuple[float, fl
 
 @pytest.mark.parametrize("planet", [EARTH, OTHER])
 def test_spans_end_where_the_air_ends(planet: tuple[float, float]) -> None:
-    """Upwards the slices must share out the air and no more: vertically the air's height, along
-    the level the chord sqrt(2 R top + top^2)."""
+    """Upward spans end at the top of the air: vertically at its height, along the level after
+    sqrt(2 R top + top^2)."""
     grid = grid_at(0.0, planet, reach_m=1e9)
     radius, top_m = planet
     assert float(span_m(grid, 0.0, 1.0, False)) == pytest.approx(top_m)
@@ -191,7 +190,7 @@ def test_spans_end_where_the_air_ends(planet: tuple[float, float]) -> None:
 
 @pytest.mark.parametrize("planet", [EARTH, OTHER])
 def test_an_eye_at_the_top_of_the_air_sees_no_step(planet: tuple[float, float]) -> None:
-    """A metre below and above the air's top, rays that go down must find the same air."""
+    """Downward rays from a metre below and above the top of the air give the same air."""
     top_m = planet[1]
     for mu in (-0.2, -0.5, -1.0):
         view = np.array([np.sqrt(1.0 - mu * mu), mu, 0.0])
@@ -204,8 +203,8 @@ def test_an_eye_at_the_top_of_the_air_sees_no_step(planet: tuple[float, float]) 
 
 @pytest.mark.parametrize("altitude_m", [70_000.0, 4e8])
 def test_rays_enter_the_air_where_it_begins(altitude_m: float) -> None:
-    """The point of entry must lie at the air's top, and a ray past the planet never enter; from
-    the Moon's distance too, where rounding is 1e-7 m of 4e8."""
+    """Rays enter at the top of the air, and rays past the planet never; also from the Moon's
+    distance, where rounding is 1e-7 m of 4e8."""
     volume = even_volume(grid_at(altitude_m))
     radius, top_radius = 6_360_000.0 + altitude_m, 6_420_000.0
     for sine in np.array([0.0, 0.3, 0.9, 0.999]) * top_radius / radius:
@@ -219,9 +218,9 @@ def test_rays_enter_the_air_where_it_begins(altitude_m: float) -> None:
         assert np.isinf(entry_distance_m(volume, np.array(miss)))
 
 
-def test_slices_turn_from_the_eye_to_the_ground() -> None:
-    """Slices are dense at the eye on the ground, even at 5 km, and dense at the far end from
-    above: that end is the ground, and haze lies there."""
+def test_slices_are_dense_near_the_ground() -> None:
+    """Slices are dense at an eye on the ground, uniform at 5 km, and dense at the far end for a
+    higher eye, where the ground and the haze are."""
     low, middle, high = (np.diff(slice_shares(9, h)) for h in (0.0, 5000.0, 60_000.0))
     assert np.all(np.diff(low) > 0.0)
     assert middle == pytest.approx(np.full(8, 0.125))
@@ -230,7 +229,7 @@ def test_slices_turn_from_the_eye_to_the_ground() -> None:
         assert shares.sum() == pytest.approx(1.0)
 
 
-def test_grid_is_the_volume_s_own() -> None:
-    """What nodes depend on must come back from a volume as it was put in."""
+def test_a_volumes_grid_has_its_parameters() -> None:
+    """`grid_of` returns the parameters with which the volume was made."""
     grid = grid_at(1234.0, OTHER)
     assert grid_of(even_volume(grid)) == grid

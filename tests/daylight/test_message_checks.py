@@ -1,4 +1,4 @@
-"""Checks: a message that passes is what consumers rely on; whatever else it holds is a sentence."""
+"""`Message.check()`: valid messages pass, everything else is refused in one sentence."""
 
 import contextlib
 import math
@@ -138,12 +138,12 @@ SOUND = [
     AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
     GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
 ]  # fmt: skip
-# What the kernel alone says.
+# Only the kernel posts these.
 NEVER_POSTED = (SlotChanged, SettingChanged)
 
 
 class Odd:
-    """Raises at most questions."""
+    """An object whose methods raise."""
 
     def __repr__(self):
         raise ZeroDivisionError
@@ -159,7 +159,7 @@ def named(message):
 
 
 class Poster(Module):
-    """Posts what it is given."""
+    """Posts the message it is given."""
 
     manifest = Manifest(name="poster", title="Poster", version="1", provides=("sun", "sky"))
     given = None
@@ -178,7 +178,7 @@ def kernel_that_posts(message):
 
 
 def test_every_type_has_a_sample():
-    """No type of message is left out of what follows."""
+    """Every type of message has a sample for these tests."""
     said = {*KERNEL_MESSAGES, *DAYLIGHT_MESSAGES}
     assert said == {type(message) for message in SOUND} | set(NEVER_POSTED)
     for kind in said - set(NEVER_POSTED):
@@ -186,8 +186,8 @@ def test_every_type_has_a_sample():
 
 
 @pytest.mark.parametrize("message", SOUND, ids=named)
-def test_a_sound_message_is_heard(message):
-    """What is as it should be passes: through admission, or through a post."""
+def test_valid_messages_are_delivered(message):
+    """Valid inputs are admitted, valid derived messages posted."""
     message.check()
     message.check_arrays()
     if isinstance(message, Derived):
@@ -226,7 +226,7 @@ JUNK = st.recursive(
 
 
 def holes(message):
-    """Places of a message where something else can stand: its fields, and those it holds."""
+    """All fields of a message and of the structures in it, which tests replace by junk."""
     for name in message.__struct_fields__:
         yield (name,)
         if isinstance(part := getattr(message, name), NESTED):
@@ -254,7 +254,7 @@ def test_whatever_a_field_holds_a_check_passes_or_says_one_sentence(message, dat
         assert "\n" not in sentence
         assert sentence.encode()
         return
-    # Of what passes only the numbers in arrays may still be refused.
+    # If `check` passes, `check_arrays` may still refuse numbers in arrays.
     with contextlib.suppress(UserError):
         odd.check_arrays()
 
@@ -330,7 +330,7 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
     ],
 )  # fmt: skip
 def test_a_sentence_names_field_and_value(message, changes, says):
-    """What is wrong, where, and what it may be."""
+    """The sentence says what is wrong, where, and what is allowed."""
     sample = next(one for one in SOUND if type(one) is message)
     with pytest.raises(UserError) as told:
         msgspec.structs.replace(sample, **changes).check()
@@ -338,7 +338,7 @@ def test_a_sentence_names_field_and_value(message, changes, says):
 
 
 def test_numbers_of_numpy_are_numbers():
-    """What passes the check the kernel's own clock can reckon with too."""
+    """The kernel's clock can compute with numpy's numbers that pass the check."""
     kernel = Kernel()
     faults = faults_of(kernel)
     act(kernel, SetClock(instant=NOON), SetClockRate(rate=np.float32(60.0)))
@@ -351,7 +351,7 @@ def test_numbers_of_numpy_are_numbers():
     ("slices", "fits"), [(2, True), (682, True), (683, False), (2000, False), (1, False)]
 )
 def test_air_fits_a_3d_texture(slices, fits):
-    """Its three kinds of light lie behind each other in one: 2048 layers at most."""
+    """The three kinds of light share one 3-D texture of at most 2048 layers."""
     volume = msgspec.structs.replace(
         AIR,
         light=Array(np.ones((3, slices, 4, 2, 3), np.float16)),
@@ -367,8 +367,8 @@ def test_air_fits_a_3d_texture(slices, fits):
 
 @pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf, 6e4])
 @pytest.mark.parametrize("name", ["cube", "light", "extinction", "irradiance_sh_rgb"])
-def test_what_arrays_hold_is_seen_when_asked(name, odd):
-    """One value among many that nobody can draw with is found; a cube of them is black."""
+def test_values_of_arrays_are_checked_on_request(name, odd):
+    """`check_arrays` finds a single invalid value in an array."""
     sample = {
         "cube": SOUND[[named(m) for m in SOUND].index("BackgroundChanged")],
         "light": AirChanged(volume=AIR, source="s"),
@@ -383,7 +383,7 @@ def test_what_arrays_hold_is_seen_when_asked(name, odd):
     values.ravel()[values.size // 2] = odd * (1e30 if name == "irradiance_sh_rgb" else 1.0)
     changed = spoilt(sample, place, Array(values))
     if odd == 6e4 and name in ("cube", "light"):
-        # Bright, and no brighter with this scale than light can be.
+        # Large numbers, but times this scale within the limit of light.
         changed.check_arrays()
         changed = spoilt(changed, (*place[:-1], "radiance_scale"), 1e9)
     changed.check()

@@ -1,4 +1,4 @@
-"""Text to places and instants must mean what a person at the place means, or be refused."""
+"""Text to places and instants: the meaning at the place, or a refusal."""
 
 import re
 from datetime import UTC, datetime, timedelta
@@ -66,14 +66,14 @@ def test_a_place_is_two_or_three_numbers():
     ],
 )
 def test_a_wrong_place_is_refused_by_name(text, named):
-    """The sentence says which number is wrong, or how a place is written; and is one line."""
+    """One line that says which number is wrong, or how a place is written."""
     with pytest.raises(UserError, match=re.escape(named)) as caught:
         parse_place(text)
     assert "\n" not in str(caught.value)
 
 
 def test_the_zone_is_of_the_coordinates_not_of_the_longitude():
-    """Western China keeps Beijing's clock 2 hours from solar time; oceans keep nautical time."""
+    """Western China has Beijing's time, 2 hours from solar time; oceans have nautical time."""
     assert time_zone_at(PRAGUE).key == "Europe/Prague"
     assert time_zone_at(Place(39.47, 75.99)).key in ("Asia/Shanghai", "Asia/Urumqi")
     assert time_zone_at(LORD_HOWE).key == "Australia/Lord_Howe"
@@ -86,7 +86,7 @@ def test_the_zone_is_of_the_coordinates_not_of_the_longitude():
 @example(-90.0, 180.0)
 @example(0.0, -180.0)
 def test_every_place_on_earth_has_a_zone(latitude_deg, longitude_deg):
-    """No coordinates leave the clock undefined, poles and date line included."""
+    """All coordinates have a time zone, poles and date line included."""
     zone = time_zone_at(Place(latitude_deg, longitude_deg))
     offset = datetime(2026, 1, 1, tzinfo=zone).utcoffset()
     assert offset is not None
@@ -119,7 +119,7 @@ def test_a_gap_in_the_map_of_zones_takes_the_nautical_one(monkeypatch, longitude
     ],
 )
 def test_local_times_and_offsets(text, place, utc):
-    """An offset in the text wins; without one the clock at the place rules (IANA zones)."""
+    """An offset in the text wins; without one the place's IANA zone applies."""
     instant = parse_instant(text, place)
     assert instant.tzinfo is UTC
     assert instant == datetime.fromisoformat(utc).replace(tzinfo=UTC)
@@ -164,7 +164,7 @@ def test_a_skipped_or_doubled_time_is_refused_with_both_readings(text, place, fi
     ],
 )
 def test_the_last_and_first_times_around_a_change_are_accepted(text, place):
-    """Nothing beside the skipped or doubled interval is refused."""
+    """Times just outside the skipped or doubled interval are accepted."""
     local = parse_instant(text, place).astimezone(time_zone_at(place))
     assert local.replace(tzinfo=None) == datetime.fromisoformat(text)
 
@@ -189,7 +189,7 @@ def test_the_last_and_first_times_around_a_change_are_accepted(text, place):
     ],
 )
 def test_an_impossible_time_is_refused_with_an_example(text):
-    """The sentence names what was written and shows the right form, on one line."""
+    """One line that quotes the text and shows the right form."""
     message = refusal(text, PRAGUE)
     assert f"'{text}'" in message
     assert "write " in message
@@ -198,7 +198,7 @@ def test_an_impossible_time_is_refused_with_an_example(text):
 
 @pytest.mark.parametrize("year", ["0001", "1599", "2601", "9999"])
 def test_years_beyond_the_ephemeris_are_refused(year):
-    """The range is stated; the ends of the calendar do not overflow on the way to UTC."""
+    """The sentence states the range; the ends of the calendar do not overflow."""
     assert "outside 1600 to 2600" in refusal(f"{year}-01-01T00:00", APIA)
     assert "outside 1600 to 2600" in refusal(f"{year}-12-31T23:59+14:00", APIA)
 
@@ -211,7 +211,7 @@ def test_years_beyond_the_ephemeris_are_refused(year):
 @example(datetime(2026, 10, 25, 2, 30), PRAGUE)
 @example(datetime(2011, 12, 30, 2, 30), APIA)
 def test_every_accepted_local_time_round_trips(wall, place):
-    """A clock at the place shows, at the instant returned, exactly what was written."""
+    """Converted back to local time, the instant shows the text."""
     try:
         instant = parse_instant(wall.isoformat(), place)
     except UserError:
@@ -251,7 +251,7 @@ def test_captions_name_the_clock_at_the_place():
 
 
 def test_captions_refuse_a_naive_time():
-    """A naive time would silently be read in the zone of the machine."""
+    """A naive time is refused; it would be taken for the machine's time zone."""
     with pytest.raises(ValueError, match="needs a time zone"):
         local_text(datetime(2026, 6, 21, 16, 30), PRAGUE)
 
@@ -265,7 +265,7 @@ def test_captions_refuse_a_naive_time():
 @example("３")
 @example(" +1.5e1 ")
 def test_a_number_is_what_everybody_takes_for_one(text):
-    """Python's numbers in ASCII without underscores, and nothing else, in floats and in wholes."""
+    """Only Python's numbers in ASCII without underscores are accepted, floats and integers."""
     plain = text.strip().isascii() and "_" not in text
     for ours, pythons in ((plain_float, float), (plain_int, int)):
         try:

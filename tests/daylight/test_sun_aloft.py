@@ -1,4 +1,4 @@
-"""Sunlight up in the air and above it."""
+"""Sunlight at altitudes in the air and above it."""
 
 import numpy as np
 import pytest
@@ -12,13 +12,13 @@ WHOLE = np.maximum(rgb_from_spectrum(solar_irradiance(NM), NM, 0.0), 0.0)
 
 @pytest.mark.parametrize("altitude_m", [80_000.0, 81_000.0, 4e5, 4e8])
 def test_above_the_air_the_sun_is_whole(altitude_m):
-    """Nothing is in the way of a sun overhead; behind the planet's middle nothing is left."""
+    """Above the air an overhead sun is not dimmed, and a sun behind the planet gives no light."""
     assert sun_aloft(altitude_m, 1.0) == pytest.approx(WHOLE, rel=1e-9)
     assert not sun_aloft(altitude_m, -1.0).any()
 
 
 def test_from_orbit_the_sun_sets_through_twice_the_air():
-    """A ray that grazes the ground passes what one sees from the ground at sunset, twice over."""
+    """A ray that grazes the ground has twice the optical depth of one that starts there."""
     altitude_m = 4e5
     radius = PLANET_RADIUS_M + altitude_m
     grazing = -np.sqrt(1.0 - (PLANET_RADIUS_M / radius) ** 2)
@@ -28,9 +28,9 @@ def test_from_orbit_the_sun_sets_through_twice_the_air():
 
 
 def test_the_horizon_sinks_with_every_nanometre():
-    """The dip of the horizon, sqrt(2 h / R), has all its digits: a level sun shows more and more.
+    """The dip of the horizon, sqrt(2 h / R), is precise: more and more of a level sun is visible.
 
-    An arc cosine would keep it to steps of 2e-8 rad: four of them in these fifty heights.
+    An arc cosine would have steps of 2e-8 rad: four of them in these fifty heights.
     """
     light = sun_aloft(np.linspace(1e-10, 2e-9, 50), 0.0)
     assert (np.diff(light, axis=0) > 0.0).all()

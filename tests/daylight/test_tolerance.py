@@ -1,4 +1,4 @@
-"""The tolerance as an input: admitted, refused, remembered; fronts, and what is chosen of them."""
+"""The tolerance as an input: admitted, refused, remembered; choices from fronts."""
 
 import math
 from typing import ClassVar
@@ -25,7 +25,7 @@ FRONT = [Point(8, 0.1, 64.0, 1.0), Point(16, 0.03, 256.0, 2.0), Point(32, 0.01, 
 
 
 class Listener(Module):
-    """Writes down each tolerance that it hears, and what its link says at that moment."""
+    """Records each tolerance that it receives, and what its link has at that moment."""
 
     manifest = Manifest(name="listener", title="Listener", version="1")
     settings_type = NoSettings
@@ -45,7 +45,7 @@ def kernel():
 
 
 def test_a_tolerance_reaches_modules_and_is_remembered(kernel):
-    """A module that starts later asks its link: what was said last holds, the default at first."""
+    """A module that starts later gets the last tolerance from its link, at first the default."""
     assert tolerance_of(kernel.seats["listener"].link) == DEFAULT_TOLERANCE
     act(kernel, SetTolerance(tolerance=0.01), SetTolerance(tolerance=1.0))
     assert Listener.heard == [(0.01, 0.01), (1.0, 1.0)]
@@ -53,8 +53,8 @@ def test_a_tolerance_reaches_modules_and_is_remembered(kernel):
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -0.01, 1.0001, math.nan, math.inf])
-def test_what_is_no_tolerance_is_refused_in_one_sentence(kernel, tolerance):
-    """No module may meet a share that no picture keeps: it never was, and a person is told."""
+def test_invalid_tolerances_are_refused_in_one_sentence(kernel, tolerance):
+    """An invalid share is refused before modules see it."""
     faults = faults_of(kernel)
     act(kernel, SetTolerance(tolerance=0.02), SetTolerance(tolerance=tolerance))
     (fault,) = faults
@@ -65,7 +65,7 @@ def test_what_is_no_tolerance_is_refused_in_one_sentence(kernel, tolerance):
 
 
 def test_of_waiting_tolerances_the_latest_counts(kernel):
-    """A dragged slider leaves many behind: each would solve an atmosphere."""
+    """Of many waiting inputs, as of a dragged slider, only the latest is delivered."""
     for tolerance in (0.1, 0.05, 0.02):
         kernel.inject(SetTolerance(tolerance=tolerance))
     kernel.pump()
@@ -84,7 +84,7 @@ def test_the_cheapest_that_is_allowed_is_taken():
 
 
 def test_more_work_for_no_less_error_is_never_taken():
-    """A point behind the front, as noise makes them, is passed over."""
+    """Points that are dominated by others, as noise makes them, are ignored."""
     behind = Point(24, 0.03, 600.0, 2.5)
     assert cheapest([*FRONT, behind], 0.03) == 16
 
@@ -92,7 +92,7 @@ def test_more_work_for_no_less_error_is_never_taken():
 @given(st.floats(1e-6, 1.0), st.floats(1e-6, 1.0), st.floats(1e-4, 0.1), st.floats(0.01, 1.0))
 @settings(deadline=None, max_examples=200)
 def test_a_looser_tolerance_never_has_a_smaller_budget(one, other, usual, share):
-    """Or a looser tolerance would ask for more work; and a tight one is not overspent."""
+    """A looser tolerance never asks for more work, and a tight one is not exceeded."""
     tight, loose = sorted((one, other))
     assert budget(tight, usual, share) <= budget(loose, usual, share) * (1.0 + 1e-12)
     if tight < DEFAULT_TOLERANCE:
@@ -101,7 +101,7 @@ def test_a_looser_tolerance_never_has_a_smaller_budget(one, other, usual, share)
 
 
 def test_fronts_are_read_as_they_were_written(tmp_path):
-    """Sizes stay whole numbers and names texts: a module computes with them."""
+    """Sizes stay integers and names stay texts."""
     file = tmp_path / "fronts.json"
     file.write_text(
         '{"module": "m", "pictures": 3, "seed": 1, "fronts": {"size": [{"choice": 8, "error": 0.1,'

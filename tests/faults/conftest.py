@@ -1,4 +1,4 @@
-"""The command line in this process, where a fault can be arranged without a new one."""
+"""Runs the command line in this process, where faults can be injected."""
 
 import sys
 
@@ -10,7 +10,7 @@ from vrut_lite import cli
 
 @pytest.fixture
 def refused(monkeypatch, capsys):
-    """Run a command that must end with exit code 2 and one line; the line."""
+    """Run a command that must end with exit code 2 and one line; returns the line."""
 
     def check(*arguments, code=2):
         monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])
@@ -24,7 +24,7 @@ def refused(monkeypatch, capsys):
 
 @pytest.fixture
 def done(monkeypatch, capsys):
-    """Run a command that must succeed without a complaint; its output."""
+    """Run a command that must succeed without a complaint; returns its output."""
 
     def check(*arguments):
         monkeypatch.setattr(sys, "argv", ["vrut-lite", *map(str, arguments)])

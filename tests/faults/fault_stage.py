@@ -1,4 +1,4 @@
-"""The command line in a process of its own, to be ended, starved and misled."""
+"""Runs the command line in a separate process, for tests of faults."""
 
 import os
 import subprocess
@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 NOON = ["--at", "2026-06-21T12:00Z", "--place", "50,14"]
 SMALL_SKY = ["sky", *NOON, "--size", "16"]
 PATIENCE_S = 120
-# A job that a shell started in the background is born deaf to Ctrl-C.
+# A job that a shell started in the background ignores Ctrl-C.
 HEAR_INTERRUPTS = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
 
 
@@ -24,7 +24,7 @@ def start(*arguments, setting="", cwd=None, **more):
 
 
 def outcome(process):
-    """Exit code, output, and what was said to the user."""
+    """Exit code, standard output, and standard error."""
     try:
         said, complaints = process.communicate(timeout=PATIENCE_S)
     finally:
@@ -33,9 +33,9 @@ def outcome(process):
 
 
 def is_one_line(complaints):
-    """One sentence of ours, and no traceback."""
+    """Whether there is one sentence of vrut-lite, and no traceback."""
     assert "Traceback" not in complaints, complaints
-    # Where Ctrl-C is echoed the sentence begins on a line of its own.
+    # An echoed Ctrl-C may come on a line before the sentence.
     lines = [line for line in complaints.splitlines() if line and "compiling" not in line]
     assert len(lines) == 1, complaints
     assert lines[0].startswith("vrut-lite: "), complaints
@@ -43,7 +43,7 @@ def is_one_line(complaints):
 
 
 def wait_for(condition, process=None):
-    """Until something holds; an assertion fails if it never does."""
+    """Wait until a condition holds; an assertion fails if it never does."""
     end_s = time.monotonic() + PATIENCE_S
     while not condition():
         assert process is None or process.poll() is None, "the process has ended"

@@ -1,4 +1,4 @@
-"""Caches: killed in the midst of a write, starved, shared, misdated. Nothing corrupt is loaded."""
+"""Caches: killed during a write, full disks, sharing, wrong dates. No corrupt data is loaded."""
 
 import io
 import logging
@@ -32,7 +32,7 @@ SIZES = TableSizes(
 
 
 def arrays(value=1.0):
-    """Enough that a write takes a while: 16 MB."""
+    """Arrays of 16 MB, so that a write takes a while."""
     return {"scattering": np.full((2_000_000,), value)}
 
 
@@ -47,10 +47,10 @@ for number in range(1000):
 """
 
 
-def test_kill_9_in_the_midst_of_writes(tmp_path):
-    """Six writers killed at any moment: what is found is whole, of one number, or nothing.
+def test_kill_9_during_cache_writes(tmp_path):
+    """Six writers are killed at random moments: the entry is absent, or whole and of one writer.
 
-    What they left beside it is never read, and goes when a day has passed.
+    Their leftovers are never read, and are removed after a day.
     """
     for attempt in range(6):
         writer = subprocess.Popen(
@@ -69,8 +69,8 @@ def test_kill_9_in_the_midst_of_writes(tmp_path):
     assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
 
 
-def test_a_disk_that_is_full_costs_no_tables(tmp_path, caplog):
-    """The kernel refuses bytes in the middle: one line, the older entry whole, no part left."""
+def test_a_full_disk_keeps_the_older_tables(tmp_path, caplog):
+    """A write fails half-way: one line, the older entry is whole, no partial file remains."""
     cache = TableCache(tmp_path)
     cache.put(RECIPE, arrays())
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -106,7 +106,7 @@ sys.stdout.buffer.write(np.ascontiguousarray(tables.scattering).tobytes())
 
 
 def test_two_processes_build_the_same_tables(tmp_path):
-    """Side by side into one cache: both have the tables, and so has whoever comes later."""
+    """Two processes that write one cache both get the tables, and so does a later one."""
     line = [sys.executable, "-c", BUILDER, tmp_path]
     builders = [subprocess.Popen(line, stdout=subprocess.PIPE, cwd=ROOT) for _ in range(2)]
     made = [builder.communicate()[0] for builder in builders]
@@ -121,8 +121,8 @@ def test_two_processes_build_the_same_tables(tmp_path):
 
 
 @pytest.mark.parametrize("used_s", [-3.0 * 365 * 86_400, 0.0, 10.0 * 365 * 86_400])
-def test_a_clock_that_jumped_evicts_nothing_that_is_new(tmp_path, used_s):
-    """Entries dated long ago or in years to come: what was put last is kept, whatever the clock."""
+def test_a_clock_jump_does_not_evict_the_newest_entry(tmp_path, used_s):
+    """With entries dated far in the past or future the newest entry is kept."""
     small = {"a": np.zeros(1000)}
     cache = TableCache(tmp_path, limit_bytes=12_000)
     cache.put("older", small)
@@ -137,8 +137,8 @@ def test_a_clock_that_jumped_evicts_nothing_that_is_new(tmp_path, used_s):
     assert part.exists() == (used_s >= 0.0)
 
 
-def test_a_file_that_another_process_takes_away_is_no_fault(tmp_path, monkeypatch, caplog):
-    """Between a folder's listing and a look at the file: the tables are kept, without a word."""
+def test_a_file_removed_by_another_process_is_ignored(tmp_path, monkeypatch, caplog):
+    """A file that vanishes after the folder was listed is ignored silently."""
     gone = tmp_path / "gone.tables"
     listed = Path.glob
 
@@ -154,8 +154,8 @@ def test_a_file_that_another_process_takes_away_is_no_fault(tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize("blocked", mostly_long(["a file", "no folder"], "a file".__eq__))
-def test_a_home_that_cannot_be_used_costs_no_sky(tmp_path, blocked):
-    """HOME is a file, or not there: the sky is made, without a word."""
+def test_the_sky_needs_no_home_folder(tmp_path, blocked):
+    """If HOME is a file or missing, the sky is computed without a complaint."""
     home = tmp_path / "home"
     if blocked == "a file":
         home.write_text("not a folder")
@@ -168,9 +168,9 @@ def test_a_home_that_cannot_be_used_costs_no_sky(tmp_path, blocked):
 
 
 def test_numbas_cache_cannot_be_written(tmp_path, monkeypatch):
-    """Without the folder for this process numba would refuse to compile: no sky. It is gone after.
+    """Without a temporary folder numba would refuse to compile. The folder is removed at the end.
 
-    The wind through the eleven kernels is left out: a clock-sized sky needs a few of them.
+    A small sky is enough, since it needs only a few of the eleven kernels.
     """
     monkeypatch.setattr(os, "access", lambda path, mode: False)
     monkeypatch.setattr(compiled_code.tempfile, "tempdir", str(tmp_path))
@@ -187,7 +187,7 @@ def test_numbas_cache_cannot_be_written(tmp_path, monkeypatch):
 
 
 def test_a_folder_that_takes_files_is_left_to_numba(tmp_path, monkeypatch):
-    """No variable is set where the package's folder serves, or the one that was named."""
+    """The variable is not changed if the package's folder, or the named one, is writable."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     compiled_code.find_room(tmp_path)
     assert "NUMBA_CACHE_DIR" not in os.environ
@@ -224,8 +224,8 @@ FORGED = {
 
 
 @pytest.mark.parametrize("forged", FORGED)
-def test_an_entry_that_was_made_to_harm_is_no_entry(tmp_path, caplog, forged):
-    """With a digest that is right: what its headers promise is not even asked memory for."""
+def test_forged_cache_entries_are_ignored(tmp_path, caplog, forged):
+    """Entries with a correct digest and forged headers are refused before memory is taken."""
     cache = TableCache(tmp_path)
     cache.put(RECIPE, {"a": np.zeros(3)})
     (path,) = tmp_path.iterdir()
@@ -243,8 +243,8 @@ def test_an_entry_that_was_made_to_harm_is_no_entry(tmp_path, caplog, forged):
 
 
 @pytest.mark.parametrize("kind", ["pipe", "folder", "endless", "loop", "large"])
-def test_an_entry_that_is_no_file_of_ours_is_no_entry(tmp_path, kind):
-    """A pipe would be waited for, a device read without end, a terabyte of nothing into memory."""
+def test_foreign_cache_entries_are_ignored(tmp_path, kind):
+    """Pipes, devices and sparse files of a terabyte are not read."""
     cache = TableCache(tmp_path)
     cache.put(RECIPE, {"a": np.zeros(3)})
     (path,) = tmp_path.iterdir()
@@ -263,8 +263,8 @@ def test_an_entry_that_is_no_file_of_ours_is_no_entry(tmp_path, kind):
 
 @pytest.mark.parametrize("suffix", ["nbi", "nbc"])
 @pytest.mark.parametrize("damage", ["empty", "cut", "noise", "flipped", "a folder", "unpickled"])
-def test_damaged_machine_code_is_no_machine_code(tmp_path, suffix, damage):
-    """numba alone would end each sky in a traceback, or run what a flipped bit has made of it."""
+def test_damaged_machine_code_is_compiled_again(tmp_path, suffix, damage):
+    """numba alone would end in a traceback, or run code with flipped bits."""
     kernels = CheckedCacheFile(str(tmp_path), "kernels", (1.0, 10))
     kernels.save("float64", ("name", b"machine code" * 100))
     assert kernels.load("float64") == ("name", b"machine code" * 100)
@@ -288,7 +288,7 @@ def test_damaged_machine_code_is_no_machine_code(tmp_path, suffix, damage):
 
 
 def test_machine_code_that_is_saved_at_once_is_all_there(tmp_path):
-    """Each process adds to the index that the others write: none may lose what another added."""
+    """Processes that save at the same time keep each other's entries of the index."""
     names = [f"float{number}" for number in range(96)]
 
     def save(part):

@@ -1,4 +1,4 @@
-"""Files that are none, that never end, that are damaged or vanish: one line each, no harm."""
+"""Pipes, devices, damaged and vanishing files: one line each."""
 
 import os
 from pathlib import Path
@@ -19,7 +19,7 @@ SCENE = ROOT / "scenes" / "sundial.glb"
 
 
 def make(kind, path):
-    """Something at a path that is no file to read."""
+    """Put something other than a regular file at a path."""
     if kind == "pipe":
         os.mkfifo(path)
     elif kind == "folder":
@@ -34,22 +34,22 @@ KINDS = ["pipe", "folder", "endless", "loop", "missing"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_project_that_is_no_file(refused, tmp_path, kind):
-    """A pipe would be waited for, a device read without end."""
+def test_a_project_that_is_not_a_file(refused, tmp_path, kind):
+    """Pipes, devices and folders are refused without waiting."""
     make(kind, tmp_path / "day.toml")
     line = refused("render", tmp_path / "day.toml", "-o", tmp_path / "a.png", *NOON)
     assert "cannot open the project" in line
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_journal_that_is_no_file(refused, tmp_path, kind):
+def test_a_journal_that_is_not_a_file(refused, tmp_path, kind):
     """Likewise."""
     make(kind, tmp_path / "day.mcap")
     assert "cannot open the journal" in refused("replay", tmp_path / "day.mcap")
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_scene_that_is_no_file(refused, tmp_path, kind):
+def test_a_scene_that_is_not_a_file(refused, tmp_path, kind):
     """Likewise."""
     make(kind, tmp_path / "scene.glb")
     line = refused("render", tmp_path / "scene.glb", "-o", tmp_path / "a.png", *NOON)
@@ -72,7 +72,7 @@ def test_a_scene_that_is_no_file(refused, tmp_path, kind):
     ids=["empty", "zeros", "noise", "deep", "twice", "long", "nul", "number", "infinite"],
 )
 def test_a_project_of_garbage(refused, tmp_path, content):
-    """No TOML, or TOML that says nothing of use."""
+    """Files that are not TOML, or not a project, are refused."""
     path = tmp_path / "day.toml"
     path.write_bytes(content)
     refused("render", path, "-o", tmp_path / "a.png", *NOON)
@@ -80,8 +80,8 @@ def test_a_project_of_garbage(refused, tmp_path, content):
 
 
 @pytest.mark.parametrize("text", ['{"asset":' * 100_000, "[" * 200_000, '{"asset": 1e999}'])
-def test_a_gltf_nested_without_end(refused, tmp_path, text):
-    """Deep documents exhaust a parser's stack in one line."""
+def test_a_deeply_nested_gltf(refused, tmp_path, text):
+    """A document that exhausts the parser's stack is refused in one line."""
     path = tmp_path / "scene.gltf"
     path.write_text(text)
     refused("render", path, "-o", tmp_path / "a.png", *NOON)
@@ -97,7 +97,7 @@ DAMAGE = {
 
 @pytest.mark.parametrize("damage", [*DAMAGE, "missing"])
 def test_damaged_coefficients(refused, tmp_path, monkeypatch, damage):
-    """A package whose data are cut short makes no sky: it says so, and what helps."""
+    """Damaged package data end in a sentence that says what to do."""
     (tmp_path / "data").mkdir()
     if damage != "missing":
         for name in ("hosek_wilkie.npz", "twilight.npz"):
@@ -127,8 +127,8 @@ WRITERS = {
 
 @pytest.mark.parametrize("suffix", WRITERS)
 @pytest.mark.parametrize("place", ["folder that is gone", "/proc", "/dev/full/x"])
-def test_a_folder_that_takes_no_file(tmp_path, suffix, place):
-    """Gone since it was looked at, or no place for files: a sentence with the name."""
+def test_an_unusable_output_folder_is_named(tmp_path, suffix, place):
+    """A folder that has vanished or takes no files: a sentence with its name."""
     folder = tmp_path / place
     with pytest.raises(UserError, match="cannot write") as refusal:
         WRITERS[suffix](folder / f"sky{suffix}")
@@ -141,22 +141,22 @@ ODD_NAMES = ["two words", "Šumava – ráno ☀", "line\nbreak", "-o", "%d", "'
 
 @pytest.mark.parametrize("name", [f"{name}.npz" for name in ODD_NAMES])
 def test_odd_names(done, tmp_path, name):
-    """Spaces, other scripts, quotes, line breaks: the file has just the name that was given."""
+    """Names with spaces, other scripts, quotes and line breaks are used exactly."""
     folder = tmp_path / "á b"
     folder.mkdir()
     done(*SMALL_SKY, "-o", folder / name)
     assert [file.name for file in folder.iterdir()] == [name]
 
 
-def test_a_name_that_is_no_text(done, tmp_path):
-    """Bytes that are no UTF-8 are a name to the system: the picture gets it."""
+def test_a_name_with_undecodable_bytes(done, tmp_path):
+    """A file name that is not UTF-8 is used as it is."""
     name = os.fsdecode(b"sky-\xff\xfe.npz")
     done(*SMALL_SKY, "-o", tmp_path / name)
     assert [os.fsencode(file.name) for file in tmp_path.iterdir()] == [b"sky-\xff\xfe.npz"]
 
 
-def test_a_folder_that_is_gone_is_told(refused, tmp_path, monkeypatch):
-    """The shell stands in a folder that another one removed: a relative name leads nowhere."""
+def test_a_removed_working_folder_is_named(refused, tmp_path, monkeypatch):
+    """The working folder was removed: a relative output is refused."""
     gone = tmp_path / "gone"
     gone.mkdir()
     before = Path.cwd()
@@ -169,14 +169,14 @@ def test_a_folder_that_is_gone_is_told(refused, tmp_path, monkeypatch):
     assert "cannot write sky.exr" in line
 
 
-def test_a_folder_that_takes_no_files_is_told_before_the_work(refused, monkeypatch):
-    """Nothing can be made in /proc, whoever one is; a full name elsewhere is no matter."""
+def test_an_unwritable_working_folder_is_named_before_the_work(refused, monkeypatch):
+    """In /proc a relative output is refused; an absolute one elsewhere is written."""
     monkeypatch.chdir("/proc")
     assert "cannot write sky.exr" in refused(*SMALL_SKY, "-o", "sky.exr")
 
 
-def test_one_stands_in_a_folder_that_takes_no_files(done, tmp_path, monkeypatch):
-    """Work needs no room where one stands."""
+def test_commands_run_in_a_folder_without_write_access(done, tmp_path, monkeypatch):
+    """Commands need no write access to the working folder."""
     monkeypatch.chdir("/proc")
     done(*SMALL_SKY, "-o", tmp_path / "sky.exr")
     assert (tmp_path / "sky.exr").exists()

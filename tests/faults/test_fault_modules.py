@@ -1,4 +1,4 @@
-"""Modules that misbehave, in a command line of its own: it ends, in one line that names them."""
+"""Modules that hang or panic: the command ends with one line that names them."""
 
 import signal
 
@@ -27,13 +27,13 @@ class Hostile(Module):
 
 
 def with_module(folder, deed):
-    """The environment of a command that finds a module of this deed."""
+    """The environment of a command that finds a module with this code."""
     (folder / "zz_hostile.py").write_text(HOSTILE.replace("{deed}", deed))
     return {"VRUT_LITE_MODULES": str(folder)}
 
 
 def test_a_handler_that_never_returns_is_named_when_it_is_ended(tmp_path):
-    """No process can stop it from inside; who ends the command learns where it was."""
+    """When the user ends the command, the line names the handler that was running."""
     begun = tmp_path / "begun"
     deed = f"Path({str(begun)!r}).touch()\n        while True: time.sleep(0.01)"
     process = start(*SMALL_SKY, "-o", tmp_path / "sky.png", environment=with_module(tmp_path, deed))

@@ -1,4 +1,4 @@
-"""A machine that lacks or breaks something: GL, output, time zones, a signal in the midst."""
+"""Faults of the machine: GL, output streams, time zones, signals during the work."""
 
 import os
 import signal
@@ -30,7 +30,7 @@ RENDER = ["render", SCENE, *NOON, "--size", "32x32"]
     ["requested device index 0, but found 0 devices", "the GL driver ended the probe (-6)"],
 )
 def test_without_gl(refused, tmp_path, monkeypatch, reason):
-    """No driver, or one that aborts: what is missing and what to install; no picture."""
+    """Without a driver, or with one that aborts, the line names what to install; no picture."""
     monkeypatch.setattr(gl_owner, "probe_gl", lambda: ("", reason))
     line = refused(*RENDER, "-o", tmp_path / "a.png")
     assert reason in line
@@ -40,9 +40,9 @@ def test_without_gl(refused, tmp_path, monkeypatch, reason):
 
 @pytest.mark.parametrize("library", ["moderngl", "PyOpenGL"])
 @pytest.mark.gl
-def test_gl_that_is_lost(refused, tmp_path, monkeypatch, library):
-    """The driver is reset in the midst of a frame: one line, no picture."""
-    # Not before the environment for EGL is prepared.
+def test_gl_lost_during_a_frame(refused, tmp_path, monkeypatch, library):
+    """The driver is reset during a frame: one line, no picture."""
+    # Imported only after the environment for EGL is prepared.
     from OpenGL.error import GLError
 
     error = GLError(err=1287) if library == "PyOpenGL" else moderngl.Error("context lost")
@@ -57,7 +57,7 @@ def test_gl_that_is_lost(refused, tmp_path, monkeypatch, library):
 
 
 def test_the_sky_needs_no_gl(done, tmp_path, monkeypatch):
-    """A panorama is made on the CPU: a machine without a driver makes it too."""
+    """`sky` works on a machine without a GL driver."""
     monkeypatch.setattr(gl_owner, "probe_gl", lambda: ("", "none"))
     done(*SMALL_SKY, "-o", tmp_path / "sky.npz")
     assert (tmp_path / "sky.npz").exists()
@@ -71,7 +71,7 @@ class NoZones(zoneinfo.ZoneInfo):
 
 
 def test_without_time_zone_data(refused, tmp_path, monkeypatch):
-    """Local time cannot be known: the zone is named, and what to install."""
+    """The line names the time zone and the package to install."""
     monkeypatch.setattr("vrut_lite.daylight.place_time.ZoneInfo", NoZones)
     at = ["--at", "2026-06-21T12:00", "--place", "50,14"]
     line = refused("sky", *at, "--size", "16", "-o", tmp_path / "sky.npz")
@@ -80,7 +80,7 @@ def test_without_time_zone_data(refused, tmp_path, monkeypatch):
 
 
 def test_no_folder_for_temporary_files(done, tmp_path, monkeypatch):
-    """TMPDIR leads nowhere: nothing here needs it."""
+    """A missing TMPDIR does not matter."""
     monkeypatch.setenv("TMPDIR", "/nowhere")
     monkeypatch.setattr(tempfile, "tempdir", None)
     done(*SMALL_SKY, "-o", tmp_path / "sky.npz")
@@ -88,7 +88,7 @@ def test_no_folder_for_temporary_files(done, tmp_path, monkeypatch):
 
 
 def test_no_memory(refused, tmp_path, monkeypatch):
-    """More pixels than the machine can hold: what to ask for instead."""
+    """Out of memory: the line says what to ask for instead."""
 
     def exhausted(*_arguments, **_named):
         raise MemoryError
@@ -99,7 +99,7 @@ def test_no_memory(refused, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("stream", ["stdout", "stdin", "stderr"])
 def test_a_stream_that_is_closed(tmp_path, stream, monkeypatch):
-    """A service may start without any of the three: the picture is made all the same."""
+    """With any of the three standard streams closed the picture is written."""
     monkeypatch.setattr(sys, "argv", ["vrut-lite", *SMALL_SKY, "-o", str(tmp_path / "sky.npz")])
     monkeypatch.setattr(sys, stream, None)
     cli.main()
@@ -118,7 +118,7 @@ def test_nobody_reads_the_output():
 
 
 def test_the_output_is_full():
-    """A disk with no room for the list: one line, no traceback as the process ends."""
+    """Output to a full disk: one line, no traceback at the end."""
     with open("/dev/full", "w") as full:
         process = start("modules", stdout=full)
         code, _, complaints = outcome(process)
@@ -141,7 +141,7 @@ ODD = {
 
 
 def test_odd_variables(tmp_path):
-    """Unknown locale, ASCII output, numbers that are none: the sky of the hour, as ever."""
+    """An unknown locale, ASCII output and invalid numbers in the environment do not matter."""
     path = tmp_path / "ráno.npz"
     code, said, complaints = outcome(start(*SMALL_SKY, "-o", path, environment=ODD))
     assert code == 0, complaints
@@ -159,8 +159,8 @@ def test_odd_variables(tmp_path):
         ("SOURCE_DATE_EPOCH", ["today", "", "-", "1e9", "9" * 5000], "1700000000"),
     ],
 )
-def test_what_libraries_choke_on_is_left_out(monkeypatch, name, nonsense, sound):
-    """They end in tracebacks, and LLVM in an abort; what they can use is left to them."""
+def test_invalid_environment_variables_are_removed(monkeypatch, name, nonsense, sound):
+    """Invalid values, which end in tracebacks or an abort, are removed; valid ones are kept."""
     for value in nonsense:
         monkeypatch.setenv(name, value)
         leave_out_nonsense()
@@ -176,7 +176,7 @@ def test_what_libraries_choke_on_is_left_out(monkeypatch, name, nonsense, sound)
 @pytest.mark.parametrize("kind", ["missing", "file", "long", "loop"])
 @pytest.mark.parametrize("command", ["sky", "modules"])
 def test_mistyped_folders_of_modules(refused, monkeypatch, tmp_path, kind, command):
-    """One sentence that names the folder and the variable, whichever command it ends."""
+    """Every command ends with one sentence that names the folder and the variable."""
     (tmp_path / "file").write_text("")
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     folder = tmp_path / ("x" * 300 if kind == "long" else kind)
@@ -186,7 +186,7 @@ def test_mistyped_folders_of_modules(refused, monkeypatch, tmp_path, kind, comma
     assert "VRUT_LITE_MODULES" in line
 
 
-# Of pictures alone: numba, compiling for the first time, renames files too.
+# Delays the renaming of pictures only, because numba renames files too.
 SLOW_WRITE = """
 import os, time
 def slow(beside, target, replace=os.replace):
@@ -201,8 +201,8 @@ os.replace = slow
     ("number", "code"),
     [(signal.SIGTERM, 143), pytest.param(signal.SIGINT, 130, marks=pytest.mark.long)],
 )
-def test_ended_in_the_midst_of_a_write(tmp_path, number, code):
-    """Asked to end while a picture is written: the older one stays, and nothing lies beside it."""
+def test_a_signal_during_a_write_keeps_the_older_picture(tmp_path, number, code):
+    """After SIGTERM or Ctrl-C during a write the older picture stays, and no partial file."""
     path = tmp_path / "sky.npz"
     path.write_bytes(b"older")
     process = start(*SMALL_SKY, "-o", path, setting=SLOW_WRITE)
@@ -215,8 +215,8 @@ def test_ended_in_the_midst_of_a_write(tmp_path, number, code):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_killed_in_the_midst_of_a_write(tmp_path):
-    """Kill -9 leaves the older picture whole; the half one has a name that tells what it is."""
+def test_kill_9_during_a_write_keeps_the_older_picture(tmp_path):
+    """After kill -9 the older picture is whole; the partial file's name shows what it is."""
     path = tmp_path / "sky.npz"
     path.write_bytes(b"older")
     process = start(*SMALL_SKY, "-o", path, setting=SLOW_WRITE)
@@ -243,8 +243,8 @@ if __name__ == "__main__":
 """
 
 
-def test_workers_end_with_the_one_who_started_them(tmp_path):
-    """Kill -9 lets nobody say goodbye: the processes that make pictures notice, and end too."""
+def test_workers_end_with_their_parent_process(tmp_path):
+    """After kill -9 of the command its worker processes end too."""
     processes_or_skip()
     script, folder = tmp_path / "script.py", tmp_path / "pids"
     script.write_text(WORKERS)
@@ -258,7 +258,7 @@ def test_workers_end_with_the_one_who_started_them(tmp_path):
 
 
 def is_running(pid):
-    """Whether a process still works: neither gone nor waiting to be buried."""
+    """Whether a process is running, neither ended nor a zombie."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except FileNotFoundError:
@@ -267,7 +267,7 @@ def is_running(pid):
 
 
 def test_a_request_to_end_is_an_exception(tmp_path):
-    """It comes once, clears the unfinished file away, and the handler before is back after it."""
+    """It is raised once, the unfinished file is removed, and the old handler is restored."""
     before = signal.getsignal(signal.SIGTERM)
     path = tmp_path / "a.bin"
 
@@ -282,8 +282,8 @@ def test_a_request_to_end_is_an_exception(tmp_path):
     assert signal.getsignal(signal.SIGTERM) == before
 
 
-def test_a_picture_that_is_no_longer_wanted(tmp_path):
-    """The folder is removed while the picture is made: one sentence that names it."""
+def test_a_folder_removed_during_the_work_is_named(tmp_path):
+    """If the output folder is removed during the work, one sentence names it."""
     folder = tmp_path / "out"
     folder.mkdir()
 

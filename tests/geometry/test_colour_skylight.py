@@ -1,4 +1,4 @@
-"""Four wavelengths to linear sRGB, by the matrix fitted to clear skies."""
+"""Linear sRGB from four wavelengths, by the matrix fitted to clear skies."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_colour_of_smooth_light_is_that_of_its_whole_spectrum(
 
 
 def test_four_wavelengths_give_a_colour_per_spectrum() -> None:
-    """Leading axes stay, and the map is linear: twice the light is the same colour, twice."""
+    """Leading axes are kept, and the conversion is linear."""
     spectra = np.random.default_rng(3).random((2, 5, 4))
     rgb = rgb_from_spectrum(spectra, SKYLIGHT_NM)
     assert rgb.shape == (2, 5, 3)
@@ -46,7 +46,7 @@ def test_four_wavelengths_give_a_colour_per_spectrum() -> None:
     "wavelength_nm", [SKYLIGHT_NM[::-1], (680.0, 600.0, 550.0, 440.0)], ids=["reversed", "others"]
 )
 def test_four_other_wavelengths_make_no_colour(wavelength_nm: tuple[float, ...]) -> None:
-    """The matrix belongs to its wavelengths and their order; the sentence names them."""
+    """Other wavelengths, or another order, are refused; the sentence names the right ones."""
     with pytest.raises(ValueError, match="unless they are 635, 570, 520, 445 nm"):
         rgb_from_spectrum(np.ones(4), wavelength_nm)
 

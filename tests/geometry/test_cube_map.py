@@ -30,7 +30,7 @@ def gl_lookup(direction):
 
 
 def test_texels_look_where_opengl_samples_them():
-    """Texel (face, i, j) of size 5 is what OpenGL finds in its direction: t is the row."""
+    """OpenGL finds texel (face, i, j) of a map of size 5 in its direction; t is the row."""
     size = 5
     for (face, i, j), _ in np.ndenumerate(np.zeros((6, size, size))):
         found, s, t = gl_lookup(texel_directions(size)[face, i, j])
@@ -59,7 +59,7 @@ def test_averaging_keeps_the_integral(size, small):
 
 
 def test_look_up_finds_the_texel_itself():
-    """At a texel's own direction nothing is interpolated."""
+    """In the direction of a texel's centre the look-up returns the texel itself."""
     cube = np.random.default_rng(2).random((6, 8, 8, 3))
     np.testing.assert_allclose(sample_cube(cube, texel_directions(8)), cube, rtol=1e-12)
 
@@ -90,14 +90,14 @@ def test_a_fisheye_has_north_at_the_top_and_east_at_the_left():
 
 
 def test_sampling_a_sky_never_mixes_it_with_the_ground():
-    """Bright sky, dark ground: a panorama holds these two values and nothing between."""
+    """With bright sky and dark ground a panorama holds only these two values."""
     up = texel_directions(32)[..., 1:2] > 0
     cube = np.where(up, 5.0, 1.0) * np.ones(3)
     assert set(np.unique(sample_sky(cube, lat_long_directions(101)).round(9))) == {1.0, 5.0}
 
 
 def test_the_unfolded_cube_joins_at_its_edges():
-    """Neighbouring faces of the cross continue each other: no jump larger than a texel's step."""
+    """Neighbouring faces of the cross join: no jump larger than a texel's step."""
     n = 64
     cross = unfold_cube(texel_directions(n))
     band = cross[n : 2 * n]

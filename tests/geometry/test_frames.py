@@ -1,4 +1,4 @@
-"""Frames of reference: east, north, up against the world's axes."""
+"""Frames of reference: east, north, up and the world's axes."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def test_there_and_back(azimuth_rad, elevation_rad, offset_rad):
 
 
 @pytest.mark.parametrize("west", [1e-16, 1e-20, 1e-300, 5e-324])
-def test_a_hair_west_of_north_is_north(west):
-    """Azimuth is below 360 degrees: a remainder rounds up to the full turn there."""
+def test_azimuth_just_west_of_north_is_zero(west):
+    """Azimuth stays below 360 degrees, where rounding would give a full turn."""
     azimuth, _ = angles_from_direction([-west, 1.0, 0.0])
     assert azimuth == 0.0

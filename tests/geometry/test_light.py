@@ -31,7 +31,7 @@ def test_the_basis_is_orthonormal():
 
 
 def test_irradiance_of_a_uniform_sky_is_pi_times_its_radiance():
-    """E = pi L for every normal: the analytic case."""
+    """E = pi L for every normal, the analytic value."""
     coefficients = irradiance_coefficients(np.full((6, 32, 32, 3), 2.0))
     normals = np.random.default_rng(1).normal(size=(100, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -39,7 +39,7 @@ def test_irradiance_of_a_uniform_sky_is_pi_times_its_radiance():
 
 
 def test_irradiance_of_a_half_lit_sphere():
-    """Radiance 1 above the horizon: E(n) = pi (1 + n_y) / 2, which four bands hold to 1.5 %."""
+    """Radiance 1 above the horizon: E(n) = pi (1 + n_y) / 2, within the bands' 1.5 %."""
     cube = np.where(texel_directions(64)[..., 1:2] > 0, 1.0, 0.0) * np.ones(3)
     normals = np.random.default_rng(2).normal(size=(500, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -92,7 +92,7 @@ def test_three_samples_of_skylight_make_the_colour_of_its_whole_spectrum():
 
 
 def test_two_wavelengths_make_no_colour():
-    """Anything between three and eight samples has no defined colour here."""
+    """Fewer than three and four to seven samples are refused."""
     with pytest.raises(ValueError, match="3 wavelengths, or 8"):
         light_colour.rgb_from_spectrum(np.ones(5), np.linspace(400, 700, 5))
 
@@ -111,7 +111,7 @@ def test_the_sun_is_that_of_the_evaluation_framework():
 
 @pytest.mark.parametrize("brightness", [1e-28, 1e-34, 1e-38, 1e-42, 1e-45, 0.0])
 def test_no_darkness_is_too_dark_for_half_precision(brightness):
-    """Scale and inverse stay float32, as shaders have them; what is lost is lost to zero."""
+    """Scale and inverse are float32 numbers, as in shaders; values too dark become zero."""
     radiance = np.array([brightness, 0.5 * brightness], np.float32)
     encoded, scale = encode_float16(radiance)
     assert np.isfinite(np.float32(1.0) / np.float32(scale))

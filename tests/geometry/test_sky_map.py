@@ -1,4 +1,4 @@
-"""Projections of the whole sky: every pixel's width, and light laid onto them to the watt."""
+"""Projections of the whole sky: solid angles of pixels, and splatting that keeps energy."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap
 from vrut_lite.geometry.sun_disc import disc_radiance, disc_samples
 
 SUN_RAD = np.radians(0.2666)
-# A limb that darkens as the sun's does, more in blue; any scale.
+# Limb darkening like the sun's, stronger in blue; the scale does not matter.
 LIMB = ((0.4, 0.6), (0.3, 0.7, 0.1), (0.2, 1.2))
 IRRADIANCE = np.array([135.0, 109.0, 80.0])
 OFFSET_RAD = 0.3
@@ -42,7 +42,7 @@ def test_solid_angles_add_up_to_the_sphere(name, whole):
 
 @pytest.mark.parametrize("name", ["lat-long", "fisheye"])
 def test_a_pixels_direction_lies_in_its_middle(name):
-    """Directions and positions are each other's inverse, away from the fisheye's rim."""
+    """Directions and positions are inverse to each other, away from the fisheye's rim."""
     sky_map = MAPS[name]
     directions = sky_map.directions()
     row, column = sky_map.position(directions)
@@ -71,7 +71,7 @@ def test_the_disc_has_its_energy_wherever_it_stands(name, azimuth_deg, elevation
 @pytest.mark.parametrize("name", MAPS)
 @pytest.mark.parametrize("elevation_deg", [10, 33.3, 60, 89])
 def test_the_disc_lights_level_ground_as_the_sun_does(name, elevation_deg):
-    """Its middle is in place: E sin(elevation) within 2e-4, at pixels twice as wide as the disc."""
+    """E sin(elevation) within 2e-4, even with pixels twice as wide as the disc."""
     sky_map = MAPS[name]
     for azimuth_deg in (0, 44.9, 123.4, 200.3):
         sun = sun_at(azimuth_deg, elevation_deg)
@@ -81,7 +81,7 @@ def test_the_disc_lights_level_ground_as_the_sun_does(name, elevation_deg):
 
 
 def test_the_limb_is_darker_than_the_middle():
-    """In a map so fine that the disc is 6 pixels wide: as the polynomials say, within 5 %."""
+    """With a disc 6 pixels wide the limb follows the polynomials within 5 %."""
     sky_map = LatLongMap(2048)
     sun = sun_at(180.0, 30.0)
     directions, share = disc_samples(sun, SUN_RAD, LIMB)

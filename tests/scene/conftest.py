@@ -52,7 +52,7 @@ def write_obj(tmp_path: Path) -> Callable[..., Path]:
 
 @pytest.fixture
 def no_hang() -> Iterator[Callable[[], int]]:
-    """End a test that waits for ever: no measure of speed."""
+    """Ends a test that would wait for ever; it does not measure speed."""
 
     def give_up(number: int, frame: object) -> None:
         raise AssertionError("a broken file keeps the loader busy for ever")

@@ -1,4 +1,4 @@
-"""What the tests of loading ask of a scene, and do to a document."""
+"""Queries of a loaded scene and edits of a glTF document, for the tests of loading."""
 
 import base64
 from collections.abc import Callable
@@ -31,7 +31,7 @@ def face_normals(scene: LoadedScene) -> np.ndarray:
 
 
 def add_array(document: dict[str, Any], values: np.ndarray, **accessor: Any) -> int:
-    """A new accessor with its own buffer, in a data URI; its number."""
+    """Add an accessor with its own buffer, in a data URI; returns its number."""
     kinds = {"b": 5120, "B": 5121, "h": 5122, "H": 5123, "I": 5125, "f": 5126}
     names = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
     data = values.tobytes()

@@ -1,4 +1,4 @@
-"""Small scene files, made on the fly."""
+"""Makes small scene files."""
 
 import json
 import struct
@@ -40,7 +40,7 @@ def square_document(data: bytes) -> dict[str, Any]:
 
 
 def add_texture(document: dict[str, Any], image: dict[str, Any]) -> None:
-    """Paint the square with an image."""
+    """Give the square a texture with this image."""
     document["images"] = [image]
     document["textures"] = [{"source": 0}]
     document["materials"][0]["pbrMetallicRoughness"] = {"baseColorTexture": {"index": 0}}

@@ -1,4 +1,4 @@
-"""How far the air reaches that a view asks for, and who asks for it."""
+"""The reach of air that a view needs, and the demand for air."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def horizon_m(height_m):
 
 @pytest.mark.parametrize("height_m", [0.1, 1.7, 100.0, 3e3, 1e5, 1e7])
 def test_with_the_horizon_in_view_it_reaches_there(height_m):
-    """sqrt(h (2 R + h)): 4.65 km for someone who stands, 3,700 km from a satellite."""
+    """sqrt(h (2 R + h)): 4.65 km for a person, 3,700 km for a satellite."""
     far = horizon_m(height_m)
     down = -np.arcsin(far / (PLANET_RADIUS_M + height_m))
     level = reach((0, height_m, 50), (0, height_m + np.tan(down + 1e-3), 49))
@@ -43,19 +43,19 @@ def test_with_the_horizon_in_view_it_reaches_there(height_m):
 
 
 def test_from_above_it_reaches_to_the_farthest_corner():
-    """A table seen from 3 m up needs no air to the horizon: ground and corners are all near."""
+    """A table seen from 3 m above needs no air to the horizon: ground and corners are near."""
     assert reach((0, 8, 0), (0.1, 0, 0), field_of_view_rad=0.5) == pytest.approx(
         np.linalg.norm([3, 8, 4])
     )
 
 
 def test_into_the_sky_alone_it_does_not_reach():
-    """Neither scene nor ground are in the picture: no air is asked for."""
+    """With neither scene nor ground in view no air is needed."""
     assert reach((0, 30, 0), (0, 60, -10)) == 0.0
 
 
 def test_a_far_scene_counts_when_it_is_in_view():
-    """A mountain over the horizon is farther than the horizon; behind the back it is nothing."""
+    """A mountain beyond the horizon counts if it is in view, and not behind the camera."""
     lower, upper = (-1e3, 0.0, -51e3), (1e3, 2e3, -49e3)
     ahead = reach((0, 1.7, 0), (0, 2, -10), lower, upper)
     assert ahead == pytest.approx(np.linalg.norm([1e3, 2e3 - 1.7, 51e3]))
@@ -63,7 +63,7 @@ def test_a_far_scene_counts_when_it_is_in_view():
 
 
 def test_it_grows_without_a_step_as_the_view_is_raised():
-    """From steeply down to the horizon: no step longer than its share, then it stays."""
+    """As the view rises from steeply down to the horizon the reach grows smoothly, then stays."""
     angles = np.linspace(-1.3, 0.3, 3000)
     found = [reach((0, 50, 0), (0, 50 + np.tan(a), -1)) for a in angles]
     assert np.all(np.diff(found) >= -1e-6)

@@ -31,19 +31,19 @@ def refusal(path: Path) -> str:
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    """A name that is no file is told as such."""
+    """The sentence says that there is no such file."""
     assert "no such file" in refusal(tmp_path / "none.glb")
 
 
 def test_folder(tmp_path: Path) -> None:
-    """A folder is no scene, whatever its name ends in."""
+    """A folder is refused, whatever its suffix."""
     folder = tmp_path / "scene.glb"
     folder.mkdir()
     assert "folder" in refusal(folder)
 
 
 def test_pipe(tmp_path: Path) -> None:
-    """A pipe would make the reader wait for ever."""
+    """A pipe is refused, because a reader would wait for ever."""
     os.mkfifo(tmp_path / "scene.glb")
     assert "regular file" in refusal(tmp_path / "scene.glb")
 
@@ -79,7 +79,7 @@ def test_glb_version(tmp_path: Path) -> None:
     "text", ["", "{", "[]", "null", "{'asset': 1}", '{"a":' * 9999, "\xff\xfe{}"]
 )
 def test_invalid_json(tmp_path: Path, text: str) -> None:
-    """What is no JSON object, or endlessly nested, is no glTF document."""
+    """A document that is not a JSON object, or nested too deeply, is refused."""
     (tmp_path / "a.gltf").write_text(text, encoding="latin-1")
     assert "glTF document" in refusal(tmp_path / "a.gltf")
 
@@ -91,7 +91,7 @@ def test_gltf_1(write_square: WriteScene) -> None:
 
 @pytest.mark.parametrize("extension", ["KHR_texture_basisu", "EXT_meshopt_compression"])
 def test_required_extension_is_named(write_square: WriteScene, extension: str) -> None:
-    """Whoever exported the file must learn which extension to switch off."""
+    """The sentence names the extension, so that it can be switched off in the export."""
     path = write_square(lambda d: d.update(extensionsRequired=[extension]))
     assert extension in refusal(path)
 
@@ -104,27 +104,27 @@ def test_missing_buffer(write_square: WriteScene) -> None:
 
 
 def test_short_buffer(write_square: WriteScene) -> None:
-    """A buffer file shorter than the document says was cut off on its way."""
+    """A buffer file shorter than the document declares is refused as cut short."""
     path = write_square()
     (path.parent / "square.bin").write_bytes(SQUARE_BYTES[:-1])
     assert "cut short" in refusal(path)
 
 
 def test_missing_image(write_square: WriteScene) -> None:
-    """A missing texture is told, not replaced by white."""
+    """A missing texture is refused, not replaced by white."""
     path = write_square(lambda d: add_texture(d, {"uri": "brick.png"}))
     assert "brick.png" in refusal(path)
 
 
 def test_damaged_image(write_square: WriteScene) -> None:
-    """A texture that stops half-way is found on loading, not in the middle of a frame."""
+    """A truncated texture is found while loading, not while drawing a frame."""
     path = write_square(lambda d: add_texture(d, {"uri": "brick.png"}))
     (path.parent / "brick.png").write_bytes(png_bytes((64, 64))[:-40])
     assert "damaged" in refusal(path)
 
 
 def test_image_of_no_known_format(write_square: WriteScene) -> None:
-    """Bytes that are no picture, and formats that run other programs (EPS), are not opened."""
+    """Unknown bytes, and formats that run other programs (EPS), are refused."""
     path = write_square(lambda d: add_texture(d, {"uri": "brick.png"}))
     header = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n"
     (path.parent / "brick.png").write_bytes(header)
@@ -265,7 +265,7 @@ def test_gltf_keeps_to_its_folder(
 
 @pytest.mark.parametrize("uri", FOREIGN[:-1])
 def test_unused_image_keeps_to_the_folder(write_square: WriteScene, uri: str) -> None:
-    """A foreign name is refused also where nothing uses it; a missing unused file is none."""
+    """An unused image outside the folder is refused; a missing unused image is not."""
     assert "it names" in refusal(write_square(lambda d: d.update(images=[{"uri": uri}])))
     unused = write_square(lambda d: d.update(images=[{"uri": "not_there.png"}]))
     assert load_scene(unused).triangles == 2
@@ -276,7 +276,7 @@ def test_unused_image_keeps_to_the_folder(write_square: WriteScene, uri: str) ->
 def test_mtl_keeps_to_its_folder(
     write_obj: WriteScene, tmp_path: Path, name: str, statement: str
 ) -> None:
-    """An MTL file reaches no further than a glTF, also in maps that are not used."""
+    """An MTL file may not name files outside the folder either, even in unused maps."""
     (tmp_path / "secret.bin").write_bytes(png_bytes())
     assert "it names" in refusal(write_obj(f"newmtl paint\n{statement} {name}\n"))
 
@@ -290,7 +290,7 @@ def test_mtllib_keeps_to_its_folder(write_obj: WriteScene, tmp_path: Path) -> No
 
 
 def test_options_do_not_hide_a_path(write_obj: WriteScene) -> None:
-    """A map statement's options are no way around the check."""
+    """Options of a map statement do not circumvent the check."""
     path = write_obj("newmtl paint\nmap_Kd -clamp on -s 1 1 1 ../secret.png\n")
     assert "leads out" in refusal(path)
 
@@ -299,7 +299,7 @@ def test_options_do_not_hide_a_path(write_obj: WriteScene) -> None:
 def test_links_that_leave_the_folder(
     write_square: WriteScene, write_obj: WriteScene, tmp_path: Path, kind: str
 ) -> None:
-    """A symbolic link inside the folder is no way out of it."""
+    """A symbolic link that leaves the folder is refused."""
     (tmp_path / "outside").mkdir()
     secret = tmp_path / "outside" / "secret"
     secret.write_bytes(SQUARE_BYTES if kind == "buffer" else png_bytes())
@@ -321,7 +321,7 @@ def test_damaged_data_uri(write_square: WriteScene, uri: str) -> None:
 
 
 def test_no_triangles(write_square: WriteScene) -> None:
-    """Points alone are no scene."""
+    """A scene of points alone is refused."""
 
     def edit(document: dict[str, Any]) -> None:
         document["meshes"][0]["primitives"][0]["mode"] = 0
@@ -341,21 +341,21 @@ def test_empty_obj(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_vertices_that_are_no_numbers(write_square: WriteScene, value: float) -> None:
-    """One bad vertex would spoil the bounds, and with them the camera."""
+def test_vertices_that_are_not_finite(write_square: WriteScene, value: float) -> None:
+    """A single bad vertex is refused: it would spoil the bounds and the default camera."""
     positions = SQUARE.copy()
     positions[2, 1] = value
     assert "finite" in refusal(write_square(data=positions.tobytes() + TRIANGLES.tobytes()))
 
 
 @pytest.mark.parametrize("word", ["nan", "inf", "1e999"])
-def test_obj_vertices_that_are_no_numbers(write_obj: WriteScene, word: str) -> None:
-    """The same in OBJ, where they are words."""
+def test_obj_vertices_that_are_not_finite(write_obj: WriteScene, word: str) -> None:
+    """The same in OBJ."""
     vertices = f"v 0 0 0\nv 1 0 0\nv 1 {word} 0\nv 0 1 0"
     assert "finite" in refusal(write_obj(vertices=vertices))
 
 
-def test_vertices_beyond_all_measure(write_square: WriteScene) -> None:
+def test_vertices_too_far_away(write_square: WriteScene) -> None:
     """A scene of 1e30 m is damage or another unit; 10 000 km is the limit."""
     data = (SQUARE * np.float32(1e30)).tobytes() + TRIANGLES.tobytes()
     assert "metres" in refusal(write_square(data=data))
@@ -369,19 +369,19 @@ def test_index_out_of_range(write_square: WriteScene) -> None:
 
 @pytest.mark.parametrize("face", ["f 1 2 5", "f 0 1 2", "f -1 -2 -5", "f 1 2 x", "f 1 2 9e9"])
 def test_obj_index_out_of_range(write_obj: WriteScene, face: str) -> None:
-    """OBJ counts from 1, and back from the present line."""
+    """OBJ indices start at 1; negative ones count back from the current line."""
     assert "export it again" in refusal(write_obj(faces=face))
 
 
 @pytest.mark.parametrize("count", [5, 10**6, 2**31])
 def test_count_beyond_the_file(write_square: WriteScene, count: int) -> None:
-    """A count is checked against the bytes there are, before memory is taken for it."""
+    """A count is compared with the available bytes before memory is taken."""
     path = write_square(lambda d: d["accessors"][0].update(count=count))
     assert "count" in refusal(path)
 
 
 def test_huge_count_without_data(write_square: WriteScene) -> None:
-    """An accessor without a buffer view is zeros, and two thousand million are too many."""
+    """An accessor without a buffer view means zeros; two thousand million are refused."""
 
     def edit(document: dict[str, Any]) -> None:
         document["accessors"][0] = {"componentType": 5126, "count": 2**31, "type": "VEC3"}
@@ -390,7 +390,7 @@ def test_huge_count_without_data(write_square: WriteScene) -> None:
 
 
 def test_many_placed_triangles(write_square: WriteScene) -> None:
-    """A small file cannot ask for any amount of work by naming one mesh often."""
+    """A small file that places one mesh too often is refused."""
 
     def edit(document: dict[str, Any]) -> None:
         document["accessors"][1] = {"componentType": 5125, "count": 3_000_000, "type": "SCALAR"}
@@ -429,19 +429,19 @@ def test_many_placed_triangles(write_square: WriteScene) -> None:
 def test_references_that_do_not_hold(
     write_square: WriteScene, edit: Callable[[dict[str, Any]], None]
 ) -> None:
-    """Numbers that point to nothing, nodes in a circle and wrong types are all told."""
+    """Invalid references, cyclic nodes and wrong types are refused."""
     refusal(write_square(edit))
 
 
 def test_wide_obj_numbers(write_obj: WriteScene) -> None:
-    """Text that is no OBJ at all has nothing to show."""
+    """Text that is not OBJ at all is refused."""
     path = write_obj()
     path.write_bytes(bytes(range(256)) * 4)
     refusal(path)
 
 
 def test_message_is_short_for_a_long_name(write_square: WriteScene) -> None:
-    """A hostile name does not fill the screen, nor steer the terminal."""
+    """A hostile name is shortened and its control characters are escaped."""
     path = write_square(lambda d: d["buffers"][0].update(uri="\x1b[2J" + "y" * 9000))
     message = refusal(path).replace(str(path), "")
     assert len(message) < 250
@@ -449,7 +449,7 @@ def test_message_is_short_for_a_long_name(write_square: WriteScene) -> None:
 
 
 def test_json_of_the_fixture_is_good(write_square: WriteScene) -> None:
-    """The file that all the above damage loads when it is whole."""
+    """The undamaged file of these tests loads."""
     path = write_square()
     assert json.loads(path.read_text())["asset"] == {"version": "2.0"}
     assert load_scene(path).triangles == 2

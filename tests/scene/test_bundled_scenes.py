@@ -1,4 +1,4 @@
-"""The scenes that come with the project: they are what their script makes, and they are sound."""
+"""The bundled scenes are what their script makes, and are valid."""
 
 import contextlib
 import shutil
@@ -26,7 +26,7 @@ def assets() -> list[Path]:
 
 @pytest.fixture(scope="module")
 def rebuilt(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder into which the script was run."""
+    """A folder with the script's output."""
     folder = tmp_path_factory.mktemp("scenes")
     subprocess.run(
         [sys.executable, "-m", "tools.scenes.build_scenes", "small", "--into", folder],
@@ -44,35 +44,35 @@ def scene(request: pytest.FixtureRequest) -> LoadedScene:
 
 
 def test_script_makes_the_committed_bytes(rebuilt: Path) -> None:
-    """The scenes are exactly what the script says, so that nobody edits them by hand."""
+    """The committed scenes are the script's output, byte for byte."""
     assert [path.name for path in assets()] == sorted(path.name for path in rebuilt.iterdir())
     for path in assets():
         assert path.read_bytes() == (rebuilt / path.name).read_bytes(), path.name
 
 
 def test_files_are_small() -> None:
-    """Below 300 kB each, so that a clone stays quick."""
+    """Each is below 300 kB."""
     assert max(path.stat().st_size for path in assets()) < 300_000
 
 
 def test_scene_stands_on_level_zero(scene: LoadedScene) -> None:
-    """The floor people stand on is at height 0; foundations reach at most 25 cm below."""
+    """The floor is at height 0; foundations reach at most 25 cm below."""
     assert -0.25 < scene.lower_m[1] <= 0.0
     assert scene.upper_m[1] > 0.9
 
 
 def test_scene_is_of_real_size(scene: LoadedScene) -> None:
-    """Between a garden table and a street, in metres."""
+    """Sizes are between those of a garden table and a street, in metres."""
     assert np.all(scene.upper_m - scene.lower_m < 60.0)
 
 
 def test_scene_leaves_the_horizon_to_the_host(scene: LoadedScene) -> None:
-    """None brings a ground to the horizon."""
+    """No scene has a ground of its own up to the horizon."""
     assert not has_own_ground(scene)
 
 
 def test_albedo_is_below_nine_tenths(scene: LoadedScene) -> None:
-    """No surface reflects more than 90 %: fresh snow has that; white paint less."""
+    """No surface reflects more than 90 %, the albedo of fresh snow."""
     for place in scene.meshes:
         material = place.mesh.visual.material
         texture = material.baseColorTexture
@@ -93,7 +93,7 @@ def test_normals_agree_with_the_winding(scene: LoadedScene) -> None:
 
 
 def test_cameras_look_at_their_scene() -> None:
-    """Each glTF brings a level camera at standing height that has the middle in view."""
+    """Each glTF has a level camera at standing height with the middle in view."""
     for name in NAMES:
         scene = load_scene(SCENES / name)
         if name.endswith(".obj"):
@@ -111,7 +111,7 @@ def test_cameras_look_at_their_scene() -> None:
 
 
 def test_sundial_can_be_measured() -> None:
-    """A gnomon of 1 m at the origin, upright, on a plain plate six times as wide, N at -Z."""
+    """An upright gnomon of 1 m at the origin, on a plain plate six times as wide, north at -Z."""
     scene = load_scene(SCENES / "sundial.glb")
     named = {place.name: place.world_triangles().reshape(-1, 3) for place in scene.meshes}
     tip = named["gnomon"][np.argmax(named["gnomon"][:, 1])]
@@ -139,7 +139,7 @@ def test_street_hides_much_of_the_sky() -> None:
 
 
 def test_spheres_cover_metal_and_matt() -> None:
-    """From a mirror to matt, metal and not, with the grey card's 18 %."""
+    """Mirrors to matt surfaces, metals and non-metals, with an 18 % grey card."""
     scene = load_scene(SCENES / "spheres.glb")
     materials = {p.mesh.visual.material.name: p.mesh.visual.material for p in scene.meshes}
     assert materials["mirror"].roughnessFactor == 0.0
@@ -162,7 +162,7 @@ def test_pavilion_shares_its_columns() -> None:
 
 @pytest.mark.parametrize("seed", range(80))
 def test_mangled_files_load_or_are_refused(tmp_path: Path, seed: int) -> None:
-    """Flipped bytes and cut ends lead to a scene or to one sentence, to nothing else."""
+    """Files with flipped bytes or cut ends open, or are refused in one sentence."""
     rng = np.random.default_rng(seed)
     for path in assets():
         shutil.copy(path, tmp_path)

@@ -1,4 +1,4 @@
-"""Files that others made."""
+"""Files that other programs have written."""
 
 import contextlib
 from io import BytesIO

@@ -1,4 +1,4 @@
-"""Scene files broken at random: each opens or is refused in one clear sentence."""
+"""Randomly damaged scene files open, or are refused in one clear sentence."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene
 
 FILES, LEAST_REFUSED = 130, 100
-# Words of libraries that say nothing to whoever made the file.
+# Words of libraries' errors, which would not help the user.
 FOREIGN = ("Traceback", "NoneType", "numpy", "dtype", "axis 0", "object has no", "invalid literal")
 
 
@@ -15,7 +15,7 @@ def test_each_broken_file_has_its_sentence(tmp_path, no_hang):
     """130 files with bytes, words, lines or values changed; at least 100 cannot be opened.
 
     A flipped bit of a vertex breaks nothing: such a file may open. All others end in a
-    UserError: one line that names the file and is no library's.
+    UserError: one line that names the file, without a library's words.
     """
     refusals = {}
     for number in range(FILES):
@@ -38,7 +38,7 @@ def test_each_broken_file_has_its_sentence(tmp_path, no_hang):
 
 
 def test_the_files_break_each_time_alike(tmp_path):
-    """A number names a file: what fails here fails again elsewhere; unbroken, all of them open."""
+    """The damage is reproducible by number; undamaged, all files open."""
     for number in (3, 40, 77):
         assert broken(number) == broken(number)
     for name, (folder, _) in GOOD.items():

@@ -1,4 +1,4 @@
-"""glTF: vertices, indices and their many encodings."""
+"""glTF: vertices, indices and their encodings."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from vrut_lite.scene.loading import load_scene
 
 
 def test_authored_normals_stay(write_square: WriteScene) -> None:
-    """Normals in the file are kept, made unit length, also where they are not the triangle's."""
+    """Normals in the file are normalised and kept, even if they differ from the triangle's."""
     authored = np.array([[0, 0, 2], [0, 3, 4], [1, 0, 0], [0, 0, 1]], "<f4")
 
     def edit(document: dict[str, Any]) -> None:
@@ -23,8 +23,8 @@ def test_authored_normals_stay(write_square: WriteScene) -> None:
 
 
 @pytest.mark.parametrize("bad", [[0, 0, 0], [np.nan, 0, 1]])
-def test_bad_normals_are_made_anew(write_square: WriteScene, bad: list[float]) -> None:
-    """A normal without direction would light nothing, or spoil the picture with NaN."""
+def test_bad_normals_are_replaced(write_square: WriteScene, bad: list[float]) -> None:
+    """Normals are computed if one has no direction, which would give black or NaN pixels."""
     authored = np.array([[0, 1, 0], bad, [0, 1, 0], [0, 1, 0]], "<f4")
 
     def edit(document: dict[str, Any]) -> None:
@@ -93,7 +93,7 @@ def test_strips_and_fans(write_square: WriteScene, mode: int, order: list[int]) 
 
 
 def test_triangles_without_indices(write_square: WriteScene) -> None:
-    """Without indices each three vertices are a triangle; a rest of one is left over."""
+    """Without indices every three vertices are a triangle; a remainder is ignored."""
 
     def edit(document: dict[str, Any]) -> None:
         del document["meshes"][0]["primitives"][0]["indices"]
@@ -102,7 +102,7 @@ def test_triangles_without_indices(write_square: WriteScene) -> None:
 
 
 def test_lines_and_points_are_passed_over(write_square: WriteScene) -> None:
-    """Helpers made of lines do not hinder the triangles beside them."""
+    """Lines and points are ignored; triangles beside them load."""
 
     def edit(document: dict[str, Any]) -> None:
         document["meshes"][0]["primitives"] += [

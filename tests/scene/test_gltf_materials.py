@@ -12,7 +12,7 @@ from vrut_lite.scene.loading import load_scene
 
 
 def test_material_factors_are_exact(write_square: WriteScene) -> None:
-    """Factors are floating point and linear: 8 bits would make 0.0196 of an albedo of 0.02."""
+    """Factors stay floating point and linear: 8 bits would turn an albedo of 0.02 into 0.0196."""
 
     def edit(document: dict[str, Any]) -> None:
         document["materials"][0] = {
@@ -35,7 +35,7 @@ def test_material_factors_are_exact(write_square: WriteScene) -> None:
 
 
 def test_material_defaults(write_square: WriteScene) -> None:
-    """What a material leaves out is glTF's default: white, metallic 1, roughness 1, opaque."""
+    """Missing properties have glTF's defaults: white, metallic 1, roughness 1, opaque."""
     material = material_of(load_scene(write_square()))
     np.testing.assert_array_equal(material.baseColorFactor, [1, 1, 1, 1])
     assert (material.metallicFactor, material.roughnessFactor) == (1.0, 1.0)
@@ -43,7 +43,7 @@ def test_material_defaults(write_square: WriteScene) -> None:
 
 
 def test_mesh_without_material(write_square: WriteScene) -> None:
-    """Bare geometry is matt mid-grey, not the dark metal of glTF's default material."""
+    """A mesh without material is matt mid-grey, not the dark metal of glTF's default."""
 
     def edit(document: dict[str, Any]) -> None:
         del document["meshes"][0]["primitives"][0]["material"]

@@ -49,7 +49,7 @@ def test_link_inside_the_folder(write_square: WriteScene) -> None:
 
 
 def test_no_graphics_library_is_loaded() -> None:
-    """Loading works where there is no OpenGL and no Qt: neither they nor pyrender come in."""
+    """Loading a scene imports neither OpenGL nor Qt nor pyrender."""
     code = (
         "import sys, vrut_lite.scene.loading, vrut_lite.scene.ground;"
         "print({m.split('.')[0] for m in sys.modules}"
@@ -84,7 +84,7 @@ def test_matrix_is_column_major(write_square: WriteScene) -> None:
 
 
 def test_instances_share_their_mesh(write_square: WriteScene) -> None:
-    """Two nodes of one mesh are one object in two places, and both count."""
+    """Two nodes of one mesh share the object; the triangles of both count."""
 
     def edit(document: dict[str, Any]) -> None:
         document["nodes"].append({"mesh": 0, "name": "other", "translation": [3, 0, 0]})
@@ -151,7 +151,7 @@ def test_camera_of_a_nested_node(write_square: WriteScene) -> None:
     expected = np.eye(4)
     expected[:3, 3] = [2, 1, 8]
     np.testing.assert_allclose(scene.camera.world_from_camera, expected, atol=1e-12)
-    # What hangs below a camera shows as well.
+    # Meshes below a camera node load too.
     np.testing.assert_allclose(scene.meshes[1].world_from_model[:3, 3], [2, 1, -6])
 
 

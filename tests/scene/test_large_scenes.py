@@ -1,4 +1,4 @@
-"""Large coordinates: the scenes are their script's, and 400 km up a thing looks as it does at 0."""
+"""Large coordinates: the scenes are their script's output, and precision holds 400 km up."""
 
 from pathlib import Path
 
@@ -34,7 +34,7 @@ def backend(gl_owner):
     "script", [hall, satellite_script, pytest.param(terrain, marks=pytest.mark.long)]
 )
 def test_the_script_makes_the_committed_bytes(script):
-    """Nobody edits them by hand; eroding the terrain takes 20 s."""
+    """The committed scenes are the script's output; eroding the terrain takes 20 s."""
     for name, data in script.build().items():
         assert data == (SCENES / "large" / name).read_bytes(), name
 
@@ -53,7 +53,7 @@ def test_the_satellite_is_of_real_size_and_where_satellites_are():
 
 @pytest.mark.gl
 def test_a_thing_400_km_up_looks_as_it_does_on_the_ground(backend, tmp_path):
-    """The same light and view: no pixel is off by more than the rounding of light to 32 bits.
+    """With the same light and view no pixel differs by more than the rounding to 32 bits.
 
     A float32 coordinate of 4e5 m has steps of 3 cm, ten pixels here; an eye in between, too.
     """
@@ -82,7 +82,7 @@ def test_a_thing_400_km_up_looks_as_it_does_on_the_ground(backend, tmp_path):
 
 @pytest.mark.parametrize("height_m", [1.7, 1e3, 4e5, 3e6, 9e6])
 def test_the_camera_is_exact_from_ground_to_space(height_m):
-    """What is drawn relative to the eye is good to a micrometre at any height (float64: 2e-9 m)."""
+    """Positions relative to the eye are exact to a micrometre at any height (float64: 2e-9 m)."""
     eye = np.array([12.3, height_m, -45.6])
     point = eye + np.array([0.25, -0.5, -2.0])
     model = np.eye(4)
@@ -96,7 +96,7 @@ def test_the_camera_is_exact_from_ground_to_space(height_m):
 
 @pytest.mark.parametrize("height_m", [1.7, 4e5, 3e6])
 def test_a_scenes_own_camera_keeps_its_direction_from_ground_to_space(height_m):
-    """A pose becomes an eye and a target one metre ahead; nothing of the angle is lost."""
+    """A pose becomes an eye and a target one metre ahead, without loss of angle."""
     pose = np.eye(4)
     pose[:3, :3] = look_at(np.zeros(3), [0.4, -0.3, -1.0])[:3, :3].T
     pose[:3, 3] = [0.0, height_m, 0.0]

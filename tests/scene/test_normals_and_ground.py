@@ -1,4 +1,4 @@
-"""Normals that a file does not bring, and whether it brings a ground."""
+"""Computed normals, and whether a scene has a ground of its own."""
 
 from pathlib import Path
 
@@ -41,7 +41,7 @@ def test_cylinder_is_smooth_around_and_hard_at_its_rims() -> None:
 
 
 def test_seams_in_texture_coordinates_stay_smooth() -> None:
-    """Vertices that coincide shade alike, though the file lists them twice."""
+    """Coinciding vertices get the same normal, although the file lists them twice."""
     ball = trimesh.creation.icosphere(subdivisions=3)
     soup = ball.vertices[ball.faces].reshape(-1, 3)
     source, _, normals = crease_normals(soup, np.arange(len(soup)).reshape(-1, 3))
@@ -52,7 +52,7 @@ def test_seams_in_texture_coordinates_stay_smooth() -> None:
 
 
 def test_degenerate_triangles_do_no_harm() -> None:
-    """A triangle without area has no normal; its vertices point up and no neighbour suffers."""
+    """Vertices of triangles without area get normals that point up; neighbours are unaffected."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 5, 5]], float)
     faces = np.array([[0, 1, 2], [1, 2, 2], [3, 3, 3]])
     _, new_faces, normals = crease_normals(vertices, faces)
@@ -61,7 +61,7 @@ def test_degenerate_triangles_do_no_harm() -> None:
 
 
 def test_blocks_of_triangles_meet(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is worked out block by block is the same to the bit as all at once."""
+    """Computing block by block gives the same bits as all at once."""
     random = np.random.default_rng(3)
     faces = np.unique(random.integers(0, 60, (400, 3)), return_inverse=True)[1].reshape(-1, 3)
     vertices = random.integers(-2, 3, (faces.max() + 1, 3)).astype(float)
@@ -72,7 +72,7 @@ def test_blocks_of_triangles_meet(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_box_file_without_normals(tmp_path: Path) -> None:
-    """The hard edges arrive through the loader."""
+    """The loader keeps the hard edges."""
     trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.obj")
     mesh = load_scene(tmp_path / "box.obj").meshes[0].mesh
     assert np.allclose(np.abs(mesh.vertex_normals).max(axis=1), 1.0)
@@ -96,20 +96,20 @@ def test_wide_ground_is_its_own(tmp_path: Path) -> None:
     assert not has_own_ground(ground_scene(tmp_path, slab(400)))
 
 
-def test_a_satellite_stands_on_nothing(tmp_path: Path) -> None:
-    """A disc under it would hide the planet; a hut on the highest mountain does get one."""
+def test_a_satellite_gets_no_ground(tmp_path: Path) -> None:
+    """A ground would hide the planet below a satellite; a hut on a high mountain gets one."""
     assert has_own_ground(ground_scene(tmp_path, slab(5, y=4e5)))
     assert not has_own_ground(ground_scene(tmp_path, slab(5, y=8848.0)))
 
 
-def test_far_things_are_no_ground(tmp_path: Path) -> None:
-    """Towers at the corners of a wide square leave the ground between them open."""
+def test_far_towers_are_no_ground(tmp_path: Path) -> None:
+    """Towers at the corners of a wide square do not replace the ground between them."""
     towers = [slab(20).apply_translation([x, 0, z]) for x in (-700, 700) for z in (-700, 700)]
     assert not has_own_ground(ground_scene(tmp_path, *towers))
 
 
 def test_a_ceiling_is_no_ground(tmp_path: Path) -> None:
-    """What faces down does not count."""
+    """Surfaces that face down do not count as ground."""
     sheet = trimesh.Trimesh(
         [[-600, 0, -600], [600, 0, -600], [600, 0, 600], [-600, 0, 600]], [[0, 1, 2], [0, 2, 3]]
     )

@@ -105,7 +105,7 @@ def test_obj_normals_stay(write_obj: WriteScene) -> None:
 
 
 def test_obj_of_trimesh(tmp_path: Path) -> None:
-    """A file of another writer: trimesh's own export of a textured box."""
+    """trimesh's own export of a textured box loads."""
     box = trimesh.creation.box((1, 2, 3))
     image = Image.new("RGB", (5, 5), (255, 0, 0))
     material = trimesh.visual.material.SimpleMaterial(image=image, glossiness=1.0)
@@ -139,7 +139,7 @@ def _obj_texts(draw: st.DrawFn) -> str:
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=_obj_texts())
 def test_obj_has_the_triangles_that_trimesh_finds(tmp_path: Path, text: str) -> None:
-    """Another reader's triangles in space, whatever forms the faces are written in."""
+    """The triangles equal those of trimesh's reader, in whatever form faces are written."""
     (tmp_path / "a.obj").write_bytes(text.encode())
     scene = load_scene(tmp_path / "a.obj")
     ours = np.concatenate([place.world_triangles() for place in scene.meshes])
@@ -148,13 +148,13 @@ def test_obj_has_the_triangles_that_trimesh_finds(tmp_path: Path, text: str) -> 
 
 
 def _sorted_triangles(triangles: np.ndarray) -> list[tuple[tuple[float, ...], ...]]:
-    """Each from its least corner on, for a face may begin at any."""
+    """Triangles rotated to begin at their least corner, and sorted."""
     corners = [[tuple(corner) for corner in triangle] for triangle in triangles.tolist()]
     return sorted(tuple(min(c[k:] + c[:k] for k in range(3))) for c in corners)
 
 
 def test_obj_blocks_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Faces keep their order and material where the text is cut into blocks to be read."""
+    """Faces keep their order and material across the blocks in which the text is read."""
     random = np.random.default_rng(5)
     lines = ["mtllib a.mtl"]
     for number in range(40):
@@ -172,7 +172,7 @@ def test_obj_blocks_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_obj_line_without_end(write_obj: WriteScene) -> None:
-    """A line of megabytes is no face that anyone drew."""
+    """A line of megabytes is refused."""
     with pytest.raises(UserError, match="longer than 4 MB"):
         load_scene(write_obj(faces="f 1 2 3" + " 4" * 5_000_000))
     with pytest.raises(UserError, match="longer than 4 MB"):

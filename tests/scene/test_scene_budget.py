@@ -1,4 +1,4 @@
-"""One budget for a scene: what is named often is read once, and nothing large comes of little."""
+"""The memory budget of a scene: repeated references are read once, small files stay small."""
 
 import contextlib
 import os
@@ -34,7 +34,7 @@ from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 GIB = 2**30
-# Several large files, so that a file read twice cannot hide behind what a document takes.
+# Larger than what the document takes, so that a file that is read twice shows.
 REST_BYTES = 4 * 2**20
 quick = settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
@@ -42,7 +42,7 @@ quick = settings(
 
 
 def open_files(folder: Path, files: Files, limit_gib: float = 4.0) -> tuple[LoadedScene, float]:
-    """The scene that the first of the files is, and the bytes that were counted for it."""
+    """The scene in the first of the files, and the bytes that were counted for it."""
     folder.mkdir(exist_ok=True)
     for name, content in files.items():
         (folder / name).write_bytes(content)
@@ -65,7 +65,7 @@ def refusal(folder: Path, files: Files, limit_gib: float = 4.0) -> str:
 
 
 def spelled(name: str) -> st.SearchStrategy[str]:
-    """Names of one file: with dots, doubled slashes, per cent signs; by a link of either kind."""
+    """Spellings of one file's name: dots, doubled slashes, per cent signs, hard and soft links."""
     letters = [st.sampled_from([letter, f"%{ord(letter):02x}", f"%{ord(letter):02X}"])
                for letter in name]  # fmt: skip
     plain = st.tuples(*letters).map("".join)
@@ -83,7 +83,7 @@ def link(folder: Path, name: str) -> None:
 @quick
 @given(st.lists(spelled("a.bin"), min_size=2, max_size=12))
 def test_a_buffer_of_many_names_is_read_once(tmp_path, names):
-    """Links, dots and per cent signs name the same file, which is in memory but once."""
+    """A buffer that is named by links, dots and per cent signs is in memory only once."""
     uris = [{"byteLength": 36, "uri": name} for name in ["a.bin", *names]]
     files = gltf({"buffers": uris})
     files["a.bin"] += bytes(REST_BYTES)
@@ -97,7 +97,7 @@ def test_a_buffer_of_many_names_is_read_once(tmp_path, names):
 @quick
 @given(st.lists(spelled("a.png"), min_size=2, max_size=12), st.booleans())
 def test_a_picture_of_many_names_is_decoded_once(tmp_path, names, as_obj):
-    """Whoever names it, glTF's images or MTL's maps, shares one decoded picture."""
+    """glTF images and MTL maps that name the same picture share the decoded one."""
     side_px = 1024
     picture = png(side_px, side_px)
     if as_obj:
@@ -127,7 +127,7 @@ def test_a_picture_of_many_names_is_decoded_once(tmp_path, names, as_obj):
 
 
 def test_primitives_of_the_same_arrays_share_them(tmp_path):
-    """Of one set of triangles in many materials there are many meshes and one geometry."""
+    """The same triangles in many materials are many meshes with one geometry."""
     primitives = [{"attributes": {"POSITION": 0}, "material": k} for k in range(5)]
     files = gltf({"materials": [{}] * 5, "meshes": [{"primitives": primitives}]})
     first, *others = (p.mesh for p in open_files(tmp_path, files)[0].meshes)
@@ -147,7 +147,7 @@ def test_primitives_of_the_same_arrays_share_them(tmp_path):
     sparse=st.booleans(),
     mode=st.sampled_from([4, 5, 6]),
 )
-def test_arrays_that_no_bytes_stand_behind(
+def test_accessors_without_data_are_refused(
     tmp_path, attribute, count, component, kind, normalized, sparse, mode
 ):
     """A few hundred bytes that declare millions of zeros are refused before memory is taken."""
@@ -165,7 +165,7 @@ def test_arrays_that_no_bytes_stand_behind(
     assert "limit" in refusal(tmp_path, files)
 
 
-# Each kind in a number with which its files hold some ten kilobytes and would ask for gigabytes.
+# Counts for which the files hold some ten kilobytes and ask for gigabytes.
 TOO_MUCH = [
     "images: overlapping views",
     "image: scans of a JPEG",
@@ -180,11 +180,11 @@ TOO_MUCH = [
 
 @pytest.mark.parametrize("kind", TOO_MUCH)
 def test_a_small_file_that_asks_for_much_is_refused(tmp_path, kind):
-    """Arrays and pictures that overlap, scans, placed meshes: each in one sentence."""
+    """Overlapping arrays and pictures, JPEG scans, placed meshes: one sentence each."""
     assert re.search("limit|more than|too many", refusal(tmp_path, bomb(kind)[1]))
 
 
-# Numbers with which the readers of before, or a quadratic one, would take minutes or hours.
+# Counts for which a quadratic reader would take minutes or hours.
 MANY = {
     "buffers: the file itself": 10_000,
     "buffers: spellings of a file": 500,
@@ -207,8 +207,8 @@ MANY = {
 
 
 @pytest.mark.parametrize("kind", MANY)
-def test_many_of_a_kind_are_read_at_once(tmp_path, kind, no_hang):
-    """Files of many lines or parts open, or are refused, in a time that grows as they do.
+def test_many_parts_are_read_in_linear_time(tmp_path, kind, no_hang):
+    """Files of many lines or parts open, or are refused, in linear time.
 
     `no_hang` ends the test after a minute, a hundred times what it takes and a hundredth of
     what a time that grows with the square would be.
@@ -221,7 +221,7 @@ def test_many_of_a_kind_are_read_at_once(tmp_path, kind, no_hang):
 
 @pytest.mark.parametrize("part", ["scene", "children", "nodes"])
 def test_nodes_are_counted_before_they_are_placed(tmp_path, part):
-    """A scene stands in so many places, however its nodes are named: as roots, children, or all."""
+    """The limit of places counts nodes that are roots, children, or both."""
     many = [1] * 200_001
     parts: dict[str, dict[str, Any]] = {
         "scene": {"scenes": [{"nodes": [0, *many]}], "nodes": [{"mesh": 0}, {}]},
@@ -231,8 +231,8 @@ def test_nodes_are_counted_before_they_are_placed(tmp_path, part):
     assert "more than 200000 nodes" in refusal(tmp_path, gltf(parts[part]))
 
 
-def test_memory_is_not_taken_for_what_is_named_often(tmp_path):
-    """The real thing: three bombs in a process that may take 300 MiB beyond what it holds.
+def test_repeated_references_take_no_memory(tmp_path):
+    """Three bombs load in a process that may take only 300 MiB of memory.
 
     Read as often as they are named, the first would take 6 GB, the second 20 GB, the last 6 GB.
     """
@@ -265,7 +265,7 @@ for path in sys.argv[1:]:
 
 
 def test_a_refusal_tells_what_how_large_and_what_to_do(tmp_path):
-    """What would not fit is named, with its size, the limit and how to raise it; then it fits."""
+    """The sentence gives name, size and limit, and how to raise it; then the scene loads."""
     picture = png(4000, 4000)
     files = gltf(
         {
@@ -311,7 +311,7 @@ def test_dracos_own_counts_are_read(level):
 @quick
 @given(st.data())
 def test_damaged_draco_heads(data):
-    """Each cut or changed head has counts, or is refused as damaged."""
+    """A truncated or changed header gives counts, or is refused as damaged."""
     packed = bytearray(DracoPy.encode(SQUARE, TRIANGLES.astype(np.uint32)))
     for at in data.draw(st.lists(st.integers(0, 24), max_size=4)):
         packed[at] = data.draw(st.integers(0, 255))
@@ -322,7 +322,7 @@ def test_damaged_draco_heads(data):
 
 @pytest.mark.parametrize("promised", [("indices", 3), ("POSITION", 3)])
 def test_draco_may_not_hold_more_than_is_promised(tmp_path, promised):
-    """The accessors, which were counted, bound what is unpacked."""
+    """Draco data that exceed the glTF's accessors are refused."""
     path = MODELS / "pmndrs_draco.glb"
     file = read_gltf_file(path, SceneBudget(4 * GIB))
     primitive = file.document.meshes[0].primitives[0]
@@ -348,7 +348,7 @@ def test_the_table_of_broken_files(tmp_path):
 
 
 def test_every_kind_of_bomb_is_a_scene_when_it_is_small(tmp_path):
-    """The bombs are refused for their size, not because they were never scenes."""
+    """Small versions of the bombs load: the large ones are refused for their size alone."""
     never = {
         "image: scans of a JPEG",
         "images: five of 49 megapixels",

@@ -1,4 +1,4 @@
-"""Closed rooms: who is inside one, and what is not asked for there."""
+"""Closed rooms: which points are inside one."""
 
 import numpy as np
 import pytest
@@ -32,8 +32,8 @@ def shelter(path):
     return Shelter(load_scene(path))
 
 
-def test_inside_a_closed_room_nothing_comes_in(tmp_path):
-    """A room's inner faces close around every point in it, and around none outside."""
+def test_a_closed_room_holds_the_points_inside_it(tmp_path):
+    """A room's inner faces enclose every point in it, and none outside."""
     closed = shelter(write(tmp_path, room()))
     for point in ([0, 0, 0], [1.9, 1.4, -2.4], [-1.99, 0, 0]):
         assert closed.holds(point)
@@ -46,15 +46,15 @@ def test_walls_with_two_sides_close_too(tmp_path):
     assert shelter(write(tmp_path, room(), room((5, 4, 6), inwards=False))).holds([0, 0, 0])
 
 
-def test_a_solid_box_is_no_room_unless_its_backs_show(tmp_path):
+def test_a_solid_box_is_a_room_only_if_double_sided(tmp_path):
     """From inside, single-sided outer faces are culled: the sky is seen through them."""
     assert not shelter(write(tmp_path, room(inwards=False))).holds([0, 0, 0])
     both = write(tmp_path, room(inwards=False), double_sided=True, name="both.glb")
     assert shelter(both).holds([0, 0, 0])
 
 
-def test_a_gap_however_small_opens_the_room(tmp_path):
-    """One triangle missing, or one corner moved by a millimetre: light may come in."""
+def test_any_gap_opens_the_room(tmp_path):
+    """A missing triangle, or a corner moved by a millimetre, opens the room."""
     gap = room()
     gap.update_faces(np.arange(12) != 5)
     assert not shelter(write(tmp_path, gap)).holds([0, 0, 0])
@@ -67,13 +67,13 @@ def test_a_gap_however_small_opens_the_room(tmp_path):
 
 
 def test_glass_does_not_close_a_room(tmp_path):
-    """What lets light through is no wall."""
+    """Transparent faces do not count as walls."""
     assert not shelter(write(tmp_path, room(), alpha_mode="BLEND")).holds([0, 0, 0])
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e6])
 def test_a_sphere_of_many_triangles_closes_at_any_scale(tmp_path, scale):
-    """Solid angles add up to one turn, whatever the size."""
+    """The solid angles of a sphere's triangles add up to 4 pi at any scale."""
     ball = trimesh.creation.icosphere(subdivisions=3, radius=scale)
     ball.invert()
     closed = shelter(write(tmp_path, ball))

@@ -1,4 +1,4 @@
-"""The terrain: one land without a crack, on a round planet, of believable heights and colours."""
+"""The terrain: without cracks, on a round planet, with plausible heights and colours."""
 
 from collections import Counter
 from pathlib import Path
@@ -49,14 +49,14 @@ def height_at(land, x, z):
 
 
 def test_the_land_is_small_enough_to_open_at_once(terrain):
-    """Below 4 MB and 300,000 triangles, so that a clone and a first picture stay quick."""
+    """Below 4 MB and 300,000 triangles."""
     assert (SCENES / "terrain.glb").stat().st_size < 4e6
     assert 100_000 < terrain.triangles < 300_000
     assert has_own_ground(terrain)
 
 
 def test_the_land_has_no_crack(land):
-    """Every edge is walked once each way, to the bit; those walked one way are the square's rim."""
+    """Every edge occurs once in each direction, except at the rim of the square."""
     corners = np.round(land / SPACING_M).astype(np.int64)
     np.testing.assert_array_equal(corners * SPACING_M, land)
     points, number = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
@@ -75,7 +75,7 @@ def test_the_land_has_no_crack(land):
 
 
 def test_the_land_covers_its_square_once(land):
-    """Seen from above all triangles face up, and their areas make up 40.96 km squared."""
+    """All triangles face up, and their areas seen from above sum to (40.96 km)^2."""
     up = normals(land)[:, 1] / 2.0
     assert np.all(up > 0.0)
     np.testing.assert_allclose(up.sum(), 40960.0**2, rtol=1e-12)
@@ -124,7 +124,7 @@ def test_there_is_no_cliff_at_the_rim(land):
 
 
 def test_normals_agree_with_the_land(terrain):
-    """Unit normals, on the front of their triangles: none inside out."""
+    """Unit normals on the front side of their triangles."""
     for place in terrain.meshes:
         mesh = place.mesh
         cosine = np.sum(mesh.vertex_normals[mesh.faces] * mesh.face_normals[:, None], axis=2)
@@ -132,7 +132,7 @@ def test_normals_agree_with_the_land(terrain):
 
 
 def test_normals_have_no_seam_between_tiles(terrain):
-    """Where tiles meet, a point has one normal and one colour: no line shows in the shading."""
+    """Where tiles meet, each point has one normal and one colour, so that no line shows."""
     found: dict[tuple[float, ...], set[tuple[float, ...]]] = {}
     for place in terrain.meshes:
         if "land" in place.name:
@@ -164,7 +164,7 @@ def test_albedos_are_those_of_land(terrain):
 
 
 def test_the_rim_has_the_bare_grounds_albedo(terrain):
-    """0.1, grey: what both skies take for the ground to the horizon; within 8 bits' step."""
+    """The rim is grey 0.1, the skies' default ground, within a step of 8 bits."""
     for place in terrain.meshes:
         if "land" in place.name:
             world = np.asarray(place.mesh.vertices) * SPACING_M + place.world_from_model[:3, 3]
@@ -183,7 +183,7 @@ def test_the_project_stands_on_the_land(land):
 
 
 def test_triangles_are_small_only_where_asked_and_meet_edge_to_edge():
-    """Asked to be small at one corner, the mesh has no hanging point and covers its square."""
+    """A mesh refined at one corner has no hanging vertex and covers its square."""
     points, faces = adaptive_triangles(64, lambda c: c.min(axis=(1, 2)) < 3)
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     edge, times = np.unique(edges, axis=0, return_counts=True)
@@ -199,7 +199,7 @@ def test_triangles_are_small_only_where_asked_and_meet_edge_to_edge():
 
 @pytest.mark.long
 def test_water_runs_down_and_none_is_lost():
-    """Each cell drains lower once hollows are filled; the border receives all cells there are."""
+    """With hollows filled each cell drains downwards, and all cells drain to the border."""
     x, z = np.meshgrid(np.arange(24) / 5.0, np.arange(24) / 5.0)
     land = 50.0 + 30.0 * gradient_noise(x + 0.1, z + 0.1, 3)
     order, below, filled = drainage(land)

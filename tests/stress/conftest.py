@@ -1,4 +1,4 @@
-"""The supply of inputs for the stability suite, and its count of cases by function."""
+"""Inputs for the stability suite, and the number of inputs by function."""
 
 import zlib
 from collections import Counter
@@ -11,13 +11,13 @@ TALLY: Counter[str] = Counter()
 
 @pytest.fixture
 def stress(request):
-    """Inputs of a test: the same each time, as many as `--stress-scale` says."""
+    """Reproducible inputs of a test, their number scaled by `--stress-scale`."""
     seed = zlib.crc32(request.node.nodeid.partition("::")[2].encode())
     return Stress(request.config.getoption("--stress-scale"), TALLY, seed)
 
 
 def pytest_terminal_summary(terminalreporter):
-    """How many inputs each function has taken in this process."""
+    """Print the number of inputs by function in this process."""
     if TALLY:
         terminalreporter.section("inputs by function")
         for function, count in sorted(TALLY.items()):

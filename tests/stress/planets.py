@@ -1,4 +1,4 @@
-"""Atmospheres at the ends of what can be: other radii, scale heights, hazes and wavelengths."""
+"""Extreme atmospheres: other radii, scale heights, hazes and wavelengths."""
 
 from dataclasses import replace
 
@@ -9,14 +9,14 @@ CLEAR = replace(EARTH, absorption_extinction=0.0)
 
 
 def airless() -> Atmosphere:
-    """Nothing that scatters or absorbs."""
+    """An atmosphere without scattering and absorption."""
     none = dict.fromkeys(
         ("rayleigh_scattering", "mie_scattering", "mie_extinction", "absorption_extinction"), 0.0
     )
     return replace(EARTH, **none)
 
 
-# The moon Titan, a rock with a breath of air, a giant, air that hardly thins, a film on the ground.
+# Titan, a rock with thin air, a giant, air that hardly thins with height, a film on the ground.
 PLANETS = {
     "earth": EARTH,
     "earth without ozone": CLEAR,
@@ -54,5 +54,5 @@ PLANETS = {
     "fog": EARTH.with_fog(200.0, 50.0),
     "dense fog": EARTH.with_fog(5.0, 3.0),
 }
-# The ends of the ends: what `make test` tries.
+# The most extreme ones, which `make test` tries.
 SHORT = ("earth", "thick", "airless")

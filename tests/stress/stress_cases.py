@@ -1,4 +1,4 @@
-"""Inputs from a function's whole range, counted, and what must hold of what comes out."""
+"""Counted inputs from a function's whole range, and assertions about its results."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -11,19 +11,19 @@ from vrut_lite.numeric_types import FloatArray
 
 Function = Callable[..., NDArray]
 
-# So many inputs at once: a batch's arrays stay within a few hundred megabytes.
+# Inputs of a batch, whose arrays then take at most a few hundred megabytes.
 BATCH = 1 << 16
 STEP = 1e-6
-# The steepest pairs of a batch are looked at more closely: so many, so many halvings each.
+# Number of a batch's steepest pairs that are examined, and of halvings for each.
 STEEPEST, HALVINGS = 48, 32
 
 
 class Stress:
-    """A supply of inputs, and the count of how many each function has taken.
+    """Generates inputs, and counts them by function.
 
     Args:
-        scale: by how much more inputs are drawn than in the short form.
-        tally: of inputs by the function's name, shared by all tests.
+        scale: factor of the number of inputs, relative to the short form.
+        tally: number of inputs by function, shared by all tests.
     """
 
     def __init__(self, scale: float, tally: Counter[str], seed: int):
@@ -44,7 +44,7 @@ class Stress:
     ) -> NDArray[np.float64]:
         """Values (count,) from `low` to `high`, both included.
 
-        Half of them even, the others at the ends and the special values or beside them, at
+        Half of them are uniform, the others at the ends and the special values or beside them, at
         distances of all orders of magnitude down to one rounding.
         """
         marks = np.concatenate([[low, high], np.ravel(np.asarray(special, dtype=float))])
@@ -55,7 +55,7 @@ class Stress:
         return np.clip(np.where(self.random.random(count) < 0.5, even, near + away), low, high)
 
     def directions(self, count: int) -> FloatArray:
-        """Unit vectors (count, 3), many of them on or beside the axes and the level."""
+        """Unit vectors (count, 3), many of them on or near the axes and the horizontal plane."""
         up = self.within(count, -1.0, 1.0, [0.0])
         turn = self.within(count, -np.pi, np.pi, [0.0, -np.pi / 2, np.pi / 2])
         level = np.sqrt((1.0 - up) * (1.0 + up))
@@ -63,13 +63,13 @@ class Stress:
 
 
 def assert_finite(values: NDArray, told: str = "") -> None:
-    """No NaN and no infinity."""
+    """Assert that there is no NaN and no infinity."""
     bad = ~np.isfinite(values)
     assert not bad.any(), f"{told} not finite at {np.argwhere(bad)[:4].tolist()}"
 
 
 def assert_light(values: NDArray, told: str = "") -> None:
-    """Finite and nowhere below zero."""
+    """Assert finite values that are not negative."""
     assert_finite(values, told)
     assert values.min() >= 0.0, f"{told} {values.min()} at {np.argwhere(values < 0)[:4].tolist()}"
 
@@ -82,11 +82,11 @@ def assert_continuous(
     most: float = 1e-6,
     floor: float = 1e-4,
 ) -> None:
-    """No jump within a step of each input (n,) of `function(at, *others)`, `others` (n,) held.
+    """Assert no jump of `function(at, *others)` within a step of each input `at` (n,).
 
-    Where a step changes the function most it is halved again and again, towards the half with
-    the larger change: a slope of any size dies away with the step, a jump stays. `most` may be
-    left, relative to the larger of the value and `floor` of the batch's largest.
+    `others` (n,) are constant. Where a step changes the function most it is halved repeatedly,
+    towards the half with the larger change: the change of a slope vanishes, that of a jump stays.
+    `most` may remain, relative to the larger of the value and `floor` of the batch's largest.
     """
     before, after = function(at, *others), function(at + step, *others)
     least = floor * max(float(np.abs(before).max()), 1e-300)
@@ -114,13 +114,13 @@ def _change(before: NDArray, after: NDArray, least: float) -> FloatArray:
 
 
 def assert_rising(values: NDArray, slack: float = 0.0) -> None:
-    """Along the first axis nothing falls, but for roundings."""
+    """Assert that values never fall along the first axis, except by rounding."""
     falls = (values[:-1] - values[1:]).max()
     assert falls <= slack, f"falls by {falls}"
 
 
 def assert_same_on_threads(function: Callable[..., object], *arguments: object) -> None:
-    """Two threads at once give to the bit what one alone gives."""
+    """Assert that two threads at once give the same bits as one alone."""
     alone = _arrays(function(*arguments))
     with ThreadPoolExecutor(2) as pool:
         together = [pool.submit(function, *arguments) for _ in range(2)]

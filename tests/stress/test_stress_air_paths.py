@@ -23,12 +23,12 @@ planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains_
 
 
 def altitudes(stress, count, air, special=()):
-    """From the ground to the top, a millionth of a metre above it too."""
+    """Altitudes from the ground to the top, a millionth of a metre above the ground included."""
     return stress.within(count, 0.0, air.top_altitude_m, [1e-6, 1e-3, 2.0, *special])
 
 
 def cosines(stress, count, air, altitude):
-    """From nadir to zenith, dense about the horizon that the altitude has."""
+    """Zenith cosines from nadir to zenith, dense about the altitude's horizon."""
     mu = stress.within(count, -1.0, 1.0, [0.0])
     near = geometry.horizon_mu(air.ground_radius_m, altitude)
     near = near + stress.within(count, -1e-3, 1e-3, [0.0, 1e-9, -1e-9])
@@ -64,9 +64,9 @@ def test_rays_end_where_they_should(stress, name):
 
 @planets
 def test_depth_to_the_top(stress, name):
-    """Finite, not negative, without a jump in either argument; less for who stands higher.
+    """Finite, not negative, continuous in both arguments, decreasing with altitude.
 
-    Of what only thins with altitude there is less on a steeper ray; the absorber is a layer.
+    On steeper rays it is smaller, except for the absorber, which is a layer.
     """
     air = PLANETS[name]
     depth = partial(optical_depth_to_top, air)
@@ -90,7 +90,7 @@ def test_depth_to_the_top(stress, name):
 
 @planets
 def test_depth_adds_up_along_a_ray(stress, name):
-    """It never falls with the distance, is 0 at its start and that to the top at its end."""
+    """It never falls with distance; it is 0 at the start and the depth to the top at the end."""
     air = PLANETS[name]
     for count in stress.batches("depth_along", 2000, most=200):
         (h,) = altitudes(stress, 1, air)
@@ -105,7 +105,7 @@ def test_depth_adds_up_along_a_ray(stress, name):
 
 
 def test_depth_is_the_same_on_two_threads(stress):
-    """Closed forms share nothing."""
+    """Two threads give the same bits."""
     for count in stress.batches("optical_depth_to_top", 20_000):
         h = altitudes(stress, count, EARTH)
         mu = cosines(stress, count, EARTH, h)
@@ -114,7 +114,7 @@ def test_depth_is_the_same_on_two_threads(stress):
 
 @planets
 def test_sunlight_from_the_ground_to_space(stress, name):
-    """An observer anywhere up to the moon: light of the sun, nowhere more than above the air.
+    """For observers up to the moon sunlight is at most that above the air.
 
     Without a jump as the sun sets, its disc cut by the horizon. Seen from the moon the next cosine
     that there is leads by a rock or through a film on the ground micrometres to a millimetre lower.
@@ -141,7 +141,7 @@ def test_sunlight_from_the_ground_to_space(stress, name):
 
 
 def test_thinner_fog_lets_more_through(stress):
-    """Visibility from 1 m to the moon: the fog's extinction falls, and ends at none."""
+    """The fog's extinction falls to zero as visibility rises from 1 m to the moon's distance."""
     for count in stress.batches("Atmosphere.with_fog", 300):
         visibility = np.sort(10.0 ** stress.within(count, 0.0, 8.6))
         fog = [CLEAR.with_fog(float(v), 50.0).fog_extinction[0] for v in visibility]

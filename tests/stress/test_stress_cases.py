@@ -1,4 +1,4 @@
-"""The suite's own eyes: planted faults are seen, steep slopes are not taken for faults."""
+"""The suite's assertions find planted faults, and accept steep slopes."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from stress_cases import assert_continuous, assert_light, assert_rising, assert_
 
 
 def test_a_planted_jump_is_found(stress):
-    """One of 1e-5 of the value, at a special place; a root's infinite slope is none."""
+    """A jump of 1e-5 of the value is found; the infinite slope of a root is accepted."""
     at = stress.within(20_000, 0.0, 1.0, [0.3])
     with pytest.raises(AssertionError, match=r"a jump of 1\.0"):
         assert_continuous(lambda x: 1.0 + 1e-5 * (x > 0.3), at)
@@ -14,7 +14,7 @@ def test_a_planted_jump_is_found(stress):
 
 
 def test_inputs_hold_ends_and_neighbours(stress):
-    """Both ends, the special value itself, and values a few roundings from it."""
+    """Inputs contain both ends, the special value, and values a few roundings from it."""
     values = stress.within(20_000, -1.0, 1.0, [0.0])
     assert values.min() == -1.0
     assert values.max() == 1.0
@@ -25,8 +25,8 @@ def test_inputs_hold_ends_and_neighbours(stress):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1e-300])
-def test_what_is_no_light_is_found(bad):
-    """One number among many, a negative one of any size."""
+def test_negative_and_infinite_light_is_found(bad):
+    """A single NaN, infinity or negative number is found."""
     values = np.ones((50, 3))
     assert_light(values)
     values[17, 1] = bad
@@ -35,7 +35,7 @@ def test_what_is_no_light_is_found(bad):
 
 
 def test_a_fall_and_a_race_are_found():
-    """A value that falls by a rounding too much; a function that shares a buffer."""
+    """A value that falls, and a function that shares a buffer between threads, are found."""
     assert_rising(np.array([0.0, 1.0, 1.0, 2.0]))
     with pytest.raises(AssertionError, match="falls"):
         assert_rising(np.array([0.0, 1.0, 1.0 - 1e-15]))

@@ -1,4 +1,4 @@
-"""Clouds, the day sky's simple air, and every setting that a person may choose."""
+"""Clouds, the simple air of the Hosek-Wilkie sky, and all settings."""
 
 from functools import cache
 
@@ -24,12 +24,12 @@ EYE = np.array([0.0, 2.0, 0.0])
 
 @cache
 def layer():
-    """Half of the sky covered; its noise takes seconds to make, once a process."""
+    """A layer of coverage 0.5; its noise takes seconds, once a process."""
     return cloud_layer(CloudSettings(coverage=0.5))
 
 
 def places(stress, count):
-    """Points (count, 3): in the layer, at its faces, under and over it, far off and in space."""
+    """Points (count, 3) in the layer, at its faces, below, above, far away and in space."""
     top = layer().base_m + layer().thickness_m
     level = stress.within(2 * count, -2e5, 2e5, [0.0, clouds.SHAPE_PERIOD_M]).reshape(count, 2)
     level = np.where(stress.random.random((count, 1)) < 0.05, level * 1e3, level)
@@ -39,7 +39,7 @@ def places(stress, count):
 
 
 def test_cloud_density_is_a_share(stress):
-    """In [0, 1] everywhere, nothing outside the layer, and without a jump but at its faces.
+    """In [0, 1] everywhere, zero outside the layer, continuous except at its faces.
 
     The faces themselves are at density 0: bases fade in, tops fade out.
     """
@@ -58,12 +58,12 @@ def test_cloud_density_is_a_share(stress):
         def look(at, x, z):
             return clouds.density(layer(), np.stack([x, at, z], axis=-1), EYE)
 
-        # A top's envelope is a square root: what is left of a micrometre's step is its slope.
+        # The envelope of tops is a square root, steep enough to show over a micrometre.
         assert_continuous(look, near[:, 1], near[:, 0], near[:, 2], most=1e-5)
 
 
 def test_more_cloud_lets_less_through(stress):
-    """The density's parts: within [0, 1], rising with envelope and shape, falling with detail."""
+    """Density is in [0, 1], rises with envelope and shape, and falls with detail."""
     for count in stress.batches("clouds.density_of, envelope", 400_000):
         rising = np.sort(stress.within(count, 0.0, 1.0))
         some, other = stress.random.random(2)
@@ -77,7 +77,7 @@ def test_more_cloud_lets_less_through(stress):
 
 
 def test_the_sun_through_clouds(stress):
-    """From 0 to 1 for any point and any sun, level ones and the moon's distance too."""
+    """Transmittance is in [0, 1] for any point and sun, level suns and the moon's distance too."""
     for count in stress.batches("clouds.sun_transmittance, distance_up_m", 60):
         for point, sun in zip(places(stress, count), stress.directions(count), strict=True):
             share = clouds.sun_transmittance(layer(), point, sun)
@@ -87,7 +87,7 @@ def test_the_sun_through_clouds(stress):
 
 
 def test_coverage_only_adds_cloud(stress):
-    """A larger share of covered sky has a lower threshold, 0 has no cloud and 1 no gap."""
+    """Larger coverage has a lower threshold; 0 has no cloud and 1 no gap."""
     coverage = [0.0, 1e-6, 0.4, 0.999, 1.0]
     layers = [with_coverage(layer(), share) for share in coverage]
     assert_rising(-np.array([covered.threshold for covered in layers]))
@@ -98,7 +98,7 @@ def test_coverage_only_adds_cloud(stress):
 def test_the_day_skys_air_is_light(stress):
     """Any haze, sun, height and reach: light and extinction finite and not negative, and smooth.
 
-    Far things lose more: what the air lets through grows with the distance by no more than linear
+    Transmittance falls with distance; it may grow by no more than linear
     interpolation between slices errs (measured: 4e-4, less than is seen).
     """
     for count in stress.batches("dynamic_skylight.air_volume, look_up_air", 3000, most=250):
@@ -128,14 +128,14 @@ KINDS = [BrunetonSkySettings, CloudSettings, DynamicSkyLightSettings]
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_settings_have_bounds(kind):
-    """Every number that a person may set has a least and a most, so that all can be tried."""
+    """Every numeric setting has a minimum and a maximum, so that the range can be tested."""
     for spec in describe(kind).values():
         if spec.type in (int, float):
             assert None not in (spec.at_least, spec.at_most), spec.name
 
 
 def any_value(spec):
-    """A strategy for a setting's values, its ends often."""
+    """A strategy for a setting's values, which often takes the ends."""
     if spec.choices:
         values = st.sampled_from(spec.choices)
     elif spec.type is int:
@@ -154,7 +154,7 @@ ANY_AIR = st.fixed_dictionaries(
 @settings(deadline=None, max_examples=100)
 @given(chosen=ANY_AIR, height=st.sampled_from([0.0, 1e-6, 2000.0, 8848.0, -430.0]))
 def test_every_setting_makes_an_air(chosen, height):
-    """Any settings within their bounds, at any place's altitude: an atmosphere that gives light."""
+    """All settings within bounds, at any altitude, give an atmosphere with finite light."""
     air = atmosphere_of(BrunetonSkySettings(**chosen), height)
     light = single_scattering(air, [0.0, air.top_altitude_m], [0.1, -0.2], 0.3, [0.5, -0.5])
     assert_light(light)

@@ -18,7 +18,7 @@ TURN = 2.0 * np.pi
 
 
 def test_angles_and_directions_are_one(stress):
-    """Back and forth, poles and the meridian of 360 degrees among them; azimuth in [0, 2 pi)."""
+    """Angles and directions convert back and forth, poles included; azimuth in [0, 2 pi)."""
     for count in stress.batches("direction_from_angles and back", 400_000):
         azimuth = stress.within(count, -TURN, TURN, [0.0, np.pi, -np.pi])
         elevation = stress.within(count, -np.pi / 2, np.pi / 2, [0.0])
@@ -33,14 +33,14 @@ def test_angles_and_directions_are_one(stress):
 
 
 def test_an_azimuth_is_less_than_a_full_turn():
-    """A hair west of north is not 360 degrees: that is 0."""
+    """Just west of north the azimuth is 0, not 360 degrees."""
     for west in (1e-16, 1e-17, 1e-20, 1e-300, 5e-324, 0.0):
         azimuth, _ = frames.angles_from_direction([-west, 1.0, 0.0])
         assert 0.0 <= azimuth < TURN
 
 
 def test_frames_turn_and_turn_back(stress):
-    """World and place, with any offset of north: lengths stay, and the way back leads back."""
+    """World and local axes convert back and forth for any north offset; lengths stay."""
     for count in stress.batches("world_from_enu and back", 400_000):
         direction = stress.directions(count)
         offset = float(stress.within(1, -TURN, TURN)[0])
@@ -51,7 +51,7 @@ def test_frames_turn_and_turn_back(stress):
 
 @pytest.mark.parametrize("size", [1, 2, 3, 8, 65])
 def test_a_cube_map_answers_everywhere(stress, size):
-    """Look-ups in any direction, edges and corners too: between the map's least and largest."""
+    """Look-ups in any direction, edges and corners too, lie between the map's extremes."""
     values = stress.random.random((6, size, size, 3)) if size > 1 else np.ones((6, 1, 1, 3))
     for count in stress.batches("sample_cube, sample_sky", 20_000):
         direction = stress.directions(count)
@@ -67,7 +67,7 @@ def test_a_cube_map_answers_everywhere(stress, size):
 
 @pytest.mark.parametrize("size", [1, 2, 5, 32])
 def test_pictures_share_light_without_loss(stress, size):
-    """Each projection gives each direction's light to its pixels: shares in [0, 1], of sum 1.
+    """In each projection a direction's light is shared with weights in [0, 1] of sum 1.
 
     Solid angles are not negative and sum to the sphere's, or the half sphere's of a fisheye.
     """
@@ -94,7 +94,7 @@ def test_pictures_share_light_without_loss(stress, size):
 
 
 def test_the_disc_keeps_its_light_in_every_picture(stress):
-    """Wherever the sun stands, zenith and horizon too, the picture's light is the sun's."""
+    """For any sun, at zenith and horizon too, the picture has the sun's irradiance."""
     for _ in stress.batches("disc_radiance", 12, 12):
         for up in stress.within(12, 0.0, 1.0, [1e-9]):
             turn = float(stress.within(1, -np.pi, np.pi)[0])
@@ -108,7 +108,7 @@ def test_the_disc_keeps_its_light_in_every_picture(stress):
 
 
 def test_harmonics_are_light_from_any_side(stress):
-    """Irradiance from any map at any normal: finite and not negative; smooth as normals turn."""
+    """Irradiance of any map at any normal is finite, not negative and smooth."""
     for count in stress.batches("evaluate_irradiance", 100_000, most=20_000):
         cube = 10.0 ** stress.within(6 * 64, -12.0, 5.0).reshape(6, 8, 8, 1)
         coefficients = harmonics.irradiance_coefficients(cube)
@@ -123,8 +123,8 @@ def test_harmonics_are_light_from_any_side(stress):
 
 
 def test_halves_keep_eleven_bits(stress):
-    """Any light from starlight's millionth to the sun's disc: within 2^-11 of itself or, far
-    below the brightest, 2^-39 of that; larger values never become smaller ones."""
+    """From a millionth of starlight to the sun's disc values are kept within 2^-11 or, far below
+    the brightest, 2^-39 of that; the order of values is kept."""
     for count in stress.batches("encode_float16", 400_000, most=20_000):
         top = float(10.0 ** stress.within(1, -18.0, 12.0)[0])
         values = np.sort(top * 10.0 ** stress.within(count, -12.0, 0.0)).astype(np.float32)
@@ -147,9 +147,9 @@ def test_any_largest_value_has_a_scale(largest):
 
 
 def test_colours_are_of_light(stress):
-    """Spectra on any 3 or 8 to 95 wavelengths, either way round: finite, and one colour.
+    """Spectra on 3 or 8 to 95 wavelengths, rising or falling: finite, and the same colour.
 
-    Luminance of light is not negative where there are enough wavelengths to be sure of it.
+    Luminance is not negative where there are enough wavelengths.
     """
     for count in stress.batches("rgb_from_spectrum", 6000, most=60):
         wavelength = np.sort(stress.within(int(stress.random.integers(8, 60)), 360.0, 830.0))
@@ -165,7 +165,7 @@ def test_colours_are_of_light(stress):
 
 
 def test_the_transfer_function_only_rises(stress):
-    """sRGB's curve: from 0 to 1, and its two pieces meet to its own 8 digits."""
+    """sRGB's curve rises from 0 to 1, and its two pieces meet within its 8 digits."""
     for count in stress.batches("srgb_encode, solar_irradiance", 400_000):
         linear = np.sort(stress.within(count, -0.5, 1.5, [0.0, 0.0031308, 1.0]))
         encoded = colour.srgb_encode(linear)
@@ -177,7 +177,7 @@ def test_the_transfer_function_only_rises(stress):
 
 
 def test_air_takes_no_more_than_all(stress):
-    """1 - T from 0 to 1 in every wavelength: depth finite, not negative, 0 without air."""
+    """For 1 - T from 0 to 1 the depth is finite, not negative, and 0 without air."""
     shares = shares_of_white(colour.SKYLIGHT_NM, colour.solar_irradiance(colour.SKYLIGHT_NM))
     for count in stress.batches("lost_and_depth", 400_000):
         depth = 10.0 ** stress.within(count, -18.0, 3.0)
@@ -192,7 +192,7 @@ def test_air_takes_no_more_than_all(stress):
 
 
 def test_rungs_reach(stress):
-    """Any need from nothing to light years: a reach of at least as much, at most 1.56 times it."""
+    """For any need up to light years the reach is 1 to 1.56 times as far."""
     for count in stress.batches("rung_m", 3000):
         for needed in 10.0 ** stress.within(count, -20.0, 20.0):
             reach = rung_m(float(needed))
@@ -201,7 +201,7 @@ def test_rungs_reach(stress):
 
 
 def test_the_sun_aloft_is_light(stress):
-    """From the ground to the moon, under any sun: finite, not negative, without a jump."""
+    """From the ground to the moon sunlight is finite, not negative and continuous."""
     for count in stress.batches("sun_aloft", 3000, most=1000):
         special = [1e-6, 10_000.0, 25_000.0, 40_000.0, 80_000.0]
         low = stress.within(count, 0.0, 90_000.0, special)
@@ -225,7 +225,7 @@ def vectorised():
 
 @pytest.mark.parametrize("name", vectorised())
 def test_single_precision_input_loses_nothing(stress, name):
-    """A float32 array gives what the same numbers give in float64, to the bit."""
+    """A float32 array gives the same bits as the same numbers in float64."""
     function = vectorised()[name]
     for count in stress.batches("float32 input", 2000):
         single = stress.within(count, -1.0, 1.0).astype(np.float32)

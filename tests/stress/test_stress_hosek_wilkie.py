@@ -1,4 +1,4 @@
-"""The Hosek-Wilkie sky, its sun, cube maps and twilight over all turbidities, grounds and suns."""
+"""The Hosek-Wilkie sky, sun, cube maps and twilight for all turbidities, albedos and suns."""
 
 from functools import partial
 
@@ -24,7 +24,7 @@ RIGHT = np.pi / 2
 
 
 def skies(stress, count, lowest=0.0):
-    """Skies of any turbidity, ground and solar elevation, the ends of each often."""
+    """Skies of any turbidity, albedo and solar elevation, often at the ends of the ranges."""
     turbidity = stress.within(count, 1.0, 10.0, INTEGERS)
     albedo = stress.within(count, 0.0, 1.0)
     elevation = stress.within(count, lowest, RIGHT, [max(lowest, 0.0), np.radians(5.0)])
@@ -38,7 +38,7 @@ def angles(stress, count):
 
 
 def in_skies(stress, function, skies_short, each):
-    """For each sky of a test its angles, all of them counted."""
+    """Yields each sky of a test with its angles, and counts them."""
     for inputs in stress.batches(function, skies_short * each, most=each):
         for sky in skies(stress, 1):
             yield HosekWilkieSky(*sky), *angles(stress, inputs)
@@ -57,7 +57,7 @@ def test_radiance_is_light(stress):
 
 
 def test_spectral_radiance_is_light(stress):
-    """At any wavelength that the model knows; 0 where it fades out, and where it begins."""
+    """Finite and not negative in the model's range; 0 at both ends of it."""
     for sky, theta, gamma in in_skies(stress, "HosekWilkieSky.spectral_radiance", 40, 500):
         wavelength = stress.within(12, 280.0, 760.0, WAVELENGTHS_NM)
         light = sky.spectral_radiance(theta, gamma, wavelength)
@@ -66,7 +66,7 @@ def test_spectral_radiance_is_light(stress):
 
 
 def test_spectrum_has_no_jump(stress):
-    """Linear between the bands from 280 nm, where the authors begin, to 760 nm."""
+    """The spectrum is continuous from 280 to 760 nm."""
     for sky, _, _ in in_skies(stress, "HosekWilkieSky.spectral_radiance", 40, 500):
         wavelength = stress.within(500, 280.1, 760.0 - 1e-3, WAVELENGTHS_NM)
         assert_continuous(lambda at, s=sky: s.spectral_radiance(0.7, 0.4, at), wavelength)
@@ -88,9 +88,9 @@ def test_the_disc_is_light_inside_it_alone(stress):
 
 
 def test_a_sky_has_no_jump_in_what_it_is_made_of(stress):
-    """Turbidity, ground and solar elevation, from an elevation of 1e-4 up.
+    """Continuous in turbidity, albedo and solar elevation, from an elevation of 1e-4 up.
 
-    At elevation 0 the model's cube root has an infinite slope, which is its own.
+    At elevation 0 the model's cube root has an infinite slope.
     """
     for count in stress.batches("HosekWilkieSky", 60, most=60):
         theta, gamma = (part[None, :] for part in angles(stress, 24))
@@ -112,9 +112,9 @@ def seen(turbidity, albedo, elevation, theta, gamma):
 
 @pytest.mark.parametrize("size", [2, 3, 16, 33])
 def test_cube_maps_hold_to_their_bound(stress, size):
-    """float32 within 1e-4 of the larger of value and 1 % of the maximum, the model its twin.
+    """float32 is within 1e-4 of the model, relative to the larger of value and 1 % of the maximum.
 
-    The halves are the same within a rounding of 2^-11 or the smallest half, bytes within one.
+    Halves differ by at most 2^-11 or the smallest half, bytes by at most one.
     """
     direction = texel_directions(size)
     up = direction[..., 1]
@@ -147,7 +147,7 @@ def test_cube_maps_hold_to_their_bound(stress, size):
 
 
 def test_cube_maps_are_the_same_on_two_threads(stress):
-    """Kernels share nothing that they write."""
+    """Two threads give the same bits."""
     for _ in stress.batches("HosekWilkieSky.cube_map (texels)", 3 * 3 * 6 * 64**2, 3 * 6 * 64**2):
         for sky in (HosekWilkieSky(*made) for made in skies(stress, 1)):
             assert_same_on_threads(sky.cube_map, 64, 0.3)
@@ -156,9 +156,9 @@ def test_cube_maps_are_the_same_on_two_threads(stress):
 
 
 def test_the_sun_reddens_and_dims_as_it_sets(stress):
-    """Irradiance of the disc: finite, not negative, without a jump, of no colour below zero.
+    """Irradiance of the disc is finite, continuous and not negative in any channel.
 
-    A higher sun is never dimmer, but for what the fit's pieces allow (measured: 2e-3).
+    A higher sun is never dimmer, except by 2e-3 (measured) between the fit's pieces.
     """
     for count in stress.batches("disc_irradiance", 60):
         turbidity = float(stress.within(1, 1.0, 10.0, INTEGERS)[0])
@@ -176,7 +176,7 @@ def test_the_sun_reddens_and_dims_as_it_sets(stress):
 
 
 def test_the_sky_of_any_hour_is_light(stress):
-    """From nadir to zenith of the sun: finite, not negative, and brighter than no sky at night."""
+    """For suns from nadir to zenith the sky is finite, not negative, and positive at night."""
     for count in stress.batches("HourSky.radiance", 60 * 400, most=400):
         for made in skies(stress, 1, lowest=-RIGHT):
             sky = sky_of_hour(*made)
@@ -190,7 +190,7 @@ def test_the_sky_of_any_hour_is_light(stress):
 
 
 def test_the_hour_has_no_jump(stress):
-    """As the sun goes through dawn the sky goes along: at the blend's ends, at 0, at the night."""
+    """The sky is continuous in the sun's elevation: at the blend's ends, at 0, at night."""
     marks = [0.0, BLEND_APPARENT_RAD, *np.radians([-18.0, -12.0, -7.0, -2.5, -1.5, -0.8, -13.0])]
     theta, gamma = (np.array(part)[None] for part in ([0.0, 0.7, 1.2, 1.57], [1.5, 0.9, 2.0, 0.1]))
     for count in stress.batches("sky_of_hour", 24, most=24):

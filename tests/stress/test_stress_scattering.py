@@ -1,4 +1,4 @@
-"""Light scattered once, by every rule, through the air of any planet; and phase functions."""
+"""Single scattering by every rule on any planet, and phase functions."""
 
 from functools import partial
 
@@ -22,7 +22,7 @@ CLASSICAL = ["midpoint", "trapezoid", "simpson"]
 
 
 def rays(stress, count, air, height=None, sun=None):
-    """Altitude, zenith angles of view and sun, azimuth between: the horizon and its sides often."""
+    """Altitude, zenith angles of view and sun, relative azimuth, often near the horizon."""
     h = stress.within(count, 0.0, air.top_altitude_m, [1e-6, 2.0, air.top_altitude_m - 1e-6])
     h = h if height is None else np.full(count, height)
     horizon = np.arccos(horizon_mu(air.ground_radius_m, h))
@@ -37,14 +37,14 @@ def rays(stress, count, air, height=None, sun=None):
 
 
 def cosines(view, sun, turn):
-    """mu, mu_s and nu of zenith angles and the azimuth between."""
+    """mu, mu_s and nu of two zenith angles and the relative azimuth."""
     mu, mu_s = np.cos(view), np.cos(sun)
     return mu, mu_s, np.clip(mu * mu_s + np.sin(view) * np.sin(sun) * np.cos(turn), -1.0, 1.0)
 
 
 @planets
 def test_light_scattered_once_is_light(stress, name):
-    """Finite, not negative, and no more than the sun would send through a scatterer of albedo 1."""
+    """Finite, not negative, and at most what air of single-scattering albedo 1 would scatter."""
     air = PLANETS[name]
     most = np.asarray(air.solar_irradiance) * float(phase.mie_phase(air, np.sign(air.mie_g)))
     most = np.maximum(most, np.asarray(air.solar_irradiance) * 3.0 / (8.0 * np.pi)) * 1.001
@@ -58,7 +58,7 @@ def test_light_scattered_once_is_light(stress, name):
 @pytest.mark.parametrize("rule", CLASSICAL)
 @planets
 def test_classical_rules_give_light(stress, name, rule):
-    """Few samples are far off the truth, but never below nothing."""
+    """Even with few samples light is finite and not negative."""
     air = PLANETS[name]
     for count in stress.batches(f"single_scattering ({rule})", 300, most=1000):
         samples = (int(2 * stress.random.integers(1, 9)), int(2 * stress.random.integers(1, 5)))
@@ -68,10 +68,10 @@ def test_classical_rules_give_light(stress, name, rule):
 
 @planets
 def test_light_scattered_once_has_no_jump(stress, name):
-    """As the view turns, the sun turns and the observer climbs; but for where the ground begins.
+    """Continuous in view, sun and altitude, except at the ground's horizon.
 
-    What the ground hides cuts a ray: views stay on one side of it. Where all of the air is even,
-    rays of a few metres at its top are left with roundings of 2e-8 of the brightest.
+    Views stay on one side of the horizon, where the ground cuts rays. In nearly uniform air,
+    rays of a few metres at its top have rounding errors of 2e-8 of the brightest.
     """
     air, most = PLANETS[name], 1e-3 if name == "even air" else 1e-6
     for count in stress.batches("single_scattering (gauss-legendre)", 200, most=200):
@@ -96,7 +96,7 @@ def test_light_scattered_once_has_no_jump(stress, name):
 
 @planets
 def test_kernels_hold_to_their_twin(stress, name):
-    """Compiled rays are those of the exact rule, finite and not negative.
+    """The compiled kernels agree with the exact rule, finite and not negative.
 
     Their complementary error function errs by 1.3e-9 of it, so a path to a node by as much of
     the whole ray's: light by 4e-8 for each unit of optical depth to the horizon. Left out are rays
@@ -123,7 +123,7 @@ def test_kernels_hold_to_their_twin(stress, name):
 
 
 def test_kernels_are_the_same_on_two_threads(stress):
-    """They share nothing that they write, and let other threads run."""
+    """Two threads at once give the same bits."""
     for count in stress.batches("fast_scattered_without_phase", 3000):
         mu, _, nu = cosines(*rays(stress, count, EARTH, 2.0, np.arccos(0.05))[1:])
         assert_same_on_threads(fast_scattered_without_phase, EARTH, 2.0, mu, 0.05, nu)
@@ -131,7 +131,7 @@ def test_kernels_are_the_same_on_two_threads(stress):
 
 
 def test_phase_functions_are_shares_of_light(stress):
-    """Finite, positive, smooth, falling from the sun on, whatever g in (-1, 1)."""
+    """Finite, positive, smooth, falling with the angle from the sun, for g in (-1, 1)."""
     for count in stress.batches("phase functions", 60_000, most=3000):
         g = float(stress.within(1, -0.999, 0.999, [0.0, 0.8])[0])
         nu = np.minimum(stress.within(count, -1.0, 1.0, [0.0]), 1.0 - 2e-6)

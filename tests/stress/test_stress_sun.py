@@ -1,4 +1,4 @@
-"""The sun's place and events over all the Earth, 1900 to 2100, and what depends on elevation."""
+"""The sun's position and events all over the Earth, 1900 to 2100, and functions of elevation."""
 
 import math
 from datetime import UTC, date, datetime, timedelta, timezone
@@ -18,7 +18,7 @@ from dynamic_skylight.twilight_curve import illuminance_lx
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
 EPOCH, DAYS = datetime(1900, 1, 1, tzinfo=UTC), 73_414
-# On either side of the leap seconds at the ends of 1972, 1998, 2005 and 2016, and odd calendars.
+# Around the leap seconds at the ends of 1972, 1998, 2005 and 2016, and special dates.
 NEIGHBOURS = [
     datetime(*moment, tzinfo=UTC)
     for moment in (
@@ -28,12 +28,12 @@ NEIGHBOURS = [
         (2016, 12, 31, 23, 59, 59, 999999), (2017, 1, 1), (2100, 2, 28, 23, 59, 59), (2100, 12, 31),
     )
 ]  # fmt: skip
-# The sun's fastest: a turn of the sky in a sidereal day, and its own and the year's way besides.
+# Upper bound of the sun's speed: the sidereal rotation plus 2 % for its own motion.
 FASTEST_RAD_PER_S = 1.02 * 2.0 * math.pi / 86_164.0
 
 
 def instants(stress, count):
-    """Aware datetimes over 200 years, some of them at the neighbours and a microsecond aside."""
+    """Aware datetimes over 200 years, some at `NEIGHBOURS` and a microsecond beside them."""
     for at in stress.random.uniform(0.0, DAYS, count):
         if stress.random.random() < 0.3:
             aside = timedelta(microseconds=int(stress.random.integers(-1, 2)))
@@ -51,7 +51,7 @@ def places(stress, count):
 
 @pytest.mark.parametrize("method", ["ephemeris", "preetham"])
 def test_sun_position_is_one_direction(stress, method):
-    """Any instant, any place, ground to orbit: finite, a unit vector, each number in its range."""
+    """For any instant and place, ground to orbit: a unit vector, each number in its range."""
     for count in stress.batches(f"sun_position ({method})", 3000):
         for when, (latitude, longitude) in zip(
             instants(stress, count), places(stress, count), strict=True
@@ -69,9 +69,9 @@ def test_sun_position_is_one_direction(stress, method):
 
 @pytest.mark.parametrize("method", ["ephemeris", "preetham"])
 def test_the_sun_moves_as_fast_as_the_sky_turns(stress, method):
-    """From any microsecond to 100 us later it goes no farther than 1.02 sky turns allow.
+    """Within 100 us the sun moves no farther than `FASTEST_RAD_PER_S` allows.
 
-    What is not continuous would show here: days, years, leap seconds, the date line. Below 1e-9
+    Jumps at days, years, leap seconds and the date line would show. Below 1e-9
     rad a double of the days since 2000 has no more digits; the short series is taken within a
     calendar year, at whose end it jumps by its own error (0.001 rad).
     """
@@ -97,7 +97,7 @@ def geometric(when, latitude, longitude, method):
 
 @pytest.mark.parametrize("method", ["ephemeris", "preetham"])
 def test_the_date_line_is_no_line(stress, method):
-    """180 E and 180 W are one place, and next to a pole all longitudes see one elevation."""
+    """180 E and 180 W agree, and near a pole all longitudes have the same elevation."""
     for count in stress.batches(f"sun_position ({method})", 300):
         for when, (latitude, _) in zip(instants(stress, count), places(stress, count), strict=True):
             east, west = (sun_position(when, latitude, side, method) for side in (180.0, -180.0))
@@ -110,7 +110,7 @@ def test_the_date_line_is_no_line(stress, method):
 
 
 def test_the_zone_does_not_matter(stress):
-    """One instant told in two zones is one sun, to the bit."""
+    """The same instant in two time zones gives the same bits."""
     for count in stress.batches("sun_position (ephemeris)", 100):
         for when in instants(stress, count):
             if when.year < 1901:
@@ -121,7 +121,7 @@ def test_the_zone_does_not_matter(stress):
 
 
 def test_events_come_in_order(stress):
-    """Dawns before sunrise before noon before sunset before dusks, whichever there are.
+    """Dawns, sunrise, noon, sunset and dusks come in this order, if they exist.
 
     At any latitude, also at the poles, on the date line and on the days of leap seconds. An event
     may come twice in a day of the zone: then only its own two are compared.
@@ -147,7 +147,7 @@ ELEVATIONS = [0.0, -np.radians(1.0), -np.radians(6.0), np.radians(0.5), MEAN_ANG
 
 
 def test_refraction_is_smooth_and_never_lowers(stress):
-    """Finite, not negative, without a jump from nadir to zenith; it never swaps two suns."""
+    """Finite, not negative, continuous from nadir to zenith; apparent elevation is monotone."""
     for count in stress.batches("refraction_rad", 400_000):
         elevation = stress.within(count, -np.pi / 2, np.pi / 2, ELEVATIONS)
         assert_light(refraction_rad(elevation))
@@ -157,7 +157,7 @@ def test_refraction_is_smooth_and_never_lowers(stress):
 
 
 def test_refraction_is_undone(stress):
-    """The inverse, to the 1e-12 rad that it promises."""
+    """The inverse is right to 1e-12 rad."""
     for count in stress.batches("geometric_elevation", 20_000):
         elevation = stress.within(count, -np.pi / 2, np.pi / 2, ELEVATIONS)
         back = geometric_elevation(elevation + refraction_rad(elevation))
@@ -165,7 +165,7 @@ def test_refraction_is_undone(stress):
 
 
 def test_pressure_falls(stress):
-    """From 5 km below the sea to the moon: finite, not negative, never rising, no jump at 11 km."""
+    """From -5 km to the moon pressure is finite, not negative, falling, continuous at 11 km."""
     for count in stress.batches("pressure_at_altitude_pa", 2000):
         altitude = np.sort(stress.within(count, -5000.0, 4e8, [0.0, 11_000.0]))
         pressure = np.array([pressure_at_altitude_pa(float(h)) for h in altitude])
@@ -176,7 +176,7 @@ def test_pressure_falls(stress):
 
 
 def test_the_disc_sets_evenly(stress):
-    """Its visible share lies in [0, 1], is 1/2 at the horizon, and only grows with elevation."""
+    """The visible share is in [0, 1], 1/2 at the horizon, and grows with elevation."""
     marks = [0.0, MEAN_ANGULAR_RADIUS_RAD, -MEAN_ANGULAR_RADIUS_RAD, 1e-9, -1e-9]
     for count in stress.batches("visible_fraction", 400_000):
         elevation = np.sort(stress.within(count, -np.pi / 2, np.pi / 2, marks))
@@ -198,7 +198,7 @@ def test_twilights_curve_only_rises(stress):
 
 
 def test_the_suns_step_is_a_step(stress):
-    """Positive and finite for every elevation: a step of nothing would redraw without end."""
+    """Positive and finite for every elevation: a zero step would redraw without end."""
     for count in stress.batches("sun_step_rad", 2000):
         for elevation in stress.within(count, -np.pi / 2, np.pi / 2, [0.0, np.radians(7.0)]):
             assert 1e-6 < sun_step_rad(float(elevation)) < 0.1

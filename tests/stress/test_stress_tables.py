@@ -1,4 +1,4 @@
-"""Precomputed tables and solved fields, looked at from everywhere, on planets of all kinds."""
+"""Precomputed tables and solved fields for any observer, on all planets."""
 
 from dataclasses import replace
 from functools import cache
@@ -35,18 +35,18 @@ FARTHEST_M = 4e8
 
 @cache
 def field_of(name):
-    """The solved light of a planet, of two orders: its numbers are not what is looked at here."""
+    """The solved light of a planet, of two orders only: accuracy is not tested here."""
     return solve(PLANETS[name], orders=2)
 
 
 @cache
 def tables_of(name):
-    """Its tables, of few nodes."""
+    """A planet's tables with few nodes."""
     return precompute(PLANETS[name], orders=2, sizes=SIZES)
 
 
 def points(stress, count, air):
-    """Around the centre: on the ground, in the air, at its top and as far as the moon."""
+    """Points on the ground, in the air, at its top and as far as the moon."""
     special = [1e-6, 2.0, air.top_altitude_m, air.top_altitude_m + 1e-6]
     inside = stress.within(count, 0.0, air.top_altitude_m, special)
     height = np.where(
@@ -56,7 +56,7 @@ def points(stress, count, air):
 
 
 def views(stress, count, air, point):
-    """Directions: any, and those at the horizon of the point."""
+    """Random directions, and directions at the point's horizon."""
     up = point / np.linalg.norm(point, axis=1, keepdims=True)
     view = stress.directions(count)
     across = view - (view * up).sum(axis=1, keepdims=True) * up
@@ -82,7 +82,7 @@ def test_tables_hold_light(name):
 
 @pytest.mark.parametrize("name", SOLID)
 def test_look_ups_give_light(stress, name):
-    """Sky, ground, air before points and light on surfaces, from the ground to the moon."""
+    """Sky, ground, air and light on surfaces are finite, from the ground to the moon."""
     tables, air = tables_of(name), PLANETS[name]
     for count in stress.batches("Tables.sky_radiance and others", 4000, most=8192):
         camera = points(stress, count, air)
@@ -90,7 +90,7 @@ def test_look_ups_give_light(stress, name):
         light, clear = tables.sky_radiance(camera, view, sun)
         assert_light(light, "sky")
         assert_light(clear, "transmittance")
-        # Weights of a look-up add up to 1 but for a rounding.
+        # Weights of a look-up add up to 1 within a rounding.
         assert clear.max() <= 1.0 + 1e-15
         shadow = stress.within(count, 0.0, 1e6, [1.0])
         assert_light(tables.sky_radiance(camera, view, sun, shadow)[1], "shadow")
@@ -109,7 +109,7 @@ def test_look_ups_give_light(stress, name):
 
 @pytest.mark.parametrize("name", ["earth", "mars", "rock", "giant"])
 def test_looked_up_skies_have_no_jump(stress, name):
-    """As the view turns up from the horizon, the sun turns and the observer climbs."""
+    """Continuous in view above the horizon, sun and altitude."""
     tables, air = tables_of(name), PLANETS[name]
     up, north = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
 
@@ -126,14 +126,14 @@ def test_looked_up_skies_have_no_jump(stress, name):
             camera = (air.ground_radius_m + height)[:, None] * up
             return tables.sky_radiance(camera, at(view), at(sun))[0]
 
-        # A texture's coordinate near an end of its axis is a root: what is left is its slope.
+        # Near an end of its axis a texture coordinate is a root, steep enough to show.
         assert_continuous(look, view, sun, height, most=1e-5)
         assert_continuous(lambda s, v, h, look=look: look(v, s, h), sun, view, height, most=1e-5)
 
 
 @pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 def test_solved_fields_give_light(stress, name):
-    """Light scattered once and more, along any ray under any sun: finite, not negative."""
+    """Single and multiple scattering are finite and not negative for any ray and sun."""
     field, air = field_of(name), PLANETS[name]
     for count in stress.batches("multiple_scattering, single_scattering_fast", 1200, most=300):
         place = float(stress.within(1, 0.0, air.top_altitude_m, [1e-6, 2.0])[0])
@@ -164,7 +164,7 @@ def test_sky_views_are_light(stress, name):
 
 
 def test_sky_views_are_the_same_on_two_threads(stress):
-    """Kernels that let go of the interpreter share nothing that they write."""
+    """Kernels that release the GIL give the same bits on two threads."""
     field, sun = field_of("earth"), np.array([0.6, 0.5, 0.62449979983984])
     for _ in stress.batches("sky_view, fill_cube (texels)", 3 * 6 * 32**2):
         assert_same_on_threads(lambda: sky_view(field, 2000.0, sun).nodes)
@@ -182,8 +182,8 @@ SMALL = AirSizes(slices=6, rows_above=8, rows_below=6, columns=5, steps=2)
 def test_air_volumes_are_light(stress, name):
     """Air to any reach, from a millimetre to all of it, from the ground to the moon.
 
-    Looked up in any direction at any distance it lets through from 0 to 1 and never takes away
-    more as it gets nearer.
+    In any direction and distance transmittance is in [0, 1], and it never falls as the distance
+    shrinks.
     """
     field, air = field_of(name), PLANETS[name]
     for count in stress.batches("air_volume, look_up_air", 1200, most=200):
@@ -216,10 +216,10 @@ BAD = [
 ]  # fmt: skip
 
 
-def test_what_is_no_air_is_refused_in_a_sentence(stress):
-    """Every number of an atmosphere, spoilt in every way: one sentence that names it, or an air.
+def test_invalid_atmospheres_are_refused_in_a_sentence(stress):
+    """Every invalid number of an atmosphere is refused in a sentence that names it.
 
-    What is taken is finite light: nothing in between.
+    Accepted atmospheres give finite light.
     """
     fields = [name for name in Atmosphere.__dataclass_fields__ if name != "mie_phase"]
     for _ in stress.batches("Atmosphere", len(fields) * len(BAD), len(fields) * len(BAD)):
@@ -237,7 +237,7 @@ def test_what_is_no_air_is_refused_in_a_sentence(stress):
 
 
 def single_scattering_of(air):
-    """Some light of an atmosphere."""
+    """Single scattering of an atmosphere at some rays."""
     from bruneton_sky import single_scattering
 
     return single_scattering(air, 0.0, [1.0, 0.1, 0.0], 0.5, [0.5, 0.3, 0.1])

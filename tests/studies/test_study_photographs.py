@@ -1,4 +1,4 @@
-"""Photographs made of a model's sky give back what they were made with."""
+"""Fits to synthetic photographs return the parameters they were made with."""
 
 import struct
 
@@ -39,7 +39,7 @@ HIGH_SUN = Sun(-70.0, 25.0, True)
 
 
 def photograph(model, turbidity, sun):
-    """A sky with trees in half of its columns, a cloud, ground, a disc that is clipped, noise."""
+    """A sky with trees in half of its columns, a cloud, ground, a clipped disc and noise."""
     direction = lat_long_directions(HEIGHT)
     sky = model(turbidity, sun, direction.reshape(-1, 3)).reshape(direction.shape)
     photo = sky * EXPOSURE * GAINS
@@ -58,8 +58,8 @@ def photograph(model, turbidity, sun):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_models_own_sky_is_fitted_exactly(name):
-    """Turbidity, exposure and gains must come back as the photograph was made with them: within
-    1 % and the noise of 1 % (0.0043 in log10), although trees, cloud and disc are in it."""
+    """Turbidity, exposure and gains are recovered within 1 % and the noise of 1 % (0.0043 in
+    log10), although trees, cloud and disc are in the photograph."""
     comparison = compare(photograph(MODELS[name], 4.0, HIGH_SUN), TURBIDITIES)
     found = comparison.fits[name]
     assert found.turbidity == 4.0
@@ -72,7 +72,7 @@ def test_a_models_own_sky_is_fitted_exactly(name):
 
 
 def test_the_disc_is_found_where_it_was_drawn():
-    """Within half a pixel, also where the disc lies on the picture's edge and in two halves."""
+    """Within half a pixel, even if the picture's edge cuts the disc in two."""
     for sun in (HIGH_SUN, Sun(180.0, 25.0, True)):
         found = find_disc(photograph(hosek_wilkie, 3.0, sun))
         assert found is not None
@@ -83,13 +83,13 @@ def test_the_disc_is_found_where_it_was_drawn():
 
 
 def test_no_disc_is_found_in_a_sky_without_one():
-    """A glow is no disc: the brightest pixel of a twilight is no brighter than its neighbours."""
+    """A twilight glow, without a pixel brighter than its neighbours, is not taken for the disc."""
     assert find_disc(photograph(hosek_wilkie, 2.0, Sun(30.0, -4.0, False))) is None
 
 
-def test_what_is_no_sky_is_left_out_and_sky_is_kept():
-    """Every pixel of tree, ground, cloud and disc must go; of the clear sky above 20 deg and
-    away from the sun at least nine tenths must stay, or there is nothing left to fit."""
+def test_the_mask_drops_everything_but_sky():
+    """Every pixel of tree, ground, cloud and disc is masked; of the clear sky above 20 deg and
+    away from the sun at least nine tenths are kept."""
     photo = photograph(hosek_wilkie, 3.0, HIGH_SUN)
     usable = masks_of(photo, HIGH_SUN).usable
     elevation = elevations_deg(HEIGHT)
@@ -103,8 +103,8 @@ def test_what_is_no_sky_is_left_out_and_sky_is_kept():
 
 
 def test_wires_and_sky_between_clouds_are_left_out():
-    """A wire 8 % darker than the sky is found by what lies beside it, and the 4 deg of sky
-    between two clouds are not trusted; the same sky 15 deg further up is."""
+    """A wire 8 % darker than the sky is found by its neighbourhood, and the 4 deg of sky
+    between two clouds are masked; the same sky 15 deg further up is kept."""
     photo = photograph(hosek_wilkie, 3.0, HIGH_SUN)
     wire, gap, above = (slice(40, 41), slice(130, 230)), (slice(25, 30), slice(97, 100)), 14
     photo[wire] *= 0.92
@@ -116,8 +116,8 @@ def test_wires_and_sky_between_clouds_are_left_out():
 
 
 def test_a_photograph_of_cut_range_shows_less_contrast():
-    """Luminance to the power 0.8 must read as 0.8 where the model is the true one, and as 1
-    untouched: that tells a camera's curve from a wrong sky."""
+    """Luminance to the power 0.8 gives a contrast of 0.8, unchanged luminance 1: this tells a
+    camera's curve from a wrong sky."""
     photo = photograph(bruneton, 3.0, HIGH_SUN)
     for power in (1.0, 0.8):
         cut = np.where(photo > 0.0, np.abs(photo) ** power, photo)
@@ -128,7 +128,7 @@ def test_a_photograph_of_cut_range_shows_less_contrast():
 
 
 def test_another_phase_function_is_told_from_the_modules_own():
-    """A sky made with g = 0.6 is fitted by that to its noise of 0.0043, and not by 0.8."""
+    """A sky made with g = 0.6 is fitted within its noise of 0.0043 by 0.6, not by 0.8."""
     sky = bruneton_with(mie_g=0.6)
     pixels = pixels_of(photograph(sky, 3.0, HIGH_SUN), _high_sky())
     assert fit(pixels, sky, 3.0, HIGH_SUN).rms_log10 < 0.006
@@ -159,7 +159,7 @@ def test_outliers_do_not_move_exposure_and_gains():
 
 
 def test_the_table_names_what_was_found():
-    """The printed rows carry each model's fit and, to judge them by, the spread of the sky."""
+    """The printed rows have each model's fit and, for comparison, the spread of the sky."""
     comparison = compare(photograph(hosek_wilkie, 4.0, HIGH_SUN), (4.0,))
     rows = table_rows("made", comparison)
     assert [row.split("|")[3].strip() for row in rows] == [*comparison.fits, "an even sky"]
@@ -193,8 +193,8 @@ def exr_bytes(folder, radiance):
         ("not finite", "not finite"),
     ],
 )
-def test_a_photograph_that_is_none_is_refused_in_a_sentence(tmp_path, damage, says):
-    """What its header promises is looked at before memory is taken for it."""
+def test_damaged_photographs_are_refused_in_a_sentence(tmp_path, damage, says):
+    """The size in the header is checked before memory is taken."""
     whole = exr_bytes(tmp_path, np.ones((4, 8, 3)))
     corners = whole.index(b"dataWindow\0box2i\0") + 21
     huge = struct.pack("<4i", 0, 0, 1_999_999, 999_999)

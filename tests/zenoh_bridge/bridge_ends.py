@@ -1,4 +1,4 @@
-"""Both ends of a bridge, as the tests hold them."""
+"""Both ends of a bridge, for the tests."""
 
 import json
 import os
@@ -30,7 +30,7 @@ def free_port():
 
 
 def until(condition, what):
-    """Wait for a condition that another thread or process brings about."""
+    """Wait for a condition that depends on another thread or process."""
     end = time.monotonic() + TIMEOUT_S
     while not (found := condition()):
         assert time.monotonic() < end, f"waited {TIMEOUT_S} s in vain: {what}"
@@ -43,7 +43,7 @@ def demands(size, consumer="viewer", kinds=PRODUCTS):
 
 
 class SkyProcess:
-    """A process that makes a sky (bridged_sky.py), and what it says."""
+    """A process that computes a sky (bridged_sky.py), and its output."""
 
     def __init__(self, port):
         self.said = []
@@ -68,18 +68,18 @@ class SkyProcess:
         self._process.stdin.flush()
 
     def kill(self):
-        """The operating system ends it, without a farewell."""
+        """Kill it with SIGKILL."""
         self._process.kill()
         self._process.wait()
 
     def end(self):
-        """It ends by itself: the exit code."""
+        """Let it end by itself; returns the exit code."""
         self._process.stdin.close()
         return self._process.wait(TIMEOUT_S)
 
 
 class BridgedKernel:
-    """A kernel on its own thread whose bridge holds sun and sky, and what it hears."""
+    """A kernel on its own thread whose bridge holds sun and sky, and the messages it posts."""
 
     def __init__(self, modules=()):
         self.kernel = Kernel()

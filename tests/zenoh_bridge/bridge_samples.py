@@ -1,4 +1,4 @@
-"""One message of each kind that crosses, and ways to spoil its frame."""
+"""A sample of each message type that crosses, and ways to damage its frame."""
 
 import msgspec
 import numpy as np
@@ -39,7 +39,7 @@ _TAGS = [{"$array": "00"}, {"$array": []}, {"$float": "nan"}, {"$float": 3}, {"$
 
 
 def known_array(handle):
-    """What a fetch would bring."""
+    """The array that a fetch would return."""
     array = ARRAYS.get(handle["$array"])
     if array is None:
         raise UserError("nobody had it")
@@ -47,7 +47,7 @@ def known_array(handle):
 
 
 def mangled(frame, dice):
-    """A frame with bytes flipped or cut, or its JSON rewritten; nearly always another one."""
+    """A frame with bytes flipped or cut, or its JSON changed; nearly always different."""
     return dice.choice([_flipped, _cut, _rewritten, _rewritten])(frame, dice)
 
 

@@ -1,4 +1,4 @@
-"""A process that makes a sky and shares it; started by the tests as a program of its own.
+"""A process that computes a sky and shares it; the tests start it as a program.
 
     python bridged_sky.py PORT
 
@@ -31,7 +31,7 @@ def clock(hour):
 
 
 def enabling(mode, port):
-    """The inputs that let a bridge open."""
+    """The inputs that make a bridge open."""
     values = {"mode": mode, "endpoint": f"tcp/127.0.0.1:{port}", "enabled": True}
     return [SetSetting(module="zenoh_bridge", name=k, value=v) for k, v in values.items()]
 
@@ -60,7 +60,7 @@ def main(port):
         kernel.inject(clock(float(line)))
     thread.stop()
     kernel.close()
-    # What is left are daemons.
+    # Only daemon threads remain.
     assert all(t.daemon for t in threading.enumerate() if t is not threading.main_thread())
 
 

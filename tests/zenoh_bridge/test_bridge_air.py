@@ -1,4 +1,4 @@
-"""Air between two processes: two arrays in a structure, and what is refused of them."""
+"""Air between two processes: two arrays in a structure, and refusals."""
 
 import msgspec
 import numpy as np
@@ -36,21 +36,21 @@ NO_AIR = AirChanged(volume=None, source="sample")
 
 
 def fetched(message):
-    """A message's arrays as a fetch would bring them."""
+    """A message's arrays as a fetch would return them."""
     arrays = {array.digest: array for array in arrays_of(message)}
     return lambda handle: arrays[handle["$array"]]
 
 
 @pytest.mark.parametrize("message", [AIR, NO_AIR])
 def test_air_crosses(message):
-    """Air must arrive as it was sent, its arrays fetched by digest."""
+    """Air arrives as it was sent, its arrays fetched by digest."""
     frame = read_frame(encode_frame(message, 2**16), "AirChanged", 2**16, 2**20)
     fields = remote_message(frame, fetched(message)).fields
     assert revive("AirChanged", fields) == message
 
 
 def test_air_that_stays_on_the_gpu_does_not_cross():
-    """Its texels are not in the message: the other side would have nothing to draw."""
+    """GPU textures are not part of the message: the other side would have nothing to draw."""
     texture = GpuTexture(size=(2, 4, 9), format="rgba32f", recipe="00")
     volume = msgspec.structs.replace(AIR.volume, light=texture)
     with pytest.raises(UserError, match="stays on the GPU"):
@@ -58,7 +58,7 @@ def test_air_that_stays_on_the_gpu_does_not_cross():
 
 
 def test_a_stranger_s_shader_does_not_cross():
-    """The cube map of a sky seen from aloft arrives; code for the GPU of another is left out."""
+    """The cube map of a sky seen from aloft arrives; its shader does not."""
     view = ViewShader(
         source="vec3 background_radiance(vec3 d) { return d; }",
         uniforms={"background_shape": (1, 2, 3)},
@@ -90,7 +90,7 @@ def test_a_stranger_s_shader_does_not_cross():
     ],
 )
 def test_forged_air_is_refused(changes, said):
-    """Tables that do not go with each other would be read past their ends by who draws them."""
+    """Tables of inconsistent shapes are refused: a renderer would read past their ends."""
     forged = msgspec.structs.replace(AIR, volume=msgspec.structs.replace(AIR.volume, **changes))
     with pytest.raises(UserError, match=said):
         revive("AirChanged", to_plain(forged), fetched(forged))

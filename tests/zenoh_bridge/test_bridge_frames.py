@@ -1,4 +1,4 @@
-"""Frames: a message comes back as it was, and whatever else comes is told in one clear line."""
+"""Frames: valid messages survive the round trip, others are refused in one clear line."""
 
 import random
 
@@ -21,13 +21,13 @@ KIB, MIB = 2**10, 2**20
 
 
 def received(frame, type_name):
-    """The message that a frame leads to."""
+    """The message in a frame."""
     remote = remote_message(read_frame(frame, type_name, 64 * KIB, MIB), known_array)
     return revive(remote.type_name, remote.fields)
 
 
 def refusal(frame, type_name):
-    """The sentence in which a frame is refused, or None if it is taken."""
+    """The sentence with which a frame is refused, or None if it is accepted."""
     try:
         received(frame, type_name)
     except UserError as error:
@@ -37,7 +37,7 @@ def refusal(frame, type_name):
 
 @pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
 def test_a_message_comes_back_as_it_was(message):
-    """To the last bit, types included: both processes are to show the same."""
+    """Messages are equal to the last bit, types included."""
     frame = encode_frame(message, 64 * KIB)
     back = received(frame, type(message).__name__)
     assert back == message
@@ -46,7 +46,7 @@ def test_a_message_comes_back_as_it_was(message):
 
 
 def test_500_mangled_frames_each_get_one_clear_line():
-    """Whatever a stranger sends raises one sentence, or is a message that is well formed."""
+    """Each damaged frame is refused in one sentence, or is a valid message."""
     dice = random.Random(20260621)
     refused = 0
     for _ in range(500):
@@ -58,7 +58,7 @@ def test_500_mangled_frames_each_get_one_clear_line():
             assert sentence.startswith(f"a frame of {name} was refused: ")
             assert sentence.isprintable()
             assert len(sentence) < 400
-    # The rest differ from the original in a digit or a letter of a text.
+    # The others differ only in a digit or a letter of a text.
     assert refused > 400
 
 
@@ -111,7 +111,7 @@ def cube_handle(**changes):
     ],
 )
 def test_a_forged_frame_is_refused_by_name(frame, says):
-    """Only known types, in stated sizes, with the fields and shapes that consumers rely on."""
+    """Unknown types, wrong sizes, fields and shapes are refused."""
     sentence = refusal(frame, "BackgroundChanged")
     assert sentence is not None
     assert says in sentence
@@ -119,15 +119,15 @@ def test_a_forged_frame_is_refused_by_name(frame, says):
 
 @pytest.mark.parametrize("name", ["Fault", "SetSetting", "GpuJob", "JobResult", "Popen"])
 def test_no_other_type_can_cross(name):
-    """A stranger can say what a sky says, and nothing that steers this process."""
+    """Types that control this process are refused."""
     with pytest.raises(UserError, match="cannot cross"):
         revive(name, {})
     with pytest.raises(UserError, match=f"'{name}', which cannot cross: choose from SunMoved"):
         types_named(f"SunMoved, {name}", "share")
 
 
-def test_what_stays_on_the_gpu_does_not_cross():
-    """Its texels are not in the message: the other side would show nothing."""
+def test_gpu_textures_do_not_cross():
+    """GPU textures are not part of the message: the other side would show nothing."""
     texture = GpuTexture(size=8, format="rgba16f", recipe="00")
     background = msgspec.structs.replace(BACKGROUND, cube=texture)
     with pytest.raises(UserError, match="stays on the GPU"):
@@ -135,13 +135,13 @@ def test_what_stays_on_the_gpu_does_not_cross():
 
 
 def test_a_message_that_is_too_large_is_not_sent():
-    """The other side would refuse it."""
+    """The sender refuses what the receiver would refuse."""
     with pytest.raises(UserError, match=r"SunMoved takes .* bytes: raise max_message_kib"):
         encode_frame(SUN, 100)
 
 
-def test_bytes_that_are_not_the_array_are_refused():
-    """Cut, longer, or of another content: the digest decides, after the size."""
+def test_bytes_that_do_not_match_the_digest_are_refused():
+    """Bytes that are too few, too many or different are refused, by size, then by digest."""
     handle, data = to_plain(CUBE), CUBE.values.tobytes()
     assert unpacked(data, handle, MIB) == CUBE
     dice = random.Random(3)
@@ -158,7 +158,7 @@ def _flip(data, dice):
 
 
 def test_the_store_holds_the_last_arrays_within_its_bounds():
-    """Memory stays flat however long a day is; what was asked for last stays longest."""
+    """Memory is bounded; the least recently used arrays are dropped first."""
     arrays = [Array(np.full(1000, n, np.uint8)) for n in range(40)]
     store = ArrayStore(max_bytes=3000)
     for array in arrays[:3]:
@@ -174,7 +174,7 @@ def test_the_store_holds_the_last_arrays_within_its_bounds():
 
 
 def test_an_array_larger_than_the_store_is_kept_alone():
-    """The one that was announced last can be fetched, whatever its size."""
+    """The last array can be fetched, whatever its size."""
     store = ArrayStore(max_bytes=10)
     large = Array(np.zeros(1000, np.uint8))
     store.keep(CUBE)
@@ -184,7 +184,7 @@ def test_an_array_larger_than_the_store_is_kept_alone():
 
 
 def test_the_input_is_one_per_type():
-    """Of a type's messages that wait the latest counts, whoever sent them."""
+    """Of waiting messages of one type only the latest is delivered, whoever sent them."""
     assert RemoteMessage(type_name="SunMoved", fields={}).key() == "SunMoved"
     assert set(ARRAYS) == {CUBE.digest, SAMPLES[3].irradiance_sh_rgb.digest}
     assert BackgroundChanged.slot == "sky"

@@ -1,4 +1,4 @@
-"""A stranger's junk before a host that draws: the bridge's own Fault, and pictures go on."""
+"""Junk over the bridge causes a Fault of the bridge, and the host goes on drawing."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -52,7 +52,7 @@ PLAN = plan_of(
 
 
 class Stranger:
-    """What a bridge hears from afar, by the bridge's own way in, without a line between."""
+    """Delivers frames through the bridge's own receiving code, without a connection."""
 
     def __init__(self, inject):
         self._connection = Connection(PLAN, inject)
@@ -74,7 +74,7 @@ class Stranger:
 
 @pytest.fixture(scope="module")
 def host():
-    """A host whose bridge holds sun and sky; nobody has joined it."""
+    """A host whose bridge holds sun and sky, without a peer."""
     pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed (the extra 'bridge')")
     from vrut_lite.host import Host
 
@@ -107,7 +107,7 @@ def settled_state(host):
 
 
 def draws_on(host):
-    """The picture of now: it is drawn, holds numbers alone, and the bridge still runs."""
+    """Draws a picture; it is finite, and the bridge is still running."""
     picture = host.draw()
     assert np.isfinite(picture.radiance).all()
     assert host.kernel.seats[NAME].running
@@ -136,7 +136,7 @@ JUNK = st.one_of(
 
 @st.composite
 def arrays(draw, like):
-    """An array in place of another: of its form or not, with numbers that are odd."""
+    """An array with odd numbers, of the right shape and type or not."""
     shape, kind = like.shape, like.dtype.str
     if draw(st.integers(0, 3)) == 0:
         shape = tuple(draw(st.lists(st.integers(0, 9), max_size=5)))
@@ -153,7 +153,7 @@ def arrays(draw, like):
 
 @st.composite
 def frames(draw):
-    """A frame of a sample with one field changed, and the arrays that can be fetched."""
+    """A sample's frame with one field changed, and the arrays that can be fetched."""
     message = draw(st.sampled_from(GOOD))
     content = msgspec.json.decode(encode_frame(message, 2**20))
     held, carrier, plain = arrays_of(message), message, content["message"]
@@ -197,8 +197,8 @@ NOT_FRAMES = [
 
 
 @pytest.mark.gl
-def test_each_piece_of_junk_is_told_and_no_command_fails_for_it(host):
-    """Far more than three of them: a stranger must not suspend the bridge."""
+def test_junk_is_reported_and_fails_no_command(host):
+    """Far more than three faults by junk do not suspend the bridge."""
     host.told.clear()
     host.stranger.say_all(*GOOD)
     before = draws_on(host)
@@ -228,8 +228,8 @@ def test_each_piece_of_junk_is_told_and_no_command_fails_for_it(host):
         ),
     ],
 )
-def test_what_consumers_rely_on_is_told_by_name(host, changed, says):
-    """The light that was shown stays, and the sentence names what was wrong with the other."""
+def test_invalid_fields_are_reported_by_name(host, changed, says):
+    """The previous light stays, and the sentence names the invalid field."""
     host.told.clear()
     host.stranger.say_all(*GOOD)
     before = draws_on(host)
@@ -240,8 +240,8 @@ def test_what_consumers_rely_on_is_told_by_name(host, changed, says):
     assert says in host.told[0].error
 
 
-def test_a_user_s_own_slips_still_fail_commands():
-    """Only what a stranger said is nobody's here to answer for."""
+def test_the_users_own_errors_still_fail_commands():
+    """Only faults by received messages are exempt."""
 
     class Failing(Module):
         manifest = Manifest(name="failing", title="Failing", version="1")
@@ -275,11 +275,11 @@ def test_a_user_s_own_slips_still_fail_commands():
         faults.raise_first()
 
 
-def test_a_worker_outlives_what_is_no_exception():
-    """A library's panic in one item costs that item alone, in whatever part of the bridge."""
+def test_a_worker_survives_a_panic():
+    """A library's panic drops only the item that caused it, in every part of the bridge."""
 
     class Panic(BaseException):
-        """As of a library that is written in Rust."""
+        """Like the panic of a library written in Rust."""
 
     told, injected = [], []
     connection = Connection(PLAN, injected.append)
@@ -301,8 +301,8 @@ def test_a_worker_outlives_what_is_no_exception():
     worker.join(5.0)
 
 
-def test_demand_from_afar_is_what_can_cross(host):
-    """No token makes this process compute a sky that its line could not carry."""
+def test_remote_demands_are_limited_to_what_can_cross(host):
+    """No token makes this process compute a sky that is too large to send."""
     connection = Stranger(host.kernel.inject)._connection
     note = connection._guarded(connection._token)
     for key in ("BackgroundChanged/4096/float32", "BackgroundChanged/9999/any", "Fault/1/any"):

@@ -1,4 +1,4 @@
-"""The module on a kernel of its own: idle unless told, slots, late joiners, replay."""
+"""The bridge module in a kernel: off by default, slots, late joiners, replay."""
 
 import gc
 import sys
@@ -25,13 +25,13 @@ from vrut_lite.recording.replay import Replay
 
 
 class Sun(Module):
-    """Another that can hold both slots, and holds them first."""
+    """Another module that can hold both slots, and holds them first."""
 
     manifest = Manifest(name="sun", title="Sun", version="1", provides=("sun", "sky"))
 
 
 class Viewer(Module):
-    """Remembers the suns that it was shown."""
+    """Records the suns that it receives."""
 
     manifest = Manifest(name="viewer", title="Viewer", version="1")
 
@@ -46,7 +46,7 @@ class Viewer(Module):
 
 @pytest.fixture
 def kernel():
-    """A kernel with a bridge that is enabled and joined to nobody, as in a replay."""
+    """A kernel with a bridge that is enabled but not connected, as in a replay."""
     kernel = Kernel()
     for module in (Sun, Viewer, ZenohBridge):
         kernel.add_module(module)
@@ -64,13 +64,13 @@ def tell(kernel, *messages):
 
 
 def from_afar(message):
-    """The input that a message of another process becomes."""
+    """The input for a message of another process."""
     name = type(message).__name__
     return remote_message(read_frame(encode_frame(message, 2**16), name, 2**16, 2**20), known_array)
 
 
-def test_it_loads_and_stays_idle():
-    """Whoever never asked for a bridge gets no session, no thread and no fault."""
+def test_a_bridge_that_is_off_does_nothing():
+    """By default there is no session, no thread and no fault."""
     kernel = Kernel()
     kernel.add_module(ZenohBridge, inject=kernel.inject)
     tell(kernel, SetSetting(module=NAME, name="share", value="SunMoved"))
@@ -81,8 +81,8 @@ def test_it_loads_and_stays_idle():
     assert kernel.last_fault(NAME) is None
 
 
-def test_a_missing_library_is_told_and_not_a_failure(monkeypatch):
-    """The extra is optional: one sentence says how to get it, and the module keeps running."""
+def test_a_missing_library_is_reported_but_no_failure(monkeypatch):
+    """One sentence says how to install the extra, and the module keeps running."""
     monkeypatch.setitem(sys.modules, "zenoh", None)
     kernel = Kernel()
     kernel.add_module(ZenohBridge, inject=kernel.inject)
@@ -96,8 +96,8 @@ def test_a_missing_library_is_told_and_not_a_failure(monkeypatch):
     assert kernel.seats[NAME].module.state == fault.error
 
 
-def test_settings_that_cannot_be_are_told(monkeypatch):
-    """A host elsewhere is refused before a session is made."""
+def test_invalid_settings_are_reported(monkeypatch):
+    """A remote host is refused before a session is opened."""
     monkeypatch.setattr(Connection, "start", lambda *_: pytest.fail("a session was made"))
     kernel = Kernel()
     kernel.add_module(ZenohBridge, inject=kernel.inject)
@@ -110,8 +110,8 @@ def test_settings_that_cannot_be_are_told(monkeypatch):
     assert kernel.seats[NAME].running
 
 
-def test_without_a_slot_the_latest_is_kept_until_it_comes(kernel):
-    """A slot's products are its holder's alone; a switch shows what is known at once."""
+def test_messages_wait_until_the_bridge_holds_the_slot(kernel):
+    """Only a slot's holder posts its messages; after a switch the latest is posted at once."""
     tell(kernel, from_afar(SUN), from_afar(BACKGROUND))
     assert kernel.seats["viewer"].module.suns == []
     assert kernel.seats[NAME].ledger.skipped["SunMoved without slot"] == 1
@@ -123,8 +123,8 @@ def test_without_a_slot_the_latest_is_kept_until_it_comes(kernel):
     assert not kernel.faults
 
 
-def test_what_has_no_slot_is_said_at_once(kernel):
-    """The needs of a scene elsewhere steer the sky that is made here, if they are accepted."""
+def test_messages_without_slot_are_posted_at_once(kernel):
+    """Accepted `SceneNeeds` of another process control the sky computed here."""
     needs = SAMPLES[4]
     tell(kernel, from_afar(needs))
     assert kernel.seats[NAME].ledger.skipped["SceneNeeds not accepted"] == 1
@@ -133,15 +133,15 @@ def test_what_has_no_slot_is_said_at_once(kernel):
 
 
 def test_a_restart_loses_nothing(kernel):
-    """The kernel tells a fresh instance the latest inputs."""
+    """A new instance gets the latest inputs from the kernel."""
     tell(kernel, ChooseSlot(slot="sun", module=NAME), from_afar(SUN), RestartModule(module=NAME))
     tell(kernel, ChooseSlot(slot="sun", module=NAME))
     assert kernel.last(SunMoved) == SUN
     assert not kernel.faults
 
 
-def test_troubles_are_counted_and_told(kernel):
-    """One readable fault, which never suspends: strangers must not switch a module off."""
+def test_refusals_are_counted_and_published(kernel):
+    """One readable fault, which never suspends the module."""
     for _ in range(5):
         tell(kernel, BridgeTrouble(sentence="a frame was refused", count=3))
     assert kernel.seats[NAME].ledger.skipped["bridge trouble"] == 15
@@ -150,7 +150,7 @@ def test_troubles_are_counted_and_told(kernel):
 
 
 def test_a_flood_waits_for_its_listener():
-    """However much is amiss outside, one input waits in the kernel, and no count is lost."""
+    """However many refusals there are, one input waits in the kernel, and no count is lost."""
     told = []
     paced = Paced(told.append)
     for number in range(1000):
@@ -163,8 +163,8 @@ def test_a_flood_waits_for_its_listener():
     assert told[-1].count == 1
 
 
-def test_what_is_off_takes_nothing(kernel):
-    """Inputs that were under way when someone switched the bridge off change nothing."""
+def test_a_disabled_bridge_ignores_inputs(kernel):
+    """Inputs that arrive after the bridge was switched off change nothing."""
     tell(kernel, ChooseSlot(slot="sun", module=NAME))
     tell(kernel, SetSetting(module=NAME, name="enabled", value=False))
     tell(kernel, from_afar(SUN), BridgeState(sentence="late", failed=True))
@@ -174,7 +174,7 @@ def test_what_is_off_takes_nothing(kernel):
 
 
 def test_a_journal_with_remote_messages_replays(tmp_path):
-    """What came from outside is in the journal: the replay joins nobody and says the same."""
+    """Received messages are in the journal: the replay posts the same without a connection."""
     kernel = Kernel()
     for module in (Sun, Viewer, ZenohBridge):
         kernel.add_module(module)
@@ -199,7 +199,7 @@ def test_a_journal_with_remote_messages_replays(tmp_path):
 
 
 def test_a_forged_journal_is_one_clear_line(kernel):
-    """An input that no bridge would have made is refused by the same checks as a frame."""
+    """A forged RemoteMessage in a journal is refused by the same checks as a frame."""
     tell(kernel, ChooseSlot(slot="sky", module=NAME))
     tell(kernel, RemoteMessage(type_name="BackgroundChanged", fields={"cube": "parrot"}))
     tell(kernel, RemoteMessage(type_name="SetSetting", fields={}))
@@ -207,13 +207,13 @@ def test_a_forged_journal_is_one_clear_line(kernel):
     assert "BackgroundChanged" in kernel.faults[0].error
 
 
-def test_alone_is_a_state(kernel):
-    """Enabled where nothing can come from outside: one sentence says so."""
+def test_a_bridge_that_cannot_inject_says_so(kernel):
+    """A bridge that is enabled without `inject` reports this in one sentence."""
     assert kernel.seats[NAME].module.state == ALONE
 
 
-def test_nothing_is_left_of_an_instance_that_was_dropped(kernel):
-    """A reload must not leave an old instance that still hears a session."""
+def test_a_dropped_instance_closes_its_session(kernel):
+    """After a reload the old instance no longer receives messages."""
     old = weakref.ref(kernel.seats[NAME].module)
     tell(kernel, RestartModule(module=NAME))
     gc.collect()

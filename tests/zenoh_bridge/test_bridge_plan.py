@@ -1,4 +1,4 @@
-"""Which sessions are opened, and which settings are refused in one sentence."""
+"""The sessions for given settings, and the settings that are refused."""
 
 import json
 
@@ -26,7 +26,7 @@ def plan(**changes):
 )
 @pytest.mark.parametrize("mode", ["listen", "connect"])
 def test_only_the_endpoint_is_opened(mode, endpoint):
-    """A Zenoh session listens on every interface and looks for others unless told not to."""
+    """All of Zenoh's other ways to listen and to discover peers are switched off."""
     config = plan(mode=mode, endpoint=endpoint).config
     listens = mode == "listen"
     assert config["listen/endpoints"] == ([endpoint] if listens else [])
@@ -43,7 +43,7 @@ def test_only_the_endpoint_is_opened(mode, endpoint):
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "[::]", "192.168.0.7", "example.org", "127.0.0.1.x"])
 def test_another_machine_is_refused_unless_allowed(host):
-    """Nobody opens a door to a network by a slip of the pen."""
+    """A remote endpoint needs `allow_remote`."""
     with pytest.raises(UserError, match="not on this machine: set allow_remote to true"):
         plan(endpoint=f"tcp/{host}:7447")
     assert plan(endpoint=f"tcp/{host}:7447", allow_remote=True).config["mode"] == "peer"
@@ -63,14 +63,14 @@ def test_another_machine_is_refused_unless_allowed(host):
         "tcp/::1:7447",
     ],
 )
-def test_an_endpoint_that_is_none_is_refused(endpoint):
-    """Anything that Zenoh might read in another way than this check did."""
+def test_malformed_endpoints_are_refused(endpoint):
+    """Endpoints that Zenoh might parse differently from the check are refused."""
     with pytest.raises(UserError, match=r"write tcp/ADDRESS:PORT or tls/ADDRESS:PORT"):
         plan(endpoint=endpoint, allow_remote=True)
 
 
 def test_tls_is_mutual_or_not_at_all(tmp_path):
-    """Each side proves who it is; half-set files are named, and never silently unused."""
+    """TLS needs all three files; incomplete or unused ones are named."""
     files = {name: str(tmp_path / name) for name in ("tls_ca", "tls_certificate", "tls_key")}
     with pytest.raises(UserError, match=r"tls_ca of zenoh_bridge is set, but .* not encrypted"):
         plan(tls_ca=files["tls_ca"])
@@ -89,20 +89,20 @@ def test_tls_is_mutual_or_not_at_all(tmp_path):
 
 @pytest.mark.parametrize("prefix", ["", "/a", "a/", "a//b", "a/*", "a$b", "a?b", "a#b", "a b"])
 def test_a_prefix_is_a_plain_key(prefix):
-    """A wildcard would hear all bridges at once."""
+    """Wildcards in a prefix, which would match all bridges, are refused."""
     with pytest.raises(UserError, match="use words joined by slashes"):
         plan(prefix=prefix)
 
 
 def test_a_configuration_is_plain_json():
-    """It is handed over as JSON."""
+    """Every value can be encoded as JSON, as Zenoh receives it."""
     assert json.loads(json.dumps(plan().config)) == plan().config
 
 
 @given(st.none() | st.integers(1, 4096), st.sampled_from(["", "u8", "float16", "float32"]))
 @settings(deadline=None, max_examples=50)
 def test_a_demand_is_a_key_and_back(size, encoding):
-    """The key of a token is all that crosses."""
+    """A demand survives the round trip through a token's key."""
     key = token_key("a/b", "c0ffee", "BackgroundChanged", size, encoding)
     demand = demand_of(key, max_array=2**31)
     assert (demand.message, demand.size, demand.encoding) == ("BackgroundChanged", size, encoding)
@@ -111,14 +111,14 @@ def test_a_demand_is_a_key_and_back(size, encoding):
 @given(st.text(max_size=60))
 @settings(deadline=None, max_examples=200)
 def test_a_mangled_demand_is_refused(text):
-    """Nobody makes this process compute a sky that fits no memory, or fail over a key."""
+    """Malformed keys and huge sizes are refused."""
     with pytest.raises(UserError):
         demand_of(f"vrut_lite/want/c0ffee/{text}", max_array=2**26)
 
 
 @pytest.mark.parametrize("size", ["0", "-1", "4097", "9" * 5000, "٣", "1e3", " 1"])
 def test_a_demand_in_an_impossible_size_is_refused(size):
-    """The largest cube is the command line's."""
+    """The largest size is that of the command line."""
     with pytest.raises(UserError, match="size"):
         demand_of(f"p/want/c0ffee/BackgroundChanged/{size}/any", max_array=2**31)
 
@@ -127,7 +127,7 @@ def test_a_demand_in_an_impossible_size_is_refused(size):
     ("size", "encoding", "edge"), [(2048, "float32", 1024), (1365, "", 1024), (4096, "u8", 1024)]
 )
 def test_a_demand_for_more_than_can_cross_is_refused(size, encoding, edge):
-    """Nobody afar makes this process compute what it could never send."""
+    """A demand for a cube map that exceeds `max_array` is refused."""
     most = 6 * edge**2 * 3 * {"float32": 4, "": 2, "u8": 1}[encoding]
     with pytest.raises(UserError, match="raise max_array_mib on both sides"):
         demand_of(token_key("p", "x", "BackgroundChanged", size, encoding), most)
@@ -136,14 +136,14 @@ def test_a_demand_for_more_than_can_cross_is_refused(size, encoding, edge):
 
 
 def test_a_consumer_afar_has_a_name_of_bounded_length():
-    """Names of all consumers are kept, and joined in what is merged."""
+    """Names of consumers are stored and joined, so their length is limited."""
     demand_of(token_key("p", "x" * 64, "SunMoved", 1, ""), max_array=2**26)
     with pytest.raises(UserError, match="the name is too long"):
         demand_of(token_key("p", "x" * 65, "SunMoved", 1, ""), max_array=2**26)
 
 
 def test_demands_of_many_merge_until_taken_back():
-    """The largest and most exact counts; nothing is left of who has gone; no flood fits."""
+    """The largest size and best encoding count; withdrawn demands vanish; floods are refused."""
     wants, keys = RemoteWants(max_array=2**26), []
     for peer, size, encoding in (("a", 64, "float32"), ("b", 512, "")):
         keys.append(token_key("p", peer, "BackgroundChanged", size, encoding))

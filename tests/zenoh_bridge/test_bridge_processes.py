@@ -1,4 +1,4 @@
-"""Two processes joined by the bridge, on loopback, over real sessions."""
+"""Two processes connected by the bridge, on loopback, over real sessions."""
 
 import pytest
 from bridge_ends import BridgedKernel, SkyProcess, free_port, until
@@ -10,7 +10,7 @@ pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed (the extra '
 
 
 def test_two_processes_show_the_same_background_through_a_kill():
-    """What one computes the other shows, to the digest; its demand decides the size there.
+    """One process computes what the other shows, equal by digest, in the size demanded there.
 
     The sky's process is killed and started anew: the other end gets the new sky, without
     anyone touching it.

@@ -34,7 +34,7 @@ pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed (the extra '
 
 
 class SampleSky(Module):
-    """Says the samples at each move of the clock, whether anyone wants them or not."""
+    """Posts the samples at each move of the clock, with or without demand."""
 
     manifest = Manifest(name="sample_sky", title="Sky", version="1", provides=("sun", "sky"))
 
@@ -54,7 +54,7 @@ def noon():
 
 @pytest.fixture
 def ends():
-    """A function that makes bridged kernels, which are closed afterwards."""
+    """A function that makes kernels with bridges, which are closed afterwards."""
     made = []
 
     def make(*modules):
@@ -68,7 +68,7 @@ def ends():
 
 @pytest.fixture
 def stranger():
-    """A function that opens a session at a port, with nothing of a bridge behind it."""
+    """A function that opens a plain Zenoh session at a port."""
     made = []
 
     def make(port):
@@ -86,7 +86,7 @@ def refused(end):
 
 
 def test_a_late_joiner_gets_the_last_values(ends):
-    """Who comes when all was said hears it at once; what nobody wants is not sent."""
+    """A late joiner gets the latest messages at once; messages without demand are not sent."""
     port = free_port()
     maker, late = ends(SampleSky), ends()
     maker.open("listen", port)
@@ -108,7 +108,7 @@ def test_a_late_joiner_gets_the_last_values(ends):
 
 
 def test_demand_follows_the_slot_and_the_consumers(ends):
-    """A process computes for another only what that one cannot show otherwise."""
+    """A process computes for another only what that one's bridge needs for its slots."""
     port = free_port()
     maker, viewer = ends(SampleSky), ends(SampleSky)
     maker.open("listen", port)
@@ -126,7 +126,7 @@ def test_demand_follows_the_slot_and_the_consumers(ends):
 
 
 def test_strangers_frames_are_counted_and_harm_nothing(ends, stranger):
-    """Each mangled frame is counted and told; what is well formed is heard as before."""
+    """Each damaged frame is counted and reported; valid ones are posted as before."""
     port = free_port()
     here = ends()
     here.open("listen", port)
@@ -149,8 +149,8 @@ def test_strangers_frames_are_counted_and_harm_nothing(ends, stranger):
     until(lambda: refused(here) == expected + len(tokens), "the mangled demands")
 
 
-def test_the_demand_of_who_has_gone_is_gone(ends, stranger):
-    """Also if it went without a word, and also if this end was closed in between."""
+def test_demands_of_lost_processes_are_withdrawn(ends, stranger):
+    """Also after a crash, and if this end was closed in between."""
     port = free_port()
     here = ends()
     here.open("listen", port)
@@ -173,7 +173,7 @@ def test_the_demand_of_who_has_gone_is_gone(ends, stranger):
 
 
 def test_a_recorded_session_replays(ends, tmp_path):
-    """The journal of a bridged process says the same again, with nobody at the other end."""
+    """The journal of a bridged process replays without the other end."""
     port = free_port()
     maker = ends(SampleSky)
     maker.open("listen", port)
@@ -207,8 +207,8 @@ def test_a_recorded_session_replays(ends, tmp_path):
     ("served", "says"),
     [(None, "nobody had the array"), (b"", "came with 0 bytes"), (b"\0" * 2304, "another content")],
 )
-def test_arrays_that_cannot_be_had_are_told(ends, stranger, served, says):
-    """A background without its texels is not shown; one that is asked for again may be."""
+def test_missing_arrays_are_reported(ends, stranger, served, says):
+    """A background whose array is missing is not posted; a later one may be."""
     port = free_port()
     here = ends()
     here.open("listen", port)
@@ -220,7 +220,7 @@ def test_arrays_that_cannot_be_had_are_told(ends, stranger, served, says):
         rude.serve("vrut_lite/array/*", lambda query: rude.answer(query, answers["now"]))
     frame = encode_frame(BACKGROUND, 2**16)
     rude.put("vrut_lite/say/BackgroundChanged", frame)
-    # It is counted before it is told.
+    # The refusal is counted before the fault is published.
     until(lambda: refused(here) == 1 and here.faults, "the trouble")
     assert says in here.faults[0].error
     assert here.kernel.last(BackgroundChanged) is None
@@ -230,8 +230,8 @@ def test_arrays_that_cannot_be_had_are_told(ends, stranger, served, says):
         until(lambda: here.kernel.last(BackgroundChanged) == BACKGROUND, "the background")
 
 
-def test_a_bridge_lets_go_of_its_endpoint(ends):
-    """Changed settings, a restart, and switching off and on: the port is free each time."""
+def test_a_bridge_releases_its_endpoint(ends):
+    """After changed settings, a restart, and switching off the port is free."""
     port = free_port()
     here = ends()
     here.open("listen", port)
@@ -249,8 +249,8 @@ def test_a_bridge_lets_go_of_its_endpoint(ends):
     assert not here.faults
 
 
-def test_a_port_that_is_taken_is_told(ends):
-    """One sentence, and the module goes on."""
+def test_a_port_in_use_is_reported(ends):
+    """One sentence, and the module keeps running."""
     port = free_port()
     first, second = ends(), ends()
     first.open("listen", port)
@@ -288,8 +288,8 @@ def _openssl(*arguments):
     subprocess.run(["openssl", *arguments], check=True, capture_output=True)
 
 
-def test_mutual_tls_lets_in_who_is_certified(ends, certificates):
-    """Both sides show a certificate of one authority; another's is not let in."""
+def test_mutual_tls_accepts_certified_peers_only(ends, certificates):
+    """Only peers with a certificate of the same authority are accepted."""
     port = free_port()
     maker, friend, other = ends(SampleSky), ends(), ends()
     for end, name, mode in ((maker, "ours", "listen"), (other, "theirs", "connect"),

@@ -1,12 +1,12 @@
 """Turbidity and aerosol optical depth: two scales for the same haze.
 
-Turbidity is Preetham's, which he ties to Angstrom's formula by beta = 0.04608 T - 0.04586
+Turbidity is Preetham's, related to Angstrom's formula by beta = 0.04608 T - 0.04586
 with exponent 1.3 (Preetham, Shirley and Smits 1999, appendix A.1). Turbidity 3 is an optical
 depth of 0.20 at 550 nm; Bruneton's demonstration atmosphere, 0.0053, is turbidity 1.05.
 
 Residual: turbidity is *defined* as the optical depth of air and haze over that of air alone.
-Taken at 550 nm, with 0.1085 for the air, the definition asks for 0.1085 (T - 1); the formula
-gives 7 to 8 % less than that at T >= 2, and stays within 0.009 below.
+At 550 nm, with 0.1085 for the air, the definition gives 0.1085 (T - 1); the formula is 7 to 8 %
+lower at T >= 2 and within 0.009 below T = 2.
 """
 
 import numpy as np

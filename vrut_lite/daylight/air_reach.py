@@ -1,26 +1,24 @@
-"""The reach of a volume of air, in steps, so that few moves of the camera need a new volume.
+"""Rounds the reach of a volume of air up to rungs, so that few camera moves need a new volume.
 
-A move of the camera changes how far off the things in its view stand. A volume that reaches too
-far loses little sharpness, since its slices are dense near the eye; a new volume at each move would
-cost more than it saves.
+A volume that reaches too far loses little resolution, since its slices are dense near the eye; a
+new one at each move would cost more than the volume saves.
 """
 
 import math
 
-# The smallest share of light, taken or added by air, that is seen: below a step of 10 bits in
-# display values.
+# Share of light that air must remove or add to be visible: below a step of 10 bits on a display.
 UNSEEN_SHARE = 5e-4
 _RUNG = math.sqrt(2.0)
-# A lower rung is taken when it exceeds the need by this factor.
+# The need must be this factor below the lower rung before the reach steps down to it.
 _SLACK = 1.1
-# A metre of air is not seen: no lower rung is needed.
+# A metre of air is invisible, so no finer rungs are needed.
 _LOWEST_M = 1.0
 
 
 def rung_m(needed_m: float, shown_m: float = 0.0) -> float:
-    """The reach (m) of a volume that needs `needed_m`; `shown_m` again while that still serves.
+    """The reach to compute for a needed reach, both in m; 0 if nothing is needed.
 
-    0 where nothing is needed.
+    The present reach `shown_m` is kept while it is large enough and at most a rung too large.
     """
     if needed_m <= 0.0:
         return 0.0

@@ -1,15 +1,14 @@
-"""Which heights of view directions the rows of an `AirVolume` stand for.
+"""Zenith cosines mu of the rows of an `AirVolume`.
 
-Above the horizon they lie at mu = mu_h + (mu_top - mu_h) x^2, x uniform in [0, 1]: dense toward
-the horizon, where radiance changes fast; mu_top is the zenith, or the edge of the air for an eye
-above it.
+Rows above the horizon: mu = mu_h + (mu_top - mu_h) x^2, x uniform in [0, 1]: dense toward the
+horizon, where radiance changes fast. mu_top is the zenith, or the edge of the air for an eye above
+the air.
 
-Below it they lie at mu = mu_h - (1 + mu_h) d with d = c x^2 / (1 - (1 - c) x^2). For an eye on the
-ground, or far in space, c is 1; for one high up in the air it is small, and rows are denser yet
-toward the horizon: a hundred kilometres off, where the haze begins, a step of a degree is one of
-two kilometres in height. One of the rows is moved to where rays begin to end in the depth and no
-longer at the reach, or no longer pass over the depth: what is linear on either side has a bend
-there.
+Rows below the horizon: mu = mu_h - (1 + mu_h) d with d = c x^2 / (1 - (1 - c) x^2). c is 1 for an
+eye on the ground or far in space. It is small for an eye high in the air, which makes rows denser
+toward the horizon: there, a hundred kilometres away, a degree is two kilometres of height. One row
+is moved to the ray that ends both at the reach and at the depth (`BELOW_LEVEL_M`), or that grazes
+the depth, because values have a kink there.
 """
 
 import math
@@ -21,15 +20,15 @@ from numpy.typing import NDArray
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.numeric_types import FloatArray
 
-# How deep things may stand below the level: past that, air counts no more.
+# Rays continue this far below the ground's level, for objects that stand there.
 BELOW_LEVEL_M = 500.0
-# How far below 1 c may come, and at which altitude it is half way there; the air's top, where it
-# is half way back.
+# c falls from 1 by _MOST_CROWDED at most: by half of that at _CROWDING_ALTITUDE_M, and again by
+# half of it at the top of the air, above which c returns to 1.
 _MOST_CROWDED, _CROWDING_ALTITUDE_M = 0.95, 1000.0
 
 
 class Grid(NamedTuple):
-    """What the places of nodes depend on; its names are those of `AirVolume`."""
+    """The parameters that place the nodes, named as in `AirVolume`."""
 
     observer_altitude_m: float
     ground_radius_m: float
@@ -40,9 +39,9 @@ class Grid(NamedTuple):
 
 
 class RowsBelow(NamedTuple):
-    """How rows lie below the horizon: c, and the x of the row that is moved and its own place.
+    """Spacing of rows below the horizon: c, and the x and the place of the moved row.
 
-    Places are shares of the rows' number; x runs evenly with them on either side of that row.
+    A place is row / (rows - 1); x is linear in it on either side of the moved row.
     """
 
     crowding: float
@@ -56,27 +55,27 @@ def grid_of(volume: AirVolume) -> Grid:
 
 
 def horizon_depth(grid: AirVolume | Grid) -> FloatArray:
-    """1 + mu (2,) of the ground's horizon, and of the zenith or, from above, the air's edge."""
+    """1 + mu (2,) of the ground's horizon, and of the zenith or, from above the air, its edge."""
     inside = grid.observer_altitude_m <= grid.top_altitude_m
     edge = 2.0 if inside else _grazing_depth(grid, grid.top_altitude_m)
     return np.array([_grazing_depth(grid, 0.0), edge])
 
 
 def row_heights(grid: Grid) -> FloatArray:
-    """1 + mu (rows,) of the rows, those above the horizon first, each from the horizon on."""
+    """1 + mu (rows,), first the rows above the horizon, both parts outward from the horizon."""
     horizon, top = horizon_depth(grid)
     up = np.linspace(0.0, 1.0, grid.rows_above) ** 2
     below, place = rows_below(grid), np.linspace(0.0, 1.0, grid.rows_below)
     x = np.interp(place, [0.0, below.moved_place, 1.0], [0.0, below.moved_x, 1.0])
     c = below.crowding
     down = c * x * x / (1.0 - (1.0 - c) * x * x)
-    # The nadir is the nadir, to the last digit.
+    # Exactly the nadir, without rounding.
     down[-1] = 1.0
     return np.concatenate([horizon + (top - horizon) * up, horizon * (1.0 - down)])
 
 
 def rows_of(grid: Grid, one_plus: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Which row (...,), as a fraction, a height 1 + mu lies on, and whether below the horizon."""
+    """Fractional row (...,) of a height 1 + mu, and whether it is below the horizon."""
     horizon, top = horizon_depth(grid)
     is_below = one_plus < horizon
     up = np.sqrt(np.clip((one_plus - horizon) / (top - horizon), 0.0, 1.0))
@@ -89,14 +88,14 @@ def rows_of(grid: Grid, one_plus: FloatArray) -> tuple[FloatArray, NDArray[np.bo
 
 
 def rows_below(grid: AirVolume | Grid) -> RowsBelow:
-    """How rows lie below the horizon."""
+    """The spacing of the rows below the horizon."""
     altitude_m, in_space = grid.observer_altitude_m, grid.observer_altitude_m / grid.top_altitude_m
     rise = altitude_m / (altitude_m + _CROWDING_ALTITUDE_M)
     c = 1.0 - _MOST_CROWDED * rise / (1.0 + in_space * in_space)
     horizon, last = horizon_depth(grid)[0], grid.rows_below - 1
     down = max((horizon - _bend_depth(grid)) / horizon, 0.0)
     x = float(np.sqrt(down / (c + (1.0 - c) * down)))
-    # Rather denser than sparser toward the horizon.
+    # Rounded up, which makes rows denser toward the horizon.
     row = min(math.ceil(x * last), last - 1)
     if not (0.0 < x < 1.0 and 0 < row < last):
         return RowsBelow(c, 0.5, 0.5)
@@ -104,9 +103,9 @@ def rows_below(grid: AirVolume | Grid) -> RowsBelow:
 
 
 def _bend_depth(grid: AirVolume | Grid) -> float:
-    """1 + mu of the ray that meets the depth at the reach, or else only just.
+    """1 + mu of the ray that meets the depth just at the reach, or that grazes the depth.
 
-    The nadir's, 0, where the reach is less than the way straight down.
+    It is 0, the nadir's, where the reach is shorter than the way straight down.
     """
     radius, eye_m = grid.ground_radius_m, grid.observer_altitude_m
     start = min(eye_m, grid.top_altitude_m)
@@ -115,7 +114,7 @@ def _bend_depth(grid: AirVolume | Grid) -> float:
     down = (length + tangent_squared / length) / (2.0 * (radius + start))
     if down >= 1.0:
         return 0.0
-    # From above the air: the height, at the eye, of the ray that enters like that.
+    # For an eye above the air: convert from where the ray enters the air to the eye.
     sine = np.sqrt((1.0 - down) * (1.0 + down)) * (radius + start) / (radius + eye_m)
     return float(sine * sine / (1.0 + np.sqrt(max((1.0 - sine) * (1.0 + sine), 0.0))))
 

@@ -1,15 +1,15 @@
-"""Where the nodes of an `AirVolume` lie, and what light its values make: the twin of air.glsl.
+"""Nodes and look-up of an `AirVolume`: the float64 twin of air.glsl.
 
-Slices share out a ray's span, which begins where the ray enters the air (the eye, if that is
-inside it) and ends after `reach_m` of air, or before: where a ray above the horizon leaves the
-air, and `BELOW_LEVEL_M` under the ground's level. They lie at the shares u (2 b + (1 - 2 b) u), u
-uniform in [0, 1]: dense near an eye on the ground, where b is 0, even at 5 km, and dense near the
-ground, where the haze is, for an eye high up. Rows are heights of view directions: see `air_rows`.
-Columns are t = sin(phi / 2), uniform in [0, 1], phi the azimuth from the sun: light is even about
+Slices divide a ray's span. The span begins where the ray enters the air (at the eye, if it is in
+the air) and ends after `reach_m`, or earlier where the ray leaves the air or meets `BELOW_LEVEL_M`
+under the ground's level. Slices lie at the shares u (2 b + (1 - 2 b) u) of the span, u uniform in
+[0, 1]: dense near an eye on the ground (b = 0), uniform at 5 km, and dense near the ground, where
+the haze is, for a higher eye. Rows are zenith angles of view directions: see `air_rows`. Columns
+are t = sin(phi / 2), uniform in [0, 1], with phi the azimuth from the sun: light is symmetric about
 the sun's vertical plane.
 
-A ray does not end at the ground's level: below it the air counts as at level 0. So no value jumps
-at the horizon, and things that stand below the level are served too.
+A ray does not end at the ground's level: below it the air is that of altitude 0. So values are
+continuous at the horizon, and objects below the level get air too.
 """
 
 from typing import NamedTuple
@@ -22,16 +22,19 @@ from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, Grid, grid_of, row_height
 from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray
 
-# From this altitude slices are even.
+# At this altitude slices are uniform.
 _EVEN_ALTITUDE_M = 5000.0
-# Spans that grazing the edge of the air, or standing on it, would make zero.
+# Lower bound of spans, which would be zero for rays that graze the edge of the air or start on it.
 SHORTEST_SPAN_M = 1.0
-# What none of it is counts as, for its logarithm.
+# Stands for zero extinction, whose logarithm is infinite.
 _LEAST_EXTINCTION_PER_M = 1e-15
 
 
 class AirLight(NamedTuple):
-    """What air does before points (...,): transmittance (..., 3), and light added (..., 3)."""
+    """Air between eye and points (...,): transmittance (..., 3) and added radiance (..., 3).
+
+    `shaded` is the radiance that remains in shadow, `sunlit` the part that the sun adds.
+    """
 
     transmittance: FloatArray
     shaded: FloatArray
@@ -41,9 +44,9 @@ class AirLight(NamedTuple):
 class NodeRays(NamedTuple):
     """The rays of a volume's rows (r,) and columns (c,).
 
-    `altitude_m`, `mu`: where and how a ray enters the air, or leaves the eye. `span_m`: how much
-    of it the slices share out. `mu_s`, `nu` (r, c): cosines of the sun's zenith angle at the
-    ray's start and of the angle between ray and sun.
+    `altitude_m`, `mu`: altitude and zenith cosine where a ray enters the air, or at the eye.
+    `span_m`: the length that the slices divide. `mu_s`, `nu` (r, c): cosines of the sun's zenith
+    angle at the ray's start and of the angle between ray and sun.
     """
 
     altitude_m: FloatArray
@@ -65,22 +68,23 @@ def light_of(volume: AirVolume) -> NDArray[np.floating]:
 
 
 def slice_shares(slices: int, observer_altitude_m: float) -> FloatArray:
-    """Which share (slices,) of a ray's span lies before each slice: from 0 to 1."""
+    """Share (slices,) of a ray's span before each slice, from 0 to 1."""
     even, u = evenness(observer_altitude_m), np.linspace(0.0, 1.0, slices)
     return u * (2.0 * even + (1.0 - 2.0 * even) * u)
 
 
 def span_m(grid: Grid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayLike) -> FloatArray:
-    """How much (...,) of rays the slices share out, in m.
+    """Length (...,) of rays that the slices divide, in m.
 
     Args:
-        start_altitude_m, mu: where and how the ray enters the air, or leaves the eye in it.
-        below: whether it points below the ground's horizon.
+        start_altitude_m, mu: altitude and zenith cosine where the ray enters the air, or at an
+            eye in the air.
+        below: whether the ray points below the ground's horizon.
     """
     start = np.asarray(start_altitude_m, dtype=float)
     along = (grid.ground_radius_m + start) * np.asarray(mu, dtype=float)
     sum_m = 2.0 * grid.ground_radius_m + start
-    # To the sphere below the level; a ray that passes over it has that sphere's tangent or more.
+    # To the sphere below the level; for a ray that misses it, to the tangent point or beyond.
     down = (start + BELOW_LEVEL_M) * (sum_m - BELOW_LEVEL_M)
     root = np.sqrt(np.maximum(along * along - down, 0.0))
     to_depth = down / np.maximum(root - along, 1e-30)
@@ -93,7 +97,7 @@ def span_m(grid: Grid, start_altitude_m: ArrayLike, mu: ArrayLike, below: ArrayL
 
 
 def node_rays(grid: Grid, columns: int, mu_s: float) -> NodeRays:
-    """The rays of all nodes under a sun whose zenith angle has the cosine mu_s at the observer."""
+    """The rays of all nodes; mu_s is the cosine of the sun's zenith angle at the observer."""
     one_plus = row_heights(grid)
     mu, sine = one_plus - 1.0, np.sqrt(one_plus * (2.0 - one_plus))
     across = sine * np.sqrt((1.0 - mu_s) * (1.0 + mu_s))
@@ -116,14 +120,17 @@ def column_cosines(columns: int) -> FloatArray:
 
 
 def entry_distance_m(volume: AirVolume, direction: ArrayLike) -> FloatArray:
-    """How far from the eye rays (..., 3) enter the air: 0 inside it, infinite if they miss it."""
+    """Distance (...,) from the eye to where rays (..., 3) enter the air, in m.
+
+    It is 0 for an eye in the air and infinite for rays that miss it.
+    """
     return _enter(grid_of(volume), np.asarray(direction, dtype=float)).distance_m
 
 
 def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) -> AirLight:
-    """The air before points in directions (..., 3), unit vectors, at distances (...,).
+    """The air before points in unit directions (..., 3) at distances (...,) in m.
 
-    Past a ray's span, as at its end. `sunlit` is what a shadow would take away.
+    Beyond a ray's span the values are those at its end. A shadow removes `sunlit`.
     """
     view, metres = np.asarray(direction, dtype=float), np.asarray(distance_m, dtype=float)
     grid = grid_of(volume)
@@ -149,7 +156,7 @@ def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) 
 
 
 def log_extinction(volume: AirVolume) -> FloatArray:
-    """What is linear between nodes (slices, rows, 3): extinction falls off with height like exp."""
+    """Logarithm (slices, rows, 3), linear between nodes: extinction is exponential in height."""
     return np.log(np.maximum(volume.extinction.values.astype(float), _LEAST_EXTINCTION_PER_M))
 
 
@@ -190,11 +197,11 @@ def _enter(grid: Grid, view: FloatArray) -> _Entry:
 
 
 def _entry(grid: Grid, mu: FloatArray, sine: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Half the chord in the air (...,), and the distance to it, of an eye above the air."""
+    """Half the chord in the air (...,) and the distance to its start, for an eye above the air."""
     radius = grid.ground_radius_m + grid.observer_altitude_m
     top_radius = grid.ground_radius_m + grid.top_altitude_m
     perigee = radius * sine
-    # The difference of squares is factored.
+    # Factored, to avoid cancellation in the difference of squares.
     half_chord = np.sqrt(np.maximum((top_radius - perigee) * (top_radius + perigee), 0.0))
     squares = (grid.observer_altitude_m - grid.top_altitude_m) * (radius + top_radius)
     return half_chord, squares / np.maximum(half_chord - radius * mu, 1e-30)
@@ -214,7 +221,7 @@ def _slice_of(share: FloatArray, observer_altitude_m: float) -> FloatArray:
 
 def _rows_of(grid: Grid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     level = view[..., 0] ** 2 + view[..., 2] ** 2
-    # 1 + mu without cancellation near the nadir, where a far observer has all of the planet.
+    # 1 + mu without cancellation near the nadir, where a far observer sees the whole planet.
     one_plus = np.where(
         view[..., 1] < 0.0, level / (1.0 + np.abs(view[..., 1])), 1.0 + view[..., 1]
     )
@@ -222,15 +229,15 @@ def _rows_of(grid: Grid, view: FloatArray) -> tuple[FloatArray, NDArray[np.bool_
 
 
 def _columns_of(volume: AirVolume, view: FloatArray) -> FloatArray:
-    """Which column (...,), as a fraction; the zenith, which has no azimuth, is on the first."""
+    """Fractional column (...,); the zenith, which has no azimuth, gets the first."""
     azimuth = _level(np.asarray(volume.sun_direction, dtype=float))
-    # Half the chord between level unit vectors is the sine of half the azimuth.
+    # Half the chord between horizontal unit vectors is the sine of half the azimuth.
     chord = np.linalg.norm(_level(view) - azimuth, axis=-1)
     return np.minimum(0.5 * chord, 1.0) * (volume.columns - 1)
 
 
 def _level(direction: FloatArray) -> FloatArray:
-    """Unit vectors (..., 2) of azimuths, (x, z); north under a zenith."""
+    """Horizontal unit vectors (..., 2), (x, z), of azimuths; north for the zenith."""
     level = direction[..., [0, 2]]
     length = np.linalg.norm(level, axis=-1, keepdims=True)
     north = np.array([0.0, -1.0])
@@ -238,7 +245,7 @@ def _level(direction: FloatArray) -> FloatArray:
 
 
 def _blend(values: NDArray, depth: FloatArray, row: FloatArray, column: FloatArray) -> FloatArray:
-    """Values (..., 3) between nodes (slices, rows, columns, 3), linear in all three."""
+    """Trilinear interpolation (..., 3) of nodes (slices, rows, columns, 3)."""
     out: FloatArray = np.zeros((*depth.shape, values.shape[-1]))
     corners = [
         _ends(at, size) for at, size in zip((depth, row, column), values.shape, strict=False)
@@ -251,7 +258,7 @@ def _blend(values: NDArray, depth: FloatArray, row: FloatArray, column: FloatArr
 
 
 def _ends(at: FloatArray, size: int) -> tuple[tuple[NDArray[np.intp], FloatArray], ...]:
-    """The two nodes about a place, and their shares."""
+    """The two nodes around a position, with their weights."""
     low = np.clip(at.astype(np.intp), 0, max(size - 2, 0))
     share = np.clip(at - low, 0.0, 1.0)
     return (low, 1.0 - share), (np.minimum(low + 1, size - 1), share)

@@ -1,9 +1,9 @@
-"""What a `CloudLayer` holds where, in float64: the twin of cloud_density.glsl.
+"""Density and transmittance of a `CloudLayer`: the float64 twin of cloud_density.glsl.
 
-A weather map says where clouds stand and how high they grow, a volume of noise gives them
-billows, a finer one frays their edges: Schneider 2015, "The Real-Time Volumetric Cloudscapes of
-Horizon Zero Dawn", with a form of our own. The weather is two views of one map, of different
-periods and turned against each other, so that the pattern does not come back.
+A weather map gives place and height of clouds, a volume of noise their billows, a finer one frays
+their edges: after Schneider 2015, "The Real-Time Volumetric Cloudscapes of Horizon Zero Dawn", with
+our own height profile. The weather is the sum of two copies of one map, with different periods and
+turned against each other, so that the pattern does not repeat.
 """
 
 from typing import NamedTuple
@@ -15,32 +15,33 @@ from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
 PLANET_RADIUS_M = 6.36e6
-# Periods of the noise: the two views of the weather, the shape, the detail.
+# Periods of the noise: of the two copies of the weather map, the shape, the detail.
 WEATHER_PERIODS_M = (37_000.0, 23_300.0)
 SHAPE_PERIOD_M = 5_300.0
 DETAIL_PERIOD_M = 830.0
 WEATHER_SHARES = (0.65, 0.35)
-# Of the second view of the weather, and of shape and detail: no axes of noise coincide.
+# Rotation of the second weather map, and of shape and detail, so that no axes of noise coincide.
 WEATHER_TURN_RAD = 0.65
 NOISE_TURN_RAD = 0.3
-# Over how much weather above the threshold a cloud grows from its least to its full height.
+# Weather above the threshold over which a cloud grows from its least to its full height.
 GROWTH = 0.42
 # Height of the smallest cloud, as a share of the layer's.
 LEAST_HEIGHT = 0.22
 # Shares of a cloud's height over which its flat base and its round top fade.
 BASE_FADE = 0.05
 TOP_FADE = 0.75
-# Over how much weather a cloud's side fades.
+# Weather above the threshold over which a cloud's side fades in.
 SIDE_FADE = 0.16
-# How deep the detail frays, and how sharp edges are.
+# Weight of the detail noise, and sharpness of edges.
 FRAYING = 0.32
 SHARPNESS = 5.0
 
 
 class Column(NamedTuple):
-    """What the weather makes of places (...,): shares of full growth and of full strength.
+    """The clouds over places (...,), as the weather gives them.
 
-    `top` is the height of the cloud's top, as a share of the layer's thickness.
+    `strength` in [0, 1] fades a cloud's side; `top` is the height of its top, as a share of the
+    layer's thickness.
     """
 
     strength: FloatArray
@@ -58,7 +59,7 @@ def column_of(weather: ArrayLike, threshold: float) -> Column:
 
 
 def envelope(column: Column, height: ArrayLike) -> FloatArray:
-    """How much of the noise (...,) is cloud at heights (...,), shares of the layer's thickness."""
+    """Envelope (...,) of the noise at heights (...,), given as shares of the layer's thickness."""
     h = np.asarray(height, dtype=float)
     base = np.clip(h / BASE_FADE, 0.0, 1.0)
     top = np.clip((1.0 - h / column.top) / TOP_FADE, 0.0, 1.0)
@@ -72,10 +73,10 @@ def density_of(envelopes: ArrayLike, shape: ArrayLike, detail: ArrayLike) -> Flo
 
 
 def altitude_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
-    """Altitudes (...,) of points (..., 3) over a planet whose top lies below the eye (..., 3)."""
+    """Altitudes (...,) of points (..., 3) above a sphere with its top below the eye (..., 3)."""
     eye = np.asarray(eye_m, dtype=float)
     across = np.asarray(points_m, dtype=float) - eye
-    # Over the planet's surface, the difference of squares factored.
+    # The difference of squares is factored, to avoid cancellation.
     y = eye[..., 1] + across[..., 1]
     level = across[..., 0] ** 2 + across[..., 2] ** 2
     radius = np.sqrt(level + (PLANET_RADIUS_M + y) ** 2)
@@ -97,7 +98,7 @@ def weather_at(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
 def noise_at(
     volume: NDArray, period_m: float, drift_m: ArrayLike, level_m: ArrayLike, over_base_m: ArrayLike
 ) -> FloatArray:
-    """Shape or detail (...,) in [0, 1] over places (..., 2), so far over the base (...,)."""
+    """Shape or detail (...,) in [0, 1] over places (..., 2), at heights (...,) over the base, m."""
     places = turned(np.asarray(level_m, dtype=float) - np.asarray(drift_m), NOISE_TURN_RAD)
     heights = np.broadcast_to(np.asarray(over_base_m, dtype=float), places.shape[:-1])
     at = np.stack([heights, places[..., 1], places[..., 0]], axis=-1) / period_m
@@ -125,14 +126,14 @@ def optical_depth(
     eye_m: ArrayLike,
     steps: int = 400,
 ) -> float:
-    """Of the cloud along a ray from a point (3,), unit direction (3,), by midpoints."""
+    """Optical depth of the layer along a ray: point (3,), unit direction (3,); midpoint rule."""
     t = (np.arange(steps) + 0.5) * span_m / steps
     points = np.asarray(start_m, dtype=float) + t[:, None] * np.asarray(direction, dtype=float)
     return float(density(layer, points, eye_m).mean() * span_m * layer.extinction_per_m)
 
 
 def sun_transmittance(layer: CloudLayer, point_m: ArrayLike, sun: ArrayLike) -> float:
-    """Share of the sun that the layer lets through to a point (3,); the sun's direction (3,)."""
+    """Transmittance of the layer from a point (3,) towards the sun's direction (3,)."""
     point, towards = np.asarray(point_m, dtype=float), np.asarray(sun, dtype=float)
     enter, leave = (
         max(distance_up_m(float(point[1]), level, float(towards[1])), 0.0)
@@ -145,7 +146,7 @@ def sun_transmittance(layer: CloudLayer, point_m: ArrayLike, sun: ArrayLike) -> 
 
 
 def distance_up_m(from_altitude_m: float, to_altitude_m: float, mu: float) -> float:
-    """How far along a ray of zenith cosine mu a higher sphere is; negative if it is below."""
+    """Distance along a ray of zenith cosine mu to a higher sphere; negative if it is below."""
     along = (PLANET_RADIUS_M + from_altitude_m) * mu
     squares = (to_altitude_m - from_altitude_m) * (
         2.0 * PLANET_RADIUS_M + from_altitude_m + to_altitude_m
@@ -155,14 +156,14 @@ def distance_up_m(from_altitude_m: float, to_altitude_m: float, mu: float) -> fl
 
 
 def turned(places: FloatArray, angle_rad: float) -> FloatArray:
-    """Places (..., 2) about the origin."""
+    """Places (..., 2) rotated about the origin."""
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     x, z = places[..., 0], places[..., 1]
     return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
 
 def _periodic(texels: NDArray, at: FloatArray) -> FloatArray:
-    """Texels (n, ...) between their middles, linear, at places (..., axes) of period 1."""
+    """Linear interpolation of periodic texels (n, ...) at places (..., axes) of period 1."""
     size = texels.shape[0]
     place = (at - np.floor(at)) * size - 0.5
     low = np.floor(place).astype(np.intp)

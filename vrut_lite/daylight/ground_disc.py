@@ -1,22 +1,22 @@
-"""The ground that a scene stands on when it brings none that reaches the horizon.
+"""The ground disc for a scene without a ground that reaches the horizon.
 
-It bends down with the planet: seen through air, also from high up, it then goes over into the
-sky's own ground at its rim.
+It curves with the planet, so that at its rim, through air and from high up, it continues as the
+sky's own ground.
 """
 
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Wide enough that its rim lies near the horizon, where the sky's own lower half, of the same
-# radiance, goes on.
+# In radii of the scene: the rim lies near the horizon, where the sky's lower half, of the same
+# radiance, continues.
 _RADII = 60.0
 _SEGMENTS = 96
-# The Earth's. Any planet may be below, but where a kilometre's bend shows it is this one's.
+# The Earth's, for every atmosphere.
 PLANET_RADIUS_M = 6.36e6
-# Beyond it the bend would no longer be small.
+# Beyond it the parabola of `fall_m` is no longer accurate.
 _WIDEST_M = 2e5
-# Just below the scene's base, so that floors that lie on it do not flicker.
+# In radii of the scene: just below its base, so that floors on it do not flicker.
 _DROP = 2e-3
 
 
@@ -41,14 +41,14 @@ def disc_under(lower_m: ArrayLike, upper_m: ArrayLike) -> GroundDisc:
 
 
 def fall_m(across_m: ArrayLike) -> NDArray[np.float64]:
-    """How far (...,) the ground falls away from level, so far from the disc's middle."""
+    """Drop (...,) of the ground below level, in m, at distances (...,) from the disc's middle."""
     return np.square(np.asarray(across_m, dtype=float)) / (2.0 * PLANET_RADIUS_M)
 
 
 def triangulate(disc: GroundDisc) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """Vertices (n, 3), from the disc's middle, and triangles (m, 3), seen from above.
 
-    Rings shrink by thirds towards the centre: interpolation over one huge triangle would
+    Each ring has a third of the next one's radius: interpolation over one huge triangle would
     lose the precision that shadows near the scene need.
     """
     angle = 2 * np.pi * np.arange(_SEGMENTS) / _SEGMENTS

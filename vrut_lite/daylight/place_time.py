@@ -1,8 +1,8 @@
-"""Places and times as people write them: text to coordinates and instants, and back to captions.
+"""Parses places and times from text, and writes instants as captions.
 
-Civil time is where daylight programmes go wrong. A time without an offset is the time on a
-clock at the place, by the zone of its coordinates, never by its longitude; a time that such a
-clock never showed, or showed twice, is refused with the two instants it could mean.
+A time without an offset is civil time at the place, by the time zone of its coordinates, never by
+its longitude. A time that clocks there skip or show twice is refused, and the error names both
+instants that it could mean.
 """
 
 import math
@@ -55,7 +55,7 @@ def parse_place(text: str) -> Place:
 
 
 def _require(name: str, value: float, low: float, high: float, unit: str, text: str) -> None:
-    # Written so that a nan, too, fails the comparison.
+    # Written so that NaN fails the comparison too.
     if not low <= value <= high:
         raise UserError(
             f"the {name} {value:g} of the place '{text}' lies outside "
@@ -64,13 +64,12 @@ def _require(name: str, value: float, low: float, high: float, unit: str, text: 
 
 
 def time_zone_at(place: Place) -> ZoneInfo:
-    """The civil time zone of the place, or the nautical one where no land's zone reaches.
+    """The civil time zone of the place, or the nautical zone where the map has none.
 
-    Where the map of zones leaves a gap, the nautical zone is taken by longitude: the whole
-    hours nearest to solar time, as ships keep it.
+    The nautical zone follows the longitude: the whole hours nearest to solar time.
 
     Raises:
-        UserError: the machine has no data of time zones.
+        UserError: the machine has no time zone data.
     """
     name = tzfpy.get_tz(place.longitude_deg, place.latitude_deg)
     name = name or _nautical_zone(place.longitude_deg)
@@ -83,7 +82,7 @@ def time_zone_at(place: Place) -> ZoneInfo:
 
 
 def _nautical_zone(longitude_deg: float) -> str:
-    # The names of the Etc area count hours west of Greenwich: Etc/GMT-1 is an hour ahead.
+    # Etc names count hours west of Greenwich: Etc/GMT-1 is an hour ahead.
     hours_west = -math.floor(longitude_deg / 15.0 + 0.5)
     return f"Etc/GMT{hours_west:+d}" if hours_west else "Etc/GMT"
 
@@ -92,9 +91,9 @@ def parse_instant(text: str, place: Place) -> datetime:
     """The instant in UTC of an ISO 8601 date and time, local at the place if without an offset.
 
     Raises:
-        UserError: the text has another form, names no date of the calendar or no hour of the
-            day, lies outside the years FIRST_YEAR to LAST_YEAR, or is a local time that the
-            zone of the place skips or has twice; the last with both readings spelled out.
+        UserError: the text is malformed, names a date or hour that does not exist, lies outside
+            the years FIRST_YEAR to LAST_YEAR, or is a local time that the place's clocks skip or
+            show twice (the sentence names both readings).
     """
     when = _date_and_time(text)
     if not FIRST_YEAR <= when.year <= LAST_YEAR:
@@ -110,13 +109,13 @@ def parse_instant(text: str, place: Place) -> datetime:
 def _date_and_time(text: str) -> datetime:
     """The date and time of the text, aware only if it carries an offset.
 
-    datetime.fromisoformat alone would take more, and not the same in each Python version.
+    datetime.fromisoformat alone accepts more forms, and different ones in each Python version.
     """
     match = _TIME.fullmatch(text.strip())
     if not match:
         raise UserError(f"'{text}' is no date and time: {_TIME_EXAMPLE}")
     date, clock, offset = match["date"], match["clock"], match["offset"] or ""
-    # 24:00 is the end of the day to newer Pythons and an error to older ones.
+    # Newer Pythons accept 24:00 as the end of the day, older ones do not.
     if clock.startswith("24"):
         raise UserError(f"'{text}' has the hour 24: write 00:00 of the next day")
     try:
@@ -130,8 +129,8 @@ def _date_and_time(text: str) -> datetime:
 def _localized(wall: datetime, zone: ZoneInfo) -> datetime:
     """The one aware time at which clocks of the zone show the naive time `wall`.
 
-    `fold` asks for the offset before (0) and after (1) a change of the clocks (PEP 495). Taken
-    to UTC and back, a time that exists returns as it was; a skipped one does for neither.
+    `fold` selects the offset before (0) or after (1) a change of the clocks (PEP 495). Converted
+    to UTC and back, an existing time is unchanged; a skipped one changes with either offset.
     """
     readings = [wall.replace(tzinfo=zone, fold=fold).astimezone(UTC) for fold in (0, 1)]
     if readings[0] == readings[1]:
@@ -154,9 +153,9 @@ def _precision(when: datetime) -> str:
 
 
 def local_text(instant: datetime, place: Place) -> str:
-    """The instant on a clock at the place, for captions: "2026-06-21 18:30 CEST".
+    """The instant in local time for captions: "2026-06-21 18:30 CEST".
 
-    Zones without letters of their own are named by their offset, as UTC+03:00.
+    Zones without an abbreviation are named by their offset, as UTC+03:00.
 
     Raises:
         ValueError: the instant is naive.

@@ -20,8 +20,8 @@ SRGB_FROM_XYZ = np.array(
     ]
 )
 LUMINANCE_WEIGHTS = np.linalg.inv(SRGB_FROM_XYZ)[1]
-# Four wavelengths whose radiance knows the colour of clear skylight, day and twilight, and the
-# linear sRGB that radiance over solar irradiance makes at each of them: tools/colour_fit.
+# Four wavelengths whose radiance determines the colour of clear skylight by day and twilight, and
+# the linear sRGB of radiance over solar irradiance at each of them, fitted by tools/colour_fit.
 SKYLIGHT_NM = (635.0, 570.0, 520.0, 445.0)
 RGB_OF_TRANSFER = np.array(
     [
@@ -89,8 +89,8 @@ def rgb_from_spectrum(
 def skylight_matrix() -> NDArray[np.float64]:
     """Matrix (4, 3) in nm that turns radiance at SKYLIGHT_NM into linear sRGB.
 
-    It is fitted to radiance over irradiance of the sun, whose lines and bands are thus no part
-    of it: another sun, dimmer or redder, dims or reddens the colour.
+    It is fitted to radiance over solar irradiance, so it is independent of the sun's spectrum:
+    a dimmer or redder sun dims or reddens the colour.
     """
     return RGB_OF_TRANSFER / solar_irradiance(SKYLIGHT_NM)[:, None]
 

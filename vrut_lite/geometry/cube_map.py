@@ -76,8 +76,8 @@ def reduce_cube(cube: NDArray[np.floating], size: int) -> NDArray[np.float64]:
 def sample_cube(cube: NDArray[np.floating], direction: NDArray[np.floating]) -> NDArray[np.float64]:
     """Bilinear look-up (..., 3) of a cube (6, n, n, 3) at world directions (..., 3).
 
-    Inside a face only: the half texel at a face's edge repeats its neighbour, as a GL cube
-    map without seamless filtering would. Used to make panoramas, not to light.
+    It interpolates within a face only: the half texel at a face's edge repeats its neighbour,
+    as in a GL cube map without seamless filtering. For panoramas, not for lighting.
     """
     d = np.asarray(direction, dtype=np.float64)
     n = cube.shape[1]

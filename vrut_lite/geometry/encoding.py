@@ -2,8 +2,8 @@
 
 Night skies lie below half precision's normal range and bright ones near its top, so the
 scale moves the largest value to [2^14, 2^15): every value down to 2^-28 of it keeps 11 bits.
-Scales stay above 2^-100, so that they and their inverses are float32; what is darker than that
-allows, a millionth of starlight's millionth, loses bits and ends as zero.
+Scales stay above 2^-100, so that they and their inverses are float32. Values too dark for that,
+below 1e-12 of starlight, lose bits and become zero.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ def float16_scale(largest: float) -> float:
 
 
 def encode_float16(radiance: NDArray[np.floating]) -> tuple[NDArray[np.float16], float]:
-    """Values as float16 and the scale that brings them back: radiance = values * scale."""
+    """Values as float16 and their scale: radiance = values * scale."""
     scale = float16_scale(float(radiance.max()))
     return (radiance * (1.0 / scale)).astype(np.float16), scale
 

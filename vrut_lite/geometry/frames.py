@@ -29,7 +29,7 @@ def angles_from_direction(direction: ArrayLike) -> tuple[FloatArray, FloatArray]
     """
     east, north, up = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
     azimuth = np.mod(np.arctan2(east, north), 2 * np.pi)
-    # A hair west of north rounds to a full turn.
+    # An azimuth just west of north rounds to a full turn.
     azimuth = np.where(azimuth < 2 * np.pi, azimuth, 0.0)
     return azimuth, np.arctan2(up, np.hypot(east, north))
 

@@ -1,4 +1,4 @@
-"""Panoramas: latitude-longitude and fisheye pictures, and unfolded cubes, of a cube map."""
+"""Latitude-longitude and fisheye panoramas, and unfolded cubes, from a cube map."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ def unfold_cube(cube: NDArray[np.floating]) -> NDArray[np.floating]:
     """
     n = cube.shape[1]
     cross = np.zeros((3 * n, 4 * n, 3), cube.dtype)
-    # OpenGL's faces are mirror images to an eye inside the cube: the sides turn left to right,
+    # Seen from inside the cube OpenGL's faces are mirror images. Flip the sides left to right,
     # zenith and nadir top to bottom, which also puts their northern rows next to north's face.
     for column, face in enumerate((1, 5, 0, 4)):
         cross[n : 2 * n, column * n : (column + 1) * n] = cube[face][:, ::-1]

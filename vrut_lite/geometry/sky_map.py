@@ -1,7 +1,7 @@
-"""Pictures of the whole sky: where each pixel looks, how wide it is, and how light falls on it.
+"""Projections of the whole sky: direction and solid angle of each pixel, and splatting of light.
 
-Three projections with one set of methods. A map's middle (of a latitude-longitude picture; the
-top of a fisheye; the cube's -Z face) looks to an azimuth that may be chosen.
+Three projections share one protocol. North, as `north_offset_rad` turns it (see `frames`), is in
+the middle of a latitude-longitude picture and at the top of a fisheye; cubes are in world axes.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _UP_FACES = (2, 3)
 
 
 class Spread(NamedTuple):
-    """Light from directions shared among pixels: flat numbers (N, 4), shares (N, 4) of sum 1."""
+    """Pixels that share light from N directions: flat indices (N, 4), shares (N, 4) of sum 1."""
 
     pixel: NDArray[np.intp]
     share: FloatArray
@@ -35,13 +35,13 @@ class SkyMap(Protocol):
     """A projection of the sky onto pixels, in world axes."""
 
     def directions(self) -> FloatArray:
-        """World directions (..., 3) of the pixels' middles."""
+        """World directions (..., 3) of the pixel centres."""
 
     def solid_angles(self) -> FloatArray:
         """Solid angles (...,) of the pixels, sr; 0 outside the picture."""
 
     def spread(self, direction: FloatArray) -> Spread:
-        """Share light from directions (N, 3) among the pixels around, keeping its middle.
+        """Share light from directions (N, 3) among neighbouring pixels, keeping its centroid.
 
         Light from above the horizon stays above it.
         """
@@ -49,7 +49,7 @@ class SkyMap(Protocol):
 
 @dataclass(frozen=True)
 class LatLongMap:
-    """Latitude-longitude, (height, 2 height); `north_offset_rad` as seen from the middle."""
+    """Latitude-longitude, (height, 2 height), north in the middle."""
 
     height: int
     north_offset_rad: float = 0.0
@@ -83,7 +83,7 @@ class LatLongMap:
 
 @dataclass(frozen=True)
 class FisheyeMap:
-    """Equidistant fisheye, (size, size), looking up; `north_offset_rad` as seen from its top."""
+    """Equidistant fisheye, (size, size), looking up, north at the top."""
 
     size: int
     north_offset_rad: float = 0.0
@@ -103,7 +103,7 @@ class FisheyeMap:
     def position(self, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Row and column (...,) of directions (..., 3), whole numbers at pixels' middles."""
         azimuth, elevation = angles_from_direction(enu_from_world(direction, self.north_offset_rad))
-        # No nearer to the rim than a pixel's half diagonal: the nearest pixel lies inside.
+        # Half a pixel's diagonal away from the rim, so that the nearest pixel lies inside.
         radius = np.minimum(1.0 - elevation / (0.5 * np.pi), 1.0 - np.sqrt(2.0) / self.size)
         row = (1.0 - radius * np.cos(azimuth)) * 0.5 * self.size - 0.5
         return row, (1.0 - radius * np.sin(azimuth)) * 0.5 * self.size - 0.5
@@ -147,13 +147,13 @@ class CubeFaces:
 
 
 def _kept_above(row: FloatArray, direction: FloatArray, height: int) -> FloatArray:
-    """Rows of directions above the horizon, on the lowest row above it at most."""
+    """Rows (N,), limited to the lowest row above the horizon for directions above it."""
     lowest = (height + 1) // 2 - 1
     return np.where(direction[:, 1] >= 0.0, np.minimum(row, float(lowest)), row)
 
 
 def _neighbours(at: FloatArray, count: int) -> tuple[NDArray[np.intp], FloatArray]:
-    """The two whole numbers (N, 2) around positions (N,), below `count`, and their shares."""
+    """The two indices (N, 2) around positions (N,), below `count`, and their shares."""
     first = np.clip(np.floor(at), 0, max(count - 2, 0))
     share = np.stack([first + 1.0 - at, at - first], axis=-1)
     second = np.minimum(first + 1, count - 1)
@@ -163,7 +163,7 @@ def _neighbours(at: FloatArray, count: int) -> tuple[NDArray[np.intp], FloatArra
 def _combined(
     first: NDArray[np.intp], first_share: FloatArray, columns: NDArray[np.intp], share: FloatArray
 ) -> Spread:
-    """The four pixels of two rows, by the index of their first, and two columns."""
+    """The four pixels of two rows, given by their first pixel's index, and two columns."""
     index = first[:, :, None] + columns[:, None, :]
     shares = first_share[:, :, None] * share[:, None, :]
     return Spread(index.reshape(-1, 4), shares.reshape(-1, 4))

@@ -22,7 +22,7 @@ def basis(direction: ArrayLike) -> NDArray[np.float64]:
     """Real orthonormal harmonics (..., 25) of unit world directions (..., 3).
 
     The polynomials are those of Sloan 2013, "Efficient Spherical Harmonic Evaluation";
-    the polar axis is the world's z, which only names the coefficients.
+    the polar axis is the world's z, which only affects the coefficients' order.
     """
     x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
     x2, y2, z2 = x * x, y * y, z * z

@@ -1,4 +1,4 @@
-"""The sun's disc in a picture of the sky: darkened to its limb, right to the watt."""
+"""Draws the sun's disc into a picture of the sky, with limb darkening and exact irradiance."""
 
 from collections.abc import Sequence
 
@@ -15,10 +15,10 @@ _RINGS, _SPOKES = 96, 384
 def disc_samples(
     direction: ArrayLike, angular_radius_rad: float, limb_darkening_rgb: Sequence[Sequence[float]]
 ) -> tuple[FloatArray, FloatArray]:
-    """Directions (N, 3) all over the disc and the share (N, 3) of its light from each.
+    """Directions (N, 3) of equal solid angle on the disc and the share (N, 3) of light from each.
 
-    Of equal solid angle: rings whose radii grow as the square root. `limb_darkening_rgb` is as
-    in `KeyLightChanged`: (3, K), in powers of cos psi; shares add up to 1 in each channel.
+    `limb_darkening_rgb` is as in `KeyLightChanged`: (3, K), in powers of cos psi; shares add up
+    to 1 in each channel.
     """
     ring = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
     cos_psi = np.sqrt(1.0 - ring**2)
@@ -46,9 +46,9 @@ def disc_radiance(
 ) -> NDArray[np.float32]:
     """Radiance (..., 3) of the disc alone in a picture of this projection, W m^-2 sr^-1.
 
-    `irradiance_rgb` (3,) is that of a plane that faces the sun, of as much of the disc as is
-    above the horizon; the sum of radiance times solid angle is just that. Light is shared
-    among the four pixels around each of its directions, so that its middle stays in place.
+    `irradiance_rgb` (3,) is that of a plane that faces the sun, from the part of the disc above
+    the horizon; radiance times solid angle sums to it. Light is shared among the four pixels
+    around each direction, so that its centroid stays in place.
     """
     directions, share = disc_samples(direction, angular_radius_rad, limb_darkening_rgb)
     up = directions[:, 1] >= 0.0
@@ -66,7 +66,7 @@ def disc_radiance(
 
 
 def _axes(middle: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The direction itself, and two across it."""
+    """The direction and two unit vectors at right angles to it."""
     helper = np.array([1.0, 0.0, 0.0]) if abs(middle[1]) > 0.9 else np.array([0.0, 1.0, 0.0])
     right = np.cross(middle, helper)
     right /= np.linalg.norm(right)

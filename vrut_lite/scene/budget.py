@@ -1,11 +1,11 @@
-"""What loading one scene may take: one budget for all its files, arrays, images and objects.
+"""Memory budget for loading one scene: all its files, arrays, images and objects.
 
-The rule: loading takes at most `PEAK_PER_BYTE` times what was counted here, plus `BASE_BYTES`.
-Whoever is about to take memory asks first, with the size that the file declares; so what is
-referred to many times must be read once and counted once, by whoever reads it.
+The rule: loading takes at most `PEAK_PER_BYTE` times the bytes counted here, plus `BASE_BYTES`.
+A reader counts the declared size before it takes memory, and reads and counts once what the
+scene refers to many times.
 
-A small file may not ask for much work either: arrays that overlap, or that no bytes stand
-behind, are counted against the bytes that the scene brings.
+Work is limited too: what the scene asks to have read, overlapping arrays and arrays without
+bytes included, is compared with the bytes in its files.
 """
 
 from vrut_lite.memory_limit import VARIABLE, memory_limit_bytes
@@ -13,14 +13,14 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 
 PEAK_PER_BYTE = 2.5
 BASE_BYTES = 512 * 2**20
-# Of each byte in its files a scene may ask for so many, beside what any scene may ask for.
+# Bytes that a scene may ask for: per byte of its files, and in any case.
 _ASKED_PER_BYTE = 8
 _ASKED_BASE_BYTES = 4 * 2**20
 _MIB, _GIB = 2.0**20, 2.0**30
 
 
 class SceneBudget:
-    """Counts what one scene holds, is to hold, and asks for."""
+    """Counts the bytes that one scene takes in memory, has in its files, and asks for."""
 
     def __init__(self, limit_bytes: float) -> None:
         self._limit_bytes = limit_bytes
@@ -34,7 +34,7 @@ class SceneBudget:
         return PEAK_PER_BYTE * self._counted_bytes + BASE_BYTES
 
     def check(self, size_bytes: int, what: str) -> None:
-        """Refuse what would not fit, without counting it.
+        """Refuse a size that exceeds the limit, without counting it.
 
         Raises:
             SceneFileError: naming `what`, its size, the limit, and how to raise it.
@@ -48,7 +48,7 @@ class SceneBudget:
             )
 
     def take(self, size_bytes: int, what: str) -> None:
-        """Count memory that will be held until the scene is loaded.
+        """Count memory that is about to be taken until the scene is loaded.
 
         Raises:
             SceneFileError: as `check` does.
@@ -57,14 +57,14 @@ class SceneBudget:
         self._counted_bytes += size_bytes
 
     def find(self, size_bytes: int) -> None:
-        """Bytes that the scene brings, in a file or in itself."""
+        """Count bytes of the scene's files."""
         self._found_bytes += size_bytes
 
     def ask(self, size_bytes: int, what: str) -> None:
-        """Count what the scene wants to have read or worked on.
+        """Count data that the scene asks to have read.
 
         Raises:
-            SceneFileError: if that is far more than the bytes it brings.
+            SceneFileError: if they far exceed the bytes of its files.
         """
         self._asked_bytes += size_bytes
         if self._asked_bytes > _ASKED_BASE_BYTES + _ASKED_PER_BYTE * self._found_bytes:
@@ -76,9 +76,9 @@ class SceneBudget:
 
 
 def budget_of_environment() -> SceneBudget:
-    """The budget that the memory limit of the environment leaves.
+    """A budget with the environment's memory limit.
 
     Raises:
-        UserError: the variable holds no number.
+        UserError: the variable is not a number.
     """
     return SceneBudget(memory_limit_bytes())

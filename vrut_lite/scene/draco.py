@@ -11,9 +11,9 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.draco_header import DracoCounts, read_draco_counts
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-# What the decoder holds at its peak, beside what it returns, is measured (docs/stability.md).
+# The decoder's peak memory beside its result, measured (docs/stability.md).
 _FACE_BYTES, _POINT_BYTES = 80, 24
-# Regular meshes, the smallest, come to some 20 triangles a byte.
+# Regular meshes, which pack best, have some 20 triangles a byte.
 _FACES_PER_BYTE, _FACES_BASE = 64, 20_000
 
 
@@ -26,18 +26,18 @@ def decode_draco(
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
     """Arrays (V, components) by attribute name, and triangles (F, 3), of packed bytes.
 
-    `attributes` gives Draco's id of each attribute, `counts` how many elements the glTF's own
-    accessor promises for it, and `triangles` how many of these it promises.
+    `attributes` gives Draco's id of each attribute; `counts` its number of elements and
+    `triangles` the number of triangles, both as the glTF declares them.
 
     Raises:
-        SceneFileError: if the bytes cannot be unpacked, hold something else than promised, or
-            declare more than fits the budget.
+        SceneFileError: if the bytes cannot be unpacked, do not match the glTF's declarations, or
+            exceed the budget.
     """
     _check_counts(read_draco_counts(packed), len(packed), counts, triangles, budget)
     try:
         mesh = DracoPy.decode(packed)
     except Exception as fault:
-        # The decoder raises types of its own for each way in which bytes can be wrong.
+        # The decoder raises various exceptions of its own for damaged bytes.
         raise SceneFileError(f"its Draco data cannot be unpacked ({fault})") from fault
     if not isinstance(mesh, DracoPy.DracoMesh):
         raise SceneFileError("its Draco data hold no triangles; export it again")
@@ -59,7 +59,7 @@ def _check_counts(
     triangles: int,
     budget: SceneBudget,
 ) -> None:
-    """Judge what the packed bytes declare before the decoder takes memory for it."""
+    """Check the declared counts before the decoder takes memory for them."""
     if declared.faces > _FACES_BASE + _FACES_PER_BYTE * packed_bytes:
         raise SceneFileError(
             f"its Draco data declare {declared.faces} triangles in {packed_bytes} bytes, above the "

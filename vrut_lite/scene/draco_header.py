@@ -1,4 +1,4 @@
-"""How large a mesh packed by Draco declares to be, read before anything is unpacked.
+"""Reads the declared size of a Draco mesh before anything is unpacked.
 
 The layout is that of the Draco bitstream specification, version 2.2, the one that glTF allows.
 """
@@ -14,7 +14,7 @@ _DEEPEST_METADATA = 32
 
 
 class DracoCounts(NamedTuple):
-    """Triangles, and vertices before those at seams are split."""
+    """Numbers of triangles, and of vertices before the decoder splits those at seams."""
 
     faces: int
     points: int
@@ -75,7 +75,7 @@ def _skip_entries(reader: "_Reader", depth: int) -> None:
 
 
 class _Reader:
-    """Reads on from where it stands; beyond the end is an IndexError."""
+    """Reads bytes in order; raises IndexError beyond the end."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
@@ -92,7 +92,7 @@ class _Reader:
         return self._data[self._at - count : self._at]
 
     def number(self) -> int:
-        """Seven bits a byte, the lowest first; the eighth tells whether more follow."""
+        """Seven bits a byte, lowest first; the eighth is set if more bytes follow."""
         value, shift = 0, 0
         while True:
             byte = self.byte()

@@ -1,7 +1,7 @@
-"""Scene files are strangers: what they name stays in their own folder, and nothing is too big.
+"""Access to the files of a scene: only inside its folder, only up to a limited size.
 
-Every byte a scene asks for comes through `SceneFolder`, so that what was checked and what is
-used are the same thing.
+Scene files may come from strangers. Every byte is read through `SceneFolder`, so that the bytes
+that were checked are the bytes that are used.
 """
 
 import base64
@@ -19,7 +19,7 @@ _NETWORK = {"http", "https", "ftp", "ftps", "ws", "wss", "sftp"}
 
 
 class SceneFolder:
-    """Serves files inside one folder and nothing else, each read once, whatever names it has."""
+    """Reads files inside one folder only, each once, under whatever names it is referred to."""
 
     def __init__(self, folder: Path, budget: SceneBudget) -> None:
         self.folder = folder.resolve()
@@ -95,7 +95,7 @@ class SceneFolder:
     def get_uri(self, uri: str) -> bytes:
         """The bytes behind a glTF URI: a base64 data URI, or a percent-encoded relative path.
 
-        The same bytes are the same object, so that what is made of them can be made once.
+        The same file or URI gives the same object, so that callers can reuse what they made of it.
 
         Raises:
             SceneFileError: if it is damaged, or as `get` does.
@@ -109,13 +109,13 @@ class SceneFolder:
         return self._by_uri[uri]
 
     def check_uri(self, uri: str) -> None:
-        """Raise if a glTF URI leads out of the folder; whether the file is there is not asked."""
+        """Raise if a glTF URI leads out of the folder; the file may be missing."""
         if not _is_data_uri(uri):
             self.locate(_decode_path(uri))
 
 
 def _is_data_uri(uri: str) -> bool:
-    """Whether the URI carries its data in itself."""
+    """Whether the URI contains its data."""
     return uri[:5].lower() == "data:"
 
 
@@ -130,7 +130,7 @@ def _decode_path(uri: str) -> str:
 
 
 def _refuse_foreign(name: str) -> None:
-    """Raise for names that are not plain relative paths downwards with forward slashes."""
+    """Raise for names other than relative paths inside the folder with forward slashes."""
     scheme = _SCHEME.match(name)
     if scheme and scheme[1].lower() in _NETWORK:
         problem = "which lies on the network; save that file beside the scene"
@@ -160,6 +160,6 @@ def _decode_data_uri(uri: str) -> bytes:
 
 
 def _short(name: str) -> str:
-    """A name fit for one line of text, also when it is a hostile one."""
+    """A name escaped and shortened for one line of text."""
     text = ascii(name)
     return text if len(text) <= 80 else text[:76] + "...'"

@@ -32,7 +32,7 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class GltfFile:
-    """A parsed document with all its buffers in memory; equal buffers share one object."""
+    """A parsed document and its buffers in memory; buffers of the same bytes are one object."""
 
     document: Gltf
     buffers: tuple[bytes | memoryview, ...]
@@ -42,8 +42,7 @@ class GltfFile:
     def array(self, index: int) -> NDArray[Any]:
         """Elements (count, components) of an accessor as they are stored, sparse ones resolved.
 
-        It takes no memory, and is not to be written to: it looks into the buffer, where it is
-        not sparse.
+        Unless sparse, it is a view into the buffer: it takes no memory and must not be written to.
 
         Raises:
             SceneFileError: if it reaches beyond its buffer.
@@ -67,7 +66,7 @@ class GltfFile:
         return self._slice(f"accessor {index}", start, shape, dtype)
 
     def accessor_bytes(self, index: int) -> int:
-        """How many bytes an accessor asks for; whether they are there is not asked."""
+        """The declared size of an accessor in bytes; its buffer is not looked at."""
         accessor = self.accessor(index)
         dtype = np.dtype(_DTYPES[accessor.component_type])
         replaced = 0 if accessor.sparse is None else accessor.sparse.count
@@ -78,7 +77,7 @@ class GltfFile:
         return item_at(self.document.accessors, index, "accessor")
 
     def image_source(self, image: Image) -> tuple[Hashable, bytes | memoryview]:
-        """An image as it is encoded in its file, data URI or buffer view, and what tells it apart.
+        """A key and the encoded bytes of an image in a file, data URI or buffer view.
 
         Images of the same bytes in the same place have the same key.
         """
@@ -108,7 +107,7 @@ class GltfFile:
     def _slice(
         self, what: str, start: tuple[int, int], shape: tuple[int, int], dtype: np.dtype[Any]
     ) -> NDArray[Any]:
-        """What lies (count, components) in a (buffer view, byte offset)."""
+        """Elements (count, components) that start at a (buffer view, byte offset)."""
         view, offset = self._view(start[0]), start[1]
         packed = shape[1] * dtype.itemsize
         stride = self.document.buffer_views[start[0]].byte_stride or packed
@@ -216,7 +215,7 @@ def _glb_chunks(data: bytes) -> tuple[bytes | memoryview, memoryview | None]:
 
 
 def _split_chunks(data: memoryview) -> list[tuple[bytes, memoryview]]:
-    """The first two, of which alone something is read."""
+    """The first two chunks; nothing in the others is read."""
     chunks: list[tuple[bytes, memoryview]] = []
     at = 12
     while at + 8 <= len(data) and len(chunks) < 2:

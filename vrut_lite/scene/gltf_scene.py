@@ -123,7 +123,7 @@ def _first_camera(
 
 
 class _Shape(NamedTuple):
-    """What triangles are made of; primitives that agree in it share them, whatever they wear."""
+    """Key of a geometry: primitives of one shape share triangles, whatever their materials."""
 
     mode: int
     attributes: tuple[tuple[str, int], ...]
@@ -132,7 +132,7 @@ class _Shape(NamedTuple):
     draco: tuple[int, tuple[tuple[str, int], ...]] | None
 
     def draws(self, file: GltfFile) -> int:
-        """How many vertices are drawn, each as often as an index names it."""
+        """The number of indices, or of vertices where there are no indices."""
         number = dict(self.attributes)["POSITION"] if self.indices is None else self.indices
         return file.accessor(number).count
 
@@ -153,7 +153,7 @@ class _Shape(NamedTuple):
 
 
 def _shape(file: GltfFile, primitive: Primitive) -> _Shape | None:
-    """The shape of a primitive; none, if it has no triangles."""
+    """The shape of a primitive, or None if it has no triangles."""
     if primitive.mode < _TRIANGLES or "POSITION" not in primitive.attributes:
         return None
     number = primitive.material
@@ -169,7 +169,7 @@ def _shape(file: GltfFile, primitive: Primitive) -> _Shape | None:
 
 
 def _check_size(file: GltfFile, placed: Counter[int]) -> None:
-    """Counts are judged beforehand, so that nothing large is made of a small file."""
+    """Checks declared counts before arrays are made: a small file cannot make large ones."""
     places = triangles = size_bytes = 0
     shapes: set[_Shape] = set()
     arrays: set[int] = set()
@@ -193,7 +193,7 @@ def _check_size(file: GltfFile, placed: Counter[int]) -> None:
 
 
 def _ask(file: GltfFile, shape: _Shape, arrays: set[int]) -> None:
-    """Ask for the accessors, each once, and for the triangles, which are made for each shape."""
+    """Counts each accessor once, and the triangle list that is made for each shape."""
     budget = file.folder.budget
     for index in (*(at for _, at in shape.attributes), shape.indices):
         if index is not None and index not in arrays:
@@ -232,7 +232,7 @@ class _Meshes:
         self._file.folder.budget.take(MESH_BYTES, f"mesh {ascii(name)[:60]}")
         return make_mesh(geometry, self._materials.material(primitive.material))
 
-    # Signalling NaNs complain when they are converted; they are judged after it.
+    # Converting signalling NaNs warns; `make_geometry` refuses them afterwards.
     @np.errstate(invalid="ignore", over="ignore")
     def _geometry(self, shape: _Shape, name: str) -> Geometry | None:
         budget = self._file.folder.budget
@@ -260,7 +260,7 @@ class _Meshes:
         )
 
     def _arrays(self, shape: _Shape) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
-        """The attributes that there are, as they are stored, and the triangles (F, 3)."""
+        """The attributes that exist, as stored, and the triangles (F, 3)."""
         if shape.draco is None:
             arrays = {key: self._file.array(number) for key, number in shape.attributes}
             return arrays, self._faces(shape, len(arrays["POSITION"]))

@@ -15,13 +15,13 @@ class Part(Struct, frozen=True, rename="camel"):
 
 
 class Asset(Part, frozen=True):
-    """The file's own account of itself."""
+    """The file's metadata, of which the version is read."""
 
     version: str
 
 
 class Buffer(Part, frozen=True):
-    """A run of bytes; without a URI it is the GLB's own."""
+    """Raw bytes; without a URI they are the GLB's binary chunk."""
 
     byte_length: Size
     uri: str | None = None
@@ -45,7 +45,7 @@ class SparseIndices(Part, frozen=True):
 
 
 class SparseValues(Part, frozen=True):
-    """The values of a sparse accessor."""
+    """The elements that replace them."""
 
     buffer_view: Index
     byte_offset: Size = 0
@@ -180,7 +180,7 @@ class Mesh(Part, frozen=True):
 
 
 class Node(Part, frozen=True):
-    """A place in the tree; `matrix` is column-major and excludes the other three."""
+    """A node of the tree; `matrix` is column-major and excludes the other three."""
 
     name: str = ""
     children: list[Index] = []

@@ -1,4 +1,4 @@
-"""Whether a scene brings a ground of its own that can pass for the one to the horizon."""
+"""Whether a scene has a ground of its own that reaches (nearly) to the horizon."""
 
 import numpy as np
 
@@ -7,22 +7,21 @@ from vrut_lite.scene.placed import PlacedMesh
 
 # From an eye at 1.7 m an edge at 500 m lies 0.2 degrees below the horizon: a few pixels.
 FAR_M = 500.0
-# What is wider than this brings a planet of its own, whose sides a level ground would cut.
+# A wider scene is a planet of its own, whose sides a level ground would cut.
 PLANETARY_M = 2e5
-# What hangs higher than mountains stands on nothing.
+# A scene that floats higher than mountains, as a satellite does, has no ground.
 FLOATING_M = 1e4
 _LEAST_COVER = 0.5
 _LEAST_UP = np.cos(np.radians(45.0))
 
 
 def has_own_ground(scene: LoadedScene) -> bool:
-    """Whether no ground need be added around the scene.
+    """Whether the scene needs no added ground.
 
     The rule: in plan the scene reaches at least `FAR_M` from its middle to the east and west,
     north and south, and its triangles that face up (within 45 degrees) cover at least half of
-    that rectangle, seen from above. Roofs count, which errs only for a city without streets. Or
-    it reaches `PLANETARY_M`: then it is a planet, or seen from where none is. Or all of it is
-    higher than `FLOATING_M`, as a satellite is.
+    that rectangle, seen from above. Roofs count, which errs only for a city without streets. A
+    scene that reaches `PLANETARY_M`, or that lies above `FLOATING_M`, needs none either.
     """
     if scene.lower_m[1] > FLOATING_M:
         return True

@@ -1,4 +1,4 @@
-"""Textures: the header is judged before a pixel is decoded."""
+"""Decodes textures; checks each header before any pixel."""
 
 import warnings
 from io import BytesIO
@@ -13,7 +13,7 @@ MAX_IMAGE_PIXELS = 64 * 2**20
 MAX_TOTAL_PIXELS = 256 * 2**20
 # Pillow keeps RGB and RGBA alike in four bytes.
 _PIXEL_BYTES, _IMAGE_BYTES = 4, 4096
-# Each scan of a JPEG, if only of a few bytes, is a pass over all pixels; the usual ones have 10.
+# Each scan of a JPEG, however short, is a pass over all pixels; usual files have up to 10.
 _JPEG_SCAN = b"\xff\xda"
 _MOST_SCANNED_PIXELS = 16 * MAX_TOTAL_PIXELS
 _BAND_ROWS = 256
@@ -32,10 +32,10 @@ class PixelBudget:
         self._scanned_pixels = 0
 
     def admit(self, data: Encoded, name: str) -> None:
-        """Count an encoded image; `name` is told in errors.
+        """Count an encoded image; errors mention `name`.
 
         Raises:
-            SceneFileError: if it is no image, claims too many pixels, or does not fit in memory.
+            SceneFileError: if it is not an image, has too many pixels, or exceeds the budget.
         """
         image = _open(data, name)
         width, height = image.size
@@ -59,7 +59,7 @@ class PixelBudget:
 
 
 def decode_image(data: Encoded, name: str) -> Image.Image:
-    """An RGB or RGBA image with 8 bits per channel, of bytes that were admitted.
+    """Decode admitted bytes to an RGB or RGBA image with 8 bits per channel.
 
     Raises:
         SceneFileError: if it is damaged.
@@ -72,7 +72,7 @@ def decode_image(data: Encoded, name: str) -> Image.Image:
 
 
 def _open(data: Encoded, name: str) -> Image.Image:
-    """The image with its header read; Pillow itself balks at more than twice its own limit."""
+    """Open an image and read its header; Pillow itself refuses more than twice its own limit."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -80,7 +80,7 @@ def _open(data: Encoded, name: str) -> Image.Image:
     except Image.DecompressionBombError as fault:
         raise _too_large(name, "an absurd size") from fault
     except Exception as fault:
-        # Pillow's readers meet a damaged header with whatever their parsing raises.
+        # Pillow's readers raise various exceptions for a damaged header.
         raise SceneFileError(
             f"the image {name} is in none of the formats {', '.join(_FORMATS)}; convert it to PNG"
         ) from fault
@@ -100,7 +100,7 @@ def _eight_bit(image: Image.Image) -> Image.Image:
 
 
 def _eight_bit_grey(image: Image.Image) -> Image.Image:
-    """A 16-bit grey, scaled; Pillow would clip it at 255. In bands, for floats are wide."""
+    """16-bit grey scaled to 8 bits, where Pillow would clip; in bands, to limit float memory."""
     width, height = image.size
     grey = np.empty((height, width), np.uint8)
     for top in range(0, height, _BAND_ROWS):

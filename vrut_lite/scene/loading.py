@@ -1,4 +1,4 @@
-"""Open a scene file: glTF, GLB or OBJ in, placed meshes in metres out. No GL is touched."""
+"""Opens a scene file (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
 
 import os
 from dataclasses import dataclass, replace
@@ -25,7 +25,8 @@ MAX_REACH_M = 1e7
 class LoadedScene:
     """A scene in world axes: metres, +Y up, east +X, north -Z.
 
-    `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts them where they stand.
+    `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
+    once for each place.
     """
 
     path: Path
@@ -37,9 +38,9 @@ class LoadedScene:
 
 
 def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
-    """Read a scene file with the materials, textures and camera it brings.
+    """Read a scene file with its materials, textures and camera.
 
-    `budget` is what loading may take; without one, what the environment allows.
+    `budget` limits memory; by default it comes from the environment.
 
     Raises:
         UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
@@ -89,7 +90,7 @@ def _check_path(path: Path) -> None:
 
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
-    """A matrix that mirrors turns triangles inside out (glTF 2.0, section 3.7.4): undo it."""
+    """Reverse the triangles that a mirroring matrix turns inside out (glTF 2.0, section 3.7.4)."""
     turned: dict[int, trimesh.Trimesh] = {}
     result = []
     for place in placed:

@@ -18,11 +18,11 @@ DEFAULT_ALBEDO = 0.5
 
 
 class SurfaceMaterial(PBRMaterial):
-    """trimesh's material, of which the base colour stays linear and in floating point.
+    """trimesh's material with a base colour that is linear and floating point.
 
     trimesh keeps 8 bits, which turns an albedo of 0.02 into 0.0196. All factors are set;
-    textures are RGB or RGBA images with 8 bits, colour ones sRGB-encoded. `layer_of` gives the
-    number of the mesh's layer of coordinates for a map, 0 if it is not named there.
+    textures are RGB or RGBA images with 8 bits, colour textures sRGB-encoded. `layer_of` maps a
+    texture's name to its layer of the mesh's texture coordinates; a missing name means layer 0.
     """
 
     uv_layers: Sequence[UvLayer] = ()
@@ -101,7 +101,7 @@ class GltfMaterials:
         return self._images[key]
 
     def _admitted(self) -> dict[Hashable, Encoded]:
-        """The encoded images, each once; which of them has what number goes to `_keys`."""
+        """The distinct encoded images by key; sets `_keys`, the key of each image number."""
         document, memory = self._file.document, self._file.folder.budget
         pixels = PixelBudget(memory)
         encoded: dict[Hashable, Encoded] = {}
@@ -131,7 +131,7 @@ def from_mtl(
     Kd is the base colour, a metal's only if the file says so (Pm). Ns, the exponent of
     Blinn-Phong, becomes a roughness r with r^4 = 2 / (Ns + 2) (Karis 2013, alpha = r^2); Pr
     sets it outright. d, or 1 - Tr, is the alpha; an image with an alpha channel cuts out.
-    OBJ knows no back faces: both sides show.
+    OBJ has no back faces: materials are double-sided.
     """
 
     def numbers(word: str, size: int, default: float) -> list[float]:

@@ -1,4 +1,4 @@
-"""Triangle meshes, checked: what every reader hands its arrays to."""
+"""Makes checked triangle meshes from the arrays of the file readers."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +13,7 @@ from vrut_lite.scene.materials import SurfaceMaterial
 from vrut_lite.scene.normals import crease_normals, unit_or_none
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-# What a mesh takes however small it is: objects here, buffers where it is drawn.
+# Fixed memory of a mesh: objects here, buffers in the renderer.
 MESH_BYTES = 2**15
 _CORNER_BYTES, _FACE_BYTES, _LAYER_BYTES = 48, 24, 16
 
@@ -37,8 +37,8 @@ class Geometry:
 def geometry_bytes(vertices: int, triangles: int, *, normals: bool, layers: int) -> int:
     """The most bytes that a geometry holds.
 
-    `normals` tells whether it brings them: without them every corner may become a vertex.
-    `layers` counts its texture coordinates and colours.
+    `normals`: whether the file has them; if not, every corner may become a vertex. `layers`: the
+    number of sets of texture coordinates and colours.
     """
     corners = min(vertices, 3 * triangles) if normals else 3 * triangles
     return corners * (_CORNER_BYTES + layers * _LAYER_BYTES) + triangles * _FACE_BYTES
@@ -47,7 +47,7 @@ def geometry_bytes(vertices: int, triangles: int, *, normals: bool, layers: int)
 def used_vertices(
     name: str, faces: NDArray[np.int64], arrays: dict[str, NDArray[Any]]
 ) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
-    """The triangles and the arrays (V, components), of the vertices that are in use alone.
+    """Drop unused vertices: the renumbered triangles (F, 3) and the arrays (V, components).
 
     Raises:
         SceneFileError: for indices out of range, or arrays of different lengths.
@@ -63,15 +63,15 @@ def used_vertices(
             raise SceneFileError(
                 f"mesh {shown} has {len(values)} {kind!a} for {count} vertices; export it again"
             )
-    used, faces = _numbered_anew(faces, count)
+    used, faces = _renumbered(faces, count)
     return faces, {kind: values[used] for kind, values in arrays.items()}
 
 
-def _numbered_anew(
+def _renumbered(
     faces: NDArray[np.int64], vertices: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The vertices (U,) in use, in their order, and the triangles (F, 3) that count only them."""
-    if vertices > 2 * faces.size:  # Of a great many vertices, few are asked about here.
+    """The vertices (U,) in use, in order, and the triangles (F, 3) as indices into them."""
+    if vertices > 2 * faces.size:  # Sorting few used numbers is cheaper than marking all.
         used, faces_of_used = np.unique(faces, return_inverse=True)
         return used, faces_of_used.reshape(-1, 3)
     in_use = np.zeros(vertices, bool)
@@ -94,11 +94,11 @@ def make_geometry(
     """A geometry with unit normals.
 
     Args:
-        name: told in errors.
+        name: for errors.
         positions: (V, 3), metres.
         faces: (F, 3) vertex indices in range, at least one.
-        budget: was asked for `geometry_bytes`; is asked for more if bad normals are replaced.
-        normals: (V, 3) as authored; without them, or with a bad one among them, they are made.
+        budget: has counted `geometry_bytes`; counts more if bad normals are replaced.
+        normals: (V, 3) as authored; computed if absent, or if one of them has no direction.
         uv, second_uv: (V, 2) texture coordinates, v upwards.
         colours: (V, 3) or (V, 4), linear, in [0, 1].
 
@@ -130,7 +130,7 @@ def make_geometry(
 
 
 def make_mesh(geometry: Geometry, material: SurfaceMaterial) -> trimesh.Trimesh:
-    """A mesh of one material; its arrays are the geometry's own."""
+    """A mesh of one material; it shares the geometry's arrays."""
     mesh = trimesh.Trimesh(
         geometry.vertices,
         geometry.faces,

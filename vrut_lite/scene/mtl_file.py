@@ -1,4 +1,4 @@
-"""MTL: the materials of an OBJ file, and the pictures that they name."""
+"""MTL: the materials of an OBJ file and their pictures."""
 
 import re
 from collections.abc import Hashable, Iterator
@@ -20,14 +20,14 @@ _OPTION_WORDS = {
 }
 _MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
-# What a statement takes, as the objects it is kept in.
+# Memory of a statement and of each of its words, as Python objects.
 _STATEMENT_BYTES, _WORD_BYTES = 512, 64
 _MOST_LINE_BYTES = 2**22
 Statements = dict[str, list[str]]
 
 
 class MtlMaterials:
-    """The materials of one MTL file by name; a picture is decoded once, however often named.
+    """The materials of one MTL file by name; each picture is decoded once.
 
     Raises:
         SceneFileError: if a picture is missing, damaged, too large or outside the folder.
@@ -60,7 +60,7 @@ class MtlMaterials:
 
 
 def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
-    """The statements of each material; every file that a map names is in the folder."""
+    """The statements of each material; refuses maps outside the folder."""
     materials: dict[str, Statements] = {}
     statements: Statements = {}
     for line in _lines(data):

@@ -1,4 +1,4 @@
-"""The needs of a view: visible cube faces of the sky, and the distance that air is seen over."""
+"""What a view needs: the cube faces of the sky in view, and the reach of its air."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,18 +8,18 @@ from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.geometry.cube_map import texel_directions
 
-# Coarse directions stand for whole texels, so the view is widened by one texel's reach.
+# Coarse directions represent whole texels, so the view is widened by a texel.
 _PROBE_SIZE = 16
 _MARGIN = 1.5 / _PROBE_SIZE
-# Of half a picture's side, between rays through its border.
+# Rays across the picture in each direction.
 _BORDER_STEPS = 17
 _WIDENED = 1.02
 
 
 def visible_faces(camera: MoveCamera, aspect: float) -> tuple[tuple[int, ...], bool]:
-    """Indices of the cube faces inside the view, and whether any sky above the horizon is.
+    """Indices of the cube faces in view, and whether sky above the horizon is in view.
 
-    Conservative: the scene's own surfaces are taken to hide nothing.
+    Occlusion by the scene is ignored, so that the answer is conservative.
     """
     view = look_at(camera.eye_m, camera.target_m)
     directions = texel_directions(_PROBE_SIZE) @ view[:3, :3].T
@@ -42,10 +42,10 @@ def air_reach_m(
     upper_m: ArrayLike,
     ground_level_m: float,
 ) -> float:
-    """Greatest distance from the eye to a surface in view, in m; 0 without one.
+    """Upper bound of the distance from the eye to anything in view, in m; 0 if nothing is.
 
-    Surfaces are the scene in its bounds (3,), if its sphere reaches into the view, and the ground
-    at a level, out to the horizon if that is in view, else to the highest ray that meets it.
+    It covers the scene's bounds (3,), if their sphere reaches into the view, and the ground at
+    `ground_level_m`: to the horizon if in view, else to where the highest ray meets it.
     """
     height_m = max(camera.eye_m[1] - ground_level_m, 0.0)
     scene_m = _scene_reach_m(camera, aspect, np.asarray(lower_m), np.asarray(upper_m))
@@ -53,13 +53,13 @@ def air_reach_m(
 
 
 def cloud_reach_m(camera: MoveCamera, layer: CloudLayer) -> float:
-    """Distance from the eye to the farthest clouds over the horizon, in m."""
+    """Distance from the eye to the last clouds over the horizon, in m."""
     heights_m = np.array([camera.eye_m[1], layer.base_m + layer.thickness_m])
     return float(np.sqrt(np.maximum(heights_m, 0.0) * 2.0 * PLANET_RADIUS_M).sum())
 
 
 def _scene_reach_m(camera: MoveCamera, aspect: float, lower_m: NDArray, upper_m: NDArray) -> float:
-    """To the farthest corner of a scene whose sphere is in the cone around the view."""
+    """Distance to the scene's farthest corner, or 0 if its sphere is outside the view's cone."""
     to_centre = 0.5 * (lower_m + upper_m) - np.asarray(camera.eye_m)
     radius_m = 0.5 * float(np.linalg.norm(upper_m - lower_m))
     distance_m = float(np.linalg.norm(to_centre))
@@ -82,7 +82,7 @@ def _heights_in_view(camera: MoveCamera, aspect: float) -> tuple[float, float]:
 
 
 def _ground_reach_m(height_m: float, lowest: float, highest: float) -> float:
-    """To the farthest ground between two sines of elevation, from so high above it; 0 if none."""
+    """Distance to the farthest ground between two sines of elevation, from a height; 0 if none."""
     radius_m = PLANET_RADIUS_M + height_m
     tangent_m2 = height_m * (PLANET_RADIUS_M + radius_m)
     horizon = -np.sqrt(tangent_m2) / radius_m

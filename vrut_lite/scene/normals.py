@@ -1,4 +1,4 @@
-"""Vertex normals for meshes that bring none: smooth where the surface bends, split at creases."""
+"""Vertex normals for meshes without them: smooth over bends, split at creases."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from vrut_lite.numeric_types import FloatArray, IntArray
 
 CREASE_ANGLE_RAD = np.radians(40.0)
 _BLOCK = 2**15
-# The corners after and before each of a triangle.
+# For each corner of a triangle, the next and the previous one.
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 
@@ -26,9 +26,9 @@ def crease_normals(
         crease_angle_rad: angle between face normals above which an edge stays sharp.
 
     Returns:
-        source (N,): which old vertex each new one copies; the new faces (F, 3); the new
+        source (N,): the old vertex that each new one copies; the new faces (F, 3); the new
         vertices' normals (N, 3), weighted by the corner's angle (Thürmer and Wüthrich 1998).
-        A vertex of degenerate triangles only points up.
+        The normal of a vertex with only degenerate triangles points up.
     """
     face_normals = _face_normals(vertices, faces)
     group = _smooth_corners(_places(vertices)[faces], face_normals, np.cos(crease_angle_rad))
@@ -70,7 +70,7 @@ def _corner_angles(vertices: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def _blocks(count: int) -> Iterator[slice]:
-    """Slices of so many items, small enough that their temporaries stay in the cache."""
+    """Slices of `_BLOCK` items, so that temporary arrays stay small enough for the cache."""
     for start in range(0, count, _BLOCK):
         yield slice(start, start + _BLOCK)
 
@@ -99,9 +99,9 @@ def _smooth_corners(place: IntArray, face_normals: FloatArray, least_cosine: flo
 def _smooth_links(
     place: IntArray, face_normals: FloatArray, least_cosine: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The numbers of corners that are to be joined, in pairs: an edge's two ends in two faces.
+    """Pairs of corners to join: both ends of every smooth edge, in its two faces.
 
-    An edge is named by the corner it begins at: those of one face are 3 f, 3 f + 1, 3 f + 2.
+    An edge has the number of the corner it begins at; face f has 3 f, 3 f + 1, 3 f + 2.
     """
     end = place[:, _NEXT]
     flipped = (place > end).reshape(-1)

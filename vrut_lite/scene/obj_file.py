@@ -1,4 +1,4 @@
-"""OBJ text as arrays: read block by block, in a time that grows as the file does."""
+"""Reads OBJ text into arrays, block by block, in linear time."""
 
 import warnings
 from collections import defaultdict
@@ -13,11 +13,11 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 _BLOCK_BYTES = 2**22
-# What Python makes of one line's words stays within what any scene may take.
+# Keeps the words of one line, as Python objects, within the memory that any scene may take.
 _MOST_LINE_BYTES = 2**22
 _KINDS = (b"v", b"vt", b"vn")
 _DIGITS = b"0123456789"
-# Of a corner: its vertex, texture coordinates and normal, counted from 1; 0 is none.
+# Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 is none.
 _CORNER = 3
 _MOST_NUMBER = 2**31 - 2
 _NAME_BYTES = 256
@@ -45,7 +45,7 @@ class ObjFile:
 
 @dataclass
 class _Reading:
-    """What was read so far."""
+    """What has been read so far."""
 
     budget: SceneBudget
     counts: dict[bytes, int] = field(default_factory=lambda: dict.fromkeys(_KINDS, 0))
@@ -59,12 +59,12 @@ class _Reading:
     library: str | None = None
 
     def keep(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Count what stays in memory."""
+        """Counts an array that stays in memory."""
         self.budget.take(values.nbytes, "its text, as numbers,")
         return values
 
-    def wear(self, material: str) -> None:
-        """Give the faces that follow this material."""
+    def use_material(self, material: str) -> None:
+        """Assigns the faces that follow to this material."""
         if material not in self.materials:
             self.budget.take(len(material) + _NAME_BYTES, "the names of its materials")
             self.materials[material] = len(self.materials)
@@ -75,8 +75,8 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
     """The arrays of an OBJ file; polygons become fans of triangles.
 
     Raises:
-        SceneFileError: for numbers that are none, indices that point nowhere, endless lines, or
-            more than fits the budget.
+        SceneFileError: for malformed numbers, indices out of range, lines that are too long, or
+            data that exceed the budget.
     """
     reading = _Reading(budget)
     for block in _blocks(data):
@@ -98,7 +98,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
 
 
 def _blocks(data: bytes) -> Iterator[bytes]:
-    """Whole lines, some megabytes at a time, continued lines joined, with single spaces."""
+    """Whole lines, some megabytes at a time; continued lines joined, tabs turned into spaces."""
     start = 3 if data.startswith(b"\xef\xbb\xbf") else 0
     while start < len(data):
         end = start + _BLOCK_BYTES
@@ -132,7 +132,7 @@ def _read_block(block: bytes, reading: _Reading) -> None:
         elif kind in rows:
             rows[kind].append(rest)
         elif kind == b"usemtl":
-            reading.wear(_text(rest))
+            reading.use_material(_text(rest))
         elif kind == b"mtllib" and reading.library is None:
             reading.library = _text(rest)
     for kind, found in rows.items():
@@ -148,7 +148,7 @@ def _text(words: bytes) -> str:
 
 
 def _numbers(rows: list[bytes], least: int) -> NDArray[np.float64]:
-    """The numbers (n, columns) in rows of words; of longer rows only what all of them have."""
+    """The numbers (n, columns) in rows of words; longer rows are cut to the shortest."""
     widths = {len(row.split()) for row in rows}
     columns = min(widths)
     if columns < least:
@@ -172,7 +172,7 @@ def _parsed(words: bytes, dtype: type) -> NDArray[Any] | None:
 
 
 def _joined(parts: list[NDArray[np.float64]], columns: int) -> NDArray[np.float64]:
-    """Blocks of rows as one, as wide as the narrowest."""
+    """Joins blocks of rows, cut to the narrowest."""
     if not parts:
         return np.zeros((0, columns))
     width = min(part.shape[1] for part in parts)
@@ -180,7 +180,7 @@ def _joined(parts: list[NDArray[np.float64]], columns: int) -> NDArray[np.float6
 
 
 def _read_faces(rows: list[bytes], groups: NDArray[np.int32], reading: _Reading) -> None:
-    """Rows of the same form, such as three corners of two numbers each, are read at once."""
+    """Parses rows of the same form, such as three corners of two numbers each, together."""
     forms: defaultdict[tuple[bytes, bool], list[int]] = defaultdict(list)
     rows = [b" ".join(row.split()) for row in rows]
     for number, row in enumerate(rows):
@@ -190,10 +190,10 @@ def _read_faces(rows: list[bytes], groups: NDArray[np.int32], reading: _Reading)
         if form.count(b" ") < 2:  # A point or a line.
             continue
         found = [rows[number] for number in numbers]
-        polygons = _alike(found, form.split(b" "), gap)
+        polygons = _polygons_of_one_form(found, form.split(b" "), gap)
         if polygons is None:
             for number, row in zip(numbers, found, strict=True):
-                triangles.append(_fans(_odd(row)))
+                triangles.append(_fans(_polygon_of_mixed_form(row)))
                 faces.append(np.full(len(triangles[-1]), number))
         else:
             triangles.append(_fans(polygons))
@@ -205,11 +205,13 @@ def _read_faces(rows: list[bytes], groups: NDArray[np.int32], reading: _Reading)
         reading.groups.append(reading.keep(groups[face[order]]))
 
 
-def _alike(rows: list[bytes], form: list[bytes], gap: bool) -> NDArray[np.int32] | None:
+def _polygons_of_one_form(
+    rows: list[bytes], form: list[bytes], gap: bool
+) -> NDArray[np.int32] | None:
     """Polygons (m, k, 3) of rows whose corners are all written alike, or None.
 
-    `form` has the slashes of each corner; a gap between two of them is where the texture
-    coordinates are left out.
+    `form` has the slashes of each corner; `gap` says that the texture coordinates between two
+    slashes are left out.
     """
     columns = {b"": [0], b"/": [0, 1], b"//": [0, 2] if gap else [0, 1, 2]}.get(form[0])
     if columns is None or any(corner != form[0] for corner in form):
@@ -219,18 +221,18 @@ def _alike(rows: list[bytes], form: list[bytes], gap: bool) -> NDArray[np.int32]
         return None
     polygons = np.zeros((len(rows), len(form), _CORNER), np.int32)
     polygons[..., columns] = _checked(numbers).reshape(len(rows), len(form), len(columns))
-    return _from_one(polygons)
+    return _with_vertices(polygons)
 
 
-def _odd(row: bytes) -> NDArray[np.int32]:
-    """A polygon (1, k, 3) whose corners are each written in another way."""
+def _polygon_of_mixed_form(row: bytes) -> NDArray[np.int32]:
+    """A polygon (1, k, 3) whose corners are written in different forms."""
     corners = []
     for corner in row.split():
         words = [*corner.split(b"/"), b"", b""][:_CORNER]
         if not words[0] or not all(word.isdigit() or not word for word in words):
             raise _damaged("where numbers belong stands something else")
         corners.append([min(int(word or b"0"), _MOST_NUMBER + 1) for word in words])
-    return _from_one(_checked(np.array([corners])).astype(np.int32))
+    return _with_vertices(_checked(np.array([corners])).astype(np.int32))
 
 
 def _checked(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -239,7 +241,8 @@ def _checked(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     return numbers
 
 
-def _from_one(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
+def _with_vertices(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The polygons, each corner of which must name a vertex."""
     if polygons[..., 0].min() < 1:
         raise SceneFileError("a face refers to vertex 0, and OBJ counts from 1; export it again")
     return polygons
@@ -253,7 +256,7 @@ def _fans(polygons: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 def _absolute_corner(corner: bytes, counts: list[int]) -> bytes:
-    """A corner that counts backwards from the present line, made to count from the first."""
+    """A corner with its indices relative to this line made absolute."""
     words = []
     for word, count in zip(corner.split(b"/"), counts, strict=False):
         if word.startswith(b"-") and word[1:].isdigit():

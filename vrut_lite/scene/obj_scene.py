@@ -45,7 +45,7 @@ def read_obj_scene(path: Path, budget: SceneBudget) -> list[PlacedMesh]:
 
 
 def _groups(obj: ObjFile) -> Iterator[tuple[int, NDArray[np.int32]]]:
-    """Each material's number and the corners (F, 3, 3) of its triangles, the last one first."""
+    """Each material's number and its triangles' corners (F, 3, 3), the last material first."""
     order = np.argsort(obj.group, kind="stable")
     numbers, starts = np.unique(obj.group[order], return_index=True)
     parts = np.split(order, starts)[1:]
@@ -56,10 +56,10 @@ def _groups(obj: ObjFile) -> Iterator[tuple[int, NDArray[np.int32]]]:
 def _geometry(obj: ObjFile, name: str, corners: NDArray[np.int32], budget: SceneBudget) -> Geometry:
     """The geometry of some triangles.
 
-    Texture coordinates or normals that are missing from a corner, or from the file, are left
-    out of all: such files are common.
+    If one corner lacks texture coordinates or normals, or refers to missing ones, the whole mesh
+    goes without them: such files are common.
     """
-    # Here each corner may become a vertex, also where the file brings normals.
+    # Each corner may become a vertex, even where the file has normals.
     size_bytes = geometry_bytes(0, len(corners), normals=False, layers=2)
     budget.take(size_bytes + MESH_BYTES, f"mesh {ascii(name)[:60]}")
     named = {"uv": (obj.uv, corners[..., 1]), "NORMAL": (obj.normals, corners[..., 2])}

@@ -1,4 +1,4 @@
-"""Placed meshes and the camera of a loaded scene."""
+"""The parts of a loaded scene: placed meshes and a camera."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ MAX_PLACES = 200_000
 
 @dataclass(frozen=True)
 class PlacedMesh:
-    """A mesh and the 4 x 4 matrix that takes its vertices to world axes, in metres.
+    """A mesh and the 4 x 4 matrix from its axes to world axes, in metres.
 
     `mesh` may be shared with other places. Its visual is trimesh's TextureVisuals with a
     `SurfaceMaterial`, and `uv` (V, 2), v upwards, or None; a second layer
@@ -34,7 +34,7 @@ class PlacedMesh:
 
 
 def check_triangles(count: int) -> None:
-    """Raise SceneFileError if a scene is to have more than `MAX_TRIANGLES`."""
+    """Raise SceneFileError for more than `MAX_TRIANGLES`."""
     if count > MAX_TRIANGLES:
         raise SceneFileError(
             f"it has {count} triangles, above the limit of {MAX_TRIANGLES}; simplify it"
@@ -42,7 +42,7 @@ def check_triangles(count: int) -> None:
 
 
 def check_places(count: int) -> None:
-    """Raise SceneFileError if a scene is to stand in more than `MAX_PLACES`, nodes or meshes."""
+    """Raise SceneFileError for more than `MAX_PLACES` nodes or placed meshes."""
     if count > MAX_PLACES:
         raise SceneFileError(
             f"it places more than {MAX_PLACES} nodes and meshes; join meshes that belong together"
@@ -51,7 +51,7 @@ def check_places(count: int) -> None:
 
 @dataclass(frozen=True)
 class SceneCamera:
-    """The camera a scene brings: a rigid 4 x 4 pose, looking along its own -Z with +Y up."""
+    """The camera of a scene file: a rigid 4 x 4 pose, looking along its own -Z with +Y up."""
 
     world_from_camera: NDArray[np.float64]
     vertical_field_of_view_rad: float

@@ -1,4 +1,4 @@
-"""Rooms that no daylight enters: closed bodies around the eye."""
+"""Finds rooms without daylight: closed bodies around the eye."""
 
 from typing import NamedTuple
 
@@ -8,13 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.scene.loading import LoadedScene
 
-# Larger scenes are taken as open: the search would cost more than it can spare.
+# Larger scenes count as open: the search would cost more than it saves.
 _MOST_TRIANGLES = 200_000
 _WHOLE_TURN = 0.99
 
 
 class _Body(NamedTuple):
-    """Triangles (F, 3, 3) that close around a volume, and whether their backs show too."""
+    """Triangles (F, 3, 3) that enclose a volume; `both_sides`: all are double-sided."""
 
     triangles: NDArray[np.float64]
     both_sides: bool
@@ -25,8 +25,8 @@ class _Body(NamedTuple):
 class Shelter:
     """The closed bodies of a scene, made of opaque triangles that meet edge to edge.
 
-    A body with the smallest gap counts as open, and so does one whose edges meet only in part:
-    the answer may miss a closed room, but never calls an open one closed.
+    A body with any gap counts as open, and so does one whose edges meet only in part: a closed
+    room may be missed, an open one is never called closed.
     """
 
     def __init__(self, scene: LoadedScene):
@@ -40,7 +40,7 @@ class Shelter:
         self._bodies = _closed_bodies(np.concatenate(triangles), np.concatenate(both_sides))
 
     def holds(self, point_m: ArrayLike) -> bool:
-        """Whether a point (3,) is in a closed body and sees its inside all around."""
+        """Whether a point (3,) is in a closed body whose inside is visible in all directions."""
         point = np.asarray(point_m, dtype=float)
         return any(_closes_around(body, point) for body in self._bodies)
 
@@ -65,7 +65,7 @@ def _closed_bodies(triangles: NDArray[np.float64], both_sides: NDArray[np.bool_]
 
 
 def _is_closed(faces: NDArray[np.int64]) -> bool:
-    """Whether every edge is walked exactly once each way: no gap, and one side all around."""
+    """Whether every edge occurs exactly once in each direction: no gap, one orientation."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     there = edges[np.lexsort(edges.T)]
     back = edges[:, ::-1]
@@ -75,8 +75,9 @@ def _is_closed(faces: NDArray[np.int64]) -> bool:
 
 
 def _closes_around(body: _Body, point: NDArray[np.float64]) -> bool:
-    """By the solid angle of all triangles: -1 turn if they face the point, 1 if away from it.
+    """Whether the body surrounds the point, by the solid angle of all its triangles.
 
+    In units of 4 pi it is -1 if they face the point, 1 if they face away from it.
     Van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle".
     """
     if np.any(point < body.lower_m) or np.any(point > body.upper_m):

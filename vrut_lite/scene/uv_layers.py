@@ -1,7 +1,7 @@
-"""Texture coordinates: with which of a mesh's layers each map of a material is looked up.
+"""Assigns each map of a material to one of the mesh's layers of texture coordinates.
 
-A layer is a set of coordinates under a transform. A mesh carries two, which serves the usual
-export (a tiled surface and a baked occlusion map); a map on a third one is left out.
+A layer is a set of coordinates under a transform. A mesh has at most two, enough for the usual
+export (a tiled surface and a baked occlusion map); maps on a third layer are left out.
 """
 
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ class UvLayer(NamedTuple):
     transform: TextureTransform | None
 
     def coordinates(self, values: NDArray[Any]) -> NDArray[np.float64]:
-        """Texture coordinates (V, 2), v upwards as trimesh has it, of glTF's (V, 2)."""
+        """Texture coordinates (V, 2) with v upwards, as in trimesh, from glTF's (V, 2)."""
         uv = values.astype(np.float64)
         if self.transform is not None and uv.shape[1] == 2:
             c, s = np.cos(self.transform.rotation), np.sin(self.transform.rotation)
@@ -30,7 +30,7 @@ class UvLayer(NamedTuple):
 
 
 def texture_infos(source: Material) -> dict[str, TextureInfo]:
-    """The textures that a material names, by trimesh's names, the base colour's first."""
+    """The textures of a material by trimesh's names, the base colour's first."""
     pbr = source.pbr_metallic_roughness
     named = {
         "baseColorTexture": pbr.base_color_texture,
@@ -43,7 +43,7 @@ def texture_infos(source: Material) -> dict[str, TextureInfo]:
 
 
 def layers_of(source: Material) -> tuple[list[UvLayer], dict[str, int]]:
-    """The layers that a material needs, and the layer's number for each map that has one."""
+    """The layers of a material, and the number of the layer for each map that has one."""
     layers: list[UvLayer] = []
     numbers: dict[str, int] = {}
     for name, info in texture_infos(source).items():

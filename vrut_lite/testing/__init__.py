@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-# pytest loads this file in every project of the environment: what is heavy waits for its use.
+# pytest loads this file in every project of the environment: heavy imports are lazy.
 if TYPE_CHECKING:
     from vrut_lite.kernel.module import Module
     from vrut_lite.recording.replay import Outcome
@@ -31,8 +31,8 @@ def replay_journal(request: pytest.FixtureRequest) -> Callable[..., Outcome]:
     """A function that replays a journal and fails the test at the first message that differs.
 
     `replay_journal(path, modules=None, services=None)` returns the `Outcome`. `modules` are
-    the classes that the journal may name (default: all that are installed), `services` the
-    further arguments of those that take some, by module name.
+    the classes that the journal may name (default: all that are installed), `services` further
+    constructor arguments by module name.
     """
     from vrut_lite.recording.journal_reader import Journal
     from vrut_lite.recording.replay import Replay
@@ -60,7 +60,7 @@ def update_journal(
     modules: Iterable[type[Module]] | None = None,
     services: Services | None = None,
 ) -> None:
-    """Write a journal anew, its inputs as they were; the old file stays if that fails."""
+    """Record a journal again from its own inputs; the old file stays if that fails."""
     from vrut_lite.recording.journal_reader import Journal
     from vrut_lite.recording.replay import rerecord
     from vrut_lite.render.write_atomic import atomic_output

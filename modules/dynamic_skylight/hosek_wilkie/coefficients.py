@@ -26,7 +26,7 @@ _SUN_SEGMENTS = 45
 
 @lru_cache(maxsize=1)
 def tables() -> dict[str, FloatArray]:
-    """The six tables by name, read-only; their axes stand in the functions that use them."""
+    """The six tables by name, read-only; the functions that use them describe their axes."""
     loaded = packaged_arrays("hosek_wilkie.npz")
     for table in loaded.values():
         table.flags.writeable = False

@@ -1,7 +1,7 @@
-"""The fast cube map straight into half precision or tone-mapped bytes.
+"""The fast cube map in half precision or tone-mapped bytes.
 
 Rows are computed a few at a time into a buffer that stays in the processor's cache, and
-leave it converted: the float32 map is never in memory as a whole.
+converted there: the float32 map is never in memory as a whole.
 """
 
 from collections.abc import Callable, Iterator
@@ -42,7 +42,7 @@ def _to_half(source, out):  # type: ignore[no-untyped-def]
             x = min(source[i, j], LARGEST_HALF)
             bits = np.float32(x).view(np.int32)
             normal = (bits - _REBIAS + _ROUND + ((bits >> _SHIFT) & _ONE_BIT)) >> _SHIFT
-            # Added to 0.5, whose ulp is that of subnormal halves, the sum rounds by itself.
+            # 0.5 has the ulp of subnormal halves, so the sum rounds correctly.
             subnormal = np.float32(x + _HALF_ONE).view(np.int32) - _BITS_OF_HALF_ONE
             out[i, j] = np.uint16(normal if bits >= _NORMAL else subnormal)
 

@@ -1,9 +1,8 @@
 """The Hosek-Wilkie cube map in single precision: row kernels that compile to vector code.
 
-No tables and no branches: the elementary functions are polynomials, and a row's texels go
-through one loop over its three colours. What depends on the zenith angle alone is worked out
-once per row and shared by the four side faces. How single precision stays accurate:
-`fast_formula`.
+There are no tables and no branches: the elementary functions are polynomials, and one loop
+computes all three colours of a row. Terms of the zenith angle alone are computed once per row
+and shared by the four side faces. `fast_formula` explains how single precision stays accurate.
 """
 
 import math
@@ -26,7 +25,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SIDES = (0, 1, 4, 5)
 TOP, BOTTOM = 2, 3
-# Six faces of so many texels, in single precision, are 4.8 GB.
+# Six faces of this size, in single precision, take 4.8 GB.
 LARGEST_SIZE = 8192
 _NAME_OF_FACES = f"faces, numbered in the order {', '.join(FACES)},"
 COMPILE: dict[str, Any] = {
@@ -50,7 +49,7 @@ _BITS_OF_ONE, _MANTISSA_BITS = np.int32(127 << 23), np.int32(23)
 def exp2m1(y):  # type: ignore[no-untyped-def]
     """2^y - 1 = 2^n (2^f - 1) + (2^n - 1), |f| <= 1/2: exact near y = 0. |y| <= 126.
 
-    Adding 1.5 * 2^23 rounds to an integer, and leaves it in the low bits.
+    Adding 1.5 * 2^23 rounds to an integer in the low bits.
     """
     shifted = np.float32(y + _ROUNDER)
     f = y - (shifted - _ROUNDER)
@@ -81,15 +80,14 @@ def _glow(gamma, u, cos_gamma, sqrt_cos_theta, p):  # type: ignore[no-untyped-de
 @njit(inline="always", **COMPILE)
 def _zenith(x, base, factor, decay):  # type: ignore[no-untyped-def]
     """The formula's first factor times the radiance; x = 1 / (cos theta + 0.01)."""
-    # 2^-100 is nothing beside 1; the numbers B' and E' keep all else within exp2m1's reach.
+    # 2^-100 is negligible beside 1; B' and E' keep all other exponents in exp2m1's range.
     return base + factor * exp2m1(max(decay * x, LEAST_EXPONENT))
 
 
 @njit(**COMPILE)
 def _zenith_row(zenith, up, rest, a, p):  # type: ignore[no-untyped-def]
     """Rows (5, n): 1 / length, sqrt(cos theta), and the first factor times radiance (3)."""
-    # In variables of their own: a store into `zenith` might, for all the compiler knows,
-    # change an array.
+    # Separate variables: the compiler must assume that a store into `zenith` changes an array.
     inverse, root, red, green, blue = zenith[0], zenith[1], zenith[2], zenith[3], zenith[4]
     r0, r1, r2 = p[0, 0], p[0, 1], p[0, 2]
     g0, g1, g2 = p[1, 0], p[1, 1], p[1, 2]
@@ -129,9 +127,9 @@ def _sky_row(row, zenith, a, other, sun, p):  # type: ignore[no-untyped-def]
 
 @njit(**COMPILE)
 def _fill_top(out, first, last, offset, a, sun, p):  # type: ignore[no-untyped-def]
-    """Rows `first` to `last` of the face that looks up; sun along s, up and along t.
+    """Rows `first` to `last` of the top face; sun along s, up and along t.
 
-    Rows as far before the middle as behind it share their zenith angles.
+    Rows at equal distances from the middle share their zenith angles.
     """
     zenith = np.empty((5, a.size), np.float32)
     for i in range(first, last):
@@ -157,11 +155,11 @@ def _fill_sides(out, places, first, last, offset, a, suns, p):  # type: ignore[n
 
 
 class SkyRows:
-    """The rows of one sky's cube map, for whoever stores them.
+    """Computes rows of one sky's cube map into given arrays.
 
-    `distribution` (3, 9) and `mean_radiance` (3,) are the formula's numbers; the sun may
-    stand anywhere, also below the horizon. Row i goes to place i - `offset` of `out`, whose
-    rows are (3 size,) long and which is C-contiguous.
+    `distribution` (3, 9) and `mean_radiance` (3,) are the formula's numbers; the sun may also be
+    below the horizon. Row i is written to row i - `offset` of `out`, which is C-contiguous with
+    rows of (3 size,).
     """
 
     def __init__(
@@ -178,7 +176,7 @@ class SkyRows:
         self._numbers = fold(distribution, mean_radiance)
 
     def top(self, out: Float32Array, first: int, last: int, offset: int = 0) -> None:
-        """Write rows of the face that looks up into `out` (m, 3 size)."""
+        """Write rows of the top face into `out` (m, 3 size)."""
         x, y, z = (np.float32(v) for v in self._sun)
         _fill_top(out, first, last, offset, self._a, (x, y, z), self._numbers)
 
@@ -191,7 +189,7 @@ class SkyRows:
         last: int,
         offset: int = 0,
     ) -> None:
-        """Write those rows of side faces that are above the horizon, faces[k] to out[places[k]]."""
+        """Write the rows above the horizon of side faces, faces[k] to out[places[k]]."""
         last = min(last, self.size // 2)
         suns = _in_face_axes(self._sun, faces)
         _fill_sides(out, places, first, last, offset, self._a, suns, self._numbers)
@@ -213,7 +211,7 @@ def fill_cube(
 
     Raises:
         ValueError: for an `out` of another shape, type or layout, a face not in 0 to 5, or
-            rows that the faces do not have.
+            rows that do not exist.
     """
     cube = checked_cube(checked_size(size), np.float32, out, faces)
     first, last = _checked_rows(size, rows)
@@ -231,7 +229,7 @@ def fill_cube(
 
 
 def side_faces(faces: tuple[int, ...]) -> NDArray[np.intp]:
-    """Those of the faces that look to a side."""
+    """The side faces among `faces`."""
     return np.array([face for face in SIDES if face in faces], dtype=np.intp)
 
 
@@ -243,7 +241,7 @@ def checked_size(size: int) -> int:
 def checked_cube(
     size: int, dtype: type[np.generic], out: NDArray[Any] | None, faces: tuple[int, ...]
 ) -> NDArray[Any]:
-    """`out` if it is fit to be written, or a new map of zeros; ValueError if it is not."""
+    """`out`, or a new map of zeros if it is None; ValueError if `out` does not fit."""
     check_type("faces", faces, tuple, list)
     for face in faces:
         as_count(_NAME_OF_FACES, face, 0, len(FACES) - 1)

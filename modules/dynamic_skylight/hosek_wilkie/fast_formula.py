@@ -1,7 +1,7 @@
-"""What the fast paths, on CPU and GPU alike, put in place of the formula as it is printed.
+"""The form of the formula that the fast paths on CPU and GPU evaluate.
 
-Polynomials stand for the angle and the exponential, and the numbers A to I are folded, in
-double precision, so that single precision loses nothing to cancellation:
+Polynomials replace the angle and the exponential. The numbers A to I are combined in double
+precision, so that single precision does not suffer from cancellation:
 
 * the angle from the sun comes from the chord u = |d - s|^2 = 2 - 2 cos gamma, summed from
   differences of components, not from cos gamma, which is flat at the sun;
@@ -42,7 +42,7 @@ EXP2M1_POLYNOMIAL = _fit(_exp2m1_over_x, -0.5, 0.5, 4)
 def fold(distribution: FloatArray, mean_radiance: FloatArray) -> Float32Array:
     """Eleven numbers per colour (3, 11): R(1+A), RA, B', C+D, D, E', F, G, (1-I)^2, I, H.
 
-    B' and E' are B and E over ln 2, for powers of two in place of those of e.
+    B' and E' are B and E over ln 2, for powers of two instead of e.
     """
     A, B, C, D, E, F, G, H, I = distribution.T  # noqa: E741 (the paper's letters)
     R, log2_e = mean_radiance, 1.0 / np.log(2.0)

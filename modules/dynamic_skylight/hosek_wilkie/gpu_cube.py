@@ -1,4 +1,4 @@
-"""The Hosek-Wilkie cube map as a job for the GPU: the formula's numbers go up as uniforms."""
+"""The Hosek-Wilkie cube map as a GPU job; the formula's numbers are its uniforms."""
 
 from functools import lru_cache
 from importlib.resources import files
@@ -34,10 +34,10 @@ def gpu_cube_job(
     wanted: tuple[int, ...] = ALL_FACES,
     read_back: bool = False,
 ) -> GpuJob:
-    """A job that writes sky and ground (3,) over `scale` as a cube texture in half precision.
+    """A job that writes sky and ground (3,), divided by `scale`, to a half-precision cube.
 
-    Faces, axes and azimuth are those of `HosekWilkieSky.cube_map`. Of the faces that are not
-    wanted the texels are anyone's.
+    Faces, axes and azimuth are those of `HosekWilkieSky.cube_map`. Texels of the faces that are
+    not wanted are left undefined.
     """
     groups = -(-size // _GROUP)
     return GpuJob(
@@ -73,8 +73,8 @@ def _uniforms(
 
 
 def _floats(values: NDArray[np.floating]) -> tuple[float, ...]:
-    # As the shader reads them: a last bit of float64, which processors differ in, would change
-    # the job's recipe, and a journal of the session would not replay elsewhere.
+    # In single precision, as the shader reads them: the last bits of float64 differ between
+    # processors and would change the job's recipe, so that a journal would not replay elsewhere.
     return tuple(float(value) for value in values.astype(np.float32))
 
 

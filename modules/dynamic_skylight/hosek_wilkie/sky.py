@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 # The disc that the solar function was fitted with; the real one is 0.2666 deg on average.
 SOLAR_DISC_RADIUS_RAD = np.deg2rad(0.51 / 2)
 ALL_FACES = tuple(range(6))
-# Where the authors' functions begin and end.
+# Wavelength ranges of the authors' functions.
 _SKY_NM, _SUN_NM = (280.0, 760.0), (320.0, 720.0)
-# Of larger angles rounding leaves no direction that one would notice.
+# Beyond this, rounding destroys the direction.
 _MOST_TURNED_RAD = 1e6
 _MOST_EXPOSURE = 1e6
 
@@ -39,13 +39,13 @@ class HosekWilkieSky:
         sun_elevation_rad: apparent solar elevation, 0 to pi/2.
 
     Raises:
-        ValueError: for a value outside these ranges, here and in every method, or one that is no
-            number; in one sentence.
+        ValueError: for a value outside these ranges or one that is not a number, here and in every
+            method; in one sentence.
     """
 
     def __init__(self, turbidity: float, albedo: ArrayLike, sun_elevation_rad: float):
         self.turbidity = as_number("turbidity", turbidity, 1.0, 10.0)
-        # A copy: what it came from may change.
+        # A copy, because the caller's array may change.
         self.albedo = as_numbers("albedo", albedo, 0.0, 1.0).copy()
         if self.albedo.shape not in ((), (3,), (WAVELENGTHS_NM.size,)):
             raise ValueError(
@@ -98,7 +98,7 @@ class HosekWilkieSky:
         band fades out at 760 nm.
 
         Raises:
-            ValueError: for wavelengths outside 280 to 760 nm, of which the model knows nothing.
+            ValueError: for wavelengths outside 280 to 760 nm, the model's range.
         """
         wavelength = as_numbers("wavelength_nm", wavelength_nm, *_SKY_NM, "nm")
         bands = _sky(theta_rad, gamma_rad, self.spectral_distribution, self.spectral_mean_radiance)
@@ -113,14 +113,14 @@ class HosekWilkieSky:
         view direction theta, as in the authors' code, so that a low disc reddens downwards.
 
         Raises:
-            ValueError: for wavelengths outside 320 to 720 nm, where the model has no sun.
+            ValueError: for wavelengths outside 320 to 720 nm, the range of the solar function.
         """
         wavelength = as_numbers("wavelength_nm", wavelength_nm, *_SUN_NM, "nm")
         theta, gamma = _angles(theta_rad, gamma_rad)
         weights = _sky_band_weights(wavelength)
         elevation = np.clip(np.pi / 2 - theta, 0.0, np.pi / 2)
         centre = _weigh(coefficients.sun_radiance(self.turbidity, elevation), weights)
-        # Radiance and darkening are interpolated each by itself, as the authors do.
+        # Radiance and limb darkening are interpolated separately, as in the authors' code.
         squared = 1.0 - (np.sin(gamma) / np.sin(SOLAR_DISC_RADIUS_RAD)) ** 2
         powers = np.sqrt(np.maximum(squared, 0.0))[..., None] ** np.arange(6)
         darkening = _weigh(powers @ coefficients.limb_darkening().T, weights)
@@ -138,16 +138,16 @@ class HosekWilkieSky:
         """Sky radiance as a cube map (6, size, size, 3) float32, the fast path of `radiance`.
 
         World axes and face order of `vrut_lite.geometry.cube_map`; the azimuth counts from
-        -Z, clockwise seen from above. 0 below the horizon. Held to `radiance` within 1e-4 of
-        the larger of value and 1 % of the map's maximum. `out` (C-contiguous) is written and
-        returned when given; what is not asked for by `faces` and `rows` (the first, and the
-        one after the last, of each face) is left alone in it and 0 in a new map.
+        -Z, clockwise seen from above. 0 below the horizon. Within 1e-4 of `radiance`, relative to
+        the larger of the value and 1 % of the map's maximum. `out` (C-contiguous), if given, is
+        written and returned. Texels outside `faces` and `rows` (the first row and the one after
+        the last, of each face) are unchanged in `out` and 0 in a new map.
 
         Raises:
-            ValueError: a size outside 1 to 8192, an unfit `out`, a face or a row that there is
-                not; likewise for the other cube maps.
+            ValueError: a size outside 1 to 8192, an `out` that does not fit, a face or row that
+                does not exist; likewise for the other cube maps.
         """
-        # Imported when first used: the compiler costs a moment that the exact model need not.
+        # Imported on first use, because loading the compiler takes a moment.
         from dynamic_skylight.hosek_wilkie.cube_rows import fill_cube
 
         azimuth = _azimuth(sun_azimuth_rad)
@@ -162,9 +162,9 @@ class HosekWilkieSky:
         out: NDArray[np.float16] | None = None,
         faces: tuple[int, ...] = ALL_FACES,
     ) -> NDArray[np.float16]:
-        """`cube_map` over `scale`, in half precision straight from the kernel.
+        """`cube_map` divided by `scale`, in half precision.
 
-        `half_scale` of `brightest` makes a good scale; beyond 65504 the values are cut.
+        `half_scale` of `brightest` is a good scale; values are clipped at 65504.
         """
         from dynamic_skylight.hosek_wilkie.cube_encoded import fill_half
 
@@ -179,7 +179,7 @@ class HosekWilkieSky:
         out: NDArray[np.uint8] | None = None,
         faces: tuple[int, ...] = ALL_FACES,
     ) -> NDArray[np.uint8]:
-        """`cube_map` L as bytes 255 (1 - exp(-exposure L)), straight from the kernel.
+        """`cube_map` L as bytes 255 (1 - exp(-exposure L)).
 
         The daylight thesis's tone curve: linear for dark values (not the display's gamma),
         never clipped for bright ones. `exposure` is in m^2 sr W^-1.
@@ -191,10 +191,10 @@ class HosekWilkieSky:
 
     @cached_property
     def brightest(self) -> float:
-        """About the largest radiance of any channel, W m^-2 sr^-1.
+        """An estimate of the largest radiance of any channel, W m^-2 sr^-1.
 
-        The largest of sun, zenith and the horizon's ends: the map's maximum is between 1 and
-        2 times as much.
+        It is the largest at the sun, the zenith and the horizon below and opposite the sun; the
+        map's maximum is 1 to 2 times as large.
         """
         zenith_angle = np.pi / 2 - self.sun_elevation_rad
         theta = np.array([zenith_angle, 0.0, np.pi / 2, np.pi / 2])
@@ -235,9 +235,9 @@ def _azimuth(sun_azimuth_rad: float) -> float:
 
 
 def half_scale(brightest: float) -> float:
-    """The power of two to divide by, so that this value lies in [2^13, 2^14) as a half.
+    """The power of two by which to divide, so that this value lies in [2^13, 2^14) as a half.
 
-    A factor of four below the largest half is left for what is brighter still.
+    That leaves a factor of four for values that are brighter still.
     """
     return float(2.0 ** (np.frexp(brightest)[1] - 14)) if brightest > 0.0 else 1.0
 

@@ -1,1 +1,1 @@
-"""Where the sun stands and how much of its disc is up."""
+"""The sun's position, refraction, events and visible disc."""

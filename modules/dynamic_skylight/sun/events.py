@@ -1,11 +1,11 @@
-"""When the sun rises, culminates and sets, and when its twilights begin and end.
+"""Sunrise, noon, sunset and the twilights of a day.
 
-Found as roots of `sun_position` itself, by two conventions, both the almanacs':
+They are roots of `sun_position`, by the conventions of almanacs:
 
-* Sunrise and sunset: the upper limb, refracted as its own elevation asks, stands on a level
-  horizon. (The lower the light the more it is lifted: a disc drawn round about its lifted
-  centre shows some seconds earlier.) The dip of the horizon seen from a height is not in it;
-  the thinner air there is.
+* Sunrise and sunset: the upper limb, with the refraction of its own elevation, is on a level
+  horizon. (Refraction grows downwards, so a round disc about the refracted centre appears some
+  seconds earlier.) For an observer at a height the thinner air counts, the dip of the horizon
+  does not.
 * Twilights: the geometric elevation of the centre is -6 (civil), -12 (nautical) or -18 deg
   (astronomical).
 
@@ -26,7 +26,7 @@ from dynamic_skylight.sun.position import Method, SunPosition, checked_place, po
 from dynamic_skylight.sun.refraction import pressure_at_altitude_pa, refraction_rad
 from vrut_lite.arguments import FIRST_YEAR, LAST_YEAR, check_choice, check_type, shown
 
-# Between two looks the sun turns 7.5 deg; extremes in between are searched for.
+# Between two samples the sun moves 7.5 deg; extremes in between are searched for.
 _LOOK = timedelta(minutes=30)
 _PRECISION = timedelta(milliseconds=10)
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
@@ -37,7 +37,7 @@ Height = Callable[[datetime], float]
 
 @dataclass(frozen=True)
 class SunEvents:
-    """The sun's events of one civil day in order, as aware datetimes; None where there is none."""
+    """The sun's events of one civil day in order, as aware datetimes; None if one is missing."""
 
     astronomical_dawn: datetime | None
     nautical_dawn: datetime | None
@@ -85,7 +85,7 @@ def sun_events(
         return position_at(when, latitude_deg, longitude_deg, method, altitude_m)
 
     start, end = _midnight(day, time_zone), _midnight(day + timedelta(days=1), time_zone)
-    # An extreme in the day's first or last minutes shows only to who looks beyond its ends.
+    # One sample beyond each end, to find extremes in the day's first or last minutes.
     looks = [start - _LOOK, *_looks(start, end), end, end + _LOOK]
     turning = _with_extremes(looks, lambda when: look(when).elevation_rad)
     instants = [when for when in turning if start <= when <= end]
@@ -113,7 +113,7 @@ def sun_events(
 
 
 def _check_day(day: date) -> None:
-    # A datetime is a date, too, but of no day: it may be another one in the time zone.
+    # A datetime is also a date, but in the time zone it may fall on another day.
     if isinstance(day, datetime) or not isinstance(day, date):
         raise ValueError(f"day must be a date, as date(2026, 6, 21), not {shown(day)}")
     if not FIRST_YEAR <= day.year <= LAST_YEAR:
@@ -125,7 +125,7 @@ def _above(look: Callable[[datetime], SunPosition], elevation_rad: float) -> Hei
 
 
 def _midnight(day: date, time_zone: tzinfo) -> datetime:
-    """The day's beginning in UTC, in which time passes evenly."""
+    """The day's beginning in UTC, which has no changes of clocks."""
     return datetime.combine(day, time(), tzinfo=time_zone).astimezone(UTC)
 
 
@@ -136,7 +136,7 @@ def _looks(start: datetime, end: datetime) -> Iterator[datetime]:
 
 
 def _with_extremes(instants: list[datetime], height: Height) -> list[datetime]:
-    """The instants and the height's extremes between them: in between it is monotone."""
+    """The instants and the extremes between them, between which the height is monotone."""
     heights = [height(when) for when in instants]
     extremes = []
     for i in range(1, len(instants) - 1):
@@ -148,7 +148,7 @@ def _with_extremes(instants: list[datetime], height: Height) -> list[datetime]:
 
 
 def _highest(start: datetime, end: datetime, height: Height, sign: float) -> datetime:
-    """Where sign times height has its maximum, by golden sections."""
+    """The instant at which sign times height is largest, by golden-section search."""
     while end - start > timedelta(seconds=1):
         width = _GOLDEN * (end - start)
         left, right = end - width, start + width
@@ -160,7 +160,7 @@ def _highest(start: datetime, end: datetime, height: Height, sign: float) -> dat
 
 
 def _roots(instants: list[datetime], height: Height, rising: bool) -> Iterator[datetime]:
-    """Where the height passes zero upwards, or downwards."""
+    """The instants at which the height passes zero, upwards or downwards."""
     sign = 1.0 if rising else -1.0
     heights = [sign * height(when) for when in instants]
     for (start, end), (low, high) in zip(pairwise(instants), pairwise(heights), strict=True):
@@ -169,7 +169,7 @@ def _roots(instants: list[datetime], height: Height, rising: bool) -> Iterator[d
 
 
 def _root(start: datetime, end: datetime, height: Height, sign: float) -> datetime:
-    """Where sign times height becomes positive, by bisection."""
+    """The instant at which sign times height becomes positive, by bisection."""
     while end - start > _PRECISION:
         middle = start + (end - start) / 2
         if sign * height(middle) < 0.0:

@@ -1,4 +1,4 @@
-"""sun_position: from an instant and a place to where the sun stands in the sky."""
+"""sun_position: the sun's position in the sky for an instant and a place."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -23,11 +23,11 @@ _TEMPERATURES_C = (-150.0, 100.0)
 
 @dataclass(frozen=True)
 class SunPosition:
-    """Where the sun's centre stands, seen from a place.
+    """The position of the sun's centre, seen from a place.
 
     Attributes:
-        elevation_rad: geometric (airless) and topocentric; names the phases of twilight.
-        apparent_elevation_rad: lifted by refraction; what light and shadow follow.
+        elevation_rad: geometric (airless) and topocentric; defines the phases of twilight.
+        apparent_elevation_rad: raised by refraction; light and shadow follow it.
         azimuth_rad: from true north, clockwise, in [0, 2 pi).
         direction: unit vector (east, north, up) to the apparent sun.
         visible_disc_fraction: share of the disc above a level horizon, 0 to 1.
@@ -59,7 +59,7 @@ def sun_position(
         method: "ephemeris" (within 0.001 deg), or "preetham" (the short series of the
             daylight thesis, corrected; within 1.2 deg).
         altitude_m: above sea level, -11,000 to 36,000,000.
-        pressure_pa: for refraction, 0 to 400,000; None takes the standard atmosphere's at the
+        pressure_pa: for refraction, 0 to 400,000; None: the standard atmosphere's at the
             altitude.
         temperature_c: for refraction, -150 to 100.
 
@@ -96,7 +96,7 @@ def position_at(
     pressure_pa: float | None = None,
     temperature_c: float = STANDARD_TEMPERATURE_C,
 ) -> SunPosition:
-    """`sun_position` of arguments that are known to be good."""
+    """`sun_position` of checked arguments."""
     pressure = pressure_at_altitude_pa(altitude_m) if pressure_pa is None else pressure_pa
     azimuth, elevation = _geometric_angles(when, latitude_deg, longitude_deg, altitude_m, method)
     apparent = elevation + float(refraction_rad(elevation, pressure, temperature_c))

@@ -1,14 +1,14 @@
 """The sun by the short series of Preetham et al. 1999, corrected.
 
-As the daylight thesis prints them (Hvezda 2020, equations 3.1 to 3.3) the formulas fail in
-two ways. The azimuth's arctan loses the quadrant, and with atan2 instead its denominator
+The formulas in the daylight thesis (Hvezda 2020, equations 3.1 to 3.3) have two errors. The
+azimuth's arctan loses the quadrant, and with atan2 instead its denominator
 cos X sin d - sin X cos d cos a still has the wrong sign: against NREL SPA it errs 16 deg in
-the median and 75 deg at worst. And the longitude term 12 (SM - X_lambda) / pi reckons
-longitudes west-positive on a clock of zone time. With a clock in UTC and east-positive
-longitude it is +12 longitude / pi. What is left, 0.2 deg in the median and 1.1 deg at worst,
-is the shortness of the series for declination and equation of time.
+the median and 75 deg at worst. And the longitude term 12 (SM - X_lambda) / pi is for
+west-positive longitudes and zone time; for UTC and east-positive longitudes it is
++12 longitude / pi. The remaining error, 0.2 deg in the median and 1.1 deg at worst, comes from
+the short series for declination and equation of time.
 
-The day of the year here carries its fraction, so that nothing jumps at midnight UTC.
+The day of the year includes its fraction, so that nothing jumps at midnight UTC.
 """
 
 import math
@@ -40,9 +40,9 @@ def _equation_of_time(day: float) -> float:
 
 
 def _direction(latitude: float, declination: float, a: float) -> tuple[float, float, float]:
-    """East, north, up; a is the angle of solar time, 0 at midnight.
+    """Unit vector (east, north, up); a is the angle of solar time, 0 at midnight.
 
-    As a vector rather than arcsin and a quotient: exact at the zenith and at the poles.
+    Unlike arcsin and a quotient, a vector is exact at the zenith and at the poles.
     """
     sin_x, cos_x = math.sin(latitude), math.cos(latitude)
     sin_d, cos_d = math.sin(declination), math.cos(declination)
