@@ -20,9 +20,11 @@ from vrut_lite.render.patience import GivenUp
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.view = headless_window.window.desk.viewport
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.view = window.window.desk.viewport
+    window.window.actions_by_name["orbit"].trigger()
+    return window
 
 
 def drag(qtbot, view, way, button=Qt.MouseButton.LeftButton):

@@ -22,10 +22,11 @@ PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.window.activateWindow()
-    headless_window.until(headless_window.window.isActiveWindow)
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.window.activateWindow()
+    window.until(window.window.isActiveWindow)
+    return window
 
 
 def press(driver, key, modifiers=Qt.KeyboardModifier.ControlModifier, on=None):
