@@ -1,7 +1,7 @@
 """What is told to people: one line, whatever the file that it quotes has in it."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.errors import ModuleFailed, UserError
@@ -9,7 +9,6 @@ from vrut_lite.errors import ModuleFailed, UserError
 
 @pytest.mark.parametrize("kind", [UserError, ModuleFailed])
 @given(text=st.text(max_size=50))
-@settings(deadline=None, max_examples=50)
 def test_any_text_becomes_one_line_that_a_terminal_shows(kind, text):
     """A name in a stranger's file may hold what clears the screen or turns the line round."""
     said = str(kind(f"cannot open {text}"))

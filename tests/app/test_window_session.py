@@ -172,7 +172,7 @@ def make_no_file(path, kind):
         path.symlink_to({"endless": "/dev/zero", "loop": path}[kind])
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(JSON | st.fixed_dictionaries({"recent": JSON, "geometry": JSON, "docks": JSON}))
 def test_of_any_json_the_bad_part_alone_is_dropped(tmp_path, facts):
     """Whatever stands where a list or a text should: no exception, and files that are there."""

@@ -8,7 +8,7 @@ from dynamic_skylight.hosek_wilkie.sky import SOLAR_DISC_RADIUS_RAD
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 from dynamic_skylight.sun_light import disc_irradiance, in_gamut, limb_darkening_rgb, sun_light
 from dynamic_skylight.twilight import sky_of_hour
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.colour import (
@@ -91,7 +91,6 @@ def test_limb_polynomials_have_mean_one_and_darken_outwards():
     assert edge[2] / centre[2] < edge[1] / centre[1] < edge[0] / centre[0]
 
 
-@settings(deadline=None, max_examples=80)
 @given(
     st.floats(1, 10),
     st.floats(0, 1),

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from dynamic_skylight import sun_position
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pvlib.solarposition import spa_python
 
@@ -113,7 +113,6 @@ def test_morning_is_east_and_noon_south_of_prague(method):
     assert np.degrees(noon.elevation_rad) == pytest.approx(90 - 50.0755, abs=1.0)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     st.datetimes(datetime(1900, 1, 1), datetime(2100, 1, 1), timezones=st.just(UTC)),
     st.floats(-90, 90),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, luminance
@@ -33,7 +33,6 @@ def test_daylight_leaves_colours_as_they_are():
     np.testing.assert_allclose(white_balance_matrix(6504.0), np.eye(3), atol=1e-12)
 
 
-@settings(deadline=None, max_examples=50)
 @given(TEMPERATURES, st.floats(-0.02, 0.02))
 def test_the_chosen_white_becomes_neutral_and_keeps_its_luminance(temperature_k, duv):
     """The white itself turns to equal parts, as bright as before: what the control promises."""
