@@ -41,8 +41,8 @@ def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
     parser.addoption("--live-runs", type=int, default=40, help="random sessions to replay")
     parser.addoption("--scene-cycles", type=int, default=24, help="scenes to load and unload")
-    parser.addoption("--soak-minutes", type=float, default=0.1, help="minutes of play at 60 Hz")
-    parser.addoption("--stress-scale", type=float, default=0.3, help="times more inputs")
+    parser.addoption("--soak-minutes", type=float, default=0.05, help="minutes of play at 60 Hz")
+    parser.addoption("--stress-scale", type=float, default=0.15, help="times more inputs")
 
 
 def pytest_configure(config):

@@ -28,7 +28,7 @@ PAGE_BYTES = 4096
 # Drivers number their objects on and on; far more names than a scene takes.
 FIRST_NAMES, NAMES_A_SCENE = 4000, 120
 TICKS_A_MINUTE = 3600
-WARM_UP_TICKS = 200
+WARM_UP_TICKS = 100
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_play_leaves_nothing_behind(kernel, request):
     """The clock plays at 60 Hz, 24 times as fast as the sun: an hour of play is a day.
 
     Memory and receivers at the end as at the start (within 2,000 blocks: caches of a few
-    hours' light); no fault; a quarter of a minute by default, as many as --soak-minutes says.
+    hours' light); no fault; a few seconds by default, as many minutes as --soak-minutes says.
     """
     faults, skies = FaultCollector(kernel), []
     kernel.tap(lambda message, _: skies.append(1) if type(message) is BackgroundChanged else None)
