@@ -31,9 +31,8 @@ gc.disable()
 
 def pytest_collection_finish():
     """From here on garbage is collected, among what the tests make."""
-    gc.enable()
-    gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def pytest_addoption(parser):

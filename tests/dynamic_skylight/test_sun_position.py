@@ -3,12 +3,10 @@
 from datetime import UTC, datetime, timedelta, timezone
 
 import numpy as np
-import pandas as pd
 import pytest
 from dynamic_skylight import sun_position
 from hypothesis import given
 from hypothesis import strategies as st
-from pvlib.solarposition import spa_python
 
 from vrut_lite.geometry.frames import direction_from_angles
 
@@ -18,6 +16,10 @@ COUNT = 250
 @pytest.fixture(scope="module")
 def anywhere_anytime():
     """Random instants 1950-2080 and places, even over the Earth, with SPA's directions there."""
+    # They take long to import, and one test file needs them.
+    import pandas as pd
+    from pvlib.solarposition import spa_python
+
     rng = np.random.default_rng(20200601)
     first, last = datetime(1950, 1, 1, tzinfo=UTC), datetime(2080, 1, 1, tzinfo=UTC)
     instants = [first + share * (last - first) for share in rng.random(COUNT)]
