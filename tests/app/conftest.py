@@ -12,9 +12,6 @@ except ImportError:
     # tests/conftest.py says why in the report's header.
     collect_ignore_glob = ["test_*.py"]
 
-# Of a window whose pictures are drawn, which takes long without a graphics card.
-SMALL = (680, 440)
-
 
 @pytest.fixture
 def headless_window(qtbot, tmp_path):
@@ -29,7 +26,7 @@ def headless_window(qtbot, tmp_path):
 @pytest.fixture
 def drawn_window(qtbot, tmp_path):
     """The same with real pictures, of the sundial; needs OpenGL."""
-    from window_driver import WindowDriver
+    from window_driver import SMALL, WindowDriver
 
     from vrut_lite.app.stage import GlStage
 
@@ -73,6 +70,8 @@ def shared_headless_window(_open_window):
 @pytest.fixture
 def shared_drawn_window(_open_window):
     """The same with real pictures."""
+    from window_driver import SMALL
+
     from vrut_lite.app.stage import GlStage
 
     return _open_window(GlStage, SMALL)

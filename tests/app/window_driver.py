@@ -23,6 +23,8 @@ SCENES = Path(__file__).parents[2] / "scenes"
 PATIENCE_MS = 240_000
 NOON = datetime(2026, 6, 21, 11, 0, tzinfo=UTC)
 ZONE = "Europe/Prague"
+# Pixels of a window whose pictures are drawn, which takes long without a graphics card.
+SMALL = (680, 440)
 
 
 class HeadlessStage:
