@@ -38,8 +38,8 @@ def pytest_collection_finish():
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
-    parser.addoption("--live-runs", type=int, default=40, help="random sessions to replay")
-    parser.addoption("--scene-cycles", type=int, default=24, help="scenes to load and unload")
+    parser.addoption("--live-runs", type=int, default=25, help="random sessions to replay")
+    parser.addoption("--scene-cycles", type=int, default=12, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.05, help="minutes of play at 60 Hz")
     parser.addoption("--stress-scale", type=float, default=0.15, help="times more inputs")
 

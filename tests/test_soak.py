@@ -98,7 +98,7 @@ def test_scenes_come_and_go_in_one_host(request):
     """Every scene there is, one after another: no GL object more, no scene, memory within 40 MB.
 
     From file to picture, at another hour each time; whole rounds, so that the last scene is
-    the first measurement's. --scene-cycles says how many, 24 by default.
+    the first measurement's. --scene-cycles says how many.
     """
     from vrut_lite.host import Host
     from vrut_lite.render.pyrender_scene import PyrenderScene

@@ -10,6 +10,7 @@ from dynamic_skylight.sun_light import disc_irradiance, in_gamut, limb_darkening
 from dynamic_skylight.twilight import sky_of_hour
 from hypothesis import given
 from hypothesis import strategies as st
+from long_parameters import mostly_long
 
 from vrut_lite.geometry.colour import (
     LUMENS_PER_WATT,
@@ -20,7 +21,7 @@ from vrut_lite.geometry.colour import (
 )
 
 
-@pytest.mark.parametrize("turbidity", [1.0, 4.5, 10.0])
+@pytest.mark.parametrize("turbidity", mostly_long([1.0, 4.5, 10.0], (4.5).__ne__))
 @pytest.mark.parametrize("elevation_deg", [1.0, 5.0, 40.0, 89.0])
 def test_the_irradiance_is_the_discs_radiance_summed(turbidity, elevation_deg):
     """A sum of solar_radiance over 160 000 directions must give the same, to 1e-3 or 1e-7.
