@@ -81,7 +81,7 @@ def ten_changes(driver):
     yield lambda: type_in(driver, hosek.rows["turbidity"].editor.spin, "4.5")
     yield lambda: hosek.rows["albedo"].editor.slider.setValue(700)
     yield lambda: pick(hosek.rows["sun_method"].editor, "preetham")
-    yield lambda: type_in(driver, clouds.rows["coverage"].editor.spin, "0.4")
+    yield lambda: type_in(driver, clouds.rows["base_m"].editor.spin, "900")
     yield lambda: scene.rows["light_shafts"].editor.click()
     yield lambda: type_in(driver, driver.panel("place").latitude_deg.spin, "-33.9")
     yield lambda: type_in(driver, picture.compensation_ev.spin, "1.5")
