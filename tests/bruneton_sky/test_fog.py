@@ -20,7 +20,7 @@ from bruneton_sky.single_scattering import (
 from bruneton_sky.solver import march_tables, solve
 from bruneton_sky.sun_light import sun_irradiance
 from bruneton_sky.tables.sizes import TableSizes
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from shader_probe import ShaderProbe
 
@@ -165,6 +165,7 @@ def test_published_tables_refuse_fog() -> None:
     st.floats(50.0, 20_000.0), st.floats(5.0, 1000.0), st.floats(0.0, 60_000.0),
     st.floats(-1.0, 1.0), st.floats(-0.3, 1.0),
 )  # fmt: skip
+@settings(deadline=None, max_examples=60)
 def test_always_a_radiance(
     visibility_m: float, height_m: float, altitude_m: float, mu: float, mu_s: float
 ) -> None:

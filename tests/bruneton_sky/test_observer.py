@@ -17,7 +17,7 @@ from bruneton_sky.observer import (
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.sky_view import sky_view
 from bruneton_sky.solver import SourceField, solve
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from long_parameters import mostly_long
 from numpy.typing import NDArray
@@ -84,6 +84,7 @@ def test_no_texel_changes_over_a_suns_step(name: str, height_m: float) -> None:
 
 
 @given(st.floats(0.0, 1e7), st.floats(1e5, 1e8))
+@settings(deadline=None, max_examples=50)
 def test_horizon_moves_less_than_can_be_seen(height_m: float, radius_m: float) -> None:
     """Up or down by a step, at any height above any planet: 0.07 degrees at most."""
     air = Atmosphere(**{**vars(Atmosphere.earth()), "ground_radius_m": radius_m})
