@@ -131,10 +131,12 @@ def test_black_walls_in_fog_fade_as_koschmieder_says(backend, tmp_path):
 
 @pytest.mark.parametrize(
     ("height_m", "distance_m"),
-    mostly_long(
-        [(2.0, 1e4), (2.0, 8e4), (3000.0, 1e4), (3000.0, 3e4)],
-        ((2.0, 8e4), (3000.0, 1e4)).__contains__,
-    ),
+    [
+        (2.0, 8e4),
+        (3000.0, 1e4),
+        pytest.param(2.0, 1e4, marks=pytest.mark.long),
+        pytest.param(3000.0, 3e4, marks=pytest.mark.long),
+    ],
 )
 def test_no_line_and_no_bands_across_a_black_wall(backend, field, tmp_path, height_m, distance_m):
     """About the horizon, row by row of a minute of arc: pixels over the integral are 1 within
