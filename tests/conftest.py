@@ -1,10 +1,17 @@
 """Fixtures that several test folders share; skips GL tests where there is no GL."""
 
+import functools
+import gc
+import importlib.metadata
 from types import SimpleNamespace
 
+import hypothesis
 import pytest
 
-from vrut_lite.render.gl_environment import probe_gl
+# Every kernel asks what is installed, which does not change meanwhile and takes 25 ms to find.
+importlib.metadata.entry_points = functools.cache(importlib.metadata.entry_points)
+
+from vrut_lite.render.gl_environment import probe_gl  # noqa: E402
 
 # pytest-qt ends the whole run where Qt cannot be loaded: pyproject.toml keeps it from loading
 # itself, and it is loaded here where it can be.
@@ -17,13 +24,31 @@ except ImportError as error:
     NO_QT = str(error)
 
 
+# Modules and collected tests stay to the end: the collector of garbage need not visit half a
+# million objects again and again.
+gc.disable()
+
+
+def pytest_collection_finish():
+    """From here on garbage is collected, among what the tests make."""
+    gc.freeze()
+    gc.enable()
+
+
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
-    parser.addoption("--live-runs", type=int, default=40, help="random sessions to replay")
-    parser.addoption("--scene-cycles", type=int, default=24, help="scenes to load and unload")
-    parser.addoption("--soak-minutes", type=float, default=0.1, help="minutes of play at 60 Hz")
-    parser.addoption("--stress-scale", type=float, default=0.3, help="times more inputs")
+    parser.addoption("--live-runs", type=int, default=25, help="random sessions to replay")
+    parser.addoption("--scene-cycles", type=int, default=12, help="scenes to load and unload")
+    parser.addoption("--soak-minutes", type=float, default=0.05, help="minutes of play at 60 Hz")
+    parser.addoption("--stress-scale", type=float, default=0.15, help="times more inputs")
+
+
+def pytest_configure(config):
+    """How many examples a property is tried with, unless its test says."""
+    hypothesis.settings.register_profile("short", deadline=None, max_examples=30)
+    hypothesis.settings.register_profile("long", deadline=None, max_examples=200)
+    hypothesis.settings.load_profile("long" if config.getoption("--long") else "short")
 
 
 def pytest_collection_modifyitems(config, items):

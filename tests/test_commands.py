@@ -188,7 +188,7 @@ def test_fov_changes_a_projects_camera(vrut_lite, tmp_path):
     """--fov alone changes the project's field of view."""
     for name, options in (("wide", []), ("narrow", ["--fov", "20"])):
         arguments = ["-o", tmp_path / f"{name}.exr", "--size", "96x64", *options, *EVENING]
-        vrut_lite("render", SCENES / "street.toml", *arguments)
+        vrut_lite("render", SCENES / "sundial.toml", *arguments)
     wide, narrow = (read_exr(tmp_path / f"{name}.exr")[0] for name in ("wide", "narrow"))
     assert not np.allclose(wide, narrow, rtol=0.1)
 

@@ -1,7 +1,7 @@
 """Error texts are one printable line, whatever they quote."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.errors import ModuleFailed, UserError
@@ -9,7 +9,6 @@ from vrut_lite.errors import ModuleFailed, UserError
 
 @pytest.mark.parametrize("kind", [UserError, ModuleFailed])
 @given(text=st.text(max_size=50))
-@settings(deadline=None, max_examples=50)
 def test_any_text_becomes_one_line_that_a_terminal_shows(kind, text):
     """Control characters in quoted names, which could clear the screen, are escaped."""
     said = str(kind(f"cannot open {text}"))

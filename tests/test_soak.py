@@ -28,7 +28,7 @@ PAGE_BYTES = 4096
 # Drivers give objects rising names; these numbers far exceed what a scene needs.
 FIRST_NAMES, NAMES_A_SCENE = 4000, 120
 TICKS_A_MINUTE = 3600
-WARM_UP_TICKS = 200
+WARM_UP_TICKS = 100
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_play_leaves_nothing_behind(kernel, request):
     """The clock plays at 60 Hz, 24 times as fast as the sun: an hour of play is a day.
 
     Memory and receivers at the end as at the start (within 2,000 blocks: caches of a few
-    hours' light); no fault; a quarter of a minute by default, as many as --soak-minutes says.
+    hours' light); no fault; a few seconds by default, as many minutes as --soak-minutes says.
     """
     faults, skies = FaultCollector(kernel), []
     kernel.tap(lambda message, _: skies.append(1) if type(message) is BackgroundChanged else None)
@@ -98,7 +98,7 @@ def test_scenes_come_and_go_in_one_host(request):
     """After all scenes in turn no GL object or scene is left over; memory grows below 40 MB.
 
     From file to picture, at another hour each time; whole rounds, so that the last scene is
-    the first measurement's. --scene-cycles says how many, 24 by default.
+    the first measurement's. --scene-cycles says how many.
     """
     from vrut_lite.host import Host
     from vrut_lite.render.pyrender_scene import PyrenderScene

@@ -15,7 +15,7 @@ from vrut_lite.project import Project, daylight_inputs, view_inputs
 pytestmark = pytest.mark.gl
 SUNDIAL = Path(__file__).parents[1] / "scenes" / "sundial.glb"
 HOURS = ("07:30", "10:00", "13:10", "15:45", "18:45")
-CAMERA_HEIGHT_M, HALF_VIEW_M, SIZE_PX = 40.0, 4.0, 900
+CAMERA_HEIGHT_M, HALF_VIEW_M, SIZE_PX = 40.0, 4.0, 400
 
 
 @pytest.fixture(scope="module")

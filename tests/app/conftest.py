@@ -1,7 +1,6 @@
 """Windows that nobody sees, on Qt's platform `offscreen`: no display is needed."""
 
 import os
-from pathlib import Path
 
 import pytest
 
@@ -12,8 +11,6 @@ try:
 except ImportError:
     # tests/conftest.py says why in the report's header.
     collect_ignore_glob = ["*/test_*.py", "test_*.py"]
-
-SCENES = Path(__file__).parents[2] / "scenes"
 
 
 @pytest.fixture
@@ -29,10 +26,51 @@ def headless_window(qtbot, tmp_path):
 @pytest.fixture
 def drawn_window(qtbot, tmp_path):
     """The same with real pictures, of the sundial; needs OpenGL."""
-    from window_driver import WindowDriver
+    from window_driver import SMALL, WindowDriver
 
     from vrut_lite.app.engine.stage import GlStage
 
-    driver = WindowDriver(qtbot, GlStage, tmp_path)
+    driver = WindowDriver(qtbot, GlStage, tmp_path, SMALL)
     yield driver
     driver.close()
+
+
+@pytest.fixture(scope="module")
+def _open_window(request, qapp, tmp_path_factory):
+    """A function that opens one window a stage for all tests of a file."""
+    from pytestqt.qtbot import QtBot
+    from window_driver import WindowDriver
+
+    drivers = {}
+
+    def window_on(open_stage, *size):
+        if open_stage in drivers:
+            drivers[open_stage].renew()
+        else:
+            folder = tmp_path_factory.mktemp("window")
+            drivers[open_stage] = WindowDriver(QtBot(request), open_stage, folder, *size)
+        return drivers[open_stage]
+
+    yield window_on
+    for driver in drivers.values():
+        driver.close()
+
+
+@pytest.fixture
+def shared_headless_window(_open_window):
+    """A headless window that the tests of a file share, with its project opened again.
+
+    Docks, texts and tools stay as the test before left them.
+    """
+    from window_driver import HeadlessStage
+
+    return _open_window(HeadlessStage)
+
+
+@pytest.fixture
+def shared_drawn_window(_open_window):
+    """The same with real pictures."""
+    from vrut_lite.app.stage import GlStage
+    from window_driver import SMALL
+
+    return _open_window(GlStage, SMALL)

@@ -23,6 +23,9 @@ SCENES = Path(__file__).parents[2] / "scenes"
 # Long enough for a machine that does much else; no test waits for it to pass.
 PATIENCE_MS = 240_000
 NOON = datetime(2026, 6, 21, 11, 0, tzinfo=UTC)
+ZONE = "Europe/Prague"
+# Pixels of a window whose pictures are drawn, which takes long without a graphics card.
+SMALL = (680, 440)
 
 
 class HeadlessStage:
@@ -61,7 +64,7 @@ class HeadlessStage:
 class WindowDriver:
     """Opens a window on the sundial, 21 June 2026, 13:00 in Prague."""
 
-    def __init__(self, qtbot, open_stage, folder):
+    def __init__(self, qtbot, open_stage, folder, size=(900, 600)):
         from PySide6.QtWidgets import QApplication
 
         if not QApplication.instance().styleSheet():
@@ -72,7 +75,7 @@ class WindowDriver:
             self.session, PresetStore(folder / "presets"), Kept(folder / "kept")
         )
         qtbot.addWidget(self.window)
-        self.window.resize(900, 600)
+        self.window.resize(*size)
         self.problems = []
         self.session.problem.connect(self.problems.append)
         self.heard = []
@@ -80,8 +83,25 @@ class WindowDriver:
         self.window.show()
         self.session.start()
         self.open(load_project(SCENES / "sundial.toml"))
-        self.until(lambda: self.window.desk.scout.day is not None)
+        self.until(self._day_is_found)
         self.until(lambda: self.session.shown is not None)
+        self.heard.clear()
+
+    def _day_is_found(self):
+        day = self.window.desk.scout.day
+        return day is not None and day.zone.key == ZONE and day.start <= NOON < day.end
+
+    def renew(self):
+        """Open the project again: scene, place, hour, camera, settings are those of a new window,
+        and nothing is left to undo."""
+        self.window.time.player.pause()
+        self.open(load_project(SCENES / "sundial.toml"))
+        # The project's inputs are known after the first, and acted on after the second.
+        self.settled()
+        self.settled()
+        self.until(self._day_is_found)
+        self.window.news.clear()
+        self.problems.clear()
         self.heard.clear()
 
     def open(self, project: Project):

@@ -48,7 +48,9 @@ def test_walls_through_the_volume(altitude_m: float, elevation_deg: float) -> No
             assert np.all(np.abs(ours + wall * passed - white) <= most * white)
 
 
-@pytest.mark.parametrize("sun_deg", [60.0, 40.0, 25.0, 10.0])
+@pytest.mark.parametrize(
+    "sun_deg", mostly_long([60.0, 40.0, 25.0, 10.0], (60.0, 10.0).__contains__)
+)
 @pytest.mark.parametrize(("height", "azimuth"), [(2.0, 45.0), (5.0, 60.0), (20.0, 120.0)])
 def test_walls_against_radiance_to_point(
     finer_tables: Tables, height: float, azimuth: float, sun_deg: float

@@ -21,7 +21,7 @@ from bruneton_sky.tables.parametrisations import (
     unit_range,
 )
 from bruneton_sky.tables.sizes import TableSizes
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 SIZES = TableSizes(altitude=5, mu=14, nu=3, mu_s=6)
@@ -57,7 +57,6 @@ def state_of(air: Atmosphere, height: float, mu: float, mu_s: float, nu: float) 
 @example(Atmosphere.earth(), 0.0, 0.0, 0.0, 1.0)
 @example(Atmosphere.earth(), 0.5, -0.0, 1.0, 0.0)
 @example(Atmosphere.earth(), 1.0, -0.0, 0.5, 0.5)
-@settings(deadline=None, max_examples=150)
 def test_states_come_back(
     mapping: Parametrisation, air: Atmosphere, height: float, mu: float, sun: float, nu: float
 ) -> None:
@@ -75,7 +74,6 @@ def test_states_come_back(
 
 @YEARS
 @given(PLANETS, ALTITUDE, UNIT, UNIT, UNIT)
-@settings(deadline=None, max_examples=150)
 def test_coordinates_come_back(
     mapping: Parametrisation, air: Atmosphere, height: float, mu: float, nu: float, sun: float
 ) -> None:
@@ -96,7 +94,6 @@ def test_coordinates_come_back(
 
 
 @given(PLANETS, ALTITUDE, UNIT)
-@settings(deadline=None, max_examples=100)
 def test_flat_tables_come_back(air: Atmosphere, height: float, along: float) -> None:
     """Transmittance and irradiance: coordinates to state to coordinates, to 1e-9."""
     shape = (16, 64)

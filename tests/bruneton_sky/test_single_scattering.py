@@ -9,7 +9,7 @@ from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.geometry import end_of_ray, make_ray
 from bruneton_sky.optical_path import exponential_path
 from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -125,7 +125,6 @@ def test_phase_functions_hold_all_the_light() -> None:
         assert 2.0 * np.pi * (weight * phase).sum() == pytest.approx(1.0, rel=1e-10)
 
 
-@settings(deadline=None, max_examples=200)
 @given(
     height=st.floats(0.0, 60_000.0) | st.sampled_from([0.0, 1e-3, 59_999.999, 60_000.0]),
     mu=COSINE,
@@ -142,7 +141,6 @@ def test_always_finite_and_never_negative(
     assert (radiance >= 0).all()
 
 
-@settings(deadline=None, max_examples=100)
 @given(
     height=st.floats(0.0, 30_000.0),
     mu=st.floats(0.02, 1.0),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from clouds.noise import detail_volume, shape_volume, weather_map
 from clouds.noise_kernels import perlin, worley
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 places = st.lists(
@@ -12,7 +12,6 @@ places = st.lists(
 ).map(np.array)  # fmt: skip
 
 
-@settings(deadline=None, max_examples=30)
 @given(places, st.integers(1, 9), st.integers(0, 10**6), st.tuples(*[st.integers(-3, 3)] * 3))
 def test_noise_repeats(at, cells, seed, shift):
     """Places a whole period apart have equal noise, so that textures have no seams."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
@@ -15,7 +15,6 @@ from vrut_lite.geometry.colour import (
 )
 
 
-@settings(deadline=None, max_examples=100)
 @given(needed=st.floats(1.0, 1e9), shown=st.sampled_from([0.0, 10.0, 640.0, 1e5, 1e12]))
 def test_a_rung_holds_what_is_needed(needed: float, shown: float) -> None:
     """The reach is at least what is needed and, above the first rung, at most 1.1 * sqrt(2)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.daylight.air_rows import (
@@ -29,7 +29,6 @@ GRIDS = st.builds(
 )
 
 
-@settings(deadline=None, max_examples=150)
 @given(GRIDS)
 def test_rows_are_found_where_they_lie(grid: Grid) -> None:
     """Rows are monotone from the horizon up and down, and `rows_of` inverts `row_heights` within

@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.array import Array
@@ -99,7 +99,6 @@ def test_look_up_is_exact_on_the_nodes(altitude_m: float, planet: tuple[float, f
             assert found.sunlit == pytest.approx(sunlit, rel=2e-4)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     altitude_m=st.sampled_from(ALTITUDES),
     planet=st.sampled_from([EARTH, OTHER]),

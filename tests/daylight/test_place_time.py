@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 from zoneinfo import ZoneInfo
 
 import pytest
-from hypothesis import example, given, reject, settings
+from hypothesis import example, given, reject
 from hypothesis import strategies as st
 
 from vrut_lite.daylight import place_time
@@ -80,7 +80,6 @@ def test_the_zone_is_of_the_coordinates_not_of_the_longitude():
     assert datetime(2026, 6, 21, tzinfo=time_zone_at(ATLANTIC)).utcoffset() == timedelta(hours=-2)
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.floats(-90, 90), st.floats(-180, 180))
 @example(90.0, 0.0)
 @example(-90.0, 180.0)
@@ -203,7 +202,6 @@ def test_years_beyond_the_ephemeris_are_refused(year):
     assert "outside 1600 to 2600" in refusal(f"{year}-12-31T23:59+14:00", APIA)
 
 
-@settings(deadline=None, max_examples=300)
 @given(
     st.datetimes(datetime(1600, 1, 1), datetime(2600, 12, 31)),
     st.sampled_from(PLACES),
@@ -219,7 +217,6 @@ def test_every_accepted_local_time_round_trips(wall, place):
     assert instant.astimezone(time_zone_at(place)).replace(tzinfo=None, fold=0) == wall
 
 
-@settings(deadline=None, max_examples=300)
 @given(
     st.datetimes(datetime(1860, 1, 1), datetime(2037, 12, 31), timezones=st.just(UTC)),
     st.sampled_from(PLACES),

@@ -4,7 +4,7 @@ import math
 from typing import ClassVar
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from probe_messages import act, faults_of
 
@@ -90,7 +90,6 @@ def test_more_work_for_no_less_error_is_never_taken():
 
 
 @given(st.floats(1e-6, 1.0), st.floats(1e-6, 1.0), st.floats(1e-4, 0.1), st.floats(0.01, 1.0))
-@settings(deadline=None, max_examples=200)
 def test_a_looser_tolerance_never_has_a_smaller_budget(one, other, usual, share):
     """A looser tolerance never asks for more work, and a tight one is not exceeded."""
     tight, loose = sorted((one, other))

@@ -5,7 +5,7 @@ import pytest
 from dynamic_skylight.background import fill_ground
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.sun.disc import visible_fraction
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.cube_map import texel_directions
@@ -56,7 +56,6 @@ def test_the_azimuth_turns_the_sky_only():
     np.testing.assert_allclose(east[0], north[5], rtol=1e-4)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     st.floats(1, 10),
     st.floats(0, 1),
@@ -74,7 +73,6 @@ def test_every_sphere_is_finite_and_not_negative(turbidity, albedo, elevation, a
     assert light.background(8).min() >= 0.0
 
 
-@settings(deadline=None, max_examples=40)
 @given(st.floats(1, 10), st.floats(0, 1), st.floats(-0.4, np.pi / 2 - 3e-6))
 @example(3.0, 1.0, 0.0)
 def test_the_ground_does_not_jump(turbidity, albedo, elevation):

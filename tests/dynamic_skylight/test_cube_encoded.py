@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from dynamic_skylight import HosekWilkieSky
 from dynamic_skylight.hosek_wilkie.sky import half_scale
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 SKY = HosekWilkieSky(3.0, 0.1, 0.7)
 
 
-@settings(deadline=None, max_examples=40)
 @given(
     st.floats(1, 10),
     st.floats(0, 1),
@@ -38,7 +37,6 @@ def test_what_no_half_can_hold_is_cut():
     assert SKY.cube_map_float16(16, 0.0, 1e-4).max() == 65504.0
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.floats(1, 10), st.floats(0, 1), st.floats(0, np.pi / 2))
 @example(1.0, 0.0, 0.0)
 @example(10.0, 1.0, np.pi / 2)

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from dynamic_skylight import HosekWilkieSky
 from exact_cube import assert_texels_agree, twin_cube, world_sun
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.cube_map import texel_directions
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     st.floats(1, 10), st.floats(0, 1), st.floats(0, np.pi / 2), st.floats(-7, 7), st.integers(2, 40)
 )

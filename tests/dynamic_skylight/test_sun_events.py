@@ -10,7 +10,7 @@ import pytest
 from dynamic_skylight import SunEvents, sun_events, sun_position
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun.refraction import refraction_rad
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
@@ -70,7 +70,6 @@ def test_a_published_day():
     assert found.astronomical_dawn is None
 
 
-@settings(deadline=None, max_examples=40)
 @given(
     st.dates(date(1950, 1, 1), date(2079, 12, 31)),
     st.floats(-90, 90),
@@ -107,7 +106,6 @@ def test_each_event_is_where_the_sun_says(day, latitude, longitude, zone_hours):
             assert sun.elevation_rad == pytest.approx(expected, abs=2e-6)
 
 
-@settings(deadline=None, max_examples=30)
 @given(st.dates(date(1950, 1, 1), date(2079, 12, 31)), st.floats(-60, 60), st.floats(-180, 180))
 def test_a_day_in_its_own_solar_time_is_in_order(day, latitude, longitude):
     """Where the zone follows the sun: dawns, sunrise, noon, sunset, dusks, each after the last."""

@@ -8,8 +8,9 @@ from dynamic_skylight.hosek_wilkie.sky import SOLAR_DISC_RADIUS_RAD
 from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD, visible_fraction
 from dynamic_skylight.sun_light import disc_irradiance, in_gamut, limb_darkening_rgb, sun_light
 from dynamic_skylight.twilight import sky_of_hour
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from long_parameters import mostly_long
 
 from vrut_lite.geometry.colour import (
     LUMENS_PER_WATT,
@@ -20,7 +21,7 @@ from vrut_lite.geometry.colour import (
 )
 
 
-@pytest.mark.parametrize("turbidity", [1.0, 4.5, 10.0])
+@pytest.mark.parametrize("turbidity", mostly_long([1.0, 4.5, 10.0], (4.5).__ne__))
 @pytest.mark.parametrize("elevation_deg", [1.0, 5.0, 40.0, 89.0])
 def test_the_irradiance_is_the_discs_radiance_summed(turbidity, elevation_deg):
     """A sum of solar_radiance over 160 000 directions must give the same, to 1e-3 or 1e-7.
@@ -91,7 +92,6 @@ def test_limb_polynomials_have_mean_one_and_darken_outwards():
     assert edge[2] / centre[2] < edge[1] / centre[1] < edge[0] / centre[0]
 
 
-@settings(deadline=None, max_examples=80)
 @given(
     st.floats(1, 10),
     st.floats(0, 1),

@@ -19,7 +19,7 @@ from dynamic_skylight.twilight_blend import (
 from dynamic_skylight.twilight_curve import illuminance_lx
 from dynamic_skylight.twilight_table import luminous_irradiance
 from exact_cube import assert_texels_agree, twin_cube
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry import spherical_harmonics
@@ -76,7 +76,6 @@ def test_by_day_the_sky_is_hoseks_own():
     np.testing.assert_array_equal(sky.cube_map(16, 0.3), day.cube_map(16, 0.3))
 
 
-@settings(deadline=None, max_examples=80)
 @given(TURBIDITIES, ALBEDOS, ELEVATIONS)
 @example(1.0, 0.0, -np.pi / 2)
 @example(10.0, 1.0, BLEND_APPARENT_RAD)
@@ -92,7 +91,6 @@ def test_every_sky_is_finite_and_lit(turbidity, albedo, elevation):
     assert np.all(exact >= 0.0)
 
 
-@settings(deadline=None, max_examples=60)
 @given(TURBIDITIES, ALBEDOS, st.floats(-20.0, 1.5))
 @example(3.0, 0.1, BLEND_DEG - 0.025)
 @example(1.0, 1.0, -0.8)
@@ -110,7 +108,6 @@ def test_no_step_beyond_the_curves_own(turbidity, albedo, geometric_deg):
     assert 0.99 < after / before < allowed
 
 
-@settings(deadline=None, max_examples=60)
 @given(TURBIDITIES, ALBEDOS, st.floats(-19.0, 1.5))
 @example(3.0, 0.1, BLEND_DEG)
 @example(1.0, 0.0, 0.0)
@@ -128,7 +125,6 @@ def test_no_direction_jumps(turbidity, albedo, geometric_deg):
     np.testing.assert_allclose(sky[0], sky[1], rtol=1e-3, atol=1e-3 * sky[0].max())
 
 
-@settings(deadline=None, max_examples=60)
 @given(TURBIDITIES, ALBEDOS, st.floats(-17.9, BLEND_DEG), st.floats(1e-4, 0.5))
 @example(10.0, 0.1, 0.3, 0.2)
 @example(10.0, 0.1, 0.1, 0.1)
@@ -182,7 +178,6 @@ def largest_change(turbidity: float, albedo: float, geometric_deg: float, top_de
     return float((np.abs(after - before) / np.maximum(before, 1e-2 * before.max())).max())
 
 
-@settings(deadline=None, max_examples=40)
 @given(
     st.floats(1.0, 8.0), ALBEDOS, st.floats(-17.0, BLEND_DEG - 0.05), st.sampled_from([4.0, 90.0])
 )
@@ -205,7 +200,6 @@ def test_no_direction_runs_ahead_of_the_light(turbidity, albedo, geometric_deg, 
     assert largest_change(turbidity, albedo, geometric_deg, top_deg) < limit
 
 
-@settings(deadline=None, max_examples=30)
 @given(
     st.floats(8.0, 10.0), ALBEDOS, st.floats(-3.0, BLEND_DEG - 0.05), st.sampled_from([4.0, 90.0])
 )

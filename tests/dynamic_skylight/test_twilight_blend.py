@@ -11,7 +11,7 @@ from dynamic_skylight.twilight_blend import (
     luminance_share,
 )
 from dynamic_skylight.twilight_table import MAP_SHAPE, luminous_irradiance
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.colour import luminance
@@ -46,7 +46,6 @@ def test_below_the_blend_there_is_the_twilight_alone(geometric_deg):
     np.testing.assert_allclose(sky[..., :3], 3.0 * twilight, rtol=1e-12)
 
 
-@settings(deadline=None, max_examples=40)
 @given(st.floats(-4.0, BLEND_DEG), st.floats(1e-6, 1e3), st.integers(0, 1000))
 def test_the_illuminance_is_the_one_asked_for(geometric_deg, level, seed):
     """Whatever the shares: CIE Y on level ground is `level`."""
@@ -90,7 +89,6 @@ def test_a_black_direction_brightens_in_small_steps():
     assert np.max(path[1:] / np.maximum(path[:-1], 0.02)) < 1.21
 
 
-@settings(deadline=None, max_examples=60)
 @given(st.floats(-5.0, 2.0), st.floats(1e-6, 0.5))
 def test_the_shares_fall_smoothly_with_the_sun(geometric_deg, step_deg):
     """From 1 to 0, monotone; the luminance's slope stays within 14 % of an even one's."""

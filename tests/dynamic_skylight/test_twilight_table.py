@@ -139,7 +139,6 @@ def test_the_file_says_where_it_comes_from():
     assert DATA.stat().st_size < 200_000
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.floats(1, 10), st.floats(-30, 5))
 def test_every_map_is_positive_and_normalised(turbidity, sun_deg):
     """Whatever the haze and the sun: finite, positive, one unit of light on level ground."""

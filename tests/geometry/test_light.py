@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import colour
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -65,6 +64,9 @@ def test_irradiance_against_the_sum_over_all_texels(power):
 
 def test_the_observer_is_the_cies():
     """Our table against colour-science's, each 5 nm, and the srgb matrix against IEC 61966-2-1."""
+    # Takes longer to import than all else that is collected here.
+    import colour
+
     observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
     table = light_colour.colour_table()
     np.testing.assert_allclose(table[:, 1:4], [observer[w] for w in table[:, 0]], atol=1e-9)

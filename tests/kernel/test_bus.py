@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.daylight.camera import MoveCamera
@@ -150,7 +150,6 @@ def test_pumping_inside_a_handler_is_refused():
 
 
 @given(st.lists(st.tuples(st.sampled_from(["volume"]), st.floats(0, 11)), min_size=1, max_size=30))
-@settings(deadline=None, max_examples=50)
 def test_of_equal_inputs_the_latest_wins(changes):
     """A dragged slider leaves one input waiting, the last: no backlog, no stale value."""
     kernel = kernel_with(Parrot)

@@ -1,7 +1,7 @@
 """Demand: merged over consumers, and gone while a consumer is."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from probe_messages import Sun, act, collect
 
@@ -42,7 +42,6 @@ def demand(consumer, size=None, encoding=""):
         min_size=1,
     )
 )
-@settings(deadline=None, max_examples=50)
 def test_the_merged_demand_serves_every_consumer(wishes):
     """The largest size that anyone names and the most exact encoding of all still wanted."""
     kernel = Kernel()

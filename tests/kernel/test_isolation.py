@@ -4,7 +4,7 @@ import asyncio
 import threading
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from probe_messages import Heard, Poke, act, collect, faults_of
 
@@ -444,7 +444,6 @@ class OddInput(Input, frozen=True, kw_only=True):
 
 
 @given(st.lists(st.sampled_from(["key", "unhashable key", "check", "user", "good"]), max_size=6))
-@settings(deadline=None, max_examples=40)
 def test_an_input_that_fails_itself_costs_itself_alone(whats):
     """What has no key or cannot be checked is refused in a sentence, and merges with nothing."""
     kernel = Kernel()

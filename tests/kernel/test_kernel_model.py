@@ -262,7 +262,7 @@ class KernelMachine(RuleBasedStateMachine):
         assert (last.source if last else None) == self.model.last_sun
 
 
-KernelMachine.TestCase.settings = settings(deadline=None, max_examples=40, stateful_step_count=40)
+KernelMachine.TestCase.settings = settings(stateful_step_count=40)
 
 
 class TestKernel(KernelMachine.TestCase):

@@ -241,7 +241,7 @@ def test_the_main_thread_goes_on_meanwhile(stage):
     """A pass holds no lock of the interpreter while it traces."""
     kernel, _ = stage
     kernel.inject(SetSetting(module="path_tracer", name="spp", value=64))
-    kernel.inject(Resize(width_px=200, height_px=200))
+    kernel.inject(Resize(width_px=100, height_px=100))
     kernel.inject(WANT)
     turns = 0
     kernel.pump()

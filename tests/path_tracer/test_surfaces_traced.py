@@ -301,7 +301,7 @@ def sun_at(azimuth_deg, elevation_deg):
     return tuple(world_from_enu(direction_from_angles(*angles)))
 
 
-@pytest.mark.parametrize(("scale", "offset_m"), [(1.0, 0.0), (1e-3, 0.0), (2e3, 0.0), (1.0, 2e6)])
+@pytest.mark.parametrize(("scale", "offset_m"), [(1e-3, 0.0), (2e3, 0.0), (1.0, 2e6)])
 def test_watches_cities_and_far_places_are_traced_alike(backend, tmp_path, scale, offset_m):
     """The same picture at any scale, and 2,000 km from the origin: same samples, to 1 %.
 

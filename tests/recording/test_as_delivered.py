@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.app.engine.flight_recorder import FlightRecorder
@@ -76,7 +76,6 @@ VALUES = st.recursive(
 
 
 @given(VALUES)
-@settings(deadline=None, max_examples=150)
 def test_whatever_is_changed_afterwards_changes_no_record(value):
     """A journal says the same of the message then and of the one that was kept, later."""
     message = SettingChanged(module="m", name="x", value=value)

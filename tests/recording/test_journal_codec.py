@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from journal_toys import Echo, Parrot, Poke, sun_at
 
@@ -42,7 +42,6 @@ floats = st.floats(allow_nan=False)
 
 
 @given(st.builds(SetPlace, latitude_deg=floats, longitude_deg=floats, altitude_m=floats))
-@settings(deadline=None, max_examples=100)
 def test_every_float_survives_to_the_last_bit(place):
     """A replay that gets a rounded latitude computes another sun; -0.0 and infinity count."""
     back = through_json(place)
@@ -56,7 +55,6 @@ def test_a_nan_survives():
 
 
 @given(st.datetimes(timezones=st.sampled_from([UTC, timezone(timedelta(hours=-9, minutes=-30))])))
-@settings(deadline=None, max_examples=100)
 def test_a_time_is_its_instant(when):
     """An instant survives to the microsecond; the zone in which it was said does not count."""
     try:

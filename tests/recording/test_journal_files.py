@@ -234,7 +234,7 @@ def test_a_spoilt_journal_is_refused_in_one_sentence(saved, spoil, light):
 
 
 @pytest.mark.parametrize(
-    ("forgery", "count"), [(forge_bytes, 100), (forge_content, 200), (forge_records, 100)]
+    ("forgery", "count"), [(forge_bytes, 50), (forge_content, 100), (forge_records, 50)]
 )
 def test_a_forged_journal_is_refused_or_replayed(saved, full, forgery, count):
     """With checksums and digests mended: a sentence or a comparison, and no great memory."""

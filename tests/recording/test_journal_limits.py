@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 import pytest
 import zstandard
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from journal_toys import TOYS, Poke, record_inputs, toy_kernel
 from mangling import Parts, forged, nested, opened, sealed
@@ -149,7 +149,6 @@ def test_a_transaction_ends_where_the_next_input_is(saved):
     seed=st.integers(0, 99),
     place=st.sampled_from(["result", "fault", "setting", "handle"]),
 )
-@settings(deadline=None, max_examples=40)
 def test_a_deep_message_is_refused_by_its_number(tmp_path_factory, levels, value, seed, place):
     """Lists and objects in turns, deeper than anyone can walk through."""
     deep = nested(value, levels, random.Random(seed))

@@ -6,6 +6,7 @@ import pytest
 from air_stage import volume_of
 from cloud_stage import rough_layer, slab
 from light_messages import light_messages
+from long_parameters import mostly_long
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
@@ -65,7 +66,9 @@ def slab_radiance(layer, view, sun, order_terms=OCTAVES):
 
 
 @pytest.mark.parametrize("extinction_per_m", [2e-4, 1e-3, 5e-3])
-@pytest.mark.parametrize("towards", [(0.3, 1.0, 0.2), (-0.8, 0.9, 0.0)])
+@pytest.mark.parametrize(
+    "towards", mostly_long([(0.3, 1.0, 0.2), (-0.8, 0.9, 0.0)], (-0.8, 0.9, 0.0).__eq__)
+)
 def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
     """Single scattering (exact) and the shader's own terms of more: within 1 %, from thin to thick.
 
@@ -143,7 +146,13 @@ EYES = [
 ]
 
 
-@pytest.mark.parametrize("sun", [(0.6, 0.8, 0.0), (1.0, 0.01, 0.0), (1.0, -0.02, 0.0), (0, 1, 0)])
+@pytest.mark.parametrize(
+    "sun",
+    mostly_long(
+        [(0.6, 0.8, 0.0), (1.0, 0.01, 0.0), (1.0, -0.02, 0.0), (0, 1, 0)],
+        lambda sun: abs(sun[1]) < 0.5,
+    ),
+)
 def test_no_eye_sees_what_cannot_be(stage, sun):
     """Below, in and above the layer and from space, day and night: finite, not negative."""
     up = max(sun[1], 0.0)

@@ -18,7 +18,9 @@ def backend(gl_backend):
     return gl_backend(size_px=(160, 120))
 
 
-@pytest.mark.parametrize("elevation_deg", [1.0, 4.0, 20.0, 70.0])
+@pytest.mark.parametrize(
+    "elevation_deg", [1.0, 20.0, *(pytest.param(e, marks=pytest.mark.long) for e in (4.0, 70.0))]
+)
 @pytest.mark.parametrize("scale", [0.01, 1.0, 3000.0])
 def test_no_acne_on_a_lit_face_at_any_scale(backend, tmp_path, elevation_deg, scale):
     """A face that the sun sees is lit evenly: every pixel of the box's top within 0.5 %."""

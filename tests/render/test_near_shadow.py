@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scene_stage import light, look, square
 from stateful_backend import opened
@@ -31,7 +31,6 @@ def show_land(backend, folder, *boxes):
     light(backend, black, sun_direction=SUN, sun_irradiance=(10.0,) * 3)
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.tuples(metres, metres, metres), st.tuples(metres, metres, metres))
 def test_the_near_map_holds_what_is_around_the_eye(eye, centre):
     """The eye is within a 64th of the map's half width of its middle, on each of the sun's axes."""

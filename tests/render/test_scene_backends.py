@@ -83,7 +83,13 @@ def test_a_sunlit_plane_shows_the_sun_irradiance(any_backend, box_file, elevatio
 
 
 @pytest.mark.parametrize(
-    ("azimuth_deg", "side"), [(0, (0, 3)), (90, (-3, 0)), (180, (0, -3)), (270, (3, 0))]
+    ("azimuth_deg", "side"),
+    [
+        (0, (0, 3)),
+        (90, (-3, 0)),
+        pytest.param(180, (0, -3), marks=pytest.mark.long),
+        pytest.param(270, (3, 0), marks=pytest.mark.long),
+    ],
 )
 def test_the_shadow_falls_away_from_the_sun(any_backend, box_file, azimuth_deg, side):
     """A box of 2 m under a sun 30 degrees high shades the ground 3.46 m behind it."""

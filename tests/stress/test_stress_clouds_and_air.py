@@ -11,7 +11,7 @@ from clouds.settings import CloudSettings
 from dynamic_skylight.air import air_is_seen, air_volume
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.settings import DynamicSkyLightSettings
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from stress_cases import assert_continuous, assert_finite, assert_light, assert_rising
 
@@ -151,7 +151,6 @@ ANY_AIR = st.fixed_dictionaries(
 )
 
 
-@settings(deadline=None, max_examples=100)
 @given(chosen=ANY_AIR, height=st.sampled_from([0.0, 1e-6, 2000.0, 8848.0, -430.0]))
 def test_every_setting_makes_an_air(chosen, height):
     """All settings within bounds, at any altitude, give an atmosphere with finite light."""

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pvlib
 import pytest
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.spectra import BIN_NM, WAVELENGTHS_NM
@@ -37,6 +36,8 @@ def test_the_components_of_daylight_are_the_published_ones(reference):
 
 def test_the_sun_is_that_of_the_standard():
     """The means of ASTM G-173's own values over each bin, as pvlib carries them, to six digits."""
+    import pvlib
+
     standard = pvlib.spectrum.get_reference_spectra()["extraterrestrial"]
     nm = standard.index.to_numpy()
     bins = [(nm >= start) & (nm < start + BIN_NM) for start in WAVELENGTHS_NM]

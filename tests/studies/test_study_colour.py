@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from vrut_lite_studies.framework import colour
 from vrut_lite_studies.framework.atmosphere import STUDY
@@ -79,7 +79,6 @@ def test_three_samples_are_right_for_what_they_assume():
     np.testing.assert_allclose(colour.three_sample_srgb(sky), colour.srgb(sky), rtol=0.01)
 
 
-@settings(deadline=None, max_examples=50)
 @given(luminance=st.floats(1.0, 1e5), x=st.floats(0.25, 0.38), y=st.floats(0.26, 0.38))
 def test_daylight_has_the_luminance_asked_for(luminance, x, y):
     """Whatever its chromaticity."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from vrut_lite_studies.framework.directions import directions, ring_order, ring_zenith_rad
 from vrut_lite_studies.framework.interpolant import interpolate
@@ -48,7 +48,6 @@ def test_interpolation_meets_what_it_was_given():
     np.testing.assert_allclose(interpolate(values, *directions()), values, atol=1e-13)
 
 
-@settings(deadline=None, max_examples=50)
 @given(zenith=zeniths, azimuth=azimuths)
 def test_interpolation_keeps_constants_and_turns_with_its_values(zenith, azimuth):
     """A constant stays; values turned by 45 deg, a step of every ring, give a turned function."""

@@ -1,7 +1,7 @@
 """Spectra of 40 samples: where they sit, how they are read and integrated."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from vrut_lite_studies.framework.spectra import (
     WAVELENGTHS_NM,
@@ -34,7 +34,6 @@ def test_a_spectrum_is_read_between_its_samples():
     np.testing.assert_allclose(middle, [spectrum[:2].mean(), spectrum[-1]], rtol=1e-14)
 
 
-@settings(deadline=None, max_examples=50)
 @given(a=inside_nm, b=inside_nm, c=inside_nm)
 def test_integrals_add_up(a, b, c):
     """From a to b and from b to c is from a to c, and the whole is the sum over all bins."""

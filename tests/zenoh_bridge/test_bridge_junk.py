@@ -173,9 +173,7 @@ def frames(draw):
 
 @pytest.mark.gl
 @given(st.lists(frames(), min_size=1, max_size=6))
-@settings(
-    deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_host_draws_whatever_a_stranger_says(host, spoilt):
     """Every type, every field: settle and draw never raise, and what is drawn is finite."""
     host.told.clear()

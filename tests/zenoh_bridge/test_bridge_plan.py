@@ -4,7 +4,7 @@ import json
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from zenoh_bridge.plan import plan_of
 from zenoh_bridge.settings import ZenohBridgeSettings
@@ -100,7 +100,6 @@ def test_a_configuration_is_plain_json():
 
 
 @given(st.none() | st.integers(1, 4096), st.sampled_from(["", "u8", "float16", "float32"]))
-@settings(deadline=None, max_examples=50)
 def test_a_demand_is_a_key_and_back(size, encoding):
     """A demand survives the round trip through a token's key."""
     key = token_key("a/b", "c0ffee", "BackgroundChanged", size, encoding)
@@ -109,7 +108,6 @@ def test_a_demand_is_a_key_and_back(size, encoding):
 
 
 @given(st.text(max_size=60))
-@settings(deadline=None, max_examples=200)
 def test_a_mangled_demand_is_refused(text):
     """Malformed keys and huge sizes are refused."""
     with pytest.raises(UserError):

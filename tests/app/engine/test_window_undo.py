@@ -21,10 +21,11 @@ PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378, altitude_m=200.0)
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.window.activateWindow()
-    headless_window.until(headless_window.window.isActiveWindow)
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.window.activateWindow()
+    window.until(window.window.isActiveWindow)
+    return window
 
 
 def press(driver, key, modifiers=Qt.KeyboardModifier.ControlModifier, on=None):
@@ -79,7 +80,7 @@ def ten_changes(driver):
     yield lambda: type_in(driver, hosek.rows["turbidity"].editor.spin, "4.5")
     yield lambda: hosek.rows["albedo"].editor.slider.setValue(700)
     yield lambda: pick(hosek.rows["sun_method"].editor, "preetham")
-    yield lambda: type_in(driver, clouds.rows["coverage"].editor.spin, "0.4")
+    yield lambda: type_in(driver, clouds.rows["base_m"].editor.spin, "900")
     yield lambda: scene.rows["light_shafts"].editor.click()
     yield lambda: type_in(driver, driver.panel("place").latitude_deg.spin, "-33.9")
     yield lambda: type_in(driver, picture.compensation_ev.spin, "1.5")

@@ -30,11 +30,13 @@ class FakeWorkers(ThreadPoolExecutor):
 
 
 @pytest.fixture
-def panel(headless_window):
-    headless_window.workers = FakeWorkers()
-    panel = headless_window.panel("export")
-    panel._open_workers = lambda: headless_window.workers
-    panel.driver = headless_window
+def panel(shared_headless_window):
+    shared_headless_window.workers = FakeWorkers()
+    panel = shared_headless_window.panel("export")
+    panel._open_workers = lambda: shared_headless_window.workers
+    panel.driver = shared_headless_window
+    panel.sequence = None
+    panel.told.clear()
     return panel
 
 
@@ -81,9 +83,9 @@ def test_a_name_that_cannot_be_written_is_refused_first(panel, tmp_path, name):
     assert panel.sequence is None
 
 
-def test_the_day_goes_from_first_to_last_light(headless_window):
+def test_the_day_goes_from_first_to_last_light(shared_headless_window):
     """Civil dawn is the first picture, and no step leads beyond civil dusk."""
-    day = headless_window.window.desk.scout.day
+    day = shared_headless_window.window.desk.scout.day
     instants = instants_of(day, timedelta(minutes=20))
     assert instants[0] == day.marks["civil dawn"]
     assert timedelta(0) <= day.marks["civil dusk"] - instants[-1] < timedelta(minutes=20)

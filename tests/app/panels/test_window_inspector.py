@@ -135,7 +135,7 @@ def test_a_journal_is_saved_opened_and_stepped_through(driver, inspector, monkey
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (path, ""))
     bar = inspector.journal
     set_clock(driver, 8)
-    driver.session.send(SetSetting(module="clouds", name="coverage", value=0.5))
+    driver.session.send(SetSetting(module="clouds", name="base_m", value=900.0))
     driver.settled()
     click(driver, bar.save)
     driver.until(lambda: "session.mcap" in bar.recorded.text())

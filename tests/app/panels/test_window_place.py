@@ -9,9 +9,11 @@ from vrut_lite.daylight.place import SetPlace
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.place = headless_window.panel("place")
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.place = window.panel("place")
+    window.place.search.clear()
+    return window
 
 
 def test_a_city_is_found_as_one_types(driver, qtbot):

@@ -13,9 +13,9 @@ from vrut_lite.kernel.messages import SetSetting, SettingChanged, SlotChanged
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.sky = headless_window.panel("sky")
-    return headless_window
+def driver(shared_headless_window):
+    shared_headless_window.sky = shared_headless_window.panel("sky")
+    return shared_headless_window
 
 
 def choose(box, data):
@@ -118,10 +118,11 @@ def menu_entry(panel, *path):
     return next(action for action in menu.actions() if action.text() == path[-1])
 
 
-def test_every_control_of_every_panel_has_its_effect(driver):
+def test_every_control_of_every_panel_has_its_effect(headless_window):
     """A control that changes nothing is worse than none: each is used once, and heard."""
+    driver = headless_window
     panels = [
-        *driver.sky.panels.values(),
+        *driver.panel("sky").panels.values(),
         *(panel for panel in driver.window.panels.values() if isinstance(panel, ModulePanel)),
     ]
     assert sum(len(panel.rows) for panel in panels) >= 25

@@ -11,10 +11,11 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.time = headless_window.window.time
-    headless_window.bar = headless_window.window.time.bar
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.time = window.window.time
+    window.bar = window.window.time.bar
+    return window
 
 
 def place_of(driver, hours):

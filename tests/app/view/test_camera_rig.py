@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.app.view.camera_rig import CameraRig, dip_rad
@@ -32,7 +32,6 @@ def test_a_camera_that_is_adopted_is_the_one_that_is_sent():
 
 
 @given(right=ways, up=ways)
-@settings(deadline=None, max_examples=50)
 def test_turning_around_the_scene_keeps_target_and_distance(right, up):
     """Orbiting is a rotation about the target; near the zenith it stops instead of rolling."""
     rig = rig_at()
@@ -44,7 +43,6 @@ def test_turning_around_the_scene_keeps_target_and_distance(right, up):
 
 
 @given(right=ways, up=ways)
-@settings(deadline=None, max_examples=50)
 def test_looking_around_keeps_the_eye(right, up):
     """The head turns, the feet stay."""
     rig = rig_at()
@@ -73,7 +71,6 @@ def test_nearer_and_away_again_comes_back():
 
 
 @given(steps=st.floats(-300.0, 300.0))
-@settings(deadline=None, max_examples=50)
 def test_climbing_keeps_the_horizon_in_its_place(steps):
     """From the ground to space the planet's edge stays where it was in the picture."""
     rig = CameraRig()
@@ -92,7 +89,6 @@ def test_a_hundred_steps_lead_from_the_ground_to_space():
 
 
 @given(x=st.integers(0, 299), y=st.integers(0, 199))
-@settings(deadline=None, max_examples=50)
 def test_directions_are_projected_where_the_light_meter_sees_them(x, y):
     """`pixel_rays` is the frame's own: its inverse must lead back to the pixel."""
     direction = pixel_rays(CAMERA, (300, 200), x, y)

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
-from window_driver import HeadlessStage, WindowDriver
+from window_driver import SMALL, HeadlessStage, WindowDriver
 
 from vrut_lite.app.engine.stage import GlStage
 from vrut_lite.daylight.camera import MoveCamera
@@ -20,9 +20,11 @@ from vrut_lite.scene.backend import GivenUp
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.view = headless_window.window.desk.viewport
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.view = window.window.desk.viewport
+    window.window.actions_by_name["orbit"].trigger()
+    return window
 
 
 def drag(qtbot, view, way, button=Qt.MouseButton.LeftButton):
@@ -125,7 +127,7 @@ def test_a_finished_picture_is_given_up_for_a_hand_that_moves_on(qtbot, tmp_path
     """It takes seconds on a software renderer: after a drag or an undone step the next picture is
     a quick one, made at once, and a window that is closed shows none any more."""
     HeldStage.released.set()
-    driver = WindowDriver(qtbot, HeldStage, tmp_path)
+    driver = WindowDriver(qtbot, HeldStage, tmp_path, SMALL)
     driver.session.send(SetExposure(compensation_ev=1.0))
     view, shown = driver.window.desk.viewport, []
     driver.session.picture_shown.connect(shown.append)

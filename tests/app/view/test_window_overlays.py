@@ -12,9 +12,11 @@ from vrut_lite.daylight.sun import SunMoved
 
 
 @pytest.fixture
-def driver(headless_window):
+def driver(shared_headless_window):
     """Looking at the sun, over a picture that is black."""
-    driver = headless_window
+    driver = shared_headless_window
+    if (path := driver.window.actions_by_name["sun path"]).isChecked():
+        path.trigger()
     driver.view = driver.window.desk.viewport
     driver.until(lambda: driver.session.last(SunMoved) is not None)
     x, y, z = driver.session.last(SunMoved).direction
@@ -92,8 +94,9 @@ def test_a_screenshot_that_cannot_be_written_is_told(driver, tmp_path):
     assert "cannot make" in driver.window.news.text()
 
 
-def test_a_key_brings_the_comparison_to_the_front(driver):
+def test_a_key_brings_the_comparison_to_the_front(headless_window):
     """C shows the dock of two skies, wherever it was."""
+    driver = headless_window
     assert not driver.window.docks["compare"].isVisible()
     driver.window.actions_by_name["compare"].trigger()
     assert driver.window.docks["compare"].isVisible()

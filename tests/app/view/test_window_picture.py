@@ -15,9 +15,9 @@ pytestmark = pytest.mark.gl
 
 
 @pytest.fixture
-def driver(drawn_window):
-    drawn_window.picture = drawn_window.panel("picture")
-    return drawn_window
+def driver(shared_drawn_window):
+    shared_drawn_window.picture = shared_drawn_window.panel("picture")
+    return shared_drawn_window
 
 
 def shown_after(driver, act):
@@ -43,7 +43,8 @@ def test_two_stops_of_compensation_make_the_picture_brighter(driver):
 
 def test_manual_exposure_begins_where_automatic_left_off(driver):
     """Switching to manual changes nothing; then the typed EV100 holds."""
-    metered = driver.session.shown.picture.ev100
+    metered = shown_after(driver, lambda: driver.session.send(SetExposure())).ev100
+    driver.heard.clear()
     driver.picture.mode.setCurrentIndex(1)
     driver.picture.mode.activated.emit(1)
     wish = driver.until_heard(SetExposure)
@@ -88,7 +89,7 @@ def test_the_sky_has_luminance_and_no_lux(driver, qtbot):
     """There is no surface to be lit."""
     view = driver.window.desk.viewport
     qtbot.mouseMove(view, QPoint(view.width() // 2, 5))
-    driver.until(lambda: "cd/m²" in view.probe.text)
+    driver.until(lambda: "cd/m²" in view.probe.text and "lx" not in view.probe.text)
     driver.settled()
     assert "lx" not in view.probe.text
 

@@ -20,8 +20,8 @@ from vrut_lite.project import (
 
 
 @pytest.fixture
-def driver(headless_window):
-    return headless_window
+def driver(shared_headless_window):
+    return shared_headless_window
 
 
 def test_a_project_survives_its_file(tmp_path):

@@ -17,10 +17,11 @@ from vrut_lite.kernel.messages import ClockMoved, SlotChanged
 
 
 @pytest.fixture
-def driver(headless_window):
-    headless_window.window.activateWindow()
-    headless_window.until(headless_window.window.isActiveWindow)
-    return headless_window
+def driver(shared_headless_window):
+    window = shared_headless_window
+    window.window.activateWindow()
+    window.until(window.window.isActiveWindow)
+    return window
 
 
 def palette(driver):

@@ -51,7 +51,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     first.session.send(
         SetPlace(latitude_deg=-33.87, longitude_deg=151.21, altitude_m=40.0),
         SetClock(instant=NOON.replace(hour=3)),
-        SetSetting(module="clouds", name="coverage", value=0.3),
+        SetSetting(module="clouds", name="base_m", value=900.0),
         SetTolerance(tolerance=0.05),
         MoveCamera(eye_m=(5.0, 6.0, 7.0), target_m=(0.0, 1.0, 0.0)),
     )
@@ -65,7 +65,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     second.settled()
     assert second.session.last(SetPlace).latitude_deg == -33.87
     assert second.session.last(ClockMoved).instant == NOON.replace(hour=3)
-    assert second.panel("module clouds").rows["coverage"].editor.value == 0.3
+    assert second.panel("module clouds").rows["base_m"].editor.value == 900.0
     assert second.session.last(SetTolerance).tolerance == 0.05
     assert second.project.camera.eye_m == (5.0, 6.0, 7.0)
     second.window.open_path(str(SCENES / "sundial.toml"))
@@ -172,7 +172,7 @@ def make_no_file(path, kind):
         path.symlink_to({"endless": "/dev/zero", "loop": path}[kind])
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(JSON | st.fixed_dictionaries({"recent": JSON, "geometry": JSON, "docks": JSON}))
 def test_of_any_json_the_bad_part_alone_is_dropped(tmp_path, facts):
     """Whatever stands where a list or a text should: no exception, and files that are there."""
