@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.cloud_density import sun_transmittance
@@ -12,6 +12,7 @@ from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.cloud_light import ClearLight, under_clouds
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.scene.camera import look_at
@@ -68,12 +69,14 @@ def surface_at(
 
 
 def pixel_direction(
-    camera: MoveCamera, size: tuple[int, int], x: int, y: int
-) -> NDArray[np.float64]:
-    """Unit world direction (3,) through the middle of a pixel."""
+    camera: MoveCamera, size: tuple[int, int], x: ArrayLike, y: ArrayLike
+) -> FloatArray:
+    """Unit world directions (..., 3) through the middles of pixels x, y, counted from the top."""
     width, height = size
     tangent = np.tan(0.5 * camera.vertical_field_of_view_rad)
-    right = (2.0 * (x + 0.5) / width - 1.0) * tangent * width / height
-    up = (1.0 - 2.0 * (y + 0.5) / height) * tangent
-    direction = look_at(camera.eye_m, camera.target_m)[:3, :3].T @ np.array([right, up, -1.0])
-    return np.asarray(direction / np.linalg.norm(direction))
+    right = (2.0 * (np.asarray(x) + 0.5) / width - 1.0) * tangent * width / height
+    up = (1.0 - 2.0 * (np.asarray(y) + 0.5) / height) * tangent
+    local = np.stack(np.broadcast_arrays(right, up, -1.0), axis=-1)
+    # Of the view alone: far from the origin an eye would cost digits.
+    directions = local @ look_at(np.zeros(3), np.subtract(camera.target_m, camera.eye_m))[:3, :3]
+    return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))

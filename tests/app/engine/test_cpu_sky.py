@@ -5,20 +5,12 @@ import pytest
 from window_driver import SCENES, WindowDriver
 
 from vrut_lite.app.engine import cpu_sky
-from vrut_lite.app.engine.cpu_sky import CpuSkyStage, best_stage, view_directions
+from vrut_lite.app.engine.cpu_sky import CpuSkyStage, best_stage
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.errors import UserError
-from vrut_lite.render.light_meter import pixel_direction
 
 UP = MoveCamera(eye_m=(1.5, 1.5, 3.4), target_m=(0.0, 6.0, 0.0), vertical_field_of_view_rad=0.8)
-
-
-def test_directions_are_those_of_the_frame():
-    """Pixel by pixel the light meter's, which are held to the frame elsewhere."""
-    directions = view_directions(UP, 30, 20)
-    for x, y in ((0, 0), (29, 19), (12, 7)):
-        assert directions[y, x] == pytest.approx(pixel_direction(UP, (30, 20), x, y), abs=1e-12)
 
 
 def test_without_opengl_there_is_the_sky_and_a_line(monkeypatch):

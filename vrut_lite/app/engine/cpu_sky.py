@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from vrut_lite.app.engine.stage import GlStage, Stage, WatchedBackend
 from vrut_lite.array import Array
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.sky import BackgroundChanged
@@ -20,12 +19,11 @@ from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.display import display_picture
 from vrut_lite.render.exposure import automatic_ev100
-from vrut_lite.render.light_meter import Illuminance
+from vrut_lite.render.light_meter import Illuminance, pixel_direction
 from vrut_lite.render.patience import IsGivenUp
 from vrut_lite.render.rays import Hit
 from vrut_lite.render.white_balance import white_balance_matrix
 from vrut_lite.scene.backend import Picture
-from vrut_lite.scene.camera import look_at
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.recording_backend import RecordingBackend
 
@@ -41,7 +39,8 @@ class CpuSkyBackend(RecordingBackend):
         """The sky in the camera's view, at `_MOST_PIXELS` at most."""
         (width, height), (camera,) = self.latest["set_size"], self.latest["set_camera"]
         step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
-        directions = view_directions(camera, round(width / step), round(height / step))
+        size = (round(width / step), round(height / step))
+        directions = pixel_direction(camera, size, np.arange(size[0]), np.arange(size[1])[:, None])
         radiance = self._radiance(directions)
         (wish,) = self.latest.get("set_exposure", (SetExposure(),))
         ev100 = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance)
@@ -61,16 +60,6 @@ class CpuSkyBackend(RecordingBackend):
         inside = (cosine >= np.cos(sun.angular_radius_rad)) & (directions[..., 1] > 0.0)
         radiance[inside] += np.asarray(sun.irradiance_rgb) / solid_angle
         return radiance.astype(np.float32)
-
-
-def view_directions(camera: MoveCamera, width: int, height: int) -> NDArray[np.float64]:
-    """Unit world directions (height, width, 3) through the middles of the pixels."""
-    tangent = np.tan(0.5 * camera.vertical_field_of_view_rad)
-    right = (2.0 * (np.arange(width) + 0.5) / width - 1.0) * tangent * width / height
-    up = (1.0 - 2.0 * (np.arange(height) + 0.5) / height) * tangent
-    local = np.stack(np.broadcast_arrays(right[None, :], up[:, None], np.float64(-1.0)), axis=-1)
-    directions = local @ look_at(np.zeros(3), np.subtract(camera.target_m, camera.eye_m))[:3, :3]
-    return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
 
 
 class CpuSkyStage:
