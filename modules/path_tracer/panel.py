@@ -16,6 +16,7 @@ from path_tracer.messages import PathTracedPicture
 from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.widgets import rgb_image
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.render.display import display_picture
@@ -101,10 +102,7 @@ class _View(QWidget):
 
     def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
         """Show sRGB (h, w, 3)."""
-        height, width = pixels.shape[:2]
-        data = np.ascontiguousarray(pixels)
-        image = QImage(data.data, width, height, 3 * width, QImage.Format.Format_RGB888)
-        self._image = image.copy()
+        self._image = rgb_image(pixels)
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:

@@ -1,7 +1,7 @@
 """`vrut-lite demo`: every bundled scene at four hours of a day, and a contact sheet of them."""
 
 import os
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,12 +11,13 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.progress import Progress
 
-from vrut_lite.commands.day_hours import hours_of_day
-from vrut_lite.commands.open_kernel import open_host, require_sky
+from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.daylight.place_time import local_text, time_zone_at
 from vrut_lite.errors import UserError
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import SetClock
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     Project,
@@ -35,6 +36,8 @@ PLACE = "50.0875,14.4213,190"
 DAY = "2026-05-21"
 _THUMBNAIL = (480, 270)
 _CAPTION_PX = 24
+_STEP = timedelta(minutes=2)
+_SUNRISE_DEG, _LATE_DEG, _DUSK_DEG = 2.0, 14.0, -4.0
 
 
 @click.command(name="demo")
@@ -123,6 +126,35 @@ def _hours() -> dict[str, datetime]:
     kernel.inject(daylight_inputs(project)[0])
     midnight = datetime.fromisoformat(DAY).replace(tzinfo=time_zone_at(project.where()))
     return hours_of_day(kernel, midnight)
+
+
+def hours_of_day(kernel: Kernel, midnight: datetime) -> dict[str, datetime]:
+    """Instants of sunrise, noon, late afternoon and dusk in the 24 hours after `midnight`.
+
+    Found by asking whoever holds the sun, in steps of two minutes: sunrise and dusk are
+    where the geometric elevation is nearest to 2 and -4 degrees, late afternoon to 14, on
+    its way up and down. Under a midnight sun these are the nearest that there are.
+    """
+    instants = [midnight + i * _STEP for i in range(int(timedelta(days=1) / _STEP))]
+    elevation_deg = np.array([_elevation_deg(kernel, instant) for instant in instants])
+    noon = int(np.argmax(elevation_deg))
+    before, after = elevation_deg[: noon + 1], elevation_deg[noon:]
+    return {
+        "sunrise": instants[_nearest(before, _SUNRISE_DEG)],
+        "noon": instants[noon],
+        "late afternoon": instants[noon + _nearest(after, _LATE_DEG)],
+        "dusk": instants[noon + _nearest(after, _DUSK_DEG)],
+    }
+
+
+def _nearest(elevation_deg: np.ndarray, wanted_deg: float) -> int:
+    return int(np.argmin(np.abs(elevation_deg - wanted_deg)))
+
+
+def _elevation_deg(kernel: Kernel, instant: datetime) -> float:
+    kernel.inject(SetClock(instant=instant))
+    kernel.pump()
+    return float(np.degrees(require_sun(kernel).elevation_rad))
 
 
 def _folder(folder: Path) -> Path:

@@ -13,10 +13,13 @@ from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple, Protocol
 
+import click
 from rich.console import Console
 from rich.progress import track
 
 from vrut_lite.commands.time_span import Wanted
+from vrut_lite.errors import UserError
+from vrut_lite.render.display import Bits
 from vrut_lite.render.write_atomic import atomic_output
 
 # Pictures asked for ahead of the one that is waited for: workers idle no more, memory is bounded.
@@ -134,3 +137,21 @@ def _studio(plan: Plan) -> Studio:
     if not _open:
         _open.append((plan, plan.open()))
     return _open[0][1]
+
+
+bits_option = click.option(
+    "--bits",
+    type=click.Choice(["8", "16"]),
+    help="Of a PNG's channels: 8 (the default), dithered, or 16.",
+)
+
+
+def picture_bits(text: str | None, suffix: str) -> Bits:
+    """The value of --bits.
+
+    Raises:
+        UserError: it was said of another format, whose precision is its own.
+    """
+    if text is not None and suffix != ".png":
+        raise UserError(f"--bits is for .png: {suffix} has a precision of its own")
+    return 16 if text == "16" else 8

@@ -8,8 +8,7 @@ import msgspec
 from vrut_lite.commands.engines import engine_options, with_engine
 from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.picture_options import bits_option, picture_bits
-from vrut_lite.commands.pictures import make_pictures, said_of
+from vrut_lite.commands.pictures import bits_option, make_pictures, picture_bits, said_of
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of

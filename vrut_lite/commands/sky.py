@@ -6,8 +6,7 @@ import click
 
 from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.picture_options import bits_option, picture_bits
-from vrut_lite.commands.pictures import make_pictures, said_of
+from vrut_lite.commands.pictures import bits_option, make_pictures, picture_bits, said_of
 from vrut_lite.commands.sky_pictures import PROJECTIONS, Projection, SkyPlan, sidecar_of
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of

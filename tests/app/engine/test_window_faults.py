@@ -13,6 +13,7 @@ from vrut_lite.app.compare import sky_comparison
 from vrut_lite.app.engine import day_scout
 from vrut_lite.app.engine.engine import Engine
 from vrut_lite.app.engine.session import Session
+from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetSetting
@@ -185,6 +186,19 @@ def test_a_host_that_cannot_open_ends_the_session_with_a_line(qtbot):
     session.start()
     qtbot.waitUntil(lambda: session.has_ended, timeout=PATIENCE_MS)
     assert lines == ["no OpenGL here: install the packages libegl1 and libgl1"]
+
+
+def test_inputs_that_are_sent_before_the_host_is_open_are_recorded(qtbot):
+    """A window sends its size while OpenGL is still being opened: the journal begins before it."""
+    session, problems = Session(HeadlessStage), []
+    session.problem.connect(problems.append)
+    session.send(Resize(width_px=320, height_px=200), SetClock(instant=NOON))
+    session.start()
+    qtbot.waitUntil(lambda: session.recorded.inputs == 2, timeout=PATIENCE_MS)
+    assert session.recorded.ended == ""
+    assert problems == []
+    session.close()
+    assert session.join(PATIENCE_MS / 1000)
 
 
 def test_a_question_that_fails_is_told_or_answered(headless_window):

@@ -4,6 +4,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QCheckBox, QComboBox
 
+from vrut_lite.app.engine.module_states import states_of
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField, Scale
 from vrut_lite.daylight.sky import BackgroundChanged
@@ -126,11 +127,11 @@ def test_every_control_of_every_panel_has_its_effect(headless_window):
         *(panel for panel in driver.window.panels.values() if isinstance(panel, ModulePanel)),
     ]
     assert sum(len(panel.rows) for panel in panels) >= 25
-    sent = []
+    states, sent = driver.asked(states_of).modules, []
     driver.session.sent.connect(lambda m: sent.append(m) if isinstance(m, SetSetting) else None)
     for panel in panels:
-        module = panel._module.name
-        if driver.session.roster.modules[module].state != "running":
+        module = panel._name
+        if states[module].state != "running":
             continue
         for name, row in panel.rows.items():
             if row.spec.type not in (bool, int, float) and not row.spec.choices:

@@ -9,8 +9,7 @@ from PySide6.QtWidgets import QApplication
 from window_driver import SCENES
 
 from vrut_lite.app.window.actions import ACTIONS
-from vrut_lite.app.window.command_palette import CommandPalette
-from vrut_lite.app.window.palette_entries import PaletteEntry, matching
+from vrut_lite.app.window.command_palette import CommandPalette, PaletteEntry, matching
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import ClockMoved, SlotChanged

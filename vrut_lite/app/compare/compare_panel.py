@@ -16,10 +16,10 @@ from vrut_lite.app.compare.sky_disc import SkyDisc
 from vrut_lite.app.compare.sky_plots import SkyPlots
 from vrut_lite.app.engine.roster import ModuleInfo, Roster
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport
+from vrut_lite.app.widgets import aligned_form, faint_label
 from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 
 _TURBIDITY = "turbidity"
@@ -38,10 +38,7 @@ class ComparePanel(QWidget):
         self.discs = (SkyDisc("left sky"), SkyDisc("right sky"))
         self.fields: dict[str, NumberField] = {}
         self._form = aligned_form()
-        self.aerosol, self.ratio, self.status = QLabel(), QLabel(), QLabel()
-        for label in (self.aerosol, self.ratio, self.status):
-            label.setProperty("role", "faint")
-            label.setWordWrap(True)
+        self.aerosol, self.ratio, self.status = (faint_label(wraps=True) for _ in range(3))
         self.plots: SkyPlots | None = None
         self._lay_out()
         self._connect(session, viewport)

@@ -7,6 +7,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPainterPath, Q
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from vrut_lite.app import theme
+from vrut_lite.app.widgets import rgb_image
 from vrut_lite.geometry.frames import (
     angles_from_direction,
     direction_from_angles,
@@ -46,9 +47,7 @@ class SkyDisc(QWidget):
 
     def show_sky(self, pixels: NDArray[np.uint8], sun: Vector, north_offset_rad: float) -> None:
         """Show a fisheye (n, n, 3), and where the sun stands."""
-        size = pixels.shape[0]
-        data = np.ascontiguousarray(pixels)
-        self._image = QImage(data.data, size, size, 3 * size, QImage.Format.Format_RGB888).copy()
+        self._image = rgb_image(pixels)
         self._sun, self._north_offset_rad = sun, north_offset_rad
         self.update()
 

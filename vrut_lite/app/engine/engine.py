@@ -139,13 +139,13 @@ class Engine:
         for failure in stage.failures:
             self._tell((PROBLEM, next(self._numbers)), failure)
         self._tell(READY, roster_of(stage))
+        return stage
+
+    def _live(self, stage: Stage) -> None:
         with self._lock:
             self._inject = stage.kernel.inject
             for message in self._early:
                 self._inject(message)
-        return stage
-
-    def _live(self, stage: Stage) -> None:
         self._awake.set()
         while not self._ending.is_set():
             self._awake.wait(self._patience_s())

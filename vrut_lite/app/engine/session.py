@@ -189,7 +189,7 @@ class Session(QObject):
             recorder = self._recorder = FlightRecorder(stage.kernel)
         except (UserError, OSError) as error:
             line = f"this session is not recorded: {error}"
-            self._mailbox.put((engine.PROBLEM, next(self._numbers)), line)
+            self._mailbox.put((engine.PROBLEM, "not recorded"), line)
             yield
             return
         with closing(recorder):

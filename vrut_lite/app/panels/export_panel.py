@@ -8,7 +8,6 @@ from pathlib import Path
 from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
-    QLabel,
     QProgressBar,
     QPushButton,
     QSpinBox,
@@ -21,7 +20,7 @@ from vrut_lite.app.engine.export import FORMATS, export_picture
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
-from vrut_lite.app.panels.form import aligned_form
+from vrut_lite.app.widgets import aligned_form, faint_label
 from vrut_lite.errors import UserError
 from vrut_lite.render.image_files import picture_format
 
@@ -53,9 +52,7 @@ class ExportPanel(QWidget):
         self.progress = QProgressBar()
         self.progress.setFormat("%v of %m")
         self.cancel = QPushButton("Cancel")
-        self.status = QLabel()
-        self.status.setProperty("role", "faint")
-        self.status.setWordWrap(True)
+        self.status = faint_label(wraps=True)
         self._lay_out()
         self._show_running(False)
         self.picture.clicked.connect(self._ask_for_picture)

@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QTimer, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QFileDialog,
@@ -20,6 +20,7 @@ from vrut_lite.app.engine.flight_recorder import Recorded
 from vrut_lite.app.engine.message_rows import OpenJournal, open_journal
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.widgets import faint_label, make_timer
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.recording.codec import decode
 from vrut_lite.recording.registry import Registry
@@ -48,16 +49,11 @@ class JournalBar(QWidget):
         self._make_parts()
         self._lay_out()
         self._show_mode()
-        counting = QTimer(self)
-        counting.setInterval(_COUNT_MS)
-        counting.timeout.connect(self._show_recorded)
-        counting.start()
+        make_timer(self, _COUNT_MS, self._show_recorded).start()
         session.ended.connect(lambda: self._reader.shutdown(wait=False, cancel_futures=True))
 
     def _make_parts(self) -> None:
-        self.recorded = QLabel()
-        self.recorded.setProperty("role", "faint")
-        self.recorded.setWordWrap(True)
+        self.recorded = faint_label(wraps=True)
         self.save = _button(
             "Save journal\N{HORIZONTAL ELLIPSIS}",
             "All that was done since the window opened, for `vrut-lite replay`",

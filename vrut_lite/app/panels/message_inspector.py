@@ -1,11 +1,10 @@
 """The message inspector: messages of the modules, live or from a journal."""
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QHeaderView,
-    QLabel,
     QLineEdit,
     QPushButton,
     QSplitter,
@@ -21,6 +20,7 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.cause_tree import CauseTree
 from vrut_lite.app.panels.journal_bar import JournalBar
 from vrut_lite.app.panels.message_table import MessageTable
+from vrut_lite.app.widgets import heading, make_timer
 
 _LOOK_MS = 250
 
@@ -39,9 +39,7 @@ class MessageInspector(QWidget):
         self._asking = False
         self._make_parts()
         self._lay_out()
-        self._looking = QTimer(self)
-        self._looking.setInterval(_LOOK_MS)
-        self._looking.timeout.connect(self._look)
+        self._looking = make_timer(self, _LOOK_MS, self._look)
         self.filter.textChanged.connect(self.table.messages.set_filter)
         self.pause.toggled.connect(self._pause)
         self.clear.clicked.connect(self._clear)
@@ -75,8 +73,7 @@ class MessageInspector(QWidget):
         self.journal = JournalBar(self._session)
 
     def _lay_out(self) -> None:
-        self.heading = QLabel("Messages")
-        self.heading.setProperty("role", "heading")
+        self.heading = heading("Messages")
         top = QHBoxLayout()
         for part in (self.heading, self.filter, self.pause, self.clear):
             top.addWidget(part)

@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 from vrut_lite.app import theme
 from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
 from vrut_lite.app.engine.session import Session, fault_line
+from vrut_lite.app.widgets import heading
 from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
 
 _NAME = Qt.ItemDataRole.UserRole
@@ -84,8 +85,7 @@ class ModuleManager(QWidget):
         header.setStretchLastSection(False)
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        self.title = QLabel()
-        self.title.setProperty("role", "heading")
+        self.title = heading()
         self.restart = QPushButton("Restart")
         self.restart.setToolTip("Start the module anew with its present settings")
         self.reload = QPushButton("Reload")
@@ -104,9 +104,7 @@ class ModuleManager(QWidget):
 
     def _lay_out(self) -> None:
         top, middle = QHBoxLayout(), QHBoxLayout()
-        heading = QLabel("Modules")
-        heading.setProperty("role", "heading")
-        top.addWidget(heading, 1)
+        top.addWidget(heading("Modules"), 1)
         top.addWidget(self.safe_mode)
         middle.addWidget(self.title, 1)
         middle.addWidget(self.restart)

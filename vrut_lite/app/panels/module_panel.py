@@ -8,7 +8,6 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QInputDialog,
-    QLabel,
     QMenu,
     QPushButton,
     QToolButton,
@@ -20,6 +19,7 @@ from vrut_lite.app.engine.roster import ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore, Values
 from vrut_lite.app.panels.setting_row import SettingRow
+from vrut_lite.app.widgets import faint_label, heading
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
 
@@ -68,8 +68,7 @@ class ModulePanel(QWidget):
         )
 
     def _heading(self) -> QHBoxLayout:
-        title = QLabel(self._module.title)
-        title.setProperty("role", "heading")
+        title = heading(self._module.title)
         title.setToolTip(f"{self._name} {self._module.version}")
         self.presets = QToolButton()
         self.presets.setText("Presets")
@@ -99,9 +98,7 @@ class ModulePanel(QWidget):
             row.edited.connect(lambda value, name=name: self._send(name, value))
             self.rows[name] = row
         if not self.rows:
-            nothing = QLabel("Nothing to set.")
-            nothing.setProperty("role", "faint")
-            grid.addWidget(nothing, 0, 0, Qt.AlignmentFlag.AlignLeft)
+            grid.addWidget(faint_label("Nothing to set."), 0, 0, Qt.AlignmentFlag.AlignLeft)
         return rows
 
     def _defaults(self) -> Values:

@@ -3,12 +3,12 @@
 from typing import Any, get_args
 
 import msgspec
-from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QComboBox, QPushButton, QWidget
 
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
+from vrut_lite.app.widgets import aligned_form, faint_label
 from vrut_lite.daylight.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
 
 _TONE_TITLES = {
@@ -36,8 +36,7 @@ class PicturePanel(QWidget):
             self.tone_map.addItem(_TONE_TITLES[name], name)
         self.white_temperature_k = NumberField(LOWEST_K, HIGHEST_K, "K", whole=True)
         self.white_duv = NumberField(-0.05, 0.05, decimals=4)
-        self.metered = QLabel()
-        self.metered.setProperty("role", "faint")
+        self.metered = faint_label()
         self.reset = QPushButton("Reset")
         self._lay_out()
         self._connect()

@@ -5,7 +5,6 @@ import math
 import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
-    QLabel,
     QLineEdit,
     QListWidget,
     QListWidgetItem,
@@ -16,9 +15,9 @@ from PySide6.QtWidgets import (
 from vrut_lite.app.engine.day_scout import place_of
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.cities import City, all_cities, find_cities
-from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.world_map import WorldMap
+from vrut_lite.app.widgets import aligned_form, faint_label, heading
 from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
 from vrut_lite.daylight.place_time import parse_place, time_zone_at
 from vrut_lite.daylight.sun import SunMoved
@@ -45,10 +44,7 @@ class PlacePanel(QWidget):
         self.found.setVisible(False)
         self.found.setMaximumHeight(130)
         self.map = WorldMap()
-        self.name = QLabel()
-        self.name.setProperty("role", "heading")
-        self.zone = QLabel()
-        self.zone.setProperty("role", "faint")
+        self.name, self.zone = heading(), faint_label()
         self.latitude_deg = NumberField(-90.0, 90.0, "\N{DEGREE SIGN}", decimals=4)
         self.longitude_deg = NumberField(-180.0, 180.0, "\N{DEGREE SIGN}", decimals=4)
         self.altitude_m = NumberField(LOWEST_M, HIGHEST_M, "m", decimals=0)

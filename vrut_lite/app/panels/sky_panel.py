@@ -10,10 +10,10 @@ from PySide6.QtWidgets import (
 
 from vrut_lite.app.engine.roster import Roster
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
+from vrut_lite.app.widgets import aligned_form
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.panels.form import aligned_form
+from vrut_lite.app.widgets import aligned_form
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance

@@ -1,13 +1,13 @@
 """The time bar with play, speed, now, date, clock and time zone."""
 
 from datetime import UTC, datetime, timedelta
+from time import perf_counter
 
-from PySide6.QtCore import QDate, Qt, QTime
+from PySide6.QtCore import QDate, QObject, Qt, QTime, Signal
 from PySide6.QtWidgets import (
     QComboBox,
     QDateEdit,
     QHBoxLayout,
-    QLabel,
     QTimeEdit,
     QToolButton,
     QVBoxLayout,
@@ -18,12 +18,13 @@ from vrut_lite.app.engine.day import Day
 from vrut_lite.app.engine.day_scout import DayScout, place_of
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.day_bar import DayBar
-from vrut_lite.app.panels.player import Player
+from vrut_lite.app.widgets import faint_label, make_timer
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import ClockMoved, SetClock
+from vrut_lite.kernel.messages import ClockMoved, SetClock, SetClockRate, Tick
 
+_PERIOD_MS = 33
 SPEEDS = {
     "1 s = 1 s": 1.0,
     "1 s = 1 min": 60.0,
@@ -33,6 +34,58 @@ SPEEDS = {
     "1 s = \N{MINUS SIGN}10 min": -600.0,
 }
 _FIRST_SPEED = "1 s = 10 min"
+
+
+class Player(QObject):
+    """Sends a tick when the one before has moved the clock: ticks grow longer, none are queued."""
+
+    playing_changed = Signal(bool)
+
+    def __init__(self, session: Session, parent: QObject | None = None):
+        super().__init__(parent)
+        self._session = session
+        self._rate = 600.0
+        self._last_s = 0.0
+        self._waiting = False
+        self._timer = make_timer(self, _PERIOD_MS, self._tick)
+        session.listen(ClockMoved, self._moved)
+
+    @property
+    def playing(self) -> bool:
+        """Whether time goes by."""
+        return self._timer.isActive()
+
+    def play(self) -> None:
+        """Let time go by."""
+        self._last_s = perf_counter()
+        self._waiting = False
+        self._session.send(SetClockRate(rate=self._rate))
+        self._timer.start()
+        self.playing_changed.emit(True)
+
+    def pause(self) -> None:
+        """Stand still."""
+        if self.playing:
+            self._timer.stop()
+            self._session.send(SetClockRate(rate=0.0))
+            self.playing_changed.emit(False)
+
+    def set_rate(self, rate: float) -> None:
+        """So many seconds of the clock in one outside; negative goes back."""
+        self._rate = rate
+        if self.playing:
+            self._session.send(SetClockRate(rate=rate))
+
+    def _tick(self) -> None:
+        if self._waiting:
+            return
+        now_s = perf_counter()
+        self._waiting = True
+        self._session.send(Tick(elapsed_s=now_s - self._last_s))
+        self._last_s = now_s
+
+    def _moved(self, _: ClockMoved) -> None:
+        self._waiting = False
 
 
 class TimePanel(QWidget):
@@ -105,10 +158,7 @@ class TimePanel(QWidget):
         self.clock.timeChanged.connect(lambda time: self._go_to_local(self.date.date(), time))
         for part, name in ((self.date, "date"), (self.clock, "time of day"), (self.speed, "speed")):
             part.setAccessibleName(name)
-        self.zone = QLabel()
-        self.zone.setProperty("role", "faint")
-        self.sun = QLabel()
-        self.sun.setProperty("role", "faint")
+        self.zone, self.sun = faint_label(), faint_label()
 
     def _controls_row(self) -> QHBoxLayout:
         row = QHBoxLayout()

@@ -2,11 +2,12 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, Signal
 
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.widgets import make_timer
 from vrut_lite.daylight.picture import PictureClicked
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.light_meter import Illuminance
@@ -27,10 +28,7 @@ class LightProbe(QObject):
         self._luminance = ""
         self._illuminance = ""
         self._asked = False
-        self._measuring = QTimer(self)
-        self._measuring.setSingleShot(True)
-        self._measuring.setInterval(_STILL_MS)
-        self._measuring.timeout.connect(self._ask)
+        self._measuring = make_timer(self, _STILL_MS, self._ask, once=True)
         session.picture_shown.connect(self._read)
 
     @property

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from time import perf_counter
 from typing import NamedTuple
 
-from PySide6.QtCore import QRectF, Qt, QTimer
+from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QHideEvent, QPainter, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QWidget
 
@@ -13,6 +13,7 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.profile import Profile, Profiler
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.widgets import make_timer
 
 _LOOK_MS, _BEAT_MS = 500, 10
 _WIDTH_PX, _LINE_PX, _EDGE_PX = 330, 16, 10
@@ -45,17 +46,11 @@ class ProfilerOverlay(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAccessibleName("profiler")
         self.move(_EDGE_PX, _EDGE_PX)
-        self._looking = self._timer(_LOOK_MS, self._look)
-        self._beating = self._timer(_BEAT_MS, self._beat)
+        self._looking = make_timer(self, _LOOK_MS, self._look)
+        self._beating = make_timer(self, _BEAT_MS, self._beat)
         session.picture_shown.connect(self._note_picture)
         session.ended.connect(self._looking.stop)
         self.hide()
-
-    def _timer(self, every_ms: int, act: object) -> QTimer:
-        timer = QTimer(self)
-        timer.setInterval(every_ms)
-        timer.timeout.connect(act)
-        return timer
 
     def showEvent(self, event: QShowEvent) -> None:
         """Measure."""

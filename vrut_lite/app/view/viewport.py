@@ -11,7 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QDragEnterEvent,
@@ -33,6 +33,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.view.camera_rig import CameraRig, height_text
 from vrut_lite.app.view.light_probe import LightProbe
 from vrut_lite.app.view.sun_path import SunPath
+from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
@@ -77,10 +78,8 @@ class Viewport(QWidget):
         self._grip: QPointF | None = None
         self._pressed: QPointF | None = None
         self._flew_s = 0.0
-        self._resized = _single_shot(self, _SETTLED_MS, self._send_size)
-        self._flight = QTimer(self)
-        self._flight.setInterval(_FLIGHT_MS)
-        self._flight.timeout.connect(self._fly_on)
+        self._resized = make_timer(self, _SETTLED_MS, self._send_size, once=True)
+        self._flight = make_timer(self, _FLIGHT_MS, self._fly_on)
         self.setAcceptDrops(True)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -136,12 +135,7 @@ class Viewport(QWidget):
     # --- messages ----------------------------------------------------------------------------
 
     def _show_picture(self, shown: Shown) -> None:
-        pixels = np.ascontiguousarray(shown.picture.display)
-        height, width = pixels.shape[:2]
-        # The image copies: numpy's memory may go at any time.
-        self._image = QImage(
-            pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888
-        ).copy()
+        self._image = rgb_image(shown.picture.display)
         self.update()
 
     def _note_scene(self, scene: SceneOpened) -> None:
@@ -344,14 +338,6 @@ _FLIGHT = {
 }  # fmt: skip
 _CLIMBS = {Qt.Key.Key_PageUp: 2.0, Qt.Key.Key_PageDown: -2.0}
 _DOLLIES = {Qt.Key.Key_Plus: 1.0, Qt.Key.Key_Minus: -1.0}
-
-
-def _single_shot(parent: QWidget, after_ms: int, act: object) -> QTimer:
-    timer = QTimer(parent)
-    timer.setSingleShot(True)
-    timer.setInterval(after_ms)
-    timer.timeout.connect(act)
-    return timer
 
 
 def _scene_of(event: QDropEvent) -> str | None:

@@ -61,40 +61,18 @@ DOCKS: list[DockSpec] = [
     DockSpec("place", "Place", "where and when", lambda desk: PlacePanel(desk.session)),
     DockSpec("sun", "Sun", "where and when", lambda desk: SunPanel(desk.session, desk.scout)),
     DockSpec("picture", "Picture", "where and when", lambda desk: PicturePanel(desk.session)),
-    DockSpec(
-        "export",
-        "Export",
-        "where and when",
-        lambda desk: ExportPanel(desk.session, desk.scout),
-    ),
+    DockSpec("export", "Export", "where and when",
+             lambda desk: ExportPanel(desk.session, desk.scout)),
     DockSpec("sky", "Sky", "light", lambda desk: SkyPanel(desk.session, desk.presets)),
-    DockSpec(
-        "compare",
-        "Compare skies",
-        "tools",
-        lambda desk: ComparePanel(desk.session, desk.viewport),
-        shown=False,
-    ),
-    DockSpec(
-        "time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout), scrolled=False
-    ),
-    DockSpec(
-        "modules",
-        "Modules",
-        "tools",
-        lambda desk: ModuleManager(desk.session),
-        shown=False,
-        scrolled=False,
-    ),
-    DockSpec(
-        "messages",
-        "Messages",
-        "tools",
-        lambda desk: MessageInspector(desk.session),
-        shown=False,
-        scrolled=False,
-    ),
-]
+    DockSpec("compare", "Compare skies", "tools",
+             lambda desk: ComparePanel(desk.session, desk.viewport), shown=False),
+    DockSpec("time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout),
+             scrolled=False),
+    DockSpec("modules", "Modules", "tools", lambda desk: ModuleManager(desk.session),
+             shown=False, scrolled=False),
+    DockSpec("messages", "Messages", "tools", lambda desk: MessageInspector(desk.session),
+             shown=False, scrolled=False),
+]  # fmt: skip
 
 
 class ModulePanels(NamedTuple):

@@ -1,10 +1,11 @@
 """The status line: the latest message, and facts of the picture."""
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QStatusBar
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.engine import Shown
+from vrut_lite.app.widgets import faint_label, make_timer
 
 _NEWS_MS = 12_000
 
@@ -16,15 +17,11 @@ class StatusLine(QStatusBar):
         super().__init__()
         self.news = QLabel()
         self.news.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.facts = QLabel()
-        self.facts.setProperty("role", "faint")
+        self.facts = faint_label()
         self.addWidget(self.news, 1)
         self.addPermanentWidget(self.facts)
         self.setSizeGripEnabled(False)
-        self._fades = QTimer(self)
-        self._fades.setSingleShot(True)
-        self._fades.setInterval(_NEWS_MS)
-        self._fades.timeout.connect(self.news.clear)
+        self._fades = make_timer(self, _NEWS_MS, self.news.clear, once=True)
 
     def show_problem(self, line: str) -> None:
         """One line on what went wrong."""

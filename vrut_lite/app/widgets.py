@@ -1,0 +1,54 @@
+"""Small parts of panels: forms, labels, timers, images."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, Qt, QTimer
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QFormLayout, QLabel, QWidget
+
+
+def aligned_form(parent: QWidget | None = None) -> QFormLayout:
+    """A form with vertically centred labels; fields take the free width."""
+    form = QFormLayout(parent)
+    form.setLabelAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    form.setHorizontalSpacing(12)
+    form.setVerticalSpacing(6)
+    return form
+
+
+def heading(text: str = "") -> QLabel:
+    """A label in the theme's style of headings."""
+    return _label(text, "heading")
+
+
+def faint_label(text: str = "", wraps: bool = False) -> QLabel:
+    """A label in the theme's faint style."""
+    label = _label(text, "faint")
+    label.setWordWrap(wraps)
+    return label
+
+
+def make_timer(parent: QObject, ms: int, act: Callable[[], Any], once: bool = False) -> QTimer:
+    """A timer that calls `act`, every `ms` milliseconds or once after each start; not started."""
+    timer = QTimer(parent)
+    timer.setSingleShot(once)
+    timer.setInterval(ms)
+    timer.timeout.connect(act)
+    return timer
+
+
+def rgb_image(pixels: NDArray[np.uint8]) -> QImage:
+    """An image that owns its pixels (h, w, 3), sRGB."""
+    height, width = pixels.shape[:2]
+    data = np.ascontiguousarray(pixels)
+    return QImage(data.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+
+
+def _label(text: str, role: str) -> QLabel:
+    label = QLabel(text)
+    label.setProperty("role", role)
+    return label
