@@ -15,6 +15,7 @@ from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.pyrender_backend import PyrenderBackend
+from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, Picture, SceneView
 from vrut_lite.scene.manager import SceneManager
 
@@ -125,8 +126,15 @@ class Host:
         return self.light_at_pixel(x, y)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """The same by what the scene manager knows by now."""
-        return self._backend.illuminance_at_pixel(self.state, x, y)
+        """The same of the present state, without waiting for inputs."""
+        hit = self.surface_at_pixel(x, y)
+        return (
+            None if hit is None else self._backend.illuminance(self.state, hit.point_m, hit.normal)
+        )
+
+    def surface_at_pixel(self, x: int, y: int) -> Hit | None:
+        """The surface that a pixel of the present state shows; None for the sky."""
+        return self._backend.surface_at(self.state, x, y)
 
     def close(self) -> None:
         """End background jobs, free the GPU's resources and end its thread."""

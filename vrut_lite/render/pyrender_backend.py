@@ -21,7 +21,7 @@ from vrut_lite.render.light import Light, Sky
 from vrut_lite.render.light_meter import Illuminance, illuminance
 from vrut_lite.render.mesh_renderer import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
-from vrut_lite.render.rays import SceneRays
+from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.scene.backend import IsGivenUp, Picture
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
@@ -79,13 +79,12 @@ class PyrenderBackend:
             self._scene_rays(state), state.key_light, state.ambient, point_m, normal, state.clouds
         )
 
-    def illuminance_at_pixel(self, state: SceneState, x: int, y: int) -> Illuminance | None:
-        """Lux on the surface in the middle of a pixel, None for the sky; y counts from the top."""
+    def surface_at(self, state: SceneState, x: int, y: int) -> Hit | None:
+        """The surface in the middle of a pixel, None for the sky; y counts from the top."""
         if state.camera is None:
             raise RuntimeError("nothing to look at yet: no camera")
         ray = pixel_rays(state.camera, state.size_px, x, y)
-        hit = self._scene_rays(state).first_hit(state.camera.eye_m, ray)
-        return None if hit is None else self.illuminance(state, hit.point_m, hit.normal)
+        return self._scene_rays(state).first_hit(state.camera.eye_m, ray)
 
     def _scene_rays(self, state: SceneState) -> SceneRays:
         if state.scene is None:

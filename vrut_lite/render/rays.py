@@ -13,18 +13,22 @@ _CLEARANCE = 1e-6
 
 
 class Hit(NamedTuple):
-    """Where a ray meets a surface, and the surface's normal (3,) towards the ray's start."""
+    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material."""
 
     point_m: NDArray[np.float64]
     normal: NDArray[np.float64]
+    material: str
 
 
 class SceneRays:
     """The triangles of a scene and its ground; textures that cut out are not looked at."""
 
     def __init__(self, scene: SceneOpened):
-        parts = range(len(scene.geometry.part_mesh.values))
-        triangles = [scene.geometry.world_triangles(part) for part in parts]
+        geometry, materials = scene.geometry, scene.materials.all()
+        meshes = geometry.part_mesh.values
+        triangles = [geometry.world_triangles(part) for part in range(len(meshes))]
+        self._ends = np.cumsum([len(t) for t in triangles])
+        self._materials = [materials[geometry.mesh(mesh).material].name for mesh in meshes]
         self._corner = np.concatenate([t[:, 0] for t in triangles])
         self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
         self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])
@@ -42,10 +46,12 @@ class SceneRays:
         if not np.isfinite(min(distance_m, ground_m)):
             return None
         if ground_m < distance_m:
-            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]))
+            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]), "ground")
         normal = np.cross(self._edge_1[nearest], self._edge_2[nearest])
         normal /= np.linalg.norm(normal)
-        return Hit(eye + distance_m * ray, normal if normal @ ray < 0.0 else -normal)
+        material = self._materials[int(np.searchsorted(self._ends, nearest, side="right"))]
+        towards_eye = normal if normal @ ray < 0.0 else -normal
+        return Hit(eye + distance_m * ray, towards_eye, material)
 
     def is_free(self, point_m: ArrayLike, normal: ArrayLike, direction: ArrayLike) -> bool:
         """Whether nothing stands between a point on a surface and what lies in a direction.
