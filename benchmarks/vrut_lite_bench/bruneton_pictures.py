@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
-from vrut_lite.render.display import display_picture
+from vrut_lite.pictures.display import display_picture
 from vrut_lite_bench.hosek_wilkie_thesis import view_directions
 
 CUBE_SIZE, FISHEYE_PX = 1024, 280

@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 
 from vrut_lite.daylight.camera import look_at
 from vrut_lite.geometry.panorama import sample_sky
-from vrut_lite.render.display import display_picture
+from vrut_lite.pictures.display import display_picture
 
 WIDTH, HEIGHT = 480, 300
 FIELD_OF_VIEW_DEG = 62.0

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, luminance
-from vrut_lite.render.white_balance import white_balance_matrix, white_xyz
+from vrut_lite.pictures.white_balance import white_balance_matrix, white_xyz
 
 colour = pytest.importorskip("colour")
 TEMPERATURES = st.floats(1700.0, 25000.0)

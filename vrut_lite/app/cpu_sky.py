@@ -18,7 +18,7 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.render.display import developed
+from vrut_lite.pictures.display import developed
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.scene.backend import IsGivenUp, Picture, SceneView
 from vrut_lite.scene.manager import SceneManager

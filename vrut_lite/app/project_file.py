@@ -8,7 +8,7 @@ import msgspec
 
 from vrut_lite.errors import UserError
 from vrut_lite.project import Project
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output
 
 
 def save_project(path: str | Path, project: Project) -> None:

@@ -17,6 +17,7 @@ from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.daylight.place_time import local_text, time_zone_at
 from vrut_lite.errors import UserError
+from vrut_lite.pictures.image_files import check_writable, write_png
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     Project,
@@ -25,7 +26,6 @@ from vrut_lite.project import (
     setting_inputs,
     view_inputs,
 )
-from vrut_lite.render.image_files import check_writable, write_png
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

@@ -3,7 +3,7 @@
 import click
 
 from vrut_lite.errors import UserError
-from vrut_lite.render.display import Bits
+from vrut_lite.pictures.display import Bits
 
 bits_option = click.option(
     "--bits",

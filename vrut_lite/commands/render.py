@@ -15,6 +15,7 @@ from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
+from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import (
     PROJECT_SUFFIX,
@@ -24,7 +25,6 @@ from vrut_lite.project import (
     in_words,
     load_project,
 )
-from vrut_lite.render.image_files import check_all_writable, picture_format
 
 FORMATS = (".png", ".exr")
 

@@ -23,7 +23,7 @@ from vrut_lite.app.panels.form import aligned_form
 from vrut_lite.app.project_keeper import ProjectKeeper
 from vrut_lite.app.session import Session
 from vrut_lite.errors import UserError
-from vrut_lite.render.image_files import picture_format
+from vrut_lite.pictures.image_files import picture_format
 
 _FILES = "Pictures (*.png *.exr)"
 

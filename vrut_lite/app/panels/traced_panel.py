@@ -14,8 +14,8 @@ from vrut_lite.app.session import Session
 from vrut_lite.app.stage import Stage
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.kernel.messages import Demand, Message
-from vrut_lite.render.display import display_picture
-from vrut_lite.render.white_balance import white_balance_matrix
+from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.white_balance import white_balance_matrix
 
 # Whichever module says a message of this name, with these fields: radiance (h, w, 3), samples,
 # samples_wanted.
