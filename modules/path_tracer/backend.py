@@ -7,7 +7,8 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.pictures.display import developed
-from vrut_lite.scene.backend import GivenUp, IsGivenUp, Picture
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.scene.backend import GivenUp, IsGivenUp
 
 
 class PathTracedBackend:

@@ -14,8 +14,9 @@ from vrut_lite.app.theme import apply_theme
 from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, load_project
-from vrut_lite.scene.backend import Picture, SceneView
+from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 
 SCENES = Path(__file__).parents[2] / "scenes"

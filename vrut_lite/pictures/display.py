@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
-from vrut_lite.scene.backend import Picture
 
 Bits = Literal[8, 16]
 

@@ -14,6 +14,7 @@ from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures import exposure
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.clouds.frame_clouds import FrameClouds
 from vrut_lite.render.culling import in_view, part_of
@@ -35,7 +36,7 @@ from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.targets import Targets
-from vrut_lite.scene.backend import IsGivenUp, Picture
+from vrut_lite.scene.backend import IsGivenUp
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Of the 24 slices of the filtered sky, in a frame that is not to wait for them: a sixth of its

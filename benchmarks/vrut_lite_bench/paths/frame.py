@@ -15,8 +15,8 @@ from pathlib import Path as FilePath
 from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, view_inputs
-from vrut_lite.scene.backend import Picture
 from vrut_lite_bench.gl import close_gl, missing_gl, on_close, renderer
 from vrut_lite_bench.gpu_clock import clock_name, has_timer
 from vrut_lite_bench.pass_timer import PassTimer
