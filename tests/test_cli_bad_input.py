@@ -12,7 +12,7 @@ import trimesh
 
 from vrut_lite import cli
 from vrut_lite.errors import UserError
-from vrut_lite.render.image_files import check_writable
+from vrut_lite.pictures.image_files import check_writable
 
 CAMERA_AT = 'scene = "good.glb"\n[camera]\n'
 GOOD_TIME = ["--at", "2026-06-21T12:00Z"]

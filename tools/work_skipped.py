@@ -26,8 +26,8 @@ from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import SetClock
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, view_inputs
-from vrut_lite.scene.backend import Picture
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes"
 DAY_SCENES = {

@@ -10,13 +10,14 @@ from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Input
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Measure
 from vrut_lite.render.gl_jobs import GlJobs
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 from vrut_lite.render.rays import Hit
-from vrut_lite.scene.backend import IsGivenUp, Picture, SceneView
+from vrut_lite.scene.backend import IsGivenUp, SceneView
 from vrut_lite.scene.manager import SceneManager
 
 

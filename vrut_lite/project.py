@@ -20,7 +20,7 @@ from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output
 
 PROJECT_SUFFIX = ".toml"
 Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from vrut_lite.errors import ModuleFailed, UserError
-from vrut_lite.render.write_atomic import atomic_output, check_writable
+from vrut_lite.write_atomic import atomic_output, check_writable
 
 if TYPE_CHECKING:
     from vrut_lite_bench.results import Results

@@ -6,8 +6,9 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.render.display import developed
-from vrut_lite.scene.backend import GivenUp, IsGivenUp, Picture
+from vrut_lite.pictures.display import developed
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.scene.backend import GivenUp, IsGivenUp
 
 
 class PathTracedBackend:

@@ -19,8 +19,8 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.widgets import rgb_image
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.kernel.messages import Demand
-from vrut_lite.render.display import display_picture
-from vrut_lite.render.white_balance import white_balance_matrix
+from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.white_balance import white_balance_matrix
 
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."

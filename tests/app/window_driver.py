@@ -15,8 +15,9 @@ from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, load_project
-from vrut_lite.scene.backend import Picture, SceneView
+from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 
 SCENES = Path(__file__).parents[2] / "scenes"

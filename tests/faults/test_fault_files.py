@@ -11,9 +11,9 @@ from dynamic_skylight.twilight_table import twilight_table
 from fault_stage import NOON, ROOT, SMALL_SKY
 
 from vrut_lite.errors import UserError
-from vrut_lite.render.write_exr import write_exr
-from vrut_lite.render.write_hdr import write_hdr
-from vrut_lite.render.write_json import write_json
+from vrut_lite.pictures.write_exr import write_exr
+from vrut_lite.pictures.write_hdr import write_hdr
+from vrut_lite.pictures.write_json import write_json
 
 SCENE = ROOT / "scenes" / "sundial.glb"
 

@@ -18,8 +18,8 @@ from vrut_lite import cli
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import Terminated, terminations_raised
 from vrut_lite.render import frame, gl_owner
-from vrut_lite.render.write_atomic import atomic_output
 from vrut_lite.sound_environment import leave_out_nonsense
+from vrut_lite.write_atomic import atomic_output
 
 SCENE = ROOT / "scenes" / "sundial.glb"
 RENDER = ["render", SCENE, *NOON, "--size", "32x32"]

@@ -39,8 +39,8 @@ def ask(owner, layer, points, body):
 
     def work(context):
         from vrut_lite.kernel.ledger import Ledger
-        from vrut_lite.render.cloud_shadow import CloudShadowMap
-        from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings
+        from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
+        from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
 
         clouds, shadow = CloudsOnGpu(context), CloudShadowMap(context, Ledger())
         clouds.show(layer)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vrut_lite.render import exposure, tone_map
-from vrut_lite.render.display import display_picture, dither
+from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.pictures.display import display_picture, dither
 
 
 @pytest.mark.parametrize("luminance_cd_m2", [500.0, 4000.0, 30000.0])

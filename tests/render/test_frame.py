@@ -61,7 +61,7 @@ def test_no_light_leaks_under_a_low_roof(backend, tmp_path, elevation_deg):
 
     The roof is one-sided and looks down: from above the floor is seen through it.
     """
-    from vrut_lite.render.shadow_map import SHADOW_SIZE
+    from vrut_lite.render.passes.shadow_map import SHADOW_SIZE
 
     sine = np.cos(np.radians(elevation_deg))  # of the angle between floor's normal and sun
     scale, texel_m = 40.0, 40.0 * np.sqrt(2.0) / SHADOW_SIZE
@@ -89,9 +89,9 @@ def test_a_pixel_on_an_edge_is_the_mean_of_what_it_shows(backend, box_file):
 @pytest.mark.parametrize("curve", ["agx", "exponential", "none"])
 @pytest.mark.parametrize("white", [(6504.0, 0.0), (3200.0, 0.01)])
 def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file, curve, white):
-    """The shader and render/display.py write one curve and one dither: within one 8-bit step."""
-    from vrut_lite.render.display import display_picture
-    from vrut_lite.render.white_balance import white_balance_matrix
+    """The shader and pictures/display.py write one curve and one dither: within one 8-bit step."""
+    from vrut_lite.pictures.display import display_picture
+    from vrut_lite.pictures.white_balance import white_balance_matrix
 
     kelvin, duv = white
     backend.change(exposure=SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv))

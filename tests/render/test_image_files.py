@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from vrut_lite.errors import UserError
-from vrut_lite.render.image_files import (
+from vrut_lite.pictures.image_files import (
     PICTURE_FORMATS,
     atomic_output,
     check_writable,
@@ -24,7 +24,7 @@ from vrut_lite.render.image_files import (
     write_npz,
     write_png,
 )
-from vrut_lite.render.write_hdr import LARGEST, rgbe_from_rgb
+from vrut_lite.pictures.write_hdr import LARGEST, rgbe_from_rgb
 
 RADIANCE = np.random.default_rng(1).lognormal(0, 3, (37, 53, 3)).astype(np.float32)
 RGB8 = np.random.default_rng(2).integers(0, 256, (37, 53, 3), dtype=np.uint8)

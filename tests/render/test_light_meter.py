@@ -78,6 +78,7 @@ def test_a_pixel_is_what_a_ray_through_it_meets(rays):
     ground = surface_at(2, 60)
     # Four metres off its middle the ground has fallen by a micrometre.
     across_m = np.hypot(*ground.point_m[[0, 2]])
+    assert ground.material == "ground"
     assert ground.point_m[1] == pytest.approx(-(across_m**2) / (2 * 6.36e6), abs=1e-12)
     assert surface_at(40, 5) is None
 
@@ -111,7 +112,8 @@ def test_a_white_plane_has_the_luminance_that_follows(gl_backend, box, elevation
         sun_irradiance=irradiance,
     )
     picture = look(backend, (30.0, 5.0, 0.0), (40.0, 0.0, 0.0))
-    lux = backend.backend.illuminance_at_pixel(backend.state, 32, 24).lux
+    hit = backend.backend.surface_at(backend.state, 32, 24)
+    lux = backend.backend.illuminance(backend.state, hit.point_m, hit.normal).lux
     shown = picture.luminance_cd_m2(32, 24)
     assert shown == pytest.approx(lux / np.pi, rel=0.005)
     radiance = np.array([2.0, 3.0, 5.0]) + irradiance * np.sin(elevation) / np.pi

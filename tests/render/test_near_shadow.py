@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scene_stage import light, look, square
 from stateful_backend import opened
 
-from vrut_lite.render.shadow_map import NEAR_RADIUS_M, light_matrix, near_centre_m
+from vrut_lite.render.passes.shadow_map import NEAR_RADIUS_M, light_matrix, near_centre_m
 
 SUN = np.array([0.6, 0.7, 0.2]) / np.linalg.norm([0.6, 0.7, 0.2])
 HALF_M = 2e4

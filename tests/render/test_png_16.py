@@ -11,8 +11,8 @@ from PIL import Image
 
 from vrut_lite import cli
 from vrut_lite.errors import UserError
-from vrut_lite.render.display import display_picture
-from vrut_lite.render.write_png import write_png
+from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.write_png import write_png
 
 RGB16 = np.random.default_rng(3).integers(0, 65536, (37, 53, 3), dtype=np.uint16)
 

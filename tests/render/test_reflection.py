@@ -96,7 +96,7 @@ def filtered_levels(owner, cube):
 
     from vrut_lite.kernel.ledger import Ledger
     from vrut_lite.render.light import Sky
-    from vrut_lite.render.specular_filter import LEVEL_ROUGHNESS, SpecularFilter
+    from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS, SpecularFilter
 
     def work(context):
         size = cube.shape[1]

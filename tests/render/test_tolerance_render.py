@@ -8,7 +8,7 @@ import pytest
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Sky
-from vrut_lite.render.specular_filter import CHANGE_SEEN, SpecularFilter, reflection_change
+from vrut_lite.render.passes.specular_filter import CHANGE_SEEN, SpecularFilter, reflection_change
 
 
 def test_the_default_is_what_it_was():

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrut_lite.geometry.colour import SRGB_FROM_XYZ, luminance
-from vrut_lite.render.white_balance import white_balance_matrix, white_xyz
+from vrut_lite.pictures.white_balance import white_balance_matrix, white_xyz
 
 TEMPERATURES = st.floats(1700.0, 25000.0)
 

@@ -29,7 +29,7 @@ from vrut_lite.kernel.messages import (
 )
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.recording.recorder import Recorder
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output
 
 HERE = Path(__file__).parent
 NOON = datetime(2026, 6, 21, 11, tzinfo=UTC)

@@ -27,7 +27,7 @@ from vrut_lite_studies.photographs.mask import (
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, luminance
 from vrut_lite.geometry.panorama import lat_long_directions
-from vrut_lite.render.write_exr import write_exr
+from vrut_lite.pictures.write_exr import write_exr
 
 HEIGHT = 128
 PIXEL_DEG = 180.0 / HEIGHT

@@ -24,7 +24,7 @@ from PIL import Image
 
 from tools.pictures.drawing import HEIGHT, WIDTH, sheet, sun_direction, view_directions
 from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
-from vrut_lite.render.display import display_picture
+from vrut_lite.pictures.display import display_picture
 
 CUBE_SIZE, FISHEYE_PX = 1024, 280
 Picture = NDArray[np.integer]

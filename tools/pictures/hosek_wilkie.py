@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tools.pictures.drawing import sheet, view_directions
 from vrut_lite.geometry.panorama import sample_sky
-from vrut_lite.render.display import display_picture
+from vrut_lite.pictures.display import display_picture
 
 
 class Figure(NamedTuple):

@@ -33,10 +33,10 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.pictures.display import display_picture
 from vrut_lite.project import Project, daylight_inputs, view_inputs
-from vrut_lite.render import mesh_renderer
-from vrut_lite.render.display import display_picture
 from vrut_lite.render.gl_owner import GlOwner
+from vrut_lite.render.passes import mesh_renderer
 from vrut_lite.render.pyrender_backend import PyrenderBackend
 
 DRAWN = ("sundial.toml", "street.toml", "spheres.glb", "pavilion.gltf", "large/terrain.toml",

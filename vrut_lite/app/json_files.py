@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vrut_lite.errors import UserError
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output
 
 # The window keeps some kilobytes.
 _MOST_BYTES = 1 << 20

@@ -18,6 +18,7 @@ from vrut_lite.daylight.place_time import local_text, time_zone_at
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SetClock
+from vrut_lite.pictures.image_files import check_writable, write_png
 from vrut_lite.project import (
     PROJECT_SUFFIX,
     Project,
@@ -26,7 +27,6 @@ from vrut_lite.project import (
     setting_inputs,
     view_inputs,
 )
-from vrut_lite.render.image_files import check_writable, write_png
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

@@ -23,8 +23,9 @@ from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.kernel.messages import Input, SetSetting
 from vrut_lite.kernel.module import Module
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, setting_inputs
-from vrut_lite.scene.backend import Picture, SceneView
+from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 
 GL = "gl"

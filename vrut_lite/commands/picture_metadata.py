@@ -9,8 +9,8 @@ from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import tolerance_of
 from vrut_lite.kernel.bus import Kernel
+from vrut_lite.pictures.image_files import Metadata
 from vrut_lite.project import Project
-from vrut_lite.render.image_files import Metadata
 
 # Lists of numbers; headers hold them as one text.
 _VECTORS = {

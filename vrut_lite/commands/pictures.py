@@ -19,8 +19,8 @@ from rich.progress import track
 
 from vrut_lite.commands.time_span import Wanted
 from vrut_lite.errors import UserError
-from vrut_lite.render.display import Bits
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.pictures.display import Bits
+from vrut_lite.write_atomic import atomic_output
 
 # Pictures asked for ahead of the one that is waited for: workers idle no more, memory is bounded.
 AHEAD = 64

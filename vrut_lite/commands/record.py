@@ -27,7 +27,7 @@ from vrut_lite.project import (
 from vrut_lite.recording.lines import read_inputs
 from vrut_lite.recording.recorder import Recorder
 from vrut_lite.recording.registry import Registry
-from vrut_lite.render.write_atomic import atomic_output, check_writable
+from vrut_lite.write_atomic import atomic_output, check_writable
 
 MOST_STEPS = 100_000
 

@@ -13,9 +13,9 @@ from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.errors import UserError
+from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import CameraView, Exposure, Project, in_words, project_of_path
-from vrut_lite.render.image_files import check_all_writable, picture_format
 
 FORMATS = (".png", ".exr")
 

@@ -9,7 +9,7 @@ from vrut_lite.errors import ModuleFailed, one_line
 from vrut_lite.recording.chrome_trace import export_chrome
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.replay import Outcome, Replay
-from vrut_lite.render.write_atomic import atomic_output, check_writable
+from vrut_lite.write_atomic import atomic_output, check_writable
 
 
 @click.command(name="replay")

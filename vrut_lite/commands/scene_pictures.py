@@ -13,11 +13,11 @@ from vrut_lite.commands.picture_metadata import picture_metadata, receives_light
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import SetClock
+from vrut_lite.pictures.display import Bits, display_picture
+from vrut_lite.pictures.image_files import Metadata, write_exr, write_png
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
-from vrut_lite.render.display import Bits, display_picture
-from vrut_lite.render.image_files import Metadata, write_exr, write_png
-from vrut_lite.render.white_balance import white_balance_matrix
-from vrut_lite.scene.backend import Picture
 
 if TYPE_CHECKING:
     from vrut_lite.host import Host

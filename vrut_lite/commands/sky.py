@@ -10,8 +10,8 @@ from vrut_lite.commands.pictures import bits_option, make_pictures, picture_bits
 from vrut_lite.commands.sky_pictures import PROJECTIONS, Projection, SkyPlan, sidecar_of
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
+from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.project import Project
-from vrut_lite.render.image_files import check_all_writable, picture_format
 
 
 @click.command(name="sky")

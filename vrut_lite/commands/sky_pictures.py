@@ -27,9 +27,8 @@ from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap, SkyMap
 from vrut_lite.geometry.sun_disc import disc_radiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SetClock
-from vrut_lite.project import Project, daylight_inputs, setting_inputs
-from vrut_lite.render.display import Bits, display_picture
-from vrut_lite.render.image_files import (
+from vrut_lite.pictures.display import Bits, display_picture
+from vrut_lite.pictures.image_files import (
     Metadata,
     write_exr,
     write_hdr,
@@ -37,6 +36,7 @@ from vrut_lite.render.image_files import (
     write_npz,
     write_png,
 )
+from vrut_lite.project import Project, daylight_inputs, setting_inputs
 
 Projection = Literal["lat-long", "cube", "fisheye"]
 PROJECTIONS: tuple[Projection, ...] = ("lat-long", "cube", "fisheye")

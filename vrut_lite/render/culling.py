@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.passes.mesh_renderer import View
 from vrut_lite.render.pieces import Piece
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 

@@ -13,29 +13,30 @@ from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.render import exposure
+from vrut_lite.pictures import exposure
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
+from vrut_lite.render.clouds.frame_clouds import FrameClouds
 from vrut_lite.render.culling import in_view, part_of
-from vrut_lite.render.frame_clouds import FrameClouds
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
-from vrut_lite.render.mesh_renderer import (
+from vrut_lite.render.passes.mesh_renderer import (
     SHADOW_UNIT,
     MeshRenderer,
     View,
     in_order,
     shadow_from_eye,
 )
+from vrut_lite.render.passes.shadow_map import ShadowMaps
+from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
+from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
+from vrut_lite.render.passes.tone_pass import TonePass
 from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
-from vrut_lite.render.shadow_map import ShadowMaps
 from vrut_lite.render.size_cache import SizeCache
-from vrut_lite.render.sky_pass import SkyPass, SunDisc
-from vrut_lite.render.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.targets import Targets
-from vrut_lite.render.tone_pass import TonePass
-from vrut_lite.scene.backend import IsGivenUp, Picture
+from vrut_lite.scene.backend import IsGivenUp
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Of the 24 slices of the filtered sky, in a frame that is not to wait for them: a sixth of its

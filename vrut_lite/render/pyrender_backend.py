@@ -15,14 +15,15 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame, Measure
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, Sky
 from vrut_lite.render.light_meter import Illuminance, illuminance
-from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.passes.mesh_renderer import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.rays import Hit, SceneRays
-from vrut_lite.scene.backend import IsGivenUp, Picture
+from vrut_lite.scene.backend import IsGivenUp
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
 

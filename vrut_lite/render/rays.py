@@ -24,12 +24,11 @@ class SceneRays:
     """The triangles of a scene and its ground; textures that cut out are not looked at."""
 
     def __init__(self, scene: SceneOpened):
-        parts = range(len(scene.geometry.part_mesh.values))
-        triangles = [scene.geometry.world_triangles(part) for part in parts]
+        geometry, materials = scene.geometry, scene.materials.all()
+        meshes = geometry.part_mesh.values
+        triangles = [geometry.world_triangles(part) for part in range(len(meshes))]
         self._ends = np.cumsum([len(t) for t in triangles])
-        names = [material.name for material in scene.materials.all()]
-        meshes = (scene.geometry.mesh(int(mesh)) for mesh in scene.geometry.part_mesh.values)
-        self._materials = [names[mesh.material] for mesh in meshes]
+        self._materials = [materials[geometry.mesh(mesh).material].name for mesh in meshes]
         self._corner = np.concatenate([t[:, 0] for t in triangles])
         self._edge_1 = np.concatenate([t[:, 1] - t[:, 0] for t in triangles])
         self._edge_2 = np.concatenate([t[:, 2] - t[:, 0] for t in triangles])

@@ -1,44 +1,16 @@
 """What draws the scene: OpenGL, a path tracer, or nothing at all."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.pictures.picture import Picture
 
 IsGivenUp = Callable[[], bool]
 
 
 class GivenUp(Exception):
     """The caller gave up the picture while it was being drawn."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A drawn frame.
-
-    radiance (h, w, 3) float32 is linear sRGB in W m^-2 sr^-1, display (h, w, 3) uint8 is
-    sRGB-encoded, row 0 at the top; `ev100` is the exposure that was used.
-    """
-
-    radiance: NDArray[np.float32]
-    display: NDArray[np.uint8]
-    ev100: float
-
-    def luminance_cd_m2(self, x: int, y: int) -> float:
-        """Luminance of a pixel in cd m^-2; x counts from the left, y from the top.
-
-        Raises:
-            ValueError: there is no such pixel.
-        """
-        height, width = self.radiance.shape[:2]
-        if not (0 <= x < width and 0 <= y < height):
-            raise ValueError(f"the picture has {width} x {height} pixels, none at ({x}, {y})")
-        return float(luminance(self.radiance[y, x])) * LUMENS_PER_WATT
 
 
 class SceneBackend(Protocol):

@@ -63,7 +63,7 @@ def update_journal(
     """Record a journal again from its own inputs; the old file stays if that fails."""
     from vrut_lite.recording.journal_reader import Journal
     from vrut_lite.recording.replay import rerecord
-    from vrut_lite.render.write_atomic import atomic_output
+    from vrut_lite.write_atomic import atomic_output
 
     journal = Journal(path)
     with atomic_output(path) as beside, beside.open("wb") as stream:

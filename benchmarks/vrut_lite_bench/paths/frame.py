@@ -19,8 +19,8 @@ import msgspec
 from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
 from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
-from vrut_lite.scene.backend import Picture
 from vrut_lite_bench.bench_path import (
     CPU_TIME,
     WALL_TIME,

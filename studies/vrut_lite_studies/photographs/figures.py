@@ -15,8 +15,8 @@ from PIL import Image, ImageDraw
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite.render.display import display_picture
-from vrut_lite.render.exposure import automatic_ev100
+from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite_studies.photographs.comparison import Comparison
 from vrut_lite_studies.photographs.fit import MODELS, Fit, chromaticity
 from vrut_lite_studies.photographs.mask import elevations_deg

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vrut_lite.errors import UserError
-from vrut_lite.render.write_atomic import check_writable
+from vrut_lite.write_atomic import check_writable
 from vrut_lite_studies.report.page import in_text
 
 PAGE = "index.html"

@@ -26,8 +26,8 @@ from vrut_lite.geometry.panorama import fisheye_directions, sample_sky
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec
 from vrut_lite.numeric_types import Vector
-from vrut_lite.render.display import display_picture
-from vrut_lite.render.exposure import automatic_ev100
+from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.exposure import automatic_ev100
 
 SLOT = "sky"
 DISC_SIZE = 192

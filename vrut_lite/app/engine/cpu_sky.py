@@ -18,10 +18,11 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.render.display import developed
+from vrut_lite.pictures.display import developed
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.rays import Hit
-from vrut_lite.scene.backend import IsGivenUp, Picture, SceneView
+from vrut_lite.scene.backend import IsGivenUp, SceneView
 from vrut_lite.scene.manager import SceneManager
 
 _CUBE_SIZE = 128

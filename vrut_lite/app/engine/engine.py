@@ -20,7 +20,8 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Input, Message
-from vrut_lite.scene.backend import GivenUp, Picture
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.scene.backend import GivenUp
 
 T = TypeVar("T")
 Question = Callable[[Stage], Any]

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.pictures.image_files import check_writable, picture_format, write_exr, write_png
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project
-from vrut_lite.render.image_files import check_writable, picture_format, write_exr, write_png
-from vrut_lite.scene.backend import Picture
 
 FORMATS = (".png", ".exr")
 

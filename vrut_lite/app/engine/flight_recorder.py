@@ -27,7 +27,7 @@ from vrut_lite.recording.observer import Observer, entry_of
 from vrut_lite.recording.registry import Registry
 from vrut_lite.recording.setup import capture_setup
 from vrut_lite.recording.signature import signature_of
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output
 
 # Days of playing time; the journal's reader takes at most four times this.
 MOST_SPOOL_BYTES = 2**28

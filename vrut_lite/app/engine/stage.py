@@ -9,9 +9,10 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.rays import Hit
-from vrut_lite.scene.backend import IsGivenUp, Picture
+from vrut_lite.scene.backend import IsGivenUp
 
 
 class Stage(Protocol):

@@ -12,7 +12,7 @@ from vrut_lite.commands.pictures import Made, Plan, make_one
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.workers import spawn_context
 from vrut_lite.project import Project
-from vrut_lite.render.write_atomic import atomic_output, check_writable
+from vrut_lite.write_atomic import atomic_output, check_writable
 
 
 def one_process() -> Executor:

@@ -22,7 +22,7 @@ from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
 from vrut_lite.app.widgets import aligned_form, faint_label
 from vrut_lite.errors import UserError
-from vrut_lite.render.image_files import picture_format
+from vrut_lite.pictures.image_files import picture_format
 
 _FILES = "Pictures (*.png *.exr)"
 

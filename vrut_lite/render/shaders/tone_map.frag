@@ -1,5 +1,5 @@
 #version 430 core
-// Exposure, white balance, a tone curve and a dither: the twin of render/display.py.
+// Exposure, white balance, a tone curve and a dither: the twin of pictures/display.py.
 
 const int NONE = 0, EXPONENTIAL = 1, AGX = 2;
 

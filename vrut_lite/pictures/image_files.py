@@ -7,13 +7,13 @@ import os
 from pathlib import Path
 
 from vrut_lite.errors import UserError
-from vrut_lite.render.picture_array import Metadata
-from vrut_lite.render.write_atomic import atomic_output, check_all_writable, check_writable
-from vrut_lite.render.write_exr import write_exr
-from vrut_lite.render.write_hdr import write_hdr
-from vrut_lite.render.write_json import write_json
-from vrut_lite.render.write_npz import write_npz
-from vrut_lite.render.write_png import write_png
+from vrut_lite.pictures.picture_array import Metadata
+from vrut_lite.pictures.write_exr import write_exr
+from vrut_lite.pictures.write_hdr import write_hdr
+from vrut_lite.pictures.write_json import write_json
+from vrut_lite.pictures.write_npz import write_npz
+from vrut_lite.pictures.write_png import write_png
+from vrut_lite.write_atomic import atomic_output, check_all_writable, check_writable
 
 __all__ = [
     "PICTURE_FORMATS",

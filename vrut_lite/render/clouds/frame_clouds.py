@@ -11,11 +11,11 @@ from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
-from vrut_lite.render.cloud_pass import COARSER, CloudPass
-from vrut_lite.render.cloud_shadow import CloudShadowMap
-from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings
+from vrut_lite.render.clouds.cloud_pass import COARSER, CloudPass
+from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
+from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
-from vrut_lite.render.mesh_renderer import View
+from vrut_lite.render.passes.mesh_renderer import View
 from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.targets import Targets

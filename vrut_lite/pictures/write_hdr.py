@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
-from vrut_lite.render.picture_array import Metadata, require_picture
-from vrut_lite.render.write_atomic import atomic_output
-from vrut_lite.render.write_exr import SRGB_CHROMATICITIES
+from vrut_lite.pictures.picture_array import Metadata, require_picture
+from vrut_lite.pictures.write_exr import SRGB_CHROMATICITIES
+from vrut_lite.write_atomic import atomic_output
 
 # Radiance defines luminance as 179 lm/W times its radiance over the visible spectrum.
 _RADIANCE_LUMENS_PER_WATT = 179.0

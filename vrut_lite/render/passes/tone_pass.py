@@ -4,10 +4,10 @@ from typing import Any
 
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
-from vrut_lite.render import exposure, tone_map
-from vrut_lite.render.full_screen import FullScreen
+from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.pictures.white_balance import white_balance_matrix
+from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.targets import Targets
-from vrut_lite.render.white_balance import white_balance_matrix
 
 # As tone_map.frag numbers them.
 _CURVES = {"none": 0, "exponential": 1, "agx": 2}

@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Mapping
 
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.write_atomic import atomic_output
 
 
 def write_json(path: str | os.PathLike[str], values: Mapping[str, object]) -> None:

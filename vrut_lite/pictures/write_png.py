@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from vrut_lite.render.picture_array import Metadata, require_picture
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.pictures.picture_array import Metadata, require_picture
+from vrut_lite.write_atomic import atomic_output
 
 _PERCEPTUAL_INTENT = b"\x00"
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.render.picture_array import Metadata
-from vrut_lite.render.write_atomic import atomic_output
+from vrut_lite.pictures.picture_array import Metadata
+from vrut_lite.write_atomic import atomic_output
 
 # The oldest date that a zip archive can hold: when a file was made is no part of its content.
 _NO_DATE = (1980, 1, 1, 0, 0, 0)

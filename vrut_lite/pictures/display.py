@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.picture import SetExposure, ToneMap
-from vrut_lite.render import exposure, tone_map
-from vrut_lite.render.white_balance import white_balance_matrix
-from vrut_lite.scene.backend import Picture
+from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.pictures.white_balance import white_balance_matrix
 
 Bits = Literal[8, 16]
 

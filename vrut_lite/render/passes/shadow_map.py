@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Light, Shadow, Shadows
-from vrut_lite.render.mesh_renderer import MeshRenderer
+from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.pyrender_scene import PyrenderScene
 
 SHADOW_SIZE = 4096

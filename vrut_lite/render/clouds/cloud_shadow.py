@@ -15,8 +15,8 @@ from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Vector
-from vrut_lite.render.clouds import CloudsOnGpu, CloudSurroundings, ShadowPlane
-from vrut_lite.render.full_screen import FullScreen
+from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings, ShadowPlane
+from vrut_lite.render.passes.full_screen import FullScreen
 
 UNIT = 14
 _SIZE = 512

@@ -1,0 +1,1 @@
+"""The clouds of a frame."""
