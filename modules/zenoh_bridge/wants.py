@@ -1,7 +1,8 @@
 """Demands as they cross: a key that lives as long as the process that wants something.
 
 A demand is a Zenoh liveliness token `PREFIX/want/PEER/TYPE/SIZE/ENCODING`. Zenoh tells it to
-everyone who joins later, and withdraws it when its process ends, however that ends.
+everyone who joins later, and withdraws it when its process ends, however that ends. SIZE and
+ENCODING are `any` where the consumer leaves them to the producer.
 """
 
 import threading
