@@ -2,6 +2,7 @@
 
 A demand is a token `PREFIX/want/PEER/TYPE/SIZE/ENCODING`. Zenoh shows it to every process that
 joins later, and withdraws it when its process ends, however that ends.
+SIZE and ENCODING are `any` where the consumer leaves them to the producer.
 """
 
 import threading

@@ -117,7 +117,7 @@ class SkyContract:
 
     # --- the tolerance -------------------------------------------------------------------
 
-    def test_a_tighter_tolerance_makes_no_smaller_cube(self, sky: SkyOnBus) -> None:
+    def test_a_tighter_tolerance_makes_a_larger_cube(self, sky: SkyOnBus) -> None:
         """Sizes follow the tolerance, but for a size that a consumer names."""
         sky.sun(30.0)
         sky.want(BackgroundChanged)
@@ -126,6 +126,7 @@ class SkyContract:
             sky.tell(SetTolerance(tolerance=tolerance))
             sizes.append(sky.last(BackgroundChanged).cube.shape[1])  # type: ignore[union-attr]
         assert sizes == sorted(sizes)
+        assert sizes[0] < sizes[-1]
         sky.want(BackgroundChanged, size=SIZE)
         sky.tell(SetTolerance(tolerance=1.0))
         assert sky.last(BackgroundChanged).cube.shape[1] == SIZE  # type: ignore[union-attr]
