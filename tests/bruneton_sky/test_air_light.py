@@ -143,11 +143,12 @@ def test_volume_agrees_with_monte_carlo(height: float, azimuth: float) -> None:
 def test_even_air_has_the_light_of_the_closed_form() -> None:
     """Air of one density everywhere, light scattered once, the sun in the zenith: along the level
     sunlight and density do not change, so that L(s) = E T_sun P(0) (1 - T(s)), T = exp(-beta s).
-    Molecules alone, on a planet so large and with scale heights so great that nothing bends."""
+    Molecules alone, on a planet so large and with scale heights so great that nothing bends; on one
+    ten times as large float32 would lose the path to the top, sqrt(1 + 2 h / r) - 1."""
     base = field().atmosphere
     air = replace(
         base,
-        ground_radius_m=6.36e10,
+        ground_radius_m=6.36e9,
         rayleigh_scale_height_m=1e12,
         mie_scattering=0.0,
         mie_extinction=0.0,
