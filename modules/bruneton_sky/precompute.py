@@ -12,8 +12,8 @@ from bruneton_sky.geometry import make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
 from bruneton_sky.tables.cache import TableCache
 from bruneton_sky.tables.parametrisations import node_coordinates, transmittance_state
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog
-from bruneton_sky.tables.tables import Tables, table_shapes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog, table_shapes
+from bruneton_sky.tables.tables import Tables
 from vrut_lite.arguments import as_count, check_choice, check_type, shown
 
 Backend = Literal["cpu", "gpu"]

@@ -1,16 +1,11 @@
 """Precomputed tables of an atmosphere's light, and what can be asked of them."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.tables import look_ups
-from bruneton_sky.tables.parametrisations import Year, parametrisation_of
 from bruneton_sky.tables.rays import View, view_from
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog
-from vrut_lite.arguments import as_numbers, as_vectors, check_shapes, check_type
+from vrut_lite.arguments import as_numbers, as_vectors, check_shapes
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
@@ -24,8 +19,7 @@ _LONGEST = 1e100
 _FARTHEST_M = 1e15
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Tables:
+class Tables(look_ups.TableArrays):
     """The light of an atmosphere, for every observer from the ground to space and every sun.
 
     In every method points are (..., 3) in metres from the planet's centre, directions unit
@@ -41,36 +35,9 @@ class Tables:
     another phase function than the look-up takes. Who wants 0.5 % everywhere asks
     `bruneton_sky.solve`.
 
-    Attributes:
-        orders: how often light is scattered or reflected at most.
-        parametrisation: of the two scattering tables.
-        transmittance: (altitude, mu, C), to the top of the atmosphere.
-        irradiance: (altitude, mu_s, C) of the sky on a level surface, W m^-2 nm^-1.
-        scattering: (altitude, mu, nu, mu_s, C), W m^-2 sr^-1 nm^-1: light scattered once by
-            molecules without its phase function, and all later orders over Rayleigh's.
-        single_mie: likewise light scattered once by aerosol, without its phase function.
-
     Raises:
-        ValueError: an array has not the shape that `sizes` says, or the atmosphere has fog; in
-            methods, a point or a direction is unusable.
+        ValueError: in methods, a point or a direction is unusable.
     """
-
-    atmosphere: Atmosphere
-    sizes: TableSizes
-    orders: int
-    parametrisation: Year
-    transmittance: FloatArray
-    irradiance: FloatArray
-    scattering: FloatArray
-    single_mie: FloatArray
-
-    def __post_init__(self) -> None:
-        parametrisation_of(self.parametrisation)
-        refuse_fog(self.atmosphere)
-        for name, shape in table_shapes(self.atmosphere, self.sizes).items():
-            check_type(f"{name} of the tables", getattr(self, name), np.ndarray)
-            if getattr(self, name).shape != shape:
-                raise ValueError(f"{name} of the tables must have the shape {shape}")
 
     def sky_radiance(
         self, camera_m: ArrayLike, view: ArrayLike, sun: ArrayLike, shadow_length_m: ArrayLike = 0.0
@@ -141,18 +108,6 @@ class Tables:
 
     def _point(self, name: str, value: ArrayLike) -> FloatArray:
         return _checked_point(name, value, self.atmosphere.ground_radius_m)
-
-
-def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[int, ...]]:
-    """The shapes of the four arrays by name."""
-    count = len(atmosphere.wavelength_nm)
-    scattering = (*sizes.scattering_shape, count)
-    return {
-        "transmittance": (sizes.transmittance_altitude, sizes.transmittance_mu, count),
-        "irradiance": (sizes.irradiance_altitude, sizes.irradiance_mu_s, count),
-        "scattering": scattering,
-        "single_mie": scattering,
-    }
 
 
 def _checked_point(name: str, value: ArrayLike, lowest_radius_m: float) -> FloatArray:
