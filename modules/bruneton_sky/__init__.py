@@ -1,8 +1,8 @@
 """The sky of a spherical atmosphere: Rayleigh and Mie scattering, ozone, ground to space.
 
 After Bruneton and Neyret 2008 and Bruneton 2017, for any number of wavelengths and any sun:
-`single_scattering` for one observer without preparation, `precompute` for tables of all orders
-that serve every observer.
+`solve` for the accurate sky of all orders, for every observer; `precompute` for tables of it;
+`single_scattering` without preparation.
 """
 
 from bruneton_sky.atmosphere import Atmosphere

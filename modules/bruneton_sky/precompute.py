@@ -1,4 +1,4 @@
-"""Tables of an atmosphere's light, by whichever way is at hand, or from the disk."""
+"""Tables of an atmosphere's light, made by the fast solver or on the GPU, or read from disk."""
 
 import math
 from collections.abc import Callable
@@ -18,10 +18,10 @@ from vrut_lite.arguments import as_count, check_choice, check_type, shown
 
 Backend = Literal["cpu", "gpu"]
 _MOST_ORDERS = 1000
-# Of one table: a gigabyte in single precision, 80 times the published one of three wavelengths.
+# Values of one table: a gigabyte in single precision, 80 times the published table.
 _MOST_VALUES = 1 << 28
 Progress = Callable[[float], None]
-# Of the CPU's time, by the end of solving and of the irradiance; marching has the rest.
+# Share of the CPU's time done after solving, and after the irradiance; marching takes the rest.
 _SOLVED, _IRRADIANCE = 0.2, 0.25
 
 
@@ -35,6 +35,8 @@ def precompute(
 ) -> Tables:
     """The tables of an atmosphere, in the parametrisation of 2017.
 
+    Their accuracy is stated in `Tables`; for 0.5 % use `bruneton_sky.solve`.
+
     Args:
         orders: how often light is scattered or reflected at most, 1 to 1000. The irradiance of
             the GPU's tables is, as published, of one order less, that of the CPU's is not.
@@ -42,8 +44,8 @@ def precompute(
             (`bruneton_sky.gpu_pipeline`) in an OpenGL context of its own, which becomes the
             thread's: a thread that has a context uses `GpuPipeline` itself.
         sizes: of the tables; by default those published.
-        progress: is told the share done, from 0 to 1.
-        cache: where the tables are looked for first, and kept.
+        progress: called with the share done, from 0 to 1.
+        cache: read first, and written.
 
     Raises:
         ValueError: for no order at all, another backend, fog, a table of more than 2^28 values, or
@@ -63,7 +65,7 @@ def precompute(
     for name, shape in table_shapes(atmosphere, size).items():
         as_count(f"the number of values of the table {name}", math.prod(shape), 1, _MOST_VALUES)
     recipe = (backend, atmosphere, orders, size)
-    # Some arrays are of single precision: what was made with it needs no more room.
+    # Arrays made in single precision stay so.
     arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)
     if arrays is None or _shapes(arrays) != table_shapes(atmosphere, size):
         make = _on_cpu if backend == "cpu" else _on_gpu

@@ -55,8 +55,7 @@ def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[i
 
 
 def refuse_fog(atmosphere: Atmosphere) -> None:
-    """Tables are published with 32 altitudes from the ground to space: a layer of fog would lie
-    between the lowest two.
+    """Refuse an atmosphere with fog, whose layer lies between a table's two lowest altitudes.
 
     Raises:
         ValueError: the atmosphere has fog.
@@ -64,5 +63,5 @@ def refuse_fog(atmosphere: Atmosphere) -> None:
     if atmosphere.foggy:
         raise ValueError(
             "tables of 32 altitudes from the ground to space cannot hold ground fog: "
-            "ask the solver (bruneton_sky.solver), or leave the fog out"
+            "use bruneton_sky.solve, or leave the fog out"
         )

@@ -9,13 +9,13 @@ from vrut_lite.arguments import as_numbers, as_vectors, check_shapes
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
-# Of shorter ways the squares lose digits, and with them the direction its length.
+# Squares of shorter vectors lose digits: their direction could not be normalised.
 _IN_THE_EYE_M = 1e-100
 _SKYLIGHT_EXPONENT = 3.0
 _UNIT_SLACK = 1e-5
-# Components beyond these have squares that are no numbers.
+# Squares of larger components overflow.
 _LONGEST = 1e100
-# Of points: beyond any planet's neighbourhood.
+# Largest coordinate of a point.
 _FARTHEST_M = 1e15
 
 
@@ -32,7 +32,7 @@ class Tables(look_ups.TableArrays):
     to 2.4 %, most of it left by the 8 nodes of nu, looking down also by those of mu; mu_s leaves
     little but in twilight (2 to 4 % rms, single rays 30 %). Tables of the GPU and of
     `run_pipeline` err by up to 8 %: where mu and mu_s do not allow a node's nu, their light is over
-    another phase function than the look-up takes. Who wants 0.5 % everywhere asks
+    another phase function than the look-up uses. For 0.5 % everywhere use
     `bruneton_sky.solve`.
 
     Raises:
@@ -73,7 +73,7 @@ class Tables(look_ups.TableArrays):
         way = point - camera
         distance = np.linalg.norm(way, axis=-1)
         there = distance[..., None] > _IN_THE_EYE_M
-        # A point in the observer's eye has no direction: any serves.
+        # A point at the observer has no direction: any serves.
         direction = np.divide(way, distance[..., None], out=_upward(way), where=there)
         seen = self._view(camera, direction, sun)
         shadow_m = _shadow(shadow_length_m, seen)
