@@ -1,15 +1,16 @@
 """The sky of a spherical atmosphere: Rayleigh and Mie scattering, ozone, ground to space.
 
 After Bruneton and Neyret 2008 and Bruneton 2017, for any number of wavelengths and any sun:
-`single_scattering` for one observer without preparation, `precompute` for tables of all orders
-that serve every observer.
+`solve` for the accurate sky of all orders, for every observer; `precompute` for tables of it;
+`single_scattering` without preparation.
 
 In reading order: `atmosphere`, `gases`, `phase` and `presets` describe the air; `geometry` and
 `optical_path` follow a ray through it; `quadrature` and `single_scattering` integrate light
-scattered once, `solver` all later orders; `sun_light` and `ground_light` add sun and ground;
-`sky_view`, `background` and `air_volume` are what one observer sees, `unseen_moves` when to make it
-anew; `precompute` and `tables` are the published tables. Files named `kernels` are compiled by
-numba. `reference` holds what all this is checked against.
+scattered once, `solver` all later orders, `ray_light` and `solved_sky` both along any ray;
+`sun_light` and `ground_light` add sun and ground; `sky_view`, `background` and `air_volume` are what
+one observer sees, `unseen_moves` when to make it anew; `precompute` and `tables` are the published
+tables. Files named `kernels` are compiled by numba. `reference` holds what all this is checked
+against.
 """
 
 from bruneton_sky.atmosphere import Atmosphere

@@ -1,4 +1,4 @@
-"""Tables of an atmosphere's light: from the solver, the published GPU pipeline, or from disk."""
+"""Tables of an atmosphere's light, made by the fast solver or on the GPU, or read from disk."""
 
 import math
 from collections.abc import Callable
@@ -23,17 +23,16 @@ from bruneton_sky.tables.parametrisations import (
     parametrisation_of,
     transmittance_state,
 )
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog
-from bruneton_sky.tables.tables import Tables, table_shapes
+from bruneton_sky.tables.sizes import TableSizes, refuse_fog, table_shapes
+from bruneton_sky.tables.tables import Tables
 from vrut_lite.arguments import as_count, check_choice, check_type, shown
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 Backend = Literal["cpu", "gpu"]
 _MOST_ORDERS = 1000
 # Values of one table: 1 GiB in single precision, 80 times the published one.
 _MOST_VALUES = 1 << 28
 Progress = Callable[[float], None]
-SingleArray = NDArray[np.float32]
 # Share of the CPU's time when the atmosphere is solved, and when the irradiance is done.
 _SOLVED, _IRRADIANCE = 0.2, 0.25
 
@@ -48,6 +47,8 @@ def precompute(
 ) -> Tables:
     """The tables of an atmosphere, in the parametrisation of 2017.
 
+    Their accuracy is stated in `Tables`; for 0.5 % use `bruneton_sky.solve`.
+
     Args:
         orders: scatterings and reflections of light at most, 1 to 1000. The irradiance of
             the GPU's tables is, as published, of one order less, that of the CPU's is not.
@@ -56,7 +57,7 @@ def precompute(
             the thread's: a thread that has a context uses `GpuPipeline` itself.
         sizes: of the tables; by default those published.
         progress: called with the share done, from 0 to 1.
-        cache: where the tables are looked for first, and stored.
+        cache: read first, and written.
 
     Raises:
         ValueError: orders or backend are none of these, there is fog, a table would have more than
@@ -76,7 +77,7 @@ def precompute(
     for name, shape in table_shapes(atmosphere, size).items():
         as_count(f"the number of values of the table {name}", math.prod(shape), 1, _MOST_VALUES)
     recipe = (backend, atmosphere, orders, size)
-    # Some arrays are in single precision, as they were made.
+    # Arrays made in single precision stay so.
     arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)
     if arrays is None or _shapes(arrays) != table_shapes(atmosphere, size):
         make = _on_cpu if backend == "cpu" else _on_gpu
@@ -142,7 +143,7 @@ def transmittance_table(atmosphere: Atmosphere, sizes: TableSizes) -> NDArray[np
 
 def march_tables(
     field: SourceField, sizes: TableSizes | None = None, year: Year = "2017"
-) -> tuple[SingleArray, SingleArray]:
+) -> tuple[Float32Array, Float32Array]:
     """Tables of scattering and single Mie, (altitude, mu, nu, mu_s, C) each.
 
     W m^-2 sr^-1 nm^-1. The first holds light scattered once by molecules without its phase

@@ -14,8 +14,8 @@ from bruneton_sky.tables.parametrisations import (
     parametrisation_of,
 )
 from bruneton_sky.tables.rays import moved
-from bruneton_sky.tables.sizes import TableSizes
-from bruneton_sky.tables.tables import Tables, table_shapes
+from bruneton_sky.tables.sizes import TableSizes, table_shapes
+from bruneton_sky.tables.tables import Tables
 
 from vrut_lite.numeric_types import FloatArray
 

@@ -1,9 +1,9 @@
-"""Tables kept on disk by what they were made from.
+"""Tables kept on disk, found by the recipe that they were made from.
 
 A file's name is the digest of its recipe; inside, a digest of the contents stands before them.
-What does not match, for whatever reason, is no entry: the tables are made again. Files are
-written beside their place and renamed, so that neither a crash nor a second process leaves a
-half-written one. A cache that cannot be written costs time, never tables: one line in the log.
+A file whose digest does not match is ignored, and the tables are made again. Files are written
+under another name and renamed, so that neither a crash nor a second process leaves a half-written
+one. If the folder cannot be written, that is logged, and the tables are returned all the same.
 """
 
 import hashlib
@@ -47,15 +47,15 @@ class TableCache:
         return cls(user_cache_path("vrut_lite") / "tables")
 
     def get(self, recipe: object) -> dict[str, NDArray[np.floating]] | None:
-        """The arrays made from a recipe; None if there are none that can be trusted.
+        """The arrays made from a recipe; None if there is no file or it is damaged.
 
         Args:
-            recipe: of numbers, texts, tuples and dataclasses: its `repr` must tell all.
+            recipe: of numbers, texts, tuples and dataclasses; its `repr` is digested.
         """
         path = self._path(recipe)
         try:
             state = path.stat()
-            # A pipe would be waited for; an entry that is larger than all may be is none of ours.
+            # Reading a pipe would block; a file larger than the whole cache is not an entry.
             ours = stat.S_ISREG(state.st_mode) and state.st_size <= self.limit_bytes
             content = path.read_bytes() if ours else b""
             os.utime(path)
@@ -97,9 +97,9 @@ class TableCache:
             raise
 
     def _drop_oldest(self, kept: Path) -> None:
-        """Make room, but not of what was just put, whatever the clock says was used last.
+        """Delete the least recently used files above the limit, but not `kept`.
 
-        Parts that a killed process left a day ago go too.
+        Parts that a killed process left a day ago are deleted too.
         """
         for part, state in self._files("*.part"):
             if state.st_mtime < time.time() - _FORGOTTEN_S:
@@ -114,16 +114,16 @@ class TableCache:
                 path.unlink(missing_ok=True)
 
     def _files(self, pattern: str) -> Iterator[tuple[Path, os.stat_result]]:
-        """Files and their states; what another process takes away meanwhile is left out."""
+        """Files and their states; a file that another process deletes meanwhile is skipped."""
         for path in self.folder.glob(pattern):
             with suppress(FileNotFoundError):
                 yield path, path.stat()
 
 
 def _arrays(payload: bytes) -> dict[str, NDArray[np.floating]] | None:
-    """What a file holds; None if it is no archive of finite arrays, digest or no digest."""
+    """The arrays in a file; None if it is no archive of finite arrays, even with a right digest."""
     try:
-        # Nothing in it is packed.
+        # The archive is not compressed: arrays are no larger than it.
         arrays = read_npz(io.BytesIO(payload), len(payload))
     except ValueError:
         return None

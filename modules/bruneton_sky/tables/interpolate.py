@@ -13,8 +13,8 @@ from vrut_lite.numeric_types import FloatArray
 def interpolate(table: FloatArray, coordinates: Sequence[FloatArray]) -> FloatArray:
     """Values (..., C) of a table (n1, ..., nk, C) at k texture coordinates that broadcast.
 
-    As a GPU samples a texture: nodes are texel centres, and beyond the outermost of them the
-    value stays. The four-linear look-up that a GPU cannot do is the same with k = 4.
+    As a GPU samples a texture, for any k: nodes are texel centres, and beyond the outermost of
+    them the value stays.
     """
     *sizes, channels = table.shape
     nodes = table.reshape(-1, channels)
@@ -28,7 +28,9 @@ def interpolate(table: FloatArray, coordinates: Sequence[FloatArray]) -> FloatAr
 def interpolate_suns(
     tables: Sequence[FloatArray], coordinates: Sequence[FloatArray]
 ) -> tuple[FloatArray, ...]:
-    """The same of tables (n1, ..., nk, C) of one shape, by cubics along axis k, the sun's.
+    """Values (..., C) of tables (n1, ..., nk, C) of one shape, by cubics along axis k, the sun's.
+
+    Otherwise as `interpolate`.
 
     The tables hold nothing negative. Cubics are Hermite's with Catmull and Rom's slopes, limited as
     by Fritsch and Carlson 1980: between two nodes no value is above or below both, so that

@@ -42,9 +42,20 @@ class TableSizes:
         return self.altitude, self.mu, self.nu, self.mu_s
 
 
+def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[int, ...]]:
+    """The shapes of the four arrays by name."""
+    count = len(atmosphere.wavelength_nm)
+    scattering = (*sizes.scattering_shape, count)
+    return {
+        "transmittance": (sizes.transmittance_altitude, sizes.transmittance_mu, count),
+        "irradiance": (sizes.irradiance_altitude, sizes.irradiance_mu_s, count),
+        "scattering": scattering,
+        "single_mie": scattering,
+    }
+
+
 def refuse_fog(atmosphere: Atmosphere) -> None:
-    """Tables are published with 32 altitudes from the ground to space: a layer of fog would lie
-    between the lowest two.
+    """Refuse an atmosphere with fog, whose layer lies between a table's two lowest altitudes.
 
     Raises:
         ValueError: the atmosphere has fog.
@@ -52,5 +63,5 @@ def refuse_fog(atmosphere: Atmosphere) -> None:
     if atmosphere.foggy:
         raise ValueError(
             "tables of 32 altitudes from the ground to space cannot hold ground fog: "
-            "ask the solver (bruneton_sky.solver), or leave the fog out"
+            "use bruneton_sky.solve, or leave the fog out"
         )
