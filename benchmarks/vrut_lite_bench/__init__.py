@@ -1,1 +1,1 @@
-"""Benchmarks: what the host and its modules cost, beside what others cost in the same run."""
+"""`vrut-lite bench`: run time against error of the host and its modules, beside others' figures."""

@@ -1,4 +1,4 @@
-"""What is measured: a benchmark path is one way to compute something; a group holds rivals."""
+"""A benchmark path is one way to compute something; a group holds the ways to compute the same."""
 
 import time
 from collections.abc import Callable
@@ -18,7 +18,7 @@ PICTURE_NORM = (
 
 
 class Spent(NamedTuple):
-    """What one call of some work gave, and the seconds that it took."""
+    """The result of one call of some work, and the seconds that it took."""
 
     result: Any
     seconds: float
@@ -26,7 +26,7 @@ class Spent(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """Of a picture's or a grid's relative errors: mean, 99th percentile, largest."""
+    """Relative errors of a picture or a grid: mean, 99th percentile, largest."""
 
     mean: float
     p99: float
@@ -46,7 +46,7 @@ def sizes_of(errors: NDArray[Any]) -> Errors:
 
 
 class Clock(NamedTuple):
-    """How seconds are counted, in words, and what counts them."""
+    """A clock: its name in words, and the function that times work."""
 
     name: str
     time: Callable[[Work], Spent]
@@ -79,14 +79,13 @@ class BenchPath:
         name: unique in its group.
         family: the paths that differ by effort alone; a plot draws them as one line.
         parameters: what the path was asked for, by name.
-        prepare: does what is done once, and returns the work to be timed: all conditions, one
-            after another.
-        error: from what the work returned to errors by the conditions' names; none where
-            nothing can err.
-        units: what the work makes: time is told per unit.
-        batch: paths of a group that share it take turns while they are timed.
-        clock: by which it is timed.
-        once: its clock has done all rounds itself.
+        prepare: does what is done once and returns the work to be timed, which computes all
+            conditions one after another.
+        error: errors by the conditions' names, of what the work returned; None without a twin.
+        units: number of things that the work makes; times are per unit.
+        batch: paths of a group with the same batch take turns while they are timed.
+        clock: times the work.
+        once: the clock does all rounds itself.
     """
 
     name: str
@@ -103,17 +102,17 @@ class BenchPath:
 
 @dataclass(frozen=True)
 class Group:
-    """Ways to compute the same, whose run times and errors make one plot.
+    """Ways to compute the same thing; their run times and errors make one plot.
 
     Attributes:
-        name: how it is asked for.
+        name: in results and files.
         title: of the plot.
-        unit: what a time is the time of.
+        unit: what one time is for.
         norm: what an error is relative to.
-        truth: what errors are counted from.
-        paths: its ways.
-        front_of: those whose names end so compete for the front; others make another thing.
-        left_out: ways that this machine cannot go, and why.
+        truth: the reference of the errors.
+        paths: in the order of measuring.
+        front_of: only paths whose names end so are compared for the front.
+        left_out: paths that cannot be measured on this machine, and why.
     """
 
     name: str

@@ -14,7 +14,7 @@ from vrut_lite.write_atomic import atomic_output, check_writable
 if TYPE_CHECKING:
     from vrut_lite_bench.results import Results
 
-# How often what looks slower is timed again before it counts.
+# Paths that look slower are timed again this many times.
 _TRIES = 2
 
 
@@ -38,7 +38,7 @@ _TRIES = 2
     "than the noise, and end with 1 if anything has.",
 )
 def bench(output: str, quick: bool, only: str | None, compare: str | None) -> None:
-    """Measure run time against error of every way to compute every thing.
+    """Measure run time against error of every way to compute each thing.
 
     The page, FOLDER/index.html, plots for each computation what its ways take against how far they
     are from their float64 or converged twin, and marks those that none beats in both. Beside it lie
@@ -53,7 +53,7 @@ def bench(output: str, quick: bool, only: str | None, compare: str | None) -> No
     """
     if find_spec("matplotlib") is None:
         raise UserError("the benchmark needs the extra `bench`: pip install 'vrut-lite[bench]'")
-    # Only now: whoever asks for help need not wait for compilers.
+    # Imported late, so that --help need not wait for compilers.
     from vrut_lite_bench.compare import check_comparable
     from vrut_lite_bench.registry import chosen_kinds
     from vrut_lite_bench.results import read_results
@@ -71,7 +71,7 @@ def bench(output: str, quick: bool, only: str | None, compare: str | None) -> No
 
 
 def _made(folder: Path) -> Path:
-    """The folder, found to be writable before the long work."""
+    """The folder, made and checked to be writable before the long work."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -81,7 +81,7 @@ def _made(folder: Path) -> Path:
 
 
 def _measured(kinds: list[str], quick: bool, old: "Results | None") -> "Results":
-    """All that is asked for; what looks slower than before is timed again."""
+    """The results; paths that look slower than before are timed again."""
     from vrut_lite_bench.compare import slower_paths
     from vrut_lite_bench.session import Session
 
@@ -107,7 +107,7 @@ def _write(results: "Results", folder: Path) -> None:
 
 
 def _tell(old: "Results", new: "Results") -> None:
-    """Say what is worse.
+    """Print what is worse.
 
     Raises:
         ModuleFailed: something is.

@@ -1,10 +1,10 @@
-"""Two runs side by side: what got slower or less accurate by more than the noise.
+"""Compares two runs: what got slower or less accurate by more than the noise.
 
 **Slower.** Rounds are divided by the pace that the machine kept in their run. A path is slower if
 each of its rounds now is slower than each of its rounds then, and the least by more than a tenth:
 of five and five rounds of equal speed one pair in 252 is so by chance. What was timed once,
 because a call takes seconds, is slower from one and a half times as long. Other work on the
-machine slows many rounds in a row: whoever compares times again, later, what looks slower
+machine slows many rounds in a row: the caller times again, later, what looks slower
 (`slower_paths`). Run times are compared only between runs on one kind of processor.
 
 **Less accurate.** Errors hardly depend on chance: a path is less accurate if under any
@@ -23,14 +23,14 @@ Key = tuple[str, str]
 
 
 class Comparison(NamedTuple):
-    """Sentences: what got worse, and what could not be compared."""
+    """Sentences on what got worse, and on what could not be compared."""
 
     worse: list[str]
     remarks: list[str]
 
 
 def check_comparable(old: Results, quick: bool, kinds: list[str]) -> None:
-    """Before anything is measured: whether it can be compared with the old results.
+    """Check, before anything is measured, that it can be compared with the old results.
 
     Raises:
         UserError: one is of the quick form and the other is not, or they share nothing.
@@ -73,7 +73,7 @@ def slower_paths(old: Results, new: Results) -> list[Key]:
 
 
 def is_slower(then: Measured, now: Measured, pace_then_s: float, pace_now_s: float) -> bool:
-    """Whether a path's rounds say so."""
+    """Whether a path is slower by the rule above."""
     if then.clock != now.clock:
         return False
     before = [seconds / pace_then_s for seconds in then.rounds_s]

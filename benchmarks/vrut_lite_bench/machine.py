@@ -1,4 +1,4 @@
-"""What a measurement was made on."""
+"""The machine that a measurement was made on."""
 
 import os
 import platform
@@ -12,7 +12,7 @@ Load = tuple[float, float, float]
 
 
 def machine(load_before: Load, renderer: str, pace_s: float) -> Machine:
-    """This machine, now that all is measured."""
+    """This machine, after the measurements."""
     return Machine(
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         processor=processor(),
@@ -27,12 +27,12 @@ def machine(load_before: Load, renderer: str, pace_s: float) -> Machine:
 
 
 def load() -> Load:
-    """Processes that wanted to run, on average over 1, 5 and 15 minutes."""
+    """Load average over 1, 5 and 15 minutes."""
     return os.getloadavg()
 
 
 def processor() -> str:
-    """The processor's name, as far as the system tells it."""
+    """The processor's name as the system gives it."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
             names = [line.partition(":")[2].strip() for line in file if "model name" in line]

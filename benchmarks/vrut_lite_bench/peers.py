@@ -1,4 +1,4 @@
-"""What others have published, beside what this run measured."""
+"""Published figures of others, and programs of others, beside the paths of a run."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -23,7 +23,7 @@ _FLOAT32, _LIVE = "cube_map, float32", "this machine, live"
 class Peer(NamedTuple):
     """A figure of others, and the path of this run that does the same.
 
-    `ms` is none where it was measured in this run: then `theirs` is the path.
+    `ms` is None if it was measured in this run: then `theirs` is the path.
     """
 
     what: str
@@ -47,7 +47,7 @@ class Row(NamedTuple):
 
 
 def peers() -> list[Peer]:
-    """All that is known of others."""
+    """All figures of others."""
     return [*_cube_maps(), *_live(), *_bruneton()]
 
 

@@ -10,12 +10,12 @@ from vrut_lite_bench.front import on_front
 from vrut_lite_bench.results import GroupNote, Measured
 
 _MARKS = "osD^vPXphd*<>"
-# What double precision leaves is drawn no smaller.
+# Smaller errors than double precision has are drawn here.
 _LEAST_ERROR = 1e-16
 
 
 def plot_png(group: GroupNote, paths: Sequence[Measured]) -> bytes:
-    """The group's plot as PNG: of run time against error, or bars where nothing can err."""
+    """The group's plot as PNG: run time against error, or bars for groups without errors."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -62,7 +62,7 @@ def _points(axes: Any, group: GroupNote, paths: Sequence[Measured]) -> None:
 
 
 def _decorate(axes: Any) -> None:
-    """Numbers as one says them, and room for the labels of the fastest and the slowest."""
+    """Plain numbers on the axis, and room for the labels of the fastest and the slowest."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axes.get_xlim()
@@ -87,7 +87,7 @@ def _family(axes: Any, paths: Sequence[Measured], factor: float, mark: str) -> N
 
 
 def _label(path: Measured) -> str:
-    """What tells a point from the others of its family."""
+    """A point's name within its family."""
     return path.name.removeprefix(path.family).lstrip(", ") or path.name
 
 

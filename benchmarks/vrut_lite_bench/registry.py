@@ -1,4 +1,4 @@
-"""All groups of paths by name."""
+"""All kinds of computation by name."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What a run of the benchmark found, as structs that become JSON and come back."""
+"""The results of a run as structs, which are written and read as JSON."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Paths take turns for some rounds: run times that other work on the machine disturbs least."""
+"""Times paths in turns over some rounds, which other work on the machine disturbs least."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -41,7 +41,7 @@ class _Running(NamedTuple):
 
 
 def measure_group(group: Group, effort: Effort, tell: Tell) -> list[Measured]:
-    """Every path of a group; `tell` hears each one's name before it is done."""
+    """Measure every path of a group; `tell` is called with each name before it is measured."""
     found = []
     for _, batch in groupby(group.paths, key=lambda path: path.batch):
         found += _measure_batch(group, batch, effort, tell)
@@ -65,7 +65,7 @@ def _measure_batch(
 
 
 def _start(path: BenchPath, group: str, tell: Tell) -> _Running:
-    """Run a path once, which may compile; judge the result, and time a second call."""
+    """Run a path once, which may compile; compute its errors, and time a second call."""
     tell(f"{group}: {path.name}")
     work = path.prepare()
     first = path.clock.time(work)
@@ -83,13 +83,13 @@ def _size(errors: Errors) -> ErrorSize:
 
 
 def _calls(running: _Running, effort: Effort) -> int:
-    # Not the seconds that count: of a frame they may be those of one pass.
+    # By wall time: the seconds of the clock may be those of one pass of a frame.
     each_s = effort.budget_s / effort.rounds
     return max(1, min(_MOST_CALLS, math.floor(each_s / max(running.first_wall_s, 1e-9))))
 
 
 def _time_round(running: _Running, calls: int) -> None:
-    """Some calls in a row, as a running program does: another path has the caches filled."""
+    """Some calls in a row, so that caches are filled by this path and not by another."""
     spent = [running.path.clock.time(running.work)[1:] for _ in range(calls)]
     running.rounds_s.append(min(seconds for seconds, _ in spent))
     running.walls_s.append(min(wall for _, wall in spent))
@@ -116,7 +116,7 @@ _NUMBERS = np.linspace(0.0, 1.0, 50_000)
 def pace_s() -> float:
     """The least CPU time of a fixed piece of work, some of it numpy's, some the interpreter's.
 
-    It tells by how much the machine itself was slower while something else was measured.
+    Times of two runs are divided by it, so that a slower machine does not count.
     """
     return min(CPU_TIME.time(_fixed_work).seconds for _ in range(7))
 

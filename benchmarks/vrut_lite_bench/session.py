@@ -1,4 +1,4 @@
-"""One run of the benchmark: everything is measured, some of it again."""
+"""One run of the benchmark."""
 
 import time
 from collections.abc import Callable
@@ -20,7 +20,7 @@ Tell = Callable[[str], None]
 
 
 class Session:
-    """Measures kinds of computation; `tell` hears what is being done."""
+    """Measures kinds of computation; `tell` is called with the name of each step."""
 
     def __init__(self, kinds: list[str], quick: bool, tell: Tell):
         self._kinds, self._quick, self._tell = kinds, quick, tell
@@ -42,7 +42,7 @@ class Session:
         gl.close_gl()
 
     def measure(self) -> None:
-        """Everything."""
+        """Measure everything."""
         for group in self._groups():
             self._note(group)
             for path in measure_group(group, self._effort, self._tell):
@@ -50,7 +50,7 @@ class Session:
             self._pace_s = min(self._pace_s, pace_s())
 
     def measure_again(self, keys: set[Key]) -> None:
-        """Some paths' times: if they are less now, they count."""
+        """Time some paths again; smaller times replace the earlier ones."""
         for group in self._groups():
             paths = tuple(path for path in group.paths if (group.name, path.name) in keys)
             for now in measure_group(replace(group, paths=paths), self._effort, self._tell):
@@ -61,7 +61,7 @@ class Session:
                     )
 
     def results(self) -> Results:
-        """What is known by now."""
+        """The results so far."""
         return Results(
             format=FORMAT,
             quick=self._quick,

@@ -1,4 +1,4 @@
-"""The conditions under which skies are measured: airs, suns, observers, and where they look."""
+"""The conditions under which skies are measured: airs, suns, observers and directions."""
 
 from functools import lru_cache
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What is right for the sky under the benchmark's conditions: direct evaluation, converged."""
+"""The converged sky under the benchmark's conditions, by direct evaluation."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -17,9 +17,9 @@ from vrut_lite_bench.skies import Condition, air, conditions, sky_directions
 _TRUE_ORDERS, _TRUE_TOLERANCE = 40, 2e-3
 _NODES = 48
 _SKYLIGHT_EXPONENT = 3.0
-# Steps and bins of a ray at which they no longer show.
+# Steps and bins of a ray that add no visible error.
 _STEPS, _BINS = 256, 64
-# What does in seconds: an error of half a percent is not seen against it.
+# Solved in seconds; good for errors above half a percent.
 _QUICK_SIZES = SolverSizes(
     altitude=36, mu_s=80, direction_mu=48, direction_azimuth=24, later_azimuth=16, degree=24,
     source_mu=64, source_azimuth=24, steps=128, node_bins=32, single_bins=64, multiple_bins=48,
@@ -27,7 +27,7 @@ _QUICK_SIZES = SolverSizes(
 
 
 def in_words(quick: bool) -> str:
-    """What the truth is, for the plots."""
+    """The truth in words, for the plots."""
     sizes = "nearly converged" if quick else "converged"
     return (
         f"direct evaluation, {_NODES} nodes for light scattered once, for the rest the solver with "

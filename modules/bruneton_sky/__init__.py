@@ -7,10 +7,10 @@ After Bruneton and Neyret 2008 and Bruneton 2017, for any number of wavelengths 
 In reading order: `atmosphere`, `gases`, `phase` and `presets` describe the air; `geometry` and
 `optical_path` follow a ray through it; `quadrature` and `single_scattering` integrate light
 scattered once, `solver` all later orders, `ray_light` and `solved_sky` both along any ray;
-`sun_light` and `ground_light` add sun and ground; `sky_view`, `background` and `air_volume` are what
-one observer sees, `unseen_moves` when to make it anew; `precompute` and `tables` are the published
-tables. Files named `kernels` are compiled by numba. `reference` holds what all this is checked
-against.
+`sun_light` and `ground_light` add sun and ground; `sky_view`, `background` and `air_volume` are
+what one observer sees, `unseen_moves` when to make it anew; `precompute` and `tables` are the
+published tables. Files named `kernels` are compiled by numba. `reference` holds what all this is
+checked against.
 """
 
 from bruneton_sky.atmosphere import Atmosphere

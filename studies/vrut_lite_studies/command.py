@@ -54,7 +54,7 @@ def study(
     """
     if find_spec("matplotlib") is None:
         raise UserError("the study needs the extra `studies`: pip install 'vrut-lite[studies]'")
-    # Only now: whoever asks for help need not wait for compilers.
+    # Imported late, so that --help need not wait for compilers.
     from vrut_lite_studies.report.folder import PAGE, study_folder
     from vrut_lite_studies.report.study import write_study
 

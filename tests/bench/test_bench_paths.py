@@ -7,6 +7,7 @@ from vrut_lite_bench.bench_path import BenchPath, Errors
 from vrut_lite_bench.gl import close_gl
 from vrut_lite_bench.paths import (
     air,
+    dispatch,
     frame,
     hosek_wilkie,
     single_scattering,
@@ -14,6 +15,7 @@ from vrut_lite_bench.paths import (
     solver,
     sun,
     tables,
+    window,
 )
 
 
@@ -107,6 +109,33 @@ def test_air() -> None:
     """The product's volume: 99 % of walls within 2 % of the float64 twin by day."""
     found = errors_of(path_of(air.groups(True), "the product's"))
     assert max(each.p99 for each in found.values()) < 0.02
+
+
+@pytest.mark.parametrize("subscribers", [1, 4])
+def test_dispatch(subscribers: int) -> None:
+    """Every subscriber hears each message once, and goes on hearing in later rounds."""
+    group = dispatch.groups(True)[(1, 4).index(subscribers)]
+    for path in group.paths:
+        work = path.prepare()
+        assert path.error is not None
+        assert path.error(work()) == {}
+        counters = work()
+        assert [counter.count for counter in counters] == [2 * dispatch.MESSAGES] * subscribers
+
+
+def test_a_figure_of_the_window_is_used_once(monkeypatch) -> None:
+    """What looks slower is timed again: a figure that was used is measured by a new process."""
+    runs = iter((0.2, 0.1))
+
+    def measure() -> dict[str, float]:
+        seconds = next(runs)
+        return dict.fromkeys((*window._LATENCY, *window._GAPS), seconds)
+
+    monkeypatch.setattr(window, "_measure", measure)
+    monkeypatch.setattr(window, "_measured", {})
+    first, second = (window._path(name) for name in window._LATENCY[:2])
+    told = [path.clock.time(path.prepare()).seconds for path in (first, second, first, second)]
+    assert told == [0.2, 0.2, 0.1, 0.1]
 
 
 @pytest.mark.gl

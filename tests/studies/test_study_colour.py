@@ -29,7 +29,6 @@ def skies(reference, model, quantity):
     [
         (colour.luminance, "luminance", 1e-13),
         (colour.srgb, "srgb", 1e-12),
-        (colour.naive_srgb, "srgb_naive", SINGLE),
         (colour.three_sample_srgb, "srgb_3samples", SINGLE),
     ],
 )
@@ -58,15 +57,6 @@ def test_colours_agree_with_the_hosts(reference):
     host = rgb_from_spectrum(radiance, WAVELENGTHS_NM) * colour.LUMENS_PER_WATT
     ours = colour.srgb(radiance)
     assert np.abs(ours - host).max() < 0.01 * host.max()
-
-
-def test_few_wavelengths_come_near_many(reference):
-    """15 wavelengths, as of Elek, give the colour within 3 %; 36 steps of 10 nm within 1 %."""
-    radiance = reference["nishita93_radiance"][1]
-    many = colour.srgb(radiance)
-    for count, tolerance in ((15, 0.03), (36, 0.01)):
-        few = colour.srgb_of_few(radiance, count)
-        np.testing.assert_allclose(few, many, atol=tolerance * many.max())
 
 
 def test_three_samples_are_right_for_what_they_assume():

@@ -2,7 +2,7 @@
 
 import numpy as np
 from vrut_lite_studies.framework import errors
-from vrut_lite_studies.framework.colour import approximate_spectrum, srgb, tone_mapped
+from vrut_lite_studies.framework.colour import approximate_spectrum
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 
 
@@ -38,13 +38,3 @@ def test_error_of_rebuilt_spectra(reference):
     model, other = reference["nishita93_radiance"][0], reference["oneal_radiance"][0]
     direct = errors.rmse(approximate_spectrum(model), other)
     np.testing.assert_allclose(errors.approximate_spectrum_rmse(model, other), direct)
-
-
-def test_rgb_error_and_its_quirk(reference):
-    """Distances over 81 directions; as published the count is 31 times too large."""
-    model, other = (srgb(reference[f"{m}_radiance"][0]) for m in ("nishita93", "oneal"))
-    distance = np.linalg.norm(tone_mapped(model) - tone_mapped(other), axis=-1)
-    right = errors.rgb_rmse(model, other)
-    np.testing.assert_allclose(right, np.sqrt((distance**2).sum() / 81))
-    published = errors.rgb_rmse(model, other, quirks=True)
-    np.testing.assert_allclose(published, np.sqrt((distance**2).sum() / (81 * 31)))

@@ -3,10 +3,10 @@
     python -m tools.pictures.climb FOLDER [--measure] [--sky NAME]
 
 Writes climb.jpg, a film strip of twelve heights. With --measure it also draws pictures at heights
-2 % apart and compares each with the one before: what moves by a pixel is blurred away, and what
-enters or leaves at the picture's rim is left out, so that what is left is how much light changes
-between two frames. climb.csv has a line for each pair;
-climb_steps.png plots them; pairs that stand out of their neighbours are told as jumps.
+2 % apart and compares each with the one before: pictures are blurred, so that things may move by a
+pixel, and their rim is left out; the rest is the change of light between two frames. climb.csv has
+a line for each pair; climb_steps.png plots them; pairs that stand out of their neighbours are
+reported as jumps.
 """
 
 import argparse
@@ -69,7 +69,7 @@ def view_from(height_m: float, ground_m: float) -> MoveCamera:
     altitude_m = ground_m + height_m
     dip_rad = math.atan2(math.sqrt(altitude_m * (2.0 * PLANET_M + altitude_m)), PLANET_M)
     pitch_rad = dip_rad + _BELOW_HORIZON_RAD
-    # A target as far as the eye is high keeps its digits.
+    # A target at the distance of the eye's height keeps its digits.
     away_m = max(altitude_m, 1.0)
     target = (-away_m * math.cos(pitch_rad), altitude_m - away_m * math.sin(pitch_rad), 0.0)
     return MoveCamera(

@@ -1,1 +1,1 @@
-"""The ways that are measured, one file for each kind of computation."""
+"""The benchmark paths, one file for each kind of computation."""

@@ -19,7 +19,7 @@ MESSAGES, THOUSANDS = 10_000, 10
 
 
 class Burst(Input, frozen=True, kw_only=True):
-    """Asks for so many posts."""
+    """Asks for a number of posts."""
 
     count: int
 
@@ -34,7 +34,7 @@ class Single(Input, frozen=True, kw_only=True):
 
 
 class Moved(Derived, frozen=True, kw_only=True):
-    """What is posted, never coalesced."""
+    """The message that is posted, never coalesced."""
 
     elevation_rad: float
 
@@ -139,7 +139,7 @@ def psygnal_signal(subscribers: int) -> Contestant:
 
 
 def pluggy_hook(subscribers: int) -> Contestant:
-    """A pluggy hook, whose plugins all hear it."""
+    """A pluggy hook with a plugin for each subscriber."""
     pluggy = importlib.import_module("pluggy")
     specify, implement = pluggy.HookspecMarker("bench"), pluggy.HookimplMarker("bench")
 

@@ -45,7 +45,7 @@ SCENES = Path(__file__).resolve().parents[3] / "scenes"
 PAVILION, VALLEY = "pavilion.gltf", "large/terrain.toml"
 NOTHING = FrameSkips(**{field.name: False for field in fields(FrameSkips)})
 SIZES, QUICK_SIZES, VALLEY_SIZE = ((320, 200), (960, 600)), ((320, 200),), (480, 270)
-# Those in which air is drawn, and all others but the whole.
+# Passes in which air is drawn, and all passes.
 DRAWING = ("mesh", "sky", "blended mesh")
 PASSES = (*DRAWING, "shadow", "reflection", "resolve", "tone map", "copy and meter")
 Size = tuple[int, int]

@@ -46,7 +46,7 @@ GPU_SIZES, CARD_SIZES = (64, 256, 1024), (64, 256, 512, 1024, 2048, 4096)
 MITSUBA_SIZES = (64, 256, 1024)
 # Other hours than the one that is timed at all sizes: turbidity, albedo, elevation in degrees.
 HOURS = ((1.0, 0.0, 2.0), (10.0, 1.0, 2.0), (5.0, 0.1, 10.0), (10.0, 0.5, 88.0))
-# Larger maps are made for one hour.
+# Larger maps are made for one hour only.
 _MANY_HOURS_TO = 256
 _LOOK_UPS = 20_000
 _TEXEL_BYTES = 8
@@ -173,7 +173,7 @@ def _gpu_job(size: int) -> GpuJob:
 
 
 def _stores_path(size: int) -> BenchPath:
-    """What the memory alone takes of a map: the same texels stored, nothing computed."""
+    """The memory's share of a map's time: the same texels stored, nothing computed."""
     name = "GPU, stores alone"
 
     def prepare() -> Work:
@@ -184,7 +184,7 @@ def _stores_path(size: int) -> BenchPath:
 
 
 def _buffer_path(done: str, size: int) -> BenchPath:
-    """A buffer as large as a map, filled or copied: what the memory's bandwidth is."""
+    """A buffer as large as a map, filled or copied, for the memory's bandwidth."""
     name = f"GPU, buffer {done}"
     return _memory_path(f"{name}, {size}²", name, size, partial(_prepare_buffer, done, size))
 

@@ -1,4 +1,4 @@
-"""The ways to compute a Hosek-Wilkie cube map that the benchmark compares."""
+"""The formats of Hosek-Wilkie cube maps that are compared, and the exact formula."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -25,7 +25,7 @@ Run = Callable[[], Any]
 SKY = HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=np.radians(45.0))
 AZIMUTH_RAD = 0.3
 EXPOSURE = 0.05
-# Of larger maps every so manieth texel is judged: so many an edge, about.
+# Of larger maps about this many texels an edge are compared.
 _JUDGED = 64
 
 
@@ -168,12 +168,12 @@ def fast_u8(sky: HosekWilkieSky, size: int) -> Run:
 
 
 def as_it_is(_sky: HosekWilkieSky, values: FloatArray) -> FloatArray:
-    """Radiance of values that are radiance."""
+    """Values that are radiance already."""
     return values
 
 
 def of_half(sky: HosekWilkieSky, values: FloatArray) -> FloatArray:
-    """Radiance of values over the sky's scale."""
+    """Radiance of values divided by the sky's scale."""
     return values * half_scale(sky.brightest)
 
 
@@ -183,7 +183,7 @@ def of_bytes(_sky: HosekWilkieSky, values: FloatArray) -> FloatArray:
 
 
 class Format(NamedTuple):
-    """A way to a cube map: what makes it, how its values are radiance, its largest size."""
+    """A format of a cube map: what makes it, how it is decoded to radiance, its largest size."""
 
     name: str
     make: Callable[[HosekWilkieSky, int], Run]

@@ -22,7 +22,7 @@ _LLVM_PLACES = ("/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1", "/usr/lib/libLLVM.s
 
 
 def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
-    """The figures of a process that uses LLVM, or of one that does not if that one ends badly."""
+    """The figures of a process that uses LLVM, or of one without LLVM if that one fails."""
     command = [sys.executable, "-m", "vrut_lite_bench.paths.hosek_wilkie_mitsuba", *map(str, sizes)]
     for library in (*filter(os.path.exists, _LLVM_PLACES), ""):
         environment = {**os.environ, "DRJIT_LIBLLVM_PATH": library}

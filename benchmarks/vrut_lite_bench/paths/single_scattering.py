@@ -92,7 +92,7 @@ def all_rays(name: str) -> list[Rays]:
 
 @lru_cache
 def truths(name: str) -> list[FloatArray]:
-    """What is right for all of them."""
+    """The true radiance of all of them."""
     return _all_by_rule(name, "gauss-legendre", _TRUE_NODES)()
 
 
@@ -167,7 +167,7 @@ def _all_by_bins(name: str, counts: tuple[int, int]) -> Work:
 
 
 def _dark(atmosphere: Atmosphere, counts: tuple[int, int]) -> SourceField:
-    """A field without light scattered more than once, to look through with so many bins."""
+    """A field of light scattered once, looked at with that many steps and bins."""
     field = solve(atmosphere, orders=1)
     steps, bins = counts
     few = min(bins, field.sizes.multiple_bins), min(bins, field.sizes.node_bins)

@@ -1,4 +1,4 @@
-"""From a solved atmosphere to a picture: sky-view tables, cube maps by size, and all of it."""
+"""From a solved atmosphere to a picture: sky-view tables, cube maps, and the whole chain."""
 
 from functools import lru_cache, partial
 
@@ -44,14 +44,14 @@ _SAME_SOLUTION = "direct evaluation of the same solution, 48 nodes for light sca
 
 
 def groups(quick: bool) -> list[Group]:
-    """Tables, cube maps, and all of it from the atmosphere to the picture."""
+    """Tables, cube maps, and the chain from the atmosphere to the picture."""
     names = list(SETTINGS)[:1] if quick else list(SETTINGS)
     return [*(_tables(name, quick) for name in names), _cubes(quick), _chains(names, quick)]
 
 
 @lru_cache(maxsize=1)
 def solved(name: str) -> SourceField:
-    """An air's solution as the product has it."""
+    """An air's solution with the product's sizes."""
     return solve_air(air(name))
 
 
@@ -82,7 +82,7 @@ def _table_path(name: str, quick: bool, said: str, finer: float | None) -> Bench
 
 
 def _table_conditions(quick: bool, finer: float | None) -> list[Condition]:
-    """The table for light is that of one who stands."""
+    """The table for light is made for an observer on the ground."""
     return [c for c in conditions(quick) if finer is not None or c.height_m == 0.0]
 
 
@@ -226,7 +226,7 @@ def _chain_path(name: str, quick: bool, changed: bool) -> BenchPath:
 
 
 def _chain_conditions(quick: bool, changed: bool) -> list[Condition]:
-    """What solving takes does not depend on the sun: one of them does."""
+    """One sun is enough to time a changed atmosphere: solving does not depend on the sun."""
     return conditions(quick)[: 1 if changed else None]
 
 
@@ -238,7 +238,7 @@ def _prepare_chain(name: str, quick: bool, changed: bool) -> Work:
 
 
 def _seen(field: SourceField, condition: Condition) -> SkyView:
-    """The table, after the cube map has been made from it too."""
+    """The table; the cube map is made from it too."""
     view = sky_view(field, condition.height_m, condition.sun)
     fill_cube(view, 256, _BLACK)
     return view
@@ -247,7 +247,7 @@ def _seen(field: SourceField, condition: Condition) -> SkyView:
 def _chain_errors(
     name: str, quick: bool, changed: bool, views: dict[Condition, SkyView]
 ) -> dict[str, Errors]:
-    """Under all conditions, also where one of them alone was timed: the solution is the same."""
+    """Under all conditions, also if only one was timed: the solution is the same."""
     exact = exact_skies(name, quick)
     if changed:
         views = _prepare_chain(name, quick, False)()

@@ -94,7 +94,7 @@ def _prepare_gpu(size: str) -> Work:
 
 
 def _shaders_path(size: str) -> BenchPath:
-    """What the card alone takes, without reading anything back."""
+    """The card's time alone, without reading anything back."""
     name = "published pipeline, GPU shaders without read-back"
     made = _path(True, name, name, _USUAL_ORDERS, size, lambda: GlWork(partial(_shaders, size)))
     return replace(made, clock=gl_clock(), error=None, device="GPU", batch="GPU")

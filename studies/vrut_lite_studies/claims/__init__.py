@@ -1,4 +1,4 @@
-"""What the two papers claim and the study's page does not show: each measured by itself.
+"""Measurements of those claims of the two papers that the study's page does not show.
 
 `python -m vrut_lite_studies.claims` prints the numbers that docs/study.md quotes.
 """

@@ -1,4 +1,4 @@
-"""Print what is measured of the claims."""
+"""Print the measurements of the papers' claims."""
 
 from vrut_lite_studies.claims import coefficients, look_ups, looks, resolution
 

@@ -1,4 +1,4 @@
-"""What a look-up in the 4-D tables costs beside computing the light anew."""
+"""Run time of a look-up in the 4-D tables, and of computing the same light directly."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What the integration paper sees in its figures, in numbers: brightness, horizon, highlight."""
+"""Brightness, horizon and highlight of skies, in numbers instead of the paper's figures."""
 
 from collections.abc import Iterator
 from typing import NamedTuple, cast
@@ -20,7 +20,7 @@ _HORIZON_DEG, _WHITE = 82.0, 0.9
 
 
 class Look(NamedTuple):
-    """How one sky looks beside that of all orders of scattering.
+    """One sky compared with that of all orders of scattering.
 
     Attributes:
         brightness: mean luminance, by solid angle, over the other's.

@@ -1,1 +1,1 @@
-"""What skies are compared with and by: Bruneton's 2016 evaluation of clear sky models, rebuilt."""
+"""Bruneton's 2016 evaluation of clear sky models, rebuilt: measurements, colours, errors."""

@@ -1,4 +1,4 @@
-"""The air that every physical model of the comparison is given: Bruneton 2016, section 4.
+"""The atmosphere of all physical models in the comparison: Bruneton 2016, section 4.
 
 Exponential molecules and aerosol under one sun over grass; no ozone.
 """

@@ -14,7 +14,6 @@ from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.spectra import (
     BIN_NM,
-    COMMON_NM,
     WAVELENGTHS_NM,
     at_wavelength,
     resampled,
@@ -50,29 +49,8 @@ def srgb(radiance: ArrayLike) -> FloatArray:
     return np.maximum(xyz(radiance) @ SRGB_FROM_XYZ.T, 0.0)
 
 
-def srgb_of_few(radiance: ArrayLike, count: int) -> FloatArray:
-    """As `srgb`, from `count` wavelengths between 360 and 720 nm alone.
-
-    The colour of a model whose author used that many, as of Haber's 8.
-    """
-    step_nm = (COMMON_NM[1] - COMMON_NM[0]) / count
-    some_nm = COMMON_NM[0] + step_nm * np.arange(count)
-    weighted = np.asarray(radiance, dtype=float)[..., None, :] * colour_matching()
-    summed = LUMENS_PER_WATT * step_nm * at_wavelength(weighted, some_nm).sum(axis=-1)
-    return np.maximum(summed @ SRGB_FROM_XYZ.T, 0.0)
-
-
-def naive_srgb(radiance: ArrayLike) -> FloatArray:
-    """What passes for a colour (..., 3) where a grey sun and three wavelengths are used.
-
-    The ratio of radiance to the sun's at `SAMPLES_NM`, times the mean component of the sun.
-    """
-    ratio = at_wavelength(radiance, SAMPLES_NM) / at_wavelength(STUDY.solar_irradiance, SAMPLES_NM)
-    return np.asarray(ratio * srgb(STUDY.solar_irradiance).mean())
-
-
 def three_sample_srgb(radiance: ArrayLike) -> FloatArray:
-    """Bruneton's colour (..., 3) from three wavelengths: right where the sky goes as sun/nm^3."""
+    """Bruneton's colour (..., 3) from three wavelengths: exact for light as sun/nm^3."""
     typical = STUDY.solar_irradiance * WAVELENGTHS_NM**-3
     at_samples = at_wavelength(STUDY.solar_irradiance, SAMPLES_NM) * np.power(SAMPLES_NM, -3)
     factor = (xyz(typical) @ SRGB_FROM_XYZ.T) / at_samples

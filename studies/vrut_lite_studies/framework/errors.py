@@ -1,14 +1,14 @@
-"""How far a model's sky is from the measured one: at the 81 directions, 360 to 720 nm.
+"""Errors of a model's sky against the measured one, at the 81 directions, 360 to 720 nm.
 
-RMSE sees the bright sky around the sun before all else; the relative error of each direction
-says what it leaves out. After Bruneton 2016, section 5.
+RMSE is dominated by the bright sky around the sun; relative errors show the other directions.
+After Bruneton 2016, section 5.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.numeric_types import FloatArray
-from vrut_lite_studies.framework.colour import approximate_spectrum, tone_mapped
+from vrut_lite_studies.framework.colour import approximate_spectrum
 from vrut_lite_studies.framework.spectra import COMMON_NM, WAVELENGTHS_NM, integral_between
 
 IN_COMMON = slice(0, int(np.searchsorted(WAVELENGTHS_NM, COMMON_NM[1])))
@@ -37,7 +37,7 @@ def relative_error(model: ArrayLike, measured: ArrayLike) -> FloatArray:
 def relative_rmse(model: ArrayLike, truth: ArrayLike) -> FloatArray:
     """Root mean square (...,) of the pointwise relative difference of radiances (..., 81, 40).
 
-    Over what `rmse` is taken over: for truths that are nowhere zero, not for measurements.
+    Over the directions and wavelengths of `rmse`; the truth must be nowhere zero.
     """
     right = np.asarray(truth, dtype=float)[..., IN_COMMON]
     ratio = np.asarray(model, dtype=float)[..., IN_COMMON] / right
@@ -47,19 +47,3 @@ def relative_rmse(model: ArrayLike, truth: ArrayLike) -> FloatArray:
 def approximate_spectrum_rmse(model: ArrayLike, measured: ArrayLike) -> FloatArray:
     """`rmse` (...,) after the model's spectra were rebuilt from three of their samples."""
     return rmse(approximate_spectrum(model), measured)
-
-
-def rgb_rmse(
-    model_colour: ArrayLike, measured_colour: ArrayLike, quirks: bool = False
-) -> FloatArray:
-    """Root mean square distance (...,) of tone-mapped colours (..., 81, 3).
-
-    Args:
-        model_colour, measured_colour: linear sRGB in cd m^-2.
-        quirks: as published, where the sum over 81 directions is divided by the count of
-            directions and wavelengths: sqrt(31) times too small.
-    """
-    distance = tone_mapped(model_colour) - tone_mapped(measured_colour)
-    squared = (distance**2).sum(axis=-1)
-    counted = len(WAVELENGTHS_NM[IN_COMMON]) if quirks else 1
-    return np.sqrt(squared.mean(axis=-1) / counted)

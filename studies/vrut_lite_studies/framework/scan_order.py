@@ -1,4 +1,4 @@
-"""In what order, and under what names, the instrument of Kider et al. 2014 scanned the sky.
+"""Order and file names of the samples in a scan by the instrument of Kider et al. 2014.
 
 Its azimuths count counter-clockwise from north: the usual one is their negative.
 """

@@ -1,4 +1,4 @@
-"""Spectra as the evaluation keeps them: 40 numbers, one for each bin of 11.75 nm, 360 to 830 nm.
+"""Spectra of the evaluation: 40 numbers, one for each bin of 11.75 nm, 360 to 830 nm.
 
 After Bruneton 2016, "A Qualitative and Quantitative Evaluation of 8 Clear Sky Models". A number
 belongs to its bin's left edge; between two of them a spectrum is linear, outside it is constant;

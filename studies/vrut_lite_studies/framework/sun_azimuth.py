@@ -1,4 +1,4 @@
-"""The sun's azimuth as the measured sky itself tells it.
+"""The sun's azimuth estimated from the symmetry of the measured sky.
 
 The instrument's north was off by several degrees, so the computed azimuth does not match its
 scans. The sky is symmetric about the sun's vertical plane: the azimuth, within 20 deg of the

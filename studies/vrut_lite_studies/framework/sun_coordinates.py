@@ -1,4 +1,4 @@
-"""Where the sun stood: the PSA algorithm, by which the evaluation places it.
+"""The sun's position by the PSA algorithm, as in the published evaluation.
 
 Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira 2001, "Computing the solar
 vector", Solar Energy 70. Used here for likeness with the published evaluation; the project's

@@ -1,1 +1,1 @@
-"""The skies that are compared, each behind the one interface of `model`."""
+"""The sky models that are compared; `model` is their common interface."""

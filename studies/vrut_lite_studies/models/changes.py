@@ -1,4 +1,4 @@
-"""What one change of the atmosphere does to Bruneton's sky, taken from physics and not from it.
+"""Bruneton's sky with one physical change of the atmosphere at a time.
 
 The study's aerosol was taken from the day of the measurements, so that an error against them
 is in-sample. Each change here mends one thing that the published atmosphere leaves out or

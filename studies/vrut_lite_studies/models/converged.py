@@ -1,4 +1,4 @@
-"""What the equations say: the sky of all orders of scattering, without tables.
+"""The converged sky of all orders of scattering, computed without tables.
 
 Light scattered once comes from an exact rule, all later orders from `bruneton_sky.solver`. The
 reference of the study's comparisons with truth; a Monte Carlo path tracer, which shares
@@ -85,7 +85,7 @@ def monte_carlo_sky(
     relative_azimuth_rad: FloatArray,
     paths: int = 4096,
 ) -> MonteCarloSky:
-    """The same sky by paths of light, so many for each direction (n,).
+    """The same sky by paths of light, a number of them for each direction (n,).
 
     Seconds for a few directions: for checks, not for pictures.
     """

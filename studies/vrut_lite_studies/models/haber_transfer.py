@@ -1,4 +1,4 @@
-"""How light gets from cell to cell of Haber's air, from the sun, and to the viewer.
+"""Transfer of light between the cells of Haber's air, from the sun, and to the viewer.
 
 Between cells it is computed at the authors' eight wavelengths, once for all suns: rings are even
 in azimuth about the sun, and what passes from one to another depends on the turn between two
@@ -33,13 +33,13 @@ _LEAST_AEROSOL = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Transfer:
-    """How light gets from cell to cell, from the sun, and to the viewer."""
+    """Transfer of light between cells, from the sun, and to the viewer."""
 
     air: StudyAtmosphere
 
     @cached_property
     def cells(self) -> Cells:
-        """What the light passes between."""
+        """The cells between which light passes."""
         return make_cells(self.air)
 
     def sunlight(self, point_m: FloatArray, sun_zenith_rad: float) -> FloatArray:

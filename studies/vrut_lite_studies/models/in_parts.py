@@ -1,4 +1,4 @@
-"""Many directions, a few at a time: so that a picture needs no more memory than a list."""
+"""Functions of many directions, evaluated in parts to bound the memory of a picture."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ _DIRECTIONS_EACH = 2048
 
 
 def in_parts(function: Callable[..., FloatArray], *directions: FloatArray) -> FloatArray:
-    """What a function makes (n, C) of arrays of directions (n, ...)."""
+    """A function's values (n, C) for arrays of directions (n, ...), computed part by part."""
     parts = -(-len(directions[0]) // _DIRECTIONS_EACH)
     pieces = zip(*(np.array_split(each, max(parts, 1)) for each in directions), strict=True)
     return np.concatenate([function(*piece) for piece in pieces])

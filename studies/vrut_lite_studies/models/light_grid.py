@@ -88,12 +88,12 @@ class LightGrid:
 
     @property
     def _slope(self) -> float:
-        """How far the box leans toward x, by height."""
+        """Shift of the box toward x per metre of height."""
         return float(self.source[0] / self.source[2])
 
     @cached_property
     def _reach_m(self) -> float:
-        """Half the box's length and width: how far the air at the horizon reaches."""
+        """Half the box's length and width: the distance to the top of the air at the horizon."""
         top_m, air = self.air.top_altitude_m, self.air
         return float(np.sqrt(top_m * (air.top_radius_m + air.ground_radius_m)))
 

@@ -1,4 +1,4 @@
-"""What the study asks of a sky model, and the geometry that all of them share."""
+"""The interface of a sky model in the study, and the geometry that all of them share."""
 
 from typing import NamedTuple, Protocol
 
@@ -19,7 +19,7 @@ class SkyModel(Protocol):
 
     @property
     def title(self) -> str:
-        """What figures and tables call it."""
+        """The name in figures and tables."""
 
     def sky_radiance(
         self,

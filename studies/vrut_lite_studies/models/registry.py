@@ -1,4 +1,4 @@
-"""The models by name; making one is cheap, and each is made anew."""
+"""The models by name; each call makes a new one, which is cheap."""
 
 from collections.abc import Callable
 from functools import partial

@@ -31,7 +31,7 @@ _LARGEST_ARRAY = 8_000_000
 
 
 class Quirks(NamedTuple):
-    """What the published program does otherwise, all of it unless said so.
+    """Faults of the published program, all of them by default.
 
     Attributes:
         whole_share: the optical depth up to a node holds the node's whole own share.

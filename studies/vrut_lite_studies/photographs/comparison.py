@@ -1,4 +1,4 @@
-"""Fits both sky models to a photograph of the sky, and tells the fits as Markdown tables."""
+"""Fits both sky models to a photograph of the sky, and gives the fits as Markdown tables."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -33,7 +33,7 @@ HEADER = (
     "| photograph | sun elevation, azimuth | model | turbidity (as good) | exposure "
     "| gains R, G, B | rms log10 luminance | rms u'v' |\n|---|---|---|---:|---:|---|---:|---:|"
 )
-# Physics that may explain what remains: the air of Bruneton's model, changed one by one.
+# Changes of the air of Bruneton's model, one at a time, that may explain the residual.
 OTHER_AIR: dict[str, Model] = {
     "as the module has it": bruneton_with(),
     "haze, g = 0.9": bruneton_with(mie_g=0.9),
@@ -54,7 +54,7 @@ _NEAR_SUN_DEG = 25.0
 
 
 class Comparison(NamedTuple):
-    """A photograph (h, 2 h, 3), what of it counts, and the models' fits by caption.
+    """A photograph (h, 2 h, 3), its masks, its clear pixels, and the models' fits by caption.
 
     `as_good`: for models that were searched, the least and the largest turbidity whose cost is
     within 10 % of the best.

@@ -1,4 +1,4 @@
-"""Photograph and models side by side: lat-long strips, the solar meridian, maps of what remains.
+"""Photograph and models side by side: lat-long strips, the solar meridian, maps of the residual.
 
 Everything is turned so that the sun stands in the middle. Models are shown as the photograph
 would have them, with its exposure and gains.
@@ -110,7 +110,7 @@ def _draw_profiles(axes: Any, comparison: Comparison) -> None:
 def _meridian(upper: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Angles (2 h,) from the sun's horizon over the zenith, and the mean values (2 h, 3) there.
 
-    Where a part of the columns is masked there is no number.
+    NaN where a part of the columns is masked.
     """
     height, width = upper.shape[:2]
     middle = np.arange(-_HALF_WIDTH, _HALF_WIDTH) + width // 2

@@ -44,7 +44,7 @@ class Pixels(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """A model's sky put beside the photograph's.
+    """A model's sky fitted to the photograph's.
 
     Attributes:
         turbidity, sun: the sky's.
@@ -126,9 +126,9 @@ def best_fit(
 
 
 def fit(pixels: Pixels, model: Model, turbidity: float, sun: Sun) -> Fit:
-    """Exposure and gains, and what remains between photograph and model."""
+    """Exposure and gains, and the residual between photograph and model."""
     sky = model(turbidity, sun, pixels.direction)
-    # The model's sky may be black in a corner; there is no logarithm of that.
+    # The model's sky may be zero somewhere, which has no logarithm.
     sky = np.maximum(sky, 1e-4 * sky.mean(axis=0))
     offsets = [_robust_mean(np.log(pixels.rgb[:, c] / sky[:, c]), pixels.weight) for c in range(3)]
     gains = np.exp(offsets)
@@ -168,7 +168,7 @@ def contrast(pixels: Pixels, residual: FloatArray) -> float:
 
 
 def spread_log10(pixels: Pixels) -> float:
-    """The rms that a sky of one even luminance would leave: what there is to explain."""
+    """The rms residual of a sky of one even luminance, for comparison."""
     log = np.log10(luminance(pixels.rgb))
     share = pixels.weight / pixels.weight.sum()
     return float(np.sqrt(share @ (log - share @ log) ** 2))
@@ -181,7 +181,7 @@ def chromaticity(rgb: FloatArray) -> FloatArray:
 
 
 def _robust_mean(values: FloatArray, weight: FloatArray) -> float:
-    """Huber's estimate of location, by weights that are made anew until it rests."""
+    """Huber's estimate of location, by iterated weights."""
     mean = float(np.median(values))
     for _ in range(20):
         trust = weight * _HUBER / np.maximum(np.abs(values - mean), _HUBER)

@@ -1,7 +1,7 @@
 """Which pixels of a lat-long photograph show clear sky, and where in it the sun stands.
 
 A photograph is linear RGB (h, 2 h, 3) of unknown unit. Its azimuths count clockwise from the
-middle column; where north was nobody knows.
+middle column; where north is, is not known.
 """
 
 from typing import NamedTuple
@@ -132,7 +132,7 @@ def masks_of(photo: FloatArray, sun: Sun | None) -> Masks:
 
 
 def _land(photo: FloatArray, glare: BoolArray) -> BoolArray:
-    """All below the skyline, which is the highest edge of its column and of its neighbours."""
+    """Everything below the skyline: the highest edge of its column and of its neighbours."""
     height = photo.shape[0]
     degree = height / 180.0
     elevation = elevations_deg(height)

@@ -1,4 +1,4 @@
-"""What the study can be asked for: models by name, and the sets of them that it shows."""
+"""Choices of the study: models by name, and the sets of models in its figures."""
 
 import re
 from collections.abc import Sequence
@@ -55,7 +55,7 @@ def model_by_name(name: str) -> SkyModel:
 
 
 def physics() -> SkyModel:
-    """What is compared with where nothing was measured: all light, converged."""
+    """The reference where nothing was measured: the converged sky of all orders."""
     return Converged()
 
 

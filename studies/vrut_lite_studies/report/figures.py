@@ -34,7 +34,7 @@ class Row(NamedTuple):
 
     @property
     def reference(self) -> Sky:
-        """What errors are counted from: the measurement, where there is none the physics."""
+        """The reference for errors: the measurement, or without one the converged sky."""
         return self.physics if self.measured is None else self.measured
 
 

@@ -1,4 +1,4 @@
-"""Where a study goes: files are kept aside until all are whole, then put in place together."""
+"""The folder of a study: files are written beside it and moved into place when all are complete."""
 
 import csv
 import os

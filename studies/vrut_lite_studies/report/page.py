@@ -1,4 +1,4 @@
-"""The one page: headings, paragraphs, tables and figures, in plain HTML with pictures beside it."""
+"""The page: headings, paragraphs, tables and figures in plain HTML, pictures in files beside it."""
 
 from collections.abc import Sequence
 from html import escape

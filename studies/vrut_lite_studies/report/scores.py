@@ -1,4 +1,4 @@
-"""RMSE and relative error of models against what was measured, or against the physics."""
+"""RMSE and relative error of models against measurements, or against the converged sky."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, cast
@@ -26,7 +26,7 @@ WHOLE_SHARE = Quirks(whole_share=True, eye_sun_length=False, white_aerosol=False
 
 
 class Score(NamedTuple):
-    """How far a model is from the references of all moments.
+    """Errors of a model against the references of all moments.
 
     Attributes:
         rmse_mw: over all moments, mW m^-2 sr^-1 nm^-1; `each_mw` that of every moment.
@@ -52,7 +52,7 @@ class TableTwo(NamedTuple):
 
 
 def references(moments: Sequence[Moment], physics: SkyModel) -> FloatArray:
-    """Radiance (moments, 81, 40): measured, or computed where nothing was."""
+    """Radiance (moments, 81, 40): measured, or computed where there is no measurement."""
     return np.stack(
         [
             directional_radiance(physics, moment) if moment.measured is None else moment.measured

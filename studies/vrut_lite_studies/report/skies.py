@@ -1,4 +1,4 @@
-"""Skies as the figures want them: spectra in the 81 directions, colours of every pixel."""
+"""Skies for the figures: spectra in the 81 directions, colours of every pixel."""
 
 from dataclasses import dataclass
 

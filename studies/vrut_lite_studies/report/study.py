@@ -1,4 +1,4 @@
-"""The whole study, part after part, into one folder."""
+"""Writes the whole study into one folder, part by part."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
@@ -42,7 +42,7 @@ _INTRODUCTION = (
 
 
 class Plan(NamedTuple):
-    """What is to be made.
+    """The parts of the study to make.
 
     Attributes:
         sets: of models, a set of figures for each.
@@ -71,7 +71,7 @@ class Plan(NamedTuple):
         return all(moment.measured is not None for moment in self.scored)
 
     def steps(self) -> int:
-        """How often `write_study` tells something."""
+        """Number of steps that `write_study` names."""
         models = sum(len(each.models) for each in self.sets)
         table_two = len(TEXTBOOK) * len(self.table_two)
         rules = len(spectral_airs()) * len(self.suns_deg) + 2 * len(self.timed_suns_deg)
@@ -80,7 +80,7 @@ class Plan(NamedTuple):
 
 
 def write_study(plan: Plan, folder: Folder, tell: Tell) -> None:
-    """Make all of it; `tell` is called before each step with what comes."""
+    """Write everything; `tell` is called with the name of each step before it begins."""
     page = Page("Integration rules and sky models against truth and measurements")
     page.paragraph(_INTRODUCTION)
     _write_scores(plan, folder, page, tell)

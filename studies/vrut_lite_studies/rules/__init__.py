@@ -1,1 +1,1 @@
-"""The integration rules for single scattering, held against truth and not against a sky."""
+"""Errors of the integration rules for single scattering against the exact integral."""

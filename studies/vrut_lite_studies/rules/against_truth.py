@@ -1,4 +1,4 @@
-"""How far each rule is from the integral itself, by the sun's zenith angle.
+"""Errors of each rule against the exact integral, by the sun's zenith angle.
 
 A rule must be ranked against what it integrates: against a measured sky the error of the model
 (25.5 mW) hides that of the quadrature (0.001 mW at 512 x 256).
@@ -89,7 +89,7 @@ def _lit_rays(air: Atmosphere, sun_zenith_deg: float) -> Rays:
 
 
 def fewest_nodes(errors: list[RuleError], rule: str) -> RuleError | None:
-    """The first of our rule, for one air and sun, that errs no more than a rule at 512 x 256.
+    """The fewest nodes at which our rule errs no more than a textbook rule at 512 x 256.
 
     None where all of them err more.
     """

@@ -39,7 +39,7 @@ def shader_run_times(
     nodes: tuple[int, ...] = NODES,
     size: int = SIZE,
 ) -> tuple[str, list[RunTime]]:
-    """What measured, in words, and the times.
+    """The device and clock in words, and the times.
 
     Args:
         air: of three wavelengths.
@@ -70,7 +70,7 @@ def shader_run_times(
 
 
 def _can(rule: str, samples: Samples, most_rounds: float) -> bool:
-    """The shader has one Simpson, and room for so many nodes."""
+    """Whether the shader has this rule with that number of samples."""
     if isinstance(samples, int):
         return samples <= MOST_GAUSS_NODES
     return rule != "simpson-trapezoid" and (samples[0] + 1) * (samples[1] + 1) <= most_rounds
