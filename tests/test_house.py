@@ -27,6 +27,25 @@ DAYLIGHT = (
     "atmospheres?|latitude|tolerance|tone"
 )
 
+# Which parts of vrut_lite each part may import; all may import the single files beside them that
+# are listed as values.
+VALUES = {
+    "arguments", "array", "checks", "compiled_code", "errors", "foreign_errors", "interrupts",
+    "mailbox", "memory_limit", "njit", "npz_arrays", "numeric_types", "plain_numbers",
+    "sound_environment", "write_atomic",
+}  # fmt: skip
+BELOW = {
+    "kernel": set(),
+    "geometry": set(),
+    "discovery": {"kernel"},
+    "daylight": {"kernel", "geometry", "discovery"},
+    "recording": {"kernel", "daylight", "discovery"},
+    "pictures": {"geometry", "daylight"},
+    "scene": {"kernel", "geometry", "daylight", "pictures"},
+    "render": {"kernel", "geometry", "daylight", "scene", "pictures"},
+    "testing": {"kernel", "geometry", "daylight", "recording", "discovery"},
+}
+
 
 def sources(package):
     """Python files of a package by the dotted name under which they are imported."""
@@ -104,3 +123,24 @@ def test_no_module_imports_another(module):
     for name, _ in sources(module):
         others = {of_package(other) for other in imported(name)}
         assert others <= {module, "vrut_lite"}, name
+
+
+def part(name):
+    """The folder of vrut_lite that a file lies in, or the file itself."""
+    return name.split(".")[1] if "." in name else name
+
+
+@pytest.mark.parametrize("upper", BELOW)
+def test_imports_point_down(upper):
+    """Who reads a layer needs those below it and no other; modules lean on the lower ones alone."""
+    for name, _ in sources("vrut_lite"):
+        if part(name) == upper:
+            ours = {part(other) for other in imported(name) if of_package(other) == "vrut_lite"}
+            assert ours <= BELOW[upper] | VALUES | {upper, "vrut_lite"}, name
+
+
+def test_values_know_nothing_of_what_uses_them():
+    """They are what every layer may take for granted."""
+    for name, _ in sources("vrut_lite"):
+        if part(name) in VALUES:
+            assert {part(other) for other in imported(name)} <= VALUES | {"vrut_lite"}, name

@@ -19,6 +19,8 @@ from bruneton_sky.sun_light import limb_darkening_rgb
 from bruneton_sky.tolerance import TABLES, Quality
 from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
 from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky_of_hour import (
     AIR_JOB,
     CUBE_JOB,
@@ -29,8 +31,6 @@ from vrut_lite.daylight.sky_of_hour import (
     SunDisc,
     Unseen,
 )
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Float32Array, Vector
 

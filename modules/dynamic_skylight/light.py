@@ -12,6 +12,8 @@ from dynamic_skylight.sun.disc import MEAN_ANGULAR_RADIUS_RAD
 from dynamic_skylight.sun_step import sun_step_rad
 from dynamic_skylight.tolerance import Quality
 from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky_of_hour import (
     CUBE_JOB,
     Background,
@@ -22,8 +24,6 @@ from vrut_lite.daylight.sky_of_hour import (
     Unseen,
 )
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray, Vector
 
 NAME = "dynamic_skylight"

@@ -19,13 +19,13 @@ from path_tracer.tracer import Tracer
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import LIGHT
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.kernel.messages import Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles

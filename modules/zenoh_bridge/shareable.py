@@ -5,11 +5,11 @@ from typing import Any
 import msgspec
 
 from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.vocabulary import DERIVED
 from vrut_lite.errors import UserError
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import ClockMoved, Derived
 from vrut_lite.recording.codec import FindArray, decode, no_arrays
 

@@ -10,9 +10,9 @@ from long_parameters import mostly_long
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting
 
 pytestmark = pytest.mark.gl

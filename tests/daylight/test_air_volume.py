@@ -17,7 +17,7 @@ from vrut_lite.daylight.air_volume import (
     slice_shares,
     span_m,
 )
-from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.daylight.gpu_texture import GpuTexture
 
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 7, 5, 4, 6
 ROWS = ROWS_ABOVE + ROWS_BELOW

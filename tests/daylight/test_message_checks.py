@@ -16,6 +16,8 @@ from vrut_lite.checks import refusal_of
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
@@ -32,8 +34,6 @@ from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
 from vrut_lite.errors import UserError
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     KERNEL_MESSAGES,

@@ -331,7 +331,7 @@ def test_emission_and_darkness_without_any_light(backend, tmp_path):
 
 def test_a_sky_that_stayed_on_the_gpu_is_refused(backend, tmp_path):
     """It cannot be read: a sentence, not a crash in numpy."""
-    from vrut_lite.gpu_texture import GpuTexture
+    from vrut_lite.daylight.gpu_texture import GpuTexture
 
     background, sun, ambient = light_messages(np.ones((6, 4, 4, 3)))
     texture = GpuTexture(size=4, format="rgba16f", recipe="")

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from vrut_lite.app.engine.flight_recorder import FlightRecorder
 from vrut_lite.array import Array
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sun import SunMoved
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import SettingChanged, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles

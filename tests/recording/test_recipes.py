@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vrut_lite.array import Array
-from vrut_lite.gpu_job import GpuJob, GpuTexture
+from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, JobResult, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import JobResult
 from vrut_lite.kernel.module import Manifest, Module, handles

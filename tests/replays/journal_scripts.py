@@ -9,12 +9,12 @@ program is for a script that changed:
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.discovery import discover
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ChooseSlot,

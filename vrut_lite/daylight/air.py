@@ -6,8 +6,8 @@ import msgspec
 
 from vrut_lite import checks
 from vrut_lite.array import Array
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.limits import LARGEST_VOLUME, MOST_LIGHT, check_scale
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
 

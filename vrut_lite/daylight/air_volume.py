@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, Grid, grid_of, row_heights, rows_of
-from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray
 
 # At this altitude slices are uniform.

@@ -19,6 +19,8 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.air_reach import rung_m
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
@@ -27,8 +29,6 @@ from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Module, handles
 from vrut_lite.numeric_types import Vector

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky import BackgroundChanged, ViewShader
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
 # Names of a sky's jobs for the GPU.

@@ -3,10 +3,10 @@
 import msgspec
 
 from vrut_lite.daylight.air import AirChanged
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sky_of_hour import Prepared, Work
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import Derived, JobResult
 from vrut_lite.kernel.module import Link

@@ -3,13 +3,13 @@
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
-from vrut_lite.gpu_job import GpuJob
 from vrut_lite.kernel.messages import Derived, Input, Message
 
 INPUTS: tuple[type[Input], ...] = (

@@ -3,8 +3,8 @@
 from typing import Any, BinaryIO
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.errors import UserError
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.job_desk import JOBS
 from vrut_lite.kernel.messages import JobResult, Message

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_rows import BELOW_LEVEL_M, horizon_depth, rows_below
 from vrut_lite.daylight.air_volume import SHORTEST_SPAN_M, evenness, log_extinction
-from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR

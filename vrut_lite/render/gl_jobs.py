@@ -9,8 +9,8 @@ import numpy as np
 
 from vrut_lite import __version__
 from vrut_lite.array import Array
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.kernel.messages import Demand, Input, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.render.gl_owner import GlOwner

@@ -10,10 +10,10 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame, Measure

@@ -17,6 +17,7 @@ import pytest
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
 from vrut_lite.daylight.sky_module import PRODUCTS, SkyModule
@@ -25,7 +26,6 @@ from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-from vrut_lite.gpu_job import GpuJob, GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.kernel.module import Module

@@ -6,12 +6,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky_module import PRODUCTS, SkyModule
 from vrut_lite.daylight.sun import SunMoved
-from vrut_lite.gpu_job import GpuJob
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import (

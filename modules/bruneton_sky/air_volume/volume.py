@@ -23,9 +23,9 @@ from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.daylight.air_reach import UNSEEN_SHARE
 from vrut_lite.daylight.air_rows import Grid
 from vrut_lite.daylight.air_volume import NodeRays, node_rays, slice_shares
+from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.encoding import encode_float16
-from vrut_lite.gpu_texture import GpuTexture
 from vrut_lite.numeric_types import FloatArray
 
 

@@ -16,9 +16,9 @@ from bruneton_sky.reference.gpu_single_scattering import (
 from bruneton_sky.single_scattering import Rule
 from vrut_lite_bench.gl import clock_name, has_timer, least_s
 
+from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.geometry.colour import three_sample_scale
 from vrut_lite.geometry.cube_map import FACE_NORMALS, texel_directions
-from vrut_lite.gpu_job import GpuJob
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_studies.rules.against_truth import NODES, SAMPLES, Samples, all_rules, truth

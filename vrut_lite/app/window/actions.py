@@ -1,15 +1,13 @@
 """The actions of menus and keys, in one list."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from PySide6.QtWidgets import QFileDialog
 
-if TYPE_CHECKING:
-    from vrut_lite.app.window.main_window import MainWindow
-
 from vrut_lite.app.engine.session_project import folder_of
 from vrut_lite.app.view.viewport import CameraMode
+from vrut_lite.app.window.commanded_window import CommandedWindow
 from vrut_lite.project import PROJECT_SUFFIX
 
 _TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
@@ -22,19 +20,19 @@ class ActionSpec(NamedTuple):
     menu: str
     title: str
     keys: str
-    act: Callable[["MainWindow", bool], None]
+    act: Callable[[CommandedWindow, bool], None]
     checkable: bool = False
     group: str = ""
 
 
-def ask_to_open(window: "MainWindow") -> None:
+def ask_to_open(window: CommandedWindow) -> None:
     """Let a file be chosen, and open it."""
     path, _ = QFileDialog.getOpenFileName(window, "Open", folder_of(window.session), _TO_OPEN)
     if path:
         window.open_path(path)
 
 
-def ask_to_save(window: "MainWindow") -> None:
+def ask_to_save(window: CommandedWindow) -> None:
     """Let a name be chosen, and save the project."""
     path, _ = QFileDialog.getSaveFileName(
         window, "Save project", folder_of(window.session), "Projects (*.toml)"
@@ -43,7 +41,7 @@ def ask_to_save(window: "MainWindow") -> None:
         window.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
 
 
-def ask_to_export(window: "MainWindow") -> None:
+def ask_to_export(window: CommandedWindow) -> None:
     """Let a name be chosen, and write the picture."""
     path, _ = QFileDialog.getSaveFileName(
         window, "Export picture", folder_of(window.session), "Pictures (*.png *.exr)"
@@ -52,7 +50,7 @@ def ask_to_export(window: "MainWindow") -> None:
         window.export(path)
 
 
-def _mode(mode: CameraMode) -> Callable[["MainWindow", bool], None]:
+def _mode(mode: CameraMode) -> Callable[[CommandedWindow, bool], None]:
     return lambda window, on: window.desk.viewport.set_mode(mode)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QColor, QKeyEvent, QKeySequence
@@ -21,10 +21,8 @@ from PySide6.QtWidgets import (
 from vrut_lite.app import theme
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.setting_row import label_of
+from vrut_lite.app.window.commanded_window import CommandedWindow
 from vrut_lite.kernel.messages import ChooseSlot
-
-if TYPE_CHECKING:
-    from vrut_lite.app.window.main_window import MainWindow
 
 _WIDTH_PX, _HEIGHT_PX, _TOP_PX = 520, 380, 70
 _MOVING = (Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown)
@@ -41,7 +39,7 @@ class PaletteEntry(NamedTuple):
 class CommandPalette(QDialog):
     """A text field above the matching commands; arrows move, Enter runs one, Escape closes."""
 
-    def __init__(self, window: "MainWindow"):
+    def __init__(self, window: CommandedWindow):
         super().__init__(window, Qt.WindowType.Popup)
         self._window = window
         self._entries = entries_of(window)
@@ -104,7 +102,7 @@ class CommandPalette(QDialog):
             QTimer.singleShot(0, self._window, self.found[place].act)
 
 
-def entries_of(window: "MainWindow") -> list[PaletteEntry]:
+def entries_of(window: CommandedWindow) -> list[PaletteEntry]:
     """The present entries, the most general first."""
     return [
         *_actions(window),
@@ -132,7 +130,7 @@ def _rank(title: str, words: list[str]) -> int:
     return 1 if any(part.startswith(words[0]) for part in title.split()) else 2
 
 
-def _actions(window: "MainWindow") -> Iterator[PaletteEntry]:
+def _actions(window: CommandedWindow) -> Iterator[PaletteEntry]:
     for action in window.actions_by_name.values():
         if action.isEnabled():
             title = action.text().removesuffix("\N{HORIZONTAL ELLIPSIS}")
@@ -140,12 +138,12 @@ def _actions(window: "MainWindow") -> Iterator[PaletteEntry]:
             yield PaletteEntry(title, keys, action.trigger)
 
 
-def _docks(window: "MainWindow") -> Iterator[PaletteEntry]:
+def _docks(window: CommandedWindow) -> Iterator[PaletteEntry]:
     for name, dock in window.docks.items():
         yield PaletteEntry(f"{dock.windowTitle()} panel", "panel", partial(window.show_dock, name))
 
 
-def _slots(window: "MainWindow") -> Iterator[PaletteEntry]:
+def _slots(window: CommandedWindow) -> Iterator[PaletteEntry]:
     roster = window.session.roster
     for slot in roster.slots:
         for module in roster.providers(slot):
@@ -157,7 +155,7 @@ def _slots(window: "MainWindow") -> Iterator[PaletteEntry]:
             )
 
 
-def _settings(window: "MainWindow") -> Iterator[PaletteEntry]:
+def _settings(window: CommandedWindow) -> Iterator[PaletteEntry]:
     for name, dock in window.docks.items():
         for panel in dock.findChildren(ModulePanel):
             # Of the skies' panels only that of the slot's holder is shown.
@@ -168,7 +166,7 @@ def _settings(window: "MainWindow") -> Iterator[PaletteEntry]:
                 yield PaletteEntry(label_of(row.spec), panel.title, act)
 
 
-def _go_to(window: "MainWindow", dock: str, control: QWidget) -> None:
+def _go_to(window: CommandedWindow, dock: str, control: QWidget) -> None:
     window.show_dock(dock)
     control.setFocus()
     area = window.docks[dock].widget()
@@ -176,6 +174,6 @@ def _go_to(window: "MainWindow", dock: str, control: QWidget) -> None:
         area.ensureWidgetVisible(control)
 
 
-def _recent(window: "MainWindow") -> Iterator[PaletteEntry]:
+def _recent(window: CommandedWindow) -> Iterator[PaletteEntry]:
     for path in window.kept.recent:
         yield PaletteEntry(f"Open {Path(path).name}", path, partial(window.open_path, path))

@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QDockWidget,
     QFrame,
     QLabel,
-    QMainWindow,
     QScrollArea,
     QTabWidget,
     QWidget,
@@ -29,6 +28,7 @@ from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
 from vrut_lite.app.window.actions import ActionSpec
 from vrut_lite.app.window.command_palette import CommandPalette
+from vrut_lite.app.window.commanded_window import CommandedWindow
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks
 from vrut_lite.app.window.kept import Kept, WindowShape
@@ -48,7 +48,7 @@ TITLE = "vrut_lite"
 _RIGHT_PX = 420
 
 
-class MainWindow(QMainWindow):
+class MainWindow(CommandedWindow):
     """The window of one session; closing it closes the session."""
 
     def __init__(

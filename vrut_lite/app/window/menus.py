@@ -3,16 +3,13 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu
 
 from vrut_lite.app.engine.history import Steps
 from vrut_lite.app.window.actions import ACTIONS, ActionSpec
-
-if TYPE_CHECKING:
-    from vrut_lite.app.window.main_window import MainWindow
+from vrut_lite.app.window.commanded_window import CommandedWindow
 
 _RECENT_AFTER = "open"
 
@@ -20,7 +17,7 @@ _RECENT_AFTER = "open"
 class Menus:
     """The menus; `actions` by name, and the `specs` that they are made from."""
 
-    def __init__(self, window: "MainWindow", recent: Callable[[], list[str]]):
+    def __init__(self, window: CommandedWindow, recent: Callable[[], list[str]]):
         self.actions: dict[str, QAction] = {}
         self.specs: list[ActionSpec] = []
         self._window = window
