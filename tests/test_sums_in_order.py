@@ -1,10 +1,9 @@
 """Kernels make the same digits in every process, so that journals compare them by digest."""
 
-import ast
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -27,26 +26,12 @@ for made in (field.mie, field.rayleigh, cube, air):
 """
 
 
-def fastmath_of(tree: ast.AST) -> Iterator[ast.expr]:
-    """What each `fastmath=` of a call and each "fastmath" of a dictionary is set to."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.keyword) and node.arg == "fastmath":
-            yield node.value
-        if isinstance(node, ast.Dict):
-            for key, value in zip(node.keys, node.values, strict=True):
-                if isinstance(key, ast.Constant) and key.value == "fastmath":
-                    yield value
-
-
 def test_no_kernel_lets_sums_be_reordered() -> None:
     """`fastmath` is `vrut_lite.njit.SUMS_IN_ORDER` wherever a module uses it."""
-    values = [
-        (path.name, ast.unparse(value))
-        for path in (ROOT / "modules").rglob("*.py")
-        for value in fastmath_of(ast.parse(path.read_text("utf-8")))
-    ]
-    assert values
-    assert {value for _, value in values} == {"SUMS_IN_ORDER"}, values
+    texts = [path.read_text("utf-8") for path in (ROOT / "modules").rglob("*.py")]
+    chosen = [value for text in texts for value in re.findall(r'fastmath"?[=:]\s*([^,)}]+)', text)]
+    assert len(chosen) > 3
+    assert set(chosen) == {"SUMS_IN_ORDER"}
 
 
 @pytest.mark.long
