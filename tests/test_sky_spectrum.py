@@ -51,12 +51,6 @@ def test_a_spectrum_has_the_colour_of_its_sky(kernel, module):
         assert colour == pytest.approx(shown, rel=TOLERANCE)
 
 
-@pytest.mark.parametrize("module", ["dynamic_skylight", "bruneton_sky"])
-def test_the_ground_has_no_spectrum(kernel, module):
-    """Below the horizon the answer is empty."""
-    assert ask(kernel, module, 12, (0.0, -0.6, 0.8)).radiance == ()
-
-
 def test_only_the_skys_holder_answers(kernel):
     """Only the holder of the slot `sky` answers."""
     answers = []
