@@ -171,3 +171,22 @@ def test_culling_is_the_same_at_any_scale(backend, tmp_path, scale):
     full = backend.draw()
     assert skipped["mesh: out of view"] == 1
     assert np.abs(picture.display.astype(int) - full.display.astype(int)).max() <= 1
+
+
+@pytest.mark.gl
+def test_only_what_changed_is_uploaded(backend, boxes):
+    """By identity of the parts: a picture again and a moved camera upload nothing."""
+    backend.change(scene=opened(boxes, GROUND))
+    light(backend, gradient_sky(), **SUN)
+    view = (2.0, 3.0, 2.0), (2.2, 0.0, 2.1)
+
+    def uploads(draw):
+        _, done, skipped = counts(backend, draw)
+        return done["upload"], skipped["upload: unchanged"]
+
+    # Scene and background; air and clouds are none, as they were.
+    assert uploads(lambda: look(backend, *view)) == (2, 2)
+    assert uploads(backend.draw) == (0, 4)
+    assert uploads(lambda: look(backend, (3.0, 3.0, 2.0), view[1])) == (0, 4)
+    light(backend, 2.0 * gradient_sky(), **SUN)
+    assert uploads(backend.draw) == (1, 3)
