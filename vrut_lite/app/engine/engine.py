@@ -1,8 +1,8 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
-The kernel admits what waited when it was pumped, then a frame is drawn: inputs that come meanwhile
-merge in its inbox, however many they are. A finished picture, which may take seconds, is given up
-for them.
+Each round the kernel admits the inputs that wait, then a frame is drawn. Inputs that arrive
+meanwhile merge in the kernel's inbox, however many they are; a finished picture, which may take
+seconds, is given up for them.
 """
 
 import threading
@@ -143,6 +143,7 @@ class Engine:
         return stage
 
     def _live(self, stage: Stage) -> None:
+        # Only now: a journal begins before the first input.
         with self._lock:
             self._inject = stage.kernel.inject
             for message in self._early:
