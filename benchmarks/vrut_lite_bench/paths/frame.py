@@ -10,7 +10,9 @@ from a camera that stands still.
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import fields
+from datetime import timedelta
 from functools import lru_cache
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,7 @@ import msgspec
 
 from vrut_lite.daylight.scene_state import FrameSkips
 from vrut_lite.host import Host
-from vrut_lite.kernel.messages import SetSetting
+from vrut_lite.kernel.messages import SetClock, SetSetting
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, daylight_inputs, load_project, setting_inputs, view_inputs
 from vrut_lite_bench.bench_path import (
@@ -106,6 +108,8 @@ class Stage:
         self.host.inject(*setting_inputs(project, self.host.kernel), *daylight_inputs(project))
         self.host.inject(*view_inputs(project))
         self.host.draw()
+        # In the valley the sun moves to and fro, so that clouds' shadows are drawn in every frame.
+        self._hours = cycle(project.instant() + timedelta(minutes=m) for m in _minutes(scene))
         self._timed: dict[tuple[Settings, str], list[Spent]] = {}
         self._timer = self.host.gl.call(PassTimer)
 
@@ -113,6 +117,7 @@ class Stage:
         """A pass that was timed in an earlier frame and not yet used; else one of a new frame."""
         if not self._timed.get((settings, name)):
             self._set(settings)
+            self.host.inject(SetClock(instant=next(self._hours)))
             self.host.measure_passes(self._timer)
             self._timer.spent.clear()
             whole = cpu_spent(self._frame)
@@ -139,6 +144,10 @@ class Stage:
 
     def _set(self, settings: Settings) -> None:
         self.host.inject(*(SetSetting(module=m, name=n, value=v) for m, n, v in settings))
+
+
+def _minutes(scene: str) -> tuple[int, ...]:
+    return (0, 10) if scene == VALLEY else (0,)
 
 
 def _project(scene: str, size: Size) -> Project:

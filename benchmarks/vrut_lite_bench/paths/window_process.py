@@ -34,7 +34,7 @@ from vrut_lite_bench.paths.frame import SCENES
 from vrut_lite_bench.paths.window import ACTS, GAPS, PARTS, SKIES
 
 SIZE = (1600, 1000)
-_LIMIT_S, _REST_S, _MOVES = 300.0, 10.0, 8
+_LIMIT_S, _REST_S, _MOVES = 300.0, 10.0, 5
 # Shorter gaps are not kept: to keep all of them would itself make longer ones.
 _SHORT_S = 1e-3
 
