@@ -16,17 +16,22 @@ NIGHT = datetime(2026, 6, 21, 23, 0, tzinfo=UTC)
 
 
 @pytest.fixture
-def driver(headless_window):
-    """The panel in sight, and all that it was told."""
-    panel = headless_window.panel("compare")
-    headless_window.compare = panel
-    headless_window.comparisons = []
-    panel.comparison.compared.connect(headless_window.comparisons.append)
-    headless_window.spectra = []
-    panel.comparison.spectra_seen.connect(headless_window.spectra.append)
-    headless_window.window.docks["compare"].show()
-    headless_window.until(lambda: bool(headless_window.comparisons))
-    return headless_window
+def driver(shared_headless_window):
+    """The panel in sight, and what it was told since the project was opened."""
+    window, panel = shared_headless_window, shared_headless_window.panel("compare")
+    if window.window.docks["compare"].isVisible():
+        if panel.choosers[1].currentData() != "bruneton_sky":
+            choose(panel.choosers[1], "bruneton_sky")
+        opening = window.comparisons[0].two.wish
+        window.until(lambda: window.comparisons[-1].two.wish == opening)
+        window.comparisons[:-1], window.spectra[:] = [], []
+    else:
+        window.compare, window.comparisons, window.spectra = panel, [], []
+        panel.comparison.compared.connect(window.comparisons.append)
+        panel.comparison.spectra_seen.connect(window.spectra.append)
+        window.window.docks["compare"].show()
+        window.until(lambda: bool(window.comparisons))
+    return window
 
 
 def compared(driver, condition):
