@@ -1,5 +1,6 @@
 """The desktop application: a window on a host that runs on a thread of its own.
 
-Qt lives in this package alone. `engine` pumps and draws, `session` brings it to Qt's thread by a
-mailbox, panels send inputs and listen to messages; they know nothing of each other.
+In the host Qt lives in this package alone. `engine/` pumps and draws, and its session brings what
+it tells to Qt's thread; `view/` is the picture, `panels/` and `compare/` send inputs and listen to
+messages without knowing of each other, `window/` puts them together.
 """
