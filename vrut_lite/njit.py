@@ -22,7 +22,7 @@ __all__ = ["SUMS_IN_ORDER", "njit"]
 # once. Sums keep their order, so that the digits do not depend on the width of vectors. Nor do they
 # depend on which process compiled a kernel: calls between kernels find other copies of a function
 # there than in a process that loads them, and with `fastmath=True` each copy sums in its own order.
-# Journals compare what kernels make by digest. (Measured: as fast as `fastmath=True`.)
+# Journals compare what kernels make by digest. It costs the solver 1 to 2 % of its time.
 SUMS_IN_ORDER = {"nnan", "ninf", "nsz", "contract"}
 _DIGEST_BYTES = 32
 
