@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 import numpy as np
+import tomli_w
 
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
@@ -142,34 +143,11 @@ def save_project(path: str | Path, project: Project) -> None:
 def project_text(project: Project) -> str:
     """A project as TOML."""
     values = msgspec.to_builtins(project)
-    camera, exposure, slots, settings = (
-        values.pop(key) for key in ("camera", "exposure", "slots", "settings")
-    )
-    tables = {"camera": camera, "exposure": exposure, "slots": slots}
-    tables |= {f"settings.{module}": table for module, table in settings.items()}
-    # TOML has no null; a missing key means none.
-    lines = [_line(*item) for item in values.items() if item[1] is not None]
-    for title, table in tables.items():
-        if table:
-            lines += ["", f"[{title}]", *(_line(*item) for item in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _line(key: str, value: Any) -> str:
-    return f"{key} = {_toml(value)}"
-
-
-def _toml(value: Any) -> str:
-    if value is None:
-        return '"none"'
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        # JSON's escapes are TOML's.
-        return msgspec.json.encode(value).decode()
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(part) for part in value) + "]"
-    return repr(value)
+    # TOML has no null: a missing key means none, and a setting that is none says so.
+    for table in values["settings"].values():
+        table.update({name: "none" for name, value in table.items() if value is None})
+    given = {key: value for key, value in values.items() if value is not None and value != {}}
+    return tomli_w.dumps(given)
 
 
 def in_words(error: msgspec.ValidationError) -> str:
