@@ -135,7 +135,7 @@ class Host:
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
         """The surface that a pixel of the present state shows; None for the sky."""
-        return self._backend.surface_at(self.state, x, y)
+        return self._backend.surface_at_pixel(self.state, x, y)
 
     def close(self) -> None:
         """End background jobs, free the GPU's resources and end its thread."""

@@ -80,7 +80,7 @@ class PyrenderBackend:
             self._scene_rays(state), state.key_light, state.ambient, point_m, normal, state.clouds
         )
 
-    def surface_at(self, state: SceneState, x: int, y: int) -> Hit | None:
+    def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:
         """The surface in the middle of a pixel, None for the sky; y counts from the top."""
         if state.camera is None:
             raise RuntimeError("nothing to look at yet: no camera")
