@@ -134,7 +134,7 @@ class Host:
         )
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
-        """The surface that a pixel of the present state shows; None for the sky."""
+        """The surface that a pixel shows, by what the scene manager knows; None for the sky."""
         return self._backend.surface_at_pixel(self.state, x, y)
 
     def close(self) -> None:
