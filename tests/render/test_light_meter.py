@@ -112,7 +112,7 @@ def test_a_white_plane_has_the_luminance_that_follows(gl_backend, box, elevation
         sun_irradiance=irradiance,
     )
     picture = look(backend, (30.0, 5.0, 0.0), (40.0, 0.0, 0.0))
-    hit = backend.backend.surface_at(backend.state, 32, 24)
+    hit = backend.backend.surface_at_pixel(backend.state, 32, 24)
     lux = backend.backend.illuminance(backend.state, hit.point_m, hit.normal).lux
     shown = picture.luminance_cd_m2(32, 24)
     assert shown == pytest.approx(lux / np.pi, rel=0.005)
