@@ -20,7 +20,6 @@ from path_tracer_here import mitsuba_or_skip
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import LoadScene
-from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Fault, Input, SetSetting
@@ -91,11 +90,15 @@ def ledger(stage):
     return stage[0].seats["path_tracer"].module.ledger
 
 
+def demands_of_the_tracer(kernel):
+    return kernel.lifecycle.demands.of_consumer("path_tracer")
+
+
 def test_nothing_is_traced_until_somebody_wants_it(stage):
     """Scene and light came, and no sample was taken, no light demanded, no job started."""
     kernel, heard = stage
     assert pictures(heard) == []
-    assert kernel.wanted(BackgroundChanged) is None
+    assert not demands_of_the_tracer(kernel)
     assert (ledger(stage).done["picture begun"], ledger(stage).done["sample"]) == (0, 0)
 
 
@@ -223,7 +226,7 @@ def test_a_render_that_nobody_wants_any_more_stops(stage, monkeypatch):
     gate.opened.set()
     kernel.pump_until_idle()
     assert pictures(heard) == []
-    assert kernel.wanted(BackgroundChanged) is None
+    assert not demands_of_the_tracer(kernel)
 
 
 def test_tracing_stops_between_batches(stage, monkeypatch):

@@ -12,7 +12,7 @@ from vrut_lite.daylight.scene_state import ground_albedo
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Demand, Fault
+from vrut_lite.kernel.messages import Fault
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.needs import visible_faces
@@ -139,10 +139,8 @@ def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
     path = tmp_path / "room.glb"
     walls.export(path)
     kernel = Kernel()
-    kernel.add_module(SceneManager)
+    kernel.add_module(SceneManager, cube_size=64)
     kinds = (BackgroundChanged, KeyLightChanged, AmbientChanged)
-    for kind in kinds:
-        kernel.inject(Demand(consumer="scene", message=kind.__name__, size=64))
     kernel.inject(LoadScene(path=str(path)))
     kernel.pump_until_idle()
     for eye, inside in (((0.0, 0.0, 9.0), False), ((0.0, 0.0, 1.0), True), ((0, 9.0, 0), False)):
