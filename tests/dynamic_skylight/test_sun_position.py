@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from vrut_lite.geometry.frames import direction_from_angles
 
-COUNT = 250
+COUNT = 150
 
 
 @pytest.fixture(scope="module")
