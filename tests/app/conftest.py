@@ -70,7 +70,8 @@ def shared_headless_window(_open_window):
 @pytest.fixture
 def shared_drawn_window(_open_window):
     """The same with real pictures."""
-    from vrut_lite.app.stage import GlStage
     from window_driver import SMALL
+
+    from vrut_lite.app.engine.stage import GlStage
 
     return _open_window(GlStage, SMALL)

@@ -26,12 +26,18 @@ def driver(shared_headless_window):
         window.until(lambda: window.comparisons[-1].two.wish == opening)
         window.comparisons[:-1], window.spectra[:] = [], []
     else:
-        window.compare, window.comparisons, window.spectra = panel, [], []
-        panel.comparison.compared.connect(window.comparisons.append)
-        panel.comparison.spectra_seen.connect(window.spectra.append)
-        window.window.docks["compare"].show()
-        window.until(lambda: bool(window.comparisons))
+        show_comparison(window)
     return window
+
+
+def show_comparison(window):
+    """Show the panel, and collect what it is told."""
+    panel = window.panel("compare")
+    window.compare, window.comparisons, window.spectra = panel, [], []
+    panel.comparison.compared.connect(window.comparisons.append)
+    panel.comparison.spectra_seen.connect(window.spectra.append)
+    window.window.docks["compare"].show()
+    window.until(lambda: bool(window.comparisons))
 
 
 def compared(driver, condition):
@@ -150,8 +156,10 @@ def test_nothing_is_compared_out_of_sight(headless_window):
     assert looked_up == [None]
 
 
-def test_a_day_that_is_looked_up_leaves_the_comparison_as_it_is(driver):
+def test_a_day_that_is_looked_up_leaves_the_comparison_as_it_is(headless_window):
     """Both ask one kernel: after a day of another date, spectra are those of the hour shown."""
+    driver = headless_window
+    show_comparison(driver)
     before = spectra(driver, lambda s: s.seen[0] is not None)
     driver.session.look_up(lambda second: second.sun_at(NIGHT), lambda sun: None)
     driver.compare.comparison.look_along((0.0, 1.0, 1e-9))

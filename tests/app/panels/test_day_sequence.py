@@ -36,7 +36,7 @@ def panel(shared_headless_window):
     panel._open_workers = lambda: shared_headless_window.workers
     panel.driver = shared_headless_window
     panel.sequence = None
-    panel.told.clear()
+    panel.status.clear()
     return panel
 
 
