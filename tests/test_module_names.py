@@ -1,6 +1,7 @@
 """The host names no module: what it must know of one stands in the module's manifest."""
 
 import ast
+from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -12,12 +13,17 @@ HOST = Path(vrut_lite.__file__).parent
 MODULES = sorted({point.name for point in entry_points(group="vrut_lite.modules")})
 # Words of daylight that a module is called by too: the frame draws clouds, whoever makes them.
 WORDS = {"clouds"}
-DRAWN_IN = ("render", "app/engine/stage.py")
+DRAWN_IN = "render"
+
+
+@cache
+def nodes_of(source):
+    return list(ast.walk(ast.parse(source)))
 
 
 def names_in(source, is_module):
     """Imports and texts of a file that name a module."""
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes_of(source):
         if isinstance(node, ast.Import):
             texts = [alias.name.partition(".")[0] for alias in node.names]
         elif isinstance(node, ast.ImportFrom):

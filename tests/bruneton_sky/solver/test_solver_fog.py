@@ -56,7 +56,7 @@ def rays(mu_s: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("visibility_m", [200.0, 1000.0])
-@pytest.mark.parametrize("elevation_deg", [60.0, 20.0, 5.0])
+@pytest.mark.parametrize("elevation_deg", mostly_long([60.0, 20.0, 5.0], (20.0).__ne__))
 @pytest.mark.parametrize("altitude_m", mostly_long([2.0, 100.0, 800.0], (100.0).__eq__))
 def test_radiance_is_that_of_monte_carlo(
     visibility_m: float, elevation_deg: float, altitude_m: float
