@@ -7,24 +7,28 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Delay Ctrl-C until the block ends; no effect outside the main thread, which alone gets it.
+def interrupts_held(*numbers: signal.Signals) -> Iterator[None]:
+    """Delay Ctrl-C, or signals of these numbers, until the block ends.
 
-    Libraries that try optional imports with a bare `except` would swallow an interrupt, and the
-    command would go on. A handler records the signal; blocking it would not do, because another
-    thread of the process would receive it.
+    No effect outside the main thread, which alone gets them. Libraries that try optional imports
+    with a bare `except` would swallow an interrupt, and the command would go on. A handler records
+    the signal; blocking it would not do, because another thread of the process would receive it.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     came: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _frame: came.append(number))
+    before = {
+        number: signal.signal(number, lambda number, _frame: came.append(number))
+        for number in numbers or (signal.SIGINT,)
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
-    if came and callable(before):
-        before(came[0], None)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for received in dict.fromkeys(came):
+            signal.raise_signal(received)
 
 
 class Terminated(BaseException):

@@ -1,6 +1,7 @@
 """Files that are there whole or not at all: written beside their place, then renamed."""
 
 import os
+import signal
 import stat
 import uuid
 from collections.abc import Iterator, Sequence
@@ -8,6 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from vrut_lite.errors import UserError
+from vrut_lite.interrupts import interrupts_held
 
 # No system takes longer ones.
 _LONG_NAME = 4096
@@ -103,10 +105,9 @@ def _objection(target: Path) -> str:
 
 def _try_a_file(path: Path) -> None:
     """Make a file and take it away, also when the process is asked to end between the two."""
-    try:
+    with interrupts_held(signal.SIGINT, signal.SIGTERM):
         path.touch(exist_ok=False)
-    finally:
-        path.unlink(missing_ok=True)
+        path.unlink()
 
 
 def _beside(target: Path) -> Path:

@@ -1,6 +1,7 @@
 """Pipes, devices, damaged and vanishing files: one line each."""
 
 import os
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,11 @@ from dynamic_skylight.twilight_table import twilight_table
 from fault_stage import NOON, ROOT, SMALL_SKY
 
 from vrut_lite.errors import UserError
+from vrut_lite.interrupts import Terminated
 from vrut_lite.pictures.write_exr import write_exr
 from vrut_lite.pictures.write_hdr import write_hdr
 from vrut_lite.pictures.write_json import write_json
+from vrut_lite.pictures.write_npz import write_npz
 
 SCENE = ROOT / "scenes" / "sundial.glb"
 
@@ -180,3 +183,18 @@ def test_commands_run_in_a_folder_without_write_access(done, tmp_path, monkeypat
     monkeypatch.chdir("/proc")
     done(*SMALL_SKY, "-o", tmp_path / "sky.exr")
     assert (tmp_path / "sky.exr").exists()
+
+
+def test_an_interrupt_between_members_of_an_npz_is_not_replaced(tmp_path, monkeypatch):
+    """zipfile refuses to close an archive with a member half begun: the interrupt must get out."""
+
+    def interrupted(*_arguments):
+        raise Terminated
+
+    path = tmp_path / "sky.npz"
+    path.write_bytes(b"older")
+    monkeypatch.setattr(zipfile, "_ZipWriteFile", interrupted)
+    with pytest.raises(Terminated):
+        write_npz(path, {"sky": np.ones(3)})
+    assert path.read_bytes() == b"older"
+    assert list(tmp_path.iterdir()) == [path]

@@ -209,7 +209,7 @@ def test_a_signal_during_a_write_keeps_the_older_picture(tmp_path, number, code)
     wait_for(lambda: len(list(tmp_path.iterdir())) == 2, process)
     process.send_signal(number)
     ended, _, complaints = outcome(process)
-    assert ended == code
+    assert ended == code, complaints
     is_one_line(complaints)
     assert path.read_bytes() == b"older"
     assert list(tmp_path.iterdir()) == [path]

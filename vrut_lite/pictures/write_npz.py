@@ -31,9 +31,25 @@ def write_npz(
     if twice := sorted(members.keys() & arrays.keys()):
         raise ValueError(f"'{twice[0]}' names both an array and a metadata entry")
     members.update(arrays)
-    with atomic_output(path) as beside, zipfile.ZipFile(beside, "w") as archive:
-        for name in sorted(members):
-            entry = zipfile.ZipInfo(f"{name}.npy", date_time=_NO_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            with archive.open(entry, "w", force_zip64=True) as stream:
-                np.lib.format.write_array(stream, members[name], allow_pickle=False)
+    with atomic_output(path) as beside:
+        archive = zipfile.ZipFile(beside, "w")
+        try:
+            for name in sorted(members):
+                entry = zipfile.ZipInfo(f"{name}.npy", date_time=_NO_DATE)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                with archive.open(entry, "w", force_zip64=True) as stream:
+                    np.lib.format.write_array(stream, members[name], allow_pickle=False)
+            archive.close()
+        finally:
+            _abandon(archive)
+
+
+def _abandon(archive: zipfile.ZipFile) -> None:
+    """Close the file of an archive that is not closed yet, because its writing was interrupted.
+
+    Between two members zipfile may refuse to close, also when it is collected, and that refusal
+    would take the interrupt's place.
+    """
+    if archive.fp is not None:
+        archive.fp.close()
+        archive.fp = None
