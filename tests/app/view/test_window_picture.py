@@ -138,14 +138,23 @@ def test_a_module_hears_clicks_on_surfaces(driver, qtbot):
 
 
 def exported(driver, path):
-    """The window's size in pixels when the picture was exported: docks that come late change it."""
+    """The window's size in pixels when the picture was exported: docks that come late change it.
+
+    The engine hears of a new size a moment later than the window.
+    """
+    viewport = driver.window.desk.viewport
+
+    def size():
+        return driver.asked(lambda stage: stage.state.size_px)
+
     while True:
-        size = driver.window.desk.viewport.pixels
+        driver.until(lambda: size() == viewport.pixels)
+        drawn = viewport.pixels
         driver.window.news.clear()
         driver.window.export(str(path))
         driver.until(lambda: str(path) in driver.window.news.text())
-        if driver.window.desk.viewport.pixels == size:
-            return size
+        if size() == viewport.pixels == drawn:
+            return drawn
 
 
 @pytest.mark.parametrize("suffix", [".png", ".exr"])
