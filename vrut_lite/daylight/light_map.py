@@ -1,0 +1,196 @@
+"""The light map: irradiance of a scene's surfaces by all that scenes do to light.
+
+Its layout is told once a scene, the light in it once an hour. The key light's own light is not in it:
+the frame draws that with its shadow map.
+"""
+
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite import checks
+from vrut_lite.array import Array
+from vrut_lite.daylight.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
+from vrut_lite.errors import UserError
+from vrut_lite.kernel.messages import Derived
+from vrut_lite.numeric_types import Float32Array, Vector
+
+_LARGEST_M = 1e10
+_SHAPE_COLUMNS = 5
+NOT_MAPPED = -1
+
+
+class Shape(NamedTuple):
+    """A mesh as it is cut up for the light map: views of the layout's arrays.
+
+    `source_vertex` (V,): the mesh's vertex that each of these copies; `uv` (V, 2): texels from the
+    corner of the rectangle of whoever stands there, texel middles at halves; `triangles` (F, 3): of
+    these vertices, in the order of the mesh's own.
+    """
+
+    mesh: int
+    source_vertex: NDArray[np.int32]
+    uv: Float32Array
+    triangles: NDArray[np.int32]
+
+
+class GroundChart(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The ground disc's square of texels, fine in the middle and coarse far away.
+
+    A point (x, z) that lies dx east and dz south of the disc's middle has the texel coordinates
+
+        corner + 0.5 + (1 + asinh(sinh(warp) d / half_width_m) / warp) / 2 * (edge - 1)
+
+    for d = dx (across) and dz (down), kept within the middles of the outermost texels.
+    """
+
+    corner_px: tuple[int, int]
+    edge_px: int
+    half_width_m: float
+    warp: float
+
+    def check(self) -> None:
+        """A square with some width.
+
+        Raises:
+            UserError: it is none.
+        """
+        checks.wholes(self, "corner_px", 0, LARGEST_EDGE, most=2)
+        checks.whole(self, "edge_px", 2, LARGEST_EDGE)
+        checks.number(self, "half_width_m", 1e-9, _LARGEST_M)
+        checks.number(self, "warp", 1e-3, 20.0)
+
+
+class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Places, evenly spaced along the world's axes, whose light serves what has no texels.
+
+    The first stands at `lower_m`; `counts` is how many there are along x, y and z.
+    """
+
+    lower_m: Vector
+    step_m: Vector
+    counts: tuple[int, int, int]
+
+    def check(self) -> None:
+        """Two or more places along each axis.
+
+        Raises:
+            UserError: there are fewer, or too many.
+        """
+        checks.numbers(self, "lower_m", 3)
+        checks.numbers(self, "step_m", 3)
+        checks.wholes(self, "counts", 2, 256, most=3)
+
+
+class LightMapLaid(Derived, frozen=True, kw_only=True):
+    """Where the surfaces of a scene find their light.
+
+    Attributes:
+        content_key: of the scene (`SceneOpened.content_key`).
+        layout_key: of this layout; `SurfaceLightChanged` names the layout that it is of.
+        size_px: width and height of the map.
+        shapes: (S, 5) int64, a row a shape: its mesh, first row of `source_vertex` and `uv`,
+            their number, first row of `triangles`, their number.
+        source_vertex: (V,) int32, see `Shape`.
+        uv: (V, 2) float32, see `Shape`.
+        triangles: (F, 3) int32, vertex numbers that count from the shape's first.
+        part_shape: (P,) int32, the shape of each of the scene's parts; -1 where it has no texels
+            and takes its light from the probes.
+        part_corner_px: (P, 2) int32, the corner of the part's rectangle in the map.
+        ground: of the ground disc, where the scene has one.
+        probes: None where everything has texels.
+    """
+
+    content_key: str
+    layout_key: str
+    size_px: tuple[int, int]
+    shapes: Array
+    source_vertex: Array
+    uv: Array
+    triangles: Array
+    part_shape: Array
+    part_corner_px: Array
+    ground: GroundChart | None
+    probes: ProbeGrid | None
+    source: str
+
+    def shape(self, number: int) -> Shape:
+        """One of the shapes."""
+        mesh, vertex, vertices, triangle, triangles = map(int, self.shapes.values[number])
+        return Shape(
+            mesh,
+            self.source_vertex.values[vertex : vertex + vertices],
+            self.uv.values[vertex : vertex + vertices],
+            self.triangles.values[triangle : triangle + triangles],
+        )
+
+    def check(self) -> None:
+        """A map that a GPU can hold, and arrays that go with each other."""
+        checks.text(self, "content_key", "layout_key", "source")
+        checks.wholes(self, "size_px", 1, LARGEST_EDGE, most=2)
+        many = -(2**31)
+        checks.array(self, "shapes", (many, _SHAPE_COLUMNS), ("<i8",))
+        checks.array(self, "source_vertex", (many,), ("<i4",))
+        checks.array(self, "uv", (many, 2), ("<f4",))
+        checks.array(self, "triangles", (many, 3), ("<i4",))
+        checks.array(self, "part_shape", (many,), ("<i4",))
+        checks.array(self, "part_corner_px", (many, 2), ("<i4",))
+        for name, kind in (("ground", GroundChart), ("probes", ProbeGrid)):
+            part = getattr(self, name)
+            checks.instance(self, name, (kind, type(None)))
+            if part is not None:
+                part.check()
+
+    def check_arrays(self) -> None:
+        """Shapes within the arrays, and parts that name a shape."""
+        _, vertex, vertices, triangle, triangles = self.shapes.values.T
+        for first, count, array in (
+            (vertex, vertices, self.source_vertex),
+            (vertex, vertices, self.uv),
+            (triangle, triangles, self.triangles),
+        ):
+            if np.any((first < 0) | (count < 0) | (first + count > array.shape[0])):
+                raise UserError("shapes of a LightMapLaid reach beyond its arrays")
+        shape = self.part_shape.values
+        if np.any((shape < NOT_MAPPED) | (shape >= self.shapes.shape[0])):
+            raise UserError("a part of a LightMapLaid names a shape that is not there")
+
+
+class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
+    """The light of an hour on the surfaces of a scene.
+
+    Attributes:
+        layout_key: of the layout that it is of.
+        texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in W m^-2:
+            of the sky and of all that surfaces send on, without what comes from the key light
+            straight; alpha is the share of the open sky's irradiance that arrives, 0 to 1.
+        probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
+            and -z; None where the layout has no probes.
+        rays: how many each texel has been given: more of them, less noise.
+    """
+
+    layout_key: str
+    texels: Array
+    probes: Array | None
+    radiance_scale: float
+    rays: int
+    source: str
+
+    def check(self) -> None:
+        """Arrays of these shapes."""
+        checks.text(self, "layout_key", "source")
+        edge = -LARGEST_EDGE
+        checks.array(self, "texels", (edge, edge, 4), ("<f2",))
+        if self.probes is not None:
+            checks.array(self, "probes", (-256, -256, -256, 6, 4), ("<f2",))
+        check_scale(self)
+        checks.whole(self, "rays", 1, 2**40)
+
+    def check_arrays(self) -> None:
+        """Light, which is finite."""
+        most = MOST_LIGHT / self.radiance_scale
+        checks.contents(self, "texels", 0.0, max(most, 1.0))
+        if self.probes is not None:
+            checks.contents(self, "probes", 0.0, max(most, 1.0))
