@@ -46,7 +46,7 @@ def test_another_atmosphere_is_another_entry(tmp_path):
     "damage", ["truncated", "a bit", "empty", "foreign", "older version", "no arrays"]
 )
 def test_a_damaged_entry_is_no_entry(tmp_path, caplog, damage):
-    """Damaged arrays would make a wrong picture: they are refused, with one line, and made again."""
+    """Damaged arrays would make a wrong sky: they are refused, with one line, and made again."""
     cache = ArrayCache(tmp_path)
     cache.put(RECIPE, _arrays())
     (path,) = tmp_path.glob("*.arrays")
