@@ -33,10 +33,14 @@ class Unwritten(Generic[T]):
 
 
 class Plan(NamedTuple):
-    """Sizes of a light map: the edge of its texels or about how many there are, and of patches."""
+    """Sizes of a light map.
+
+    Texels have the edge `texel_m`, or, where it is None, are about so many; patches are
+    `patch_texels` of them wide.
+    """
 
     texel_m: float | None
-    texels: int | None
+    texels: int
     patch_texels: float
     bounces_left: float
 
@@ -64,20 +68,9 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
     from light_transport.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
-    texel_m = plan.texel_m
-    if texel_m is None:
-        assert plan.texels is not None
-        texel_m = texel_size_m(surfaces.corners_m[surfaces.part >= 0], plan.texels)
-    layout = lay_out(scene, surfaces, texel_m)
+    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
     bake = Bake(surfaces, layout, plan.patch_texels, plan.bounces_left)
     return Laid(layout.message, Unwritten(bake))
-
-
-def texel_size_m(corners_m: NDArray[np.floating], texels: int) -> float:
-    """Edge of a texel of which so many cover triangles (F, 3, 3); 1 m where there are none."""
-    a, b, c = np.moveaxis(corners_m, 1, 0)
-    area_m2 = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
-    return float(np.sqrt(area_m2 / texels)) if area_m2 > 0.0 else 1.0
 
 
 def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:

@@ -105,7 +105,7 @@ class LightTransport(Module):
     @property
     def _plan(self) -> Plan:
         quality, texel_m = self._quality, self.settings.texel_m
-        texels = quality.texels if texel_m is None else None
+        texels = quality.texels if texel_m is None else 0
         return Plan(texel_m, texels, quality.patch_texels, quality.bounces_left)
 
     @property
