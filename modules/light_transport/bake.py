@@ -7,6 +7,7 @@ all bounces; docs and sources of each step stand in its file.
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from light_transport.patches import Patches, patches_of
 from light_transport.ray_starts import Receivers, no_probes, probe_planes
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
-from light_transport.sky_nodes import GROUND_NODE, NODES, node_radiances
+from light_transport.sky_nodes import NODES, node_radiances
 from light_transport.smoothing import STEPS, Smoothing, smoothed_rows, smoothing_of
 from light_transport.surfaces import Surfaces
 from light_transport.tree import tree_over
@@ -37,6 +38,7 @@ _LEAST_FREE = 0.1
 _BLOCK_ROWS = 2048
 _GROUP_TEXELS = 4.0
 _SMALLEST_GROUP = 1.0 / 200.0
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +201,7 @@ class Bake:
             lambda first: work(first, min(first + step, rows)), range(0, rows, max(step, 1))
         )
 
-    def _in_threads[Made](self, work: Callable[[int], Made], firsts: range) -> list[Made]:
+    def _in_threads(self, work: Callable[[int], Made], firsts: range) -> list[Made]:
         if self.threads == 1:
             return [work(first) for first in firsts]
         with ThreadPoolExecutor(self.threads) as pool:

@@ -3,6 +3,8 @@
 numba is imported where work begins: who wants no light map does not wait for it.
 """
 
+import os
+from copy import copy
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from light_transport.hour import Hour
 
 T = TypeVar("T")
+_MOST_THREADS = 4
 
 
 class Unwritten(Generic[T]):
@@ -69,16 +72,17 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
 
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
-    bake = Bake(surfaces, layout, plan.patch_texels, plan.bounces_left)
-    return Laid(layout.message, Unwritten(bake))
+    return Laid(layout.message, Unwritten(Bake(surfaces, layout, _threads())))
 
 
 def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:
     """A bake with so many more rays of each texel; None if nobody waits for it any more."""
-    grown = bake.value.with_rays(count, control.cancelled)
-    if grown is None:
+    # Light is made of the rays before, meanwhile.
+    grown = copy(bake.value)
+    if not grown.add_rays(count, control.cancelled):
         return None
-    return Round(grown.rays, grown.texels, grown.table_bytes, Unwritten(grown))
+    texels = len(grown.texels.pixel)
+    return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
 
 
 def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:
@@ -110,6 +114,10 @@ def hour_of(messages: HourMessages) -> "Hour":
         key_irradiance_rgb=key_light.irradiance_rgb,
         open_sky=np.asarray(ambient.irradiance_sh_rgb.values, np.float64),
     )
+
+
+def _threads() -> int:
+    return min(os.cpu_count() or 1, _MOST_THREADS)
 
 
 def _encoded(light: Float32Array, scale: float) -> NDArray[np.float16]:

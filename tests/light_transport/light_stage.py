@@ -74,7 +74,7 @@ class Player(Module):
 
     @handles(Shine)
     def on_shine(self, message: Shine) -> None:
-        above = texel_directions(8)[..., 1:] > 0.0
+        above = texel_directions(8)[..., 1:2] > 0.0
         cube = np.where(above, message.radiance, 0.0) * np.ones(3)
         background, key_light, ambient = light_messages(
             cube, message.sun, (message.irradiance,) * 3
