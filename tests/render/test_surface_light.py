@@ -21,6 +21,9 @@ from stateful_backend import opened
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.light_map import GroundChart
 from vrut_lite.daylight.scene_state import FrameSkips
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 
 pytestmark = pytest.mark.gl
 SIZE = 48
@@ -76,8 +79,10 @@ def test_a_surface_sends_back_the_irradiance_of_its_texels(backend, tmp_path):
     found = paint_alone(backend, tmp_path, lit_by(uneven)) / level
     at_px = np.array([1, 2]) + 0.5 + (PLACES_M + 0.5) * (RECTANGLE_PX - 1)
     expected = fetched(made["texels"], at_px)[..., :3] / np.pi
-    np.testing.assert_allclose(found, expected, rtol=0.01)
-    np.testing.assert_allclose(found.mean(), expected.mean(), rtol=1e-3)
+    # A pixel on the diagonal is shaded for either triangle, in the middle of its part.
+    inside = ~np.eye(SIZE, dtype=bool)[::-1]
+    np.testing.assert_allclose(found[inside], expected[inside], rtol=2e-3)
+    np.testing.assert_allclose(found, expected, rtol=0.05)
 
 
 def test_every_instance_is_lit_from_its_own_rectangle(backend, tmp_path):
@@ -176,20 +181,14 @@ def test_light_is_scaled_by_its_message(backend, tmp_path):
 
 def gradient_sky():
     """Five above, one below."""
-    from vrut_lite.geometry.cube_map import texel_directions
-
     return np.where(texel_directions(16)[..., 1:2] > 0.0, 5.0, 1.0) * np.ones(3)
 
 
-@pytest.mark.parametrize(("tilt_deg", "expected"), [(0, 1.0), (40, None), (85, 0.5)])
+@pytest.mark.parametrize(("tilt_deg", "expected"), [(0, 1.0), (30, None), (70, 0.5)])
 def test_a_normal_map_tilts_the_light_of_the_map(backend, tmp_path, tilt_deg, expected):
     """As it tilts the open sky's, but no farther than by half: the sky says nothing indoors."""
-    from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
-
-    cube = gradient_sky()
-    # Ground of black: from the zenith down to nothing.
-    cube[cube < 5.0] = 0.0
-    light(backend, cube)
+    # From the zenith alone, so that light falls as the cosine.
+    light(backend, np.where(texel_directions(16)[..., 1:2] > 0.9, 1.0, 0.0) * np.ones(3))
     turned = np.radians(tilt_deg)
     normal = np.array([np.sin(turned), 0.0, np.cos(turned)])
     pixel = np.uint8(np.round((normal + 1.0) * 127.5))
@@ -216,8 +215,6 @@ def test_a_normal_map_tilts_the_light_of_the_map(backend, tmp_path, tilt_deg, ex
 
 def coat_through(cosine):
     """What the coat of a rough dielectric lets through to its paint at a cosine."""
-    from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
-
     table = reflectance_table()
     column = np.sqrt(cosine) * (table.shape[1] - 1)
     a, b = (
