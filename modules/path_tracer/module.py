@@ -21,7 +21,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import LIGHT
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.picture import Resize
-from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -97,13 +97,6 @@ class PathTracer(Module):
     def on_scene(self, message: SceneOpened) -> None:
         """Another scene, through its own camera."""
         self._see(replace(self._state, scene=message, moved_camera=None))
-
-    @handles(SceneNeeds)
-    def on_needs(self, message: SceneNeeds) -> None:
-        """Whether the eye is in a closed room."""
-        sheltered = self._state.scene is not None and not message.receives_light
-        if sheltered != self._state.sheltered:
-            self._see(self._state.with_shelter(sheltered))
 
     @handles(MoveCamera)
     def on_camera(self, message: MoveCamera) -> None:

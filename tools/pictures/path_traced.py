@@ -24,10 +24,10 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from scipy.ndimage import minimum_filter
 
+from tools.pictures.darkness import no_ambient, no_background, no_sun
 from tools.pictures.drawing import SKIES, Captioned, scene_project, sheet
 from vrut_lite.array import Array
 from vrut_lite.commands.engines import EngineHost
-from vrut_lite.daylight.darkness import no_ambient, no_background, no_sun
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged

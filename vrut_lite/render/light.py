@@ -30,11 +30,6 @@ class Light:
     irradiance_sh: NDArray
     sky: Sky
 
-    @property
-    def is_none(self) -> bool:
-        """Whether sun and sky light nothing, as in a closed room."""
-        return self.sky.scale == 0.0 and not any(self.sun_irradiance)
-
 
 class Shadow(NamedTuple):
     """A depth texture from the sun, the width of its texels, and the matrix (4, 4) into it.

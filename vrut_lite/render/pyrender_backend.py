@@ -11,6 +11,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.camera import MoveCamera, look_at, perspective, pixel_rays
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
@@ -37,9 +38,11 @@ class PyrenderBackend:
     def __init__(self, owner: GlOwner):
         self._owner = owner
         self._frame: Frame = owner.call(Frame)
-        # The background last: of the four, its shader alone may be refused.
+        # The background last: of them all, its shader alone may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
+            "light_map": self._upload_light_map,
+            "surface_light": self._upload_surface_light,
             "air": self._upload_air,
             "clouds": self._upload_clouds,
             "background": self._upload_background,
@@ -127,6 +130,16 @@ class PyrenderBackend:
     def _upload_scene(self, context: Any, scene: SceneOpened) -> None:
         # Its buffers reach the GPU with the next frame.
         self._scene = PyrenderScene(scene)
+        # Its meshes are still whole.
+        self._uploaded["light_map"] = None
+
+    def _upload_light_map(self, context: Any, laid: LightMapLaid | None) -> None:
+        self._frame.show_light_map(laid)
+        if self._scene is not None:
+            self._scene.lay_out(laid)
+
+    def _upload_surface_light(self, context: Any, light: SurfaceLightChanged | None) -> None:
+        self._frame.show_surface_light(light)
 
     def _upload_air(self, context: Any, volume: AirVolume | None) -> None:
         self._frame.show_air(volume)
@@ -180,10 +193,7 @@ class PyrenderBackend:
             background,
             background.ground_through_air,
         )
-        harmonics = ambient.irradiance_sh_rgb.values
-        if state.sheltered:
-            return Light(sun.direction, (0.0, 0.0, 0.0), 0.0 * harmonics, sky._replace(scale=0.0))
-        return Light(sun.direction, sun.irradiance_rgb, harmonics, sky)
+        return Light(sun.direction, sun.irradiance_rgb, ambient.irradiance_sh_rgb.values, sky)
 
 
 def _view(camera: MoveCamera, scene_radius_m: float, aspect: float) -> View:

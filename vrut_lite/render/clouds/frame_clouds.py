@@ -27,8 +27,8 @@ Measure = Callable[[str], AbstractContextManager[Any]]
 class FrameClouds:
     """The clouds of a frame; made and used on the GL thread only.
 
-    The ledger counts "clouds" drawn, and skips: no clouds, a closed room, and the copy of depths
-    where no mesh reaches up to them.
+    The ledger counts "clouds" drawn, and skips: no clouds, and the copy of depths where no
+    mesh reaches up to them.
     """
 
     def __init__(self, context: Any, ledger: Ledger, patience: Patience):
@@ -58,9 +58,6 @@ class FrameClouds:
         self._drawn = False
         if self._clouds is None or self._clouds.layer is None:
             self._ledger.skip("clouds: none")
-            return light, air
-        if light.is_none:
-            self._ledger.skip("clouds: in a closed room")
             return light, air
         self._drawn = True
         around = CloudSurroundings(
