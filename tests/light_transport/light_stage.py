@@ -52,6 +52,9 @@ class Show(Input, frozen=True, kw_only=True):
 
     path: str
 
+    def key(self) -> None:
+        return None
+
 
 class Shine(Input, frozen=True, kw_only=True):
     """A sky of this radiance above a black ground, and a sun in this direction."""
