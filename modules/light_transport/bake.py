@@ -7,6 +7,7 @@ all bounces; docs and sources of each step stand in its file.
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -18,10 +19,12 @@ from light_transport.gather import gathered
 from light_transport.groups import groups_of
 from light_transport.hour import Hour, HourLight
 from light_transport.key_light import lit_shares
+from light_transport.layout import Layout
 from light_transport.links import links_of
-from light_transport.map_texels import LaidOut, map_geometry, texels_of
+from light_transport.map_texels import map_geometry, texels_of
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
+from light_transport.probe_places import probe_places_m
 from light_transport.ray_starts import Receivers, no_probes, probe_planes
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
@@ -29,16 +32,15 @@ from light_transport.sky_nodes import NODES, node_radiances
 from light_transport.smoothing import STEPS, Smoothing, smoothed_rows, smoothing_of
 from light_transport.surfaces import Surfaces
 from light_transport.tree import tree_over
-from vrut_lite.daylight.light_map import ProbeGrid
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array
 
 # Rows of which fewer rays count lie inside bodies.
 _LEAST_FREE = 0.1
 _BLOCK_ROWS = 2048
+_Made = TypeVar("_Made")
 _GROUP_TEXELS = 4.0
 _SMALLEST_GROUP = 1.0 / 200.0
-Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,7 @@ class Bake:
     +y, -y, +z, -z), then groups of triangles without texels and backs of sheets.
     """
 
-    def __init__(self, surfaces: Surfaces, layout: LaidOut, threads: int = 1):
+    def __init__(self, surfaces: Surfaces, layout: Layout, threads: int = 1):
         self.surfaces = surfaces
         self.layout = layout
         self.threads = threads
@@ -70,7 +72,7 @@ class Bake:
         grid = layout.message.probes
         probes = no_probes()
         if grid is not None:
-            probes = probe_planes(_probe_places_m(grid), surfaces.centre_m, surfaces.radius_m)
+            probes = probe_planes(probe_places_m(grid), surfaces.centre_m, surfaces.radius_m)
         edge = _SMALLEST_GROUP
         if len(self.texels.width):
             edge = max(edge, _GROUP_TEXELS * float(np.median(self.texels.width)))
@@ -133,15 +135,16 @@ class Bake:
         light = np.empty((rows, 4), np.float32)
         self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
         texels = len(self.texels.pixel)
-        smooth, other = light[:texels], np.empty((texels, 4), np.float32)
-        for _ in range(STEPS):
-            self._over_rows(
-                texels, lambda a, b: smoothed_rows(smooth, finished.smoothing, a, b, other)
-            )
-            smooth, other = other, smooth
-        light[:texels] = smooth
+        light[:texels] = self._smoothed(light[:texels], finished.smoothing)
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
         return HourLight(self._as_map(light[:texels], finished), self._as_probes(light[texels:]))
+
+    def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
+        other = np.empty_like(light)
+        for _ in range(STEPS):
+            self._over_rows(len(light), partial(smoothed_rows, light, other, smoothing))
+            light, other = other, light
+        return light
 
     def _radiosity(self, hour: Hour, node_light: Float32Array, finished: _Finished) -> Float32Array:
         """What patches (M, 3) send, W m^-2."""
@@ -171,7 +174,7 @@ class Bake:
             texels = len(self.texels.pixel)
             nearness = self.table.nearness[:texels]
             valid = self.table.valid[:texels]
-            room = valid / np.maximum(nearness, np.float32(1e-9))
+            room = (valid / np.maximum(nearness, np.float32(1e-9))).astype(np.float32)
             self._finished = _Finished(
                 good,
                 exchange_of(self.table, self.patches),
@@ -201,7 +204,7 @@ class Bake:
             lambda first: work(first, min(first + step, rows)), range(0, rows, max(step, 1))
         )
 
-    def _in_threads(self, work: Callable[[int], Made], firsts: range) -> list[Made]:
+    def _in_threads(self, work: Callable[[int], _Made], firsts: range) -> list[_Made]:
         if self.threads == 1:
             return [work(first) for first in firsts]
         with ThreadPoolExecutor(self.threads) as pool:
@@ -219,10 +222,3 @@ def _of_patches(patches: Patches, values: Float32Array) -> Float32Array:
     of_member = np.repeat(np.arange(total), np.diff(patches.start))
     weighted = patches.weight * values[patches.member]
     return np.bincount(of_member, weighted, total).astype(np.float32)
-
-
-def _probe_places_m(grid: ProbeGrid) -> FloatArray:
-    """World places (nz, ny, nx, 3)."""
-    nx, ny, nz = grid.counts
-    z, y, x = np.indices((nz, ny, nx))
-    return np.asarray(grid.lower_m + np.stack([x, y, z], axis=-1) * np.asarray(grid.step_m))

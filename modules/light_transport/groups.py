@@ -1,4 +1,4 @@
-"""Groups of triangles that share one value of light: where there are no texels, and backs of sheets."""
+"""Triangles that share one value of light: those without texels, and backs of sheets."""
 
 from typing import NamedTuple
 
@@ -46,7 +46,7 @@ def groups_of(geometry: MapGeometry, sheets: BoolArray, edge: float) -> Groups:
     corners = geometry.corners[triangle].astype(np.float64)
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(cross, axis=1)
-    facing = np.where(is_front[:, None], 1.0, -1.0) * geometry.faces[triangle]
+    facing = np.where(is_front[:, None], 1.0, -1.0) * geometry.faces[triangle].astype(np.float64)
     group = _numbered(corners.mean(axis=1), facing, is_front, edge)
     order = np.argsort(group, kind="stable")
     group, triangle, area, is_front = group[order], triangle[order], area[order], is_front[order]

@@ -1,14 +1,14 @@
 """The texels of a map that rays begin at: where they lie in the scene, and whom others copy."""
 
 import math
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
+from light_transport.layout import Layout
 from light_transport.surfaces import GROUND, Surfaces
-from vrut_lite.daylight.light_map import LightMapLaid
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 NOBODY = -1
@@ -19,22 +19,6 @@ _LEAST_COVERED = 1.0 / 32.0
 _REACH_PX = 2
 # Places are kept so far inside their triangle, of its height: rays must not begin on an edge.
 _INSIDE = 0.002
-
-
-class LaidOut(Protocol):
-    """What this needs of a layout.
-
-    `message`; `uv_px` (F, 3, 2), where the surfaces' triangles lie in the map, in texels, NaN
-    where they have none; `owner` (height, width) int32, the triangle of each texel, the nearest
-    one for padding, and -1 where nothing is.
-    """
-
-    @property
-    def message(self) -> LightMapLaid: ...
-    @property
-    def uv_px(self) -> Float32Array: ...
-    @property
-    def owner(self) -> NDArray[np.int32]: ...
 
 
 class MapGeometry(NamedTuple):
@@ -75,7 +59,7 @@ class Texels(NamedTuple):
     row_of: NDArray[np.int32]
 
 
-def map_geometry(surfaces: Surfaces, layout: LaidOut) -> MapGeometry:
+def map_geometry(surfaces: Surfaces, layout: Layout) -> MapGeometry:
     """The arrays of surfaces and layout in the form and unit that kernels take."""
     radius = surfaces.radius_m
     chart = layout.message.ground
@@ -306,7 +290,7 @@ def _places(geometry, pixel):  # type: ignore[no-untyped-def]
 
 @kernel
 def _copied(geometry, nearest, place, normal, texel_width, row_of):  # type: ignore[no-untyped-def]
-    """Fill in whom padding copies: the texel around that lies nearest in space and faces its way."""
+    """Fill in whom padding copies: the texel around it, nearest in space, that faces its way."""
     owner = geometry.owner
     height, width = owner.shape
     own = row_of.copy()

@@ -1,8 +1,8 @@
 """Where rays begin and which way they go: a low-discrepancy sequence that goes on for ever.
 
 Ray s of a row is the same however many rays are asked for and whoever traces them. The sequences
-are additive recurrences (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"), each
-row's shifted by its hash.
+are additive recurrences (Roberts 2018, "The unreasonable effectiveness of quasirandom
+sequences"), each row's shifted by its hash.
 """
 
 import math

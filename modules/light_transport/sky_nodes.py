@@ -91,8 +91,8 @@ def _shares(size: int) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray
     keys, where = np.unique(key, return_inverse=True)
     weight = np.bincount(where.ravel(), solid_angle[above])
     node, texel = keys // (6 * size * size), keys % (6 * size * size)
-    weight /= np.bincount(node, weight, GROUND_NODE)[node]
-    return node, texel, weight
+    share = weight / np.bincount(node, weight, GROUND_NODE)[node]
+    return node.astype(np.int64), texel.astype(np.int64), share
 
 
 @kernel

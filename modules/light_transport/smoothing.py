@@ -1,8 +1,9 @@
 """Noise is smoothed along surfaces, where light cannot change fast.
 
-How fast it can is told by the harmonic mean distance R to what a texel sees (Ward and Heckbert 1992):
-each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel. What one gives
-the other takes, so that no light is lost.
+How fast it can is told by the harmonic mean distance R to what a texel sees (Ward and Heckbert
+1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel. What one
+gives the other takes, so that no light is lost.
+
 """
 
 from typing import NamedTuple
@@ -58,7 +59,7 @@ def _weights(links, normal, area, gate, good):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
-def smoothed_rows(light, smoothing, first, last, out):  # type: ignore[no-untyped-def]
+def smoothed_rows(light, out, smoothing, first, last):  # type: ignore[no-untyped-def]
     """One step: rows `first` to `last` of light (N, 4) into `out`."""
     links, weights = smoothing.links, smoothing.weights
     for i in range(first, last):

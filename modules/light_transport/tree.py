@@ -1,7 +1,7 @@
 """A bounding volume hierarchy over triangles: binned surface-area heuristic, two boxes a node.
 
-Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". Single precision suffices:
-a scene is scaled to unit radius around its middle before.
+Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". Single precision
+suffices: a scene is scaled to unit radius around its middle before.
 """
 
 from typing import NamedTuple
