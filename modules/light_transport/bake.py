@@ -111,15 +111,22 @@ class Bake:
         if len(done) < len(blocks):
             return False
         table = joined(done) if done else self.table
-        self.rays += count
         if self.patches is None:
-            self.patches = patches_of(
-                self.surfaces, self.receivers, self.links, _are_good(table, self.rays)
-            )
+            self.patches = self._patches_by(table, count)
             table = with_columns(table, self.patches.column_of)
+        self.take_rays(table, count)
+        return True
+
+    def take_rays(self, table: Rows, count: int) -> None:
+        """Go on from the table of an equal bake that has so many more rays."""
+        if self.patches is None:
+            self.patches = self._patches_by(table, count)
+        self.rays += count
         self.table = table
         self._finished = None
-        return True
+
+    def _patches_by(self, table: Rows, rays: int) -> Patches:
+        return patches_of(self.surfaces, self.receivers, self.links, _are_good(table, rays))
 
     def light(self, hour: Hour) -> HourLight:
         """The light of an hour; some rays must have been added."""

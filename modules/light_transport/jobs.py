@@ -77,9 +77,11 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
 
 def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:
     """A bake with so many more rays of each texel; None if nobody waits for it any more."""
+    from light_transport.kept_rays import add_kept_rays
+
     # Light is made of the rays before, meanwhile.
     grown = copy(bake.value)
-    if not grown.add_rays(count, control.cancelled):
+    if not add_kept_rays(grown, count, control.cancelled):
         return None
     texels = len(grown.texels.pixel)
     return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))

@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+import msgspec
 import numpy as np
 from light_messages import light_messages
 from light_transport.module import LightTransport
@@ -48,9 +49,12 @@ def box_file(folder, name="boxes.obj", *, boxes=((0.0, 2.0),), colour=0.5):
 
 
 class Show(Input, frozen=True, kw_only=True):
-    """Post the scene of a file, as the scene manager does."""
+    """Post the scene of a file, as the scene manager does; without the ground that it stands on,
+    whose texels would be many more than its own."""
 
     path: str
+    with_ground: bool = False
+    with_parts: bool = True
 
     def key(self) -> None:
         return None
@@ -73,7 +77,17 @@ class Player(Module):
 
     @handles(Show)
     def on_show(self, message: Show) -> None:
-        self.link.post(packed(load_scene(message.path)))
+        scene = packed(load_scene(message.path))
+        if not message.with_ground:
+            scene = msgspec.structs.replace(scene, ground=None)
+        if not message.with_parts:
+            geometry = msgspec.structs.replace(
+                scene.geometry,
+                part_mesh=Array(np.empty(0, np.int32)),
+                world_from_part=Array(np.empty((0, 4, 4))),
+            )
+            scene = msgspec.structs.replace(scene, geometry=geometry, triangles=0)
+        self.link.post(scene)
 
     @handles(Shine)
     def on_shine(self, message: Shine) -> None:

@@ -21,7 +21,7 @@ from light_transport.tolerance import quality_for
 
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.kernel.messages import Fault, RestartModule
+from vrut_lite.kernel.messages import RestartModule
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 
@@ -157,9 +157,19 @@ def test_without_light_there_are_rays_and_no_message(stage, scene):
     assert lights(stage.tell(NOON))[-1].rays == quality_for(0.1, "draft").rays
 
 
-def test_a_scene_without_surfaces_is_no_fault(stage, tmp_path):
-    """An empty file has nothing to light but its ground, if it has one."""
-    path = tmp_path / "empty.gltf"
-    path.write_text('{"asset": {"version": "2.0"}, "scenes": [{}], "scene": 0}')
-    said = stage.tell(WANT, NOON, Show(path=str(path)))
-    assert of_kind(said, Fault) == []
+def test_a_scene_without_surfaces_is_no_fault(stage, scene):
+    """Nothing but sky has nothing to light."""
+    said = stage.tell(WANT, NOON, Show(path=scene.path, with_parts=False))
+    assert layouts(said) == lights(said) == []
+    assert stage.ledger.skipped["light map: a scene without surfaces"] == 1
+
+
+def test_the_ground_is_lit_too(stage, scene):
+    """The disc that a scene stands on is darker beside the box than far away from it."""
+    said = stage.tell(WANT, Shine(radiance=1.0), Show(path=scene.path, with_ground=True))
+    (laid,) = layouts(said)
+    x, y = laid.ground.corner_px
+    edge = laid.ground.edge_px
+    open_share = lights(said)[-1].texels.values[y : y + edge, x : x + edge, 3].astype(float)
+    assert open_share[0, 0] > 0.97
+    assert open_share.min() < 0.3
