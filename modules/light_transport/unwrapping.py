@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from light_transport.facing_groups import Groups, connected
 from light_transport.kernels import kernel
-from light_transport.overlaps import layers, signed_area
+from light_transport.nearest_place import signed_area
+from light_transport.overlaps import layers
 from light_transport.projection import MARGIN_PX, projected
 from vrut_lite.numeric_types import FloatArray
 
@@ -40,7 +41,7 @@ def unwrapped(groups: Groups, corners_px: FloatArray, opposite: NDArray[np.int32
         opposite: see `welding.opposite_edges`.
     """
     chart, direction = groups.of, groups.direction
-    uv_px, sizes = projected(chart, direction, corners_px, opposite)
+    uv_px, heights_px, sizes = projected(chart, direction, corners_px, opposite)
     for _ in range(_HALVINGS):
         half = _halves(chart, uv_px)
         if not np.any(half):
@@ -48,8 +49,8 @@ def unwrapped(groups: Groups, corners_px: FloatArray, opposite: NDArray[np.int32
         chart, first = connected(chart, half, opposite)
         direction = groups.direction[groups.of[first]]
     if len(direction) > len(groups.direction):
-        uv_px, sizes = projected(chart, direction, corners_px, opposite)
-    layer = layers(chart, uv_px, sizes, opposite)
+        uv_px, heights_px, sizes = projected(chart, direction, corners_px, opposite)
+    layer = layers(chart, uv_px, heights_px, sizes, opposite)
     if np.any(layer):
         chart = connected(chart, layer, opposite)[0]
     lower, upper, _ = _extents(chart, uv_px)
