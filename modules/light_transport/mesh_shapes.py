@@ -88,7 +88,7 @@ def stretched(mesh: Mesh, stretch: FloatArray) -> Surface:
         across, length[:, None], out=np.zeros_like(across), where=areas[:, None] > 0.0
     )
     opposite = opposite_edges(vertices, welded(points)[vertices])
-    groups = facing_groups(normals, areas, opposite)
+    groups = facing_groups(normals, areas, opposite, mesh.normals[mesh.triangles])
     return Surface(mesh.triangles, corners, normals, areas, opposite, groups)
 
 

@@ -11,7 +11,7 @@ REACH_PX = 1.51
 
 @kernel
 def nearest(corners, heights, x, y):  # type: ignore[no-untyped-def]
-    """Square of the distance of (x, y) from a triangle, 0 within, and the height at its place there.
+    """Square of the distance of (x, y) from a triangle, 0 within, and the nearest place's height.
 
     `corners` (3, 2), `heights` (3,): of these corners.
     """

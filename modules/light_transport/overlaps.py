@@ -5,8 +5,8 @@ import numpy as np
 from light_transport.kernels import kernel
 from light_transport.nearest_place import REACH_PX, nearest, signed_area
 
-# Places beside each other in a chart, whose heights differ by more texels than this and the slopes
-# between them explain, are not beside each other on the surface: light of one would reach the other.
+# Places beside each other in a chart, whose heights differ by more texels than this and slopes
+# explain, are not beside each other on the surface: light of one would reach the other.
 _STEP_PX = 4.0
 
 
@@ -14,12 +14,12 @@ _STEP_PX = 4.0
 def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
     """A number (F,) for each triangle, such that those of one number and chart share no texel.
 
-    A texel's middle lies in one triangle, or on a border between several; look-ups on a
-    triangle (`REACH_PX`) meet no triangles from far above or below it.
+    A texel's middle lies in one triangle, or on borders; look-ups on a triangle (`REACH_PX`) meet
+    none from far above or below it. Triangles of one number need not be connected.
 
     Triangles are taken in the order of a walk from neighbour to neighbour, each into the layer of
-    the one before if its texels are free there, else into a new one: a turn of a winding stair
-    becomes a chart. Claims of a texel are a linked list, one a layer.
+    the one before if its texels are free there, else into the newest or a new one: a turn of a
+    winding stair becomes a chart. Claims of a texel are a linked list, one a layer.
 
     Args:
         chart: (F,).
@@ -50,18 +50,26 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
             begin += 1
             slack = _STEP_PX + 2.0 * REACH_PX * _slope(uv[f], heights[f])
             texels, inside, height = _met(uv[f], heights[f], sizes[c])
-            for k in range(len(texels)):
-                claim = head[first[c] + texels[k]]
-                while claim >= 0 and claimed[claim] != layer[f]:
-                    claim = follows[claim]
-                if claim >= 0 and (
-                    (inside[k] and covered[claim])
-                    or height[k] > lowest[claim] + slack
-                    or height[k] < highest[claim] - slack
-                ):
-                    newest[c] += 1
-                    layer[f] = newest[c]
+            # If not into its own layer, into the newest, where its neighbours may be already.
+            for _ in range(2):
+                free = True
+                for k in range(len(texels)):
+                    claim = head[first[c] + texels[k]]
+                    while claim >= 0 and claimed[claim] != layer[f]:
+                        claim = follows[claim]
+                    if claim >= 0 and (
+                        (inside[k] and covered[claim])
+                        or height[k] > lowest[claim] + slack
+                        or height[k] < highest[claim] - slack
+                    ):
+                        free = False
+                        break
+                if free or layer[f] == newest[c]:
                     break
+                layer[f] = newest[c]
+            if not free:
+                newest[c] += 1
+                layer[f] = newest[c]
             for k in range(len(texels)):
                 at = first[c] + texels[k]
                 claim = head[at]
@@ -92,7 +100,7 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
 
 @kernel
 def _slope(corners, heights):  # type: ignore[no-untyped-def]
-    """Rise over run of a triangle; of one without area that of its steepest edge."""
+    """Rise over run of a triangle, 0 without area."""
     a, b, c = corners
     area = signed_area(a, b, c[0], c[1])
     p, q = heights[1] - heights[0], heights[2] - heights[0]

@@ -15,6 +15,8 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 MOST_TEXELS = 400_000
 # Texels are right when this share of those that are wanted is used; their size is sought so often.
 _LEAST_USED, _MOST_USED, _ROUNDS = 0.8, 1.05, 6
+# How many times too many texels the first trial may have.
+_FIRST_TRIAL = 4.0
 # A part may go without texels if its area is less than this share of them, and goes when texels
 # beside borders would be more than this share of the budget.
 _SPARSE, _MOST_BESIDE = 0.25, 0.6
@@ -64,7 +66,10 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
         nothing = np.full(len(of), NOT_MAPPED, np.int32)
         return PartShapes(nothing, [], [], np.zeros(len(of), bool), texel_m or 1.0)
     most = MOST_TEXELS if texel_m else min(texels, MOST_TEXELS)
+    # With those beside borders there are some 1.4 times as many as the surface is large.
     size_m = texel_m or float(np.sqrt(1.4 * whole_m2 / most))
+    # Nobody should have to hold the map of a slip of the pen.
+    size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
     for last in reversed(range(_ROUNDS)):
         shapes = _cut(kinds, size_m, most)
         used = sum(

@@ -35,7 +35,7 @@ def middles(layout):
 
 
 def check_each_texel_lies_in_one_triangle(layout):
-    """Barycentric coordinates of all middles about each triangle: another rule than the layout's."""
+    """By barycentric coordinates of all middles about each triangle."""
     claims = np.zeros(layout.owner.shape, int)
     middle = middles(layout)
     for number, corners in enumerate(layout.uv_px):
@@ -62,24 +62,18 @@ def check_bilinear_look_ups_stay_at_home(surfaces, layout, stretch=5.0, seed=0):
     for number, corners in enumerate(layout.uv_px.astype(float)):
         if np.isnan(corners).any():
             continue
-        share = np.vstack([np.eye(3), rng.dirichlet(np.ones(3), 8)])
-        at = share @ corners
-        point = share @ surfaces.corners_m[number]
-        first = np.floor(at - 0.5).astype(int)
-        for across in (0, 1):
-            for down in (0, 1):
-                x, y = first[:, 0] + across, first[:, 1] + down
-                assert (x >= 0).all()
-                assert (y >= 0).all()
-                owner = layout.owner[y, x]
-                assert (owner != UNUSED).all()
-                part = surfaces.part[number]
-                assert (surfaces.part[owner] == part).all()
-                reach = 2.95 * stretch * layout.part_texel_m[part]
-                for each, place in zip(owner, point, strict=True):
-                    away = surfaces.corners_m[each] - place
-                    edge = np.ptp(surfaces.corners_m[each], axis=0)
-                    assert np.linalg.norm(away, axis=1).min() <= reach + np.linalg.norm(edge)
+        share = np.vstack([np.eye(3), rng.dirichlet(np.ones(3), 4)])
+        first = np.floor(share @ corners - 0.5).astype(int)
+        column, row = (first[:, None] + [[0, 0], [0, 1], [1, 0], [1, 1]]).reshape(-1, 2).T
+        assert min(column.min(), row.min()) >= 0
+        owner = layout.owner[row, column]
+        assert (owner != UNUSED).all()
+        part = surfaces.part[number]
+        assert (surfaces.part[owner] == part).all()
+        place = np.repeat(share @ surfaces.corners_m[number], 4, axis=0)
+        away = np.linalg.norm(surfaces.corners_m[owner] - place[:, None], axis=2).min(axis=1)
+        width = np.linalg.norm(np.ptp(surfaces.corners_m[owner], axis=1), axis=1)
+        assert (away <= width + 2.95 * stretch * layout.part_texel_m[part]).all()
 
 
 def check_uv_leads_back(scene, surfaces, layout, stretch=5.0):
@@ -101,7 +95,7 @@ def check_uv_leads_back(scene, surfaces, layout, stretch=5.0):
         for corners, place in zip(surfaces.corners_m[rows], uv.astype(float), strict=True):
             flat = place[1:] - place[0]
             # Of what is thinner than a tenth of a texel the 1024ths tell no shape.
-            if abs(np.linalg.det(flat)) < 0.1 * np.linalg.norm(flat, axis=1).max():
+            if abs(np.linalg.det(flat)) <= 0.1 * max(np.linalg.norm(flat, axis=1).max(), 0.1):
                 continue
             lengths = (corners[1:] - corners[0]) / layout.part_texel_m[part]
             widths = np.linalg.svd(np.linalg.solve(flat, lengths), compute_uv=False)
@@ -140,7 +134,10 @@ def test_each_place_of_a_surface_has_its_own_texels(mesh, charts, stretch, angle
 
 
 @given(
-    st.integers(1, 30), st.integers(3, 30), st.integers(0, 2**32 - 1), st.sampled_from([3, 50, 1e4])
+    st.integers(1, 30),
+    st.integers(3, 30),
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([3, 50, 2000]),
 )
 @settings(max_examples=25)
 def test_whatever_triangles_there_are_no_two_share_a_texel(triangles, points, seed, texels):
@@ -148,7 +145,7 @@ def test_whatever_triangles_there_are_no_two_share_a_texel(triangles, points, se
     rng = np.random.default_rng(seed)
     places = rng.normal(size=(points, 3)) * rng.choice([0.01, 1.0, 1.0], size=3)
     places = np.round(places, rng.integers(0, 4))
-    check(opened((places, rng.integers(0, points, (triangles, 3)))), texels=int(texels))
+    check(opened((places, rng.integers(0, points, (triangles, 3)))), texels=texels)
 
 
 def test_what_stands_often_has_one_shape_and_a_place_each():
