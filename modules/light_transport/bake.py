@@ -25,7 +25,7 @@ from light_transport.map_texels import map_geometry, texels_of
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
 from light_transport.probe_places import probe_places_m
-from light_transport.ray_starts import Receivers, no_probes, probe_planes
+from light_transport.ray_starts import Receivers, no_probes, probe_planes, scratch
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
 from light_transport.sky_nodes import NODES, node_radiances
@@ -166,7 +166,7 @@ class Bake:
             self._over_rows(
                 self.rows,
                 lambda a, b: lit_shares(
-                    self.tree, self.receivers, self.table.free, towards, a, b, share
+                    self.tree, self.receivers, self.table.free, towards, scratch(), a, b, share
                 ),
             )
             direct += _of_patches(patches, share)[:, None] * irradiance

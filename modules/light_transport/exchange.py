@@ -5,11 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import kernel
+from light_transport.kernels import hot, kernel
 from light_transport.patches import Patches
 from light_transport.ray_table import Rows
 from light_transport.sky_nodes import NODES
-from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 # Bounces end when what is still to come is below this share of each patch's light.
@@ -116,7 +115,7 @@ def radiosity(
     return sent
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def direct_sky(exchange, node_light, out):  # type: ignore[no-untyped-def]
     """Irradiance (M, 3) of patches by pi times the radiance (NODES, 4) of nodes."""
     for p in range(len(out)):
@@ -129,7 +128,7 @@ def direct_sky(exchange, node_light, out):  # type: ignore[no-untyped-def]
         out[p, 0], out[p, 1], out[p, 2] = r, g, b
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def _bounce(exchange, direct, emitted, reflectance, sent):  # type: ignore[no-untyped-def]
     """Gauss and Seidel's sweeps until what is still to come does not matter.
 

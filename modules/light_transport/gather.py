@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from vrut_lite.njit import SUMS_IN_ORDER, njit
+from light_transport.kernels import hot
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[first:last] (N, 4): means over each row's rays of light (columns, 4)."""
     for i in range(first, last):

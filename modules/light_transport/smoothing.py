@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import kernel
+from light_transport.kernels import hot, kernel
 from light_transport.map_texels import Texels
-from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.numeric_types import BoolArray, Float32Array
 
 STEPS = 8
@@ -58,7 +57,7 @@ def _weights(links, normal, area, gate, good):  # type: ignore[no-untyped-def]
     return weights
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def smoothed_rows(light, out, smoothing, first, last):  # type: ignore[no-untyped-def]
     """One step: rows `first` to `last` of light (N, 4) into `out`."""
     links, weights = smoothing.links, smoothing.weights
