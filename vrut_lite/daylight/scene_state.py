@@ -12,7 +12,7 @@ from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -134,7 +134,9 @@ class SceneState:
 
 
 def ground_albedo(
-    background: BackgroundChanged, key_light: KeyLightChanged, ambient: AmbientChanged
+    background: BackgroundChanged | SkyRadianceChanged,
+    key_light: KeyLightChanged,
+    ambient: AmbientChanged,
 ) -> Vector:
     """Albedo (R, G, B) of the ground that a sky was computed with: pi L / E at the nadir.
 

@@ -8,7 +8,13 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+)
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.messages import Derived, Input, Message
@@ -33,6 +39,7 @@ DERIVED: tuple[type[Derived], ...] = (
     AirChanged,
     CloudsChanged,
     AmbientChanged,
+    SkyRadianceChanged,
     GpuJob,
     LightMapLaid,
     SurfaceLightChanged,
