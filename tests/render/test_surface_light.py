@@ -330,3 +330,32 @@ def test_without_probes_the_back_of_a_sheet_gets_what_the_open_sky_lets_guess(ba
     show(backend, path, lambda layout: even(layout, 5 * np.pi, 0.0))
     below = look(backend, (0.0, -1.0, 1e-3), (0.0, 0.0, 0.0), 0.3).radiance[SIZE // 2, SIZE // 2]
     np.testing.assert_allclose(below, 1.0, rtol=0.03)
+
+
+def lux(backend, point_m, normal):
+    measured = backend.backend.illuminance(backend.state, point_m, normal)
+    assert measured.sun_lux == 0.0
+    return measured.sky_lux
+
+
+def test_the_light_meter_reads_the_map(backend, tmp_path):
+    """On a part, on the ground, on a back and beside them all: what the texel there holds."""
+    nodes = [{"mesh": 0, "translation": [x, 1.0, 0], "scale": [2, 1, 1]} for x in (0.0, 9.0)]
+    path = square(tmp_path, {**surface(0.0, 1.0), "doubleSided": True}, nodes=nodes)
+    ground = GroundDisc((3.0, 0.0), 0.0, 200.0)
+    values = planes(**{"-y": 7.0, "+y": 5.0})
+    corners = ((1, 2), None)
+    _, texels = show(backend, path, uneven, ground, PROBES, values, corners)
+    across = np.array([[-0.8, -0.3], [0.1, 0.4], [0.93, -0.45]])
+    for x, z in across:
+        at_px = np.array([1, 2]) + 0.5 + (np.array([x / 2.0, z]) + 0.5) * (RECTANGLE_PX - 1)
+        expected = fetched(texels, at_px)[:3] @ [0.2126, 0.7152, 0.0722] * 683.0
+        assert lux(backend, (x, 1.0, z), (0, 1, 0)) == pytest.approx(expected, rel=1e-3)
+        assert lux(backend, (x, 1.0, z), (0, -1, 0)) == pytest.approx(7.0 * 683.0, rel=1e-3)
+        assert lux(backend, (9.0 + x, 1.0, z), (0, 1, 0)) == pytest.approx(5.0 * 683.0, rel=1e-3)
+        on_ground = fetched(texels, on_chart(CHART, np.array([x, z])))[:3]
+        expected = on_ground @ [0.2126, 0.7152, 0.0722] * 683.0
+        assert lux(backend, (3.0 + x, 0.0, z), (0, 1, 0)) == pytest.approx(expected, rel=1e-3)
+    # In the air, and on open ground.
+    for place in ((0.0, 5.0, 0.0), (60.0, 0.0, 0.0)):
+        assert lux(backend, place, (0, 1, 0)) == pytest.approx(np.pi * 683.0, rel=1e-3)

@@ -13,10 +13,11 @@ from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.rays import SceneRays
+from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
 
 
 class Illuminance(NamedTuple):
-    """Lux on a plane, by the sun and by sky and ground together."""
+    """Lux on a plane, by the sun straight and by all else: sky, ground and what surfaces send."""
 
     sun_lux: float
     sky_lux: float
@@ -34,24 +35,29 @@ def illuminance(
     point_m: ArrayLike,
     normal: ArrayLike,
     clouds: CloudLayer | None = None,
+    lit: LitScene | None = None,
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
-    The scene shades the sun, with a sharp edge, and clouds do; the sky is the whole one, as in
-    the picture.
+    The scene shades the sun, with a sharp edge, and clouds do. All other light is as in the
+    picture: the light map's on a surface that it knows, else that of the whole sky.
     """
     n = np.asarray(normal, dtype=float)
     n = n / np.linalg.norm(n)
     direction = np.asarray(sun.direction)
     cosine = max(0.0, float(n @ direction))
-    lit = cosine > 0.0 and rays.is_free(point_m, n, direction)
+    sunlit = cosine > 0.0 and rays.is_free(point_m, n, direction)
     harmonics = ambient.irradiance_sh_rgb.values
-    through = float(lit)
+    through = float(sunlit)
     if clouds is not None:
         clear = ClearLight(sun.direction, sun.irradiance_rgb, harmonics)
         harmonics = under_clouds(clouds, clear)
-        through = sun_transmittance(clouds, point_m, direction) if lit else 0.0
+        through = sun_transmittance(clouds, point_m, direction) if sunlit else 0.0
     sky = evaluate_irradiance(harmonics, n)
+    hit = None if lit is None else rays.surface_at(point_m, n)
+    if lit is not None and hit is not None:
+        reached = reached_irradiance(lit._replace(open_sky=harmonics), hit)
+        sky = sky if reached is None else reached
     return Illuminance(
         sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
         sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,

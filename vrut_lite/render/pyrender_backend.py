@@ -24,6 +24,7 @@ from vrut_lite.render.light_meter import Illuminance, illuminance
 from vrut_lite.render.passes.mesh_renderer import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.rays import Hit, SceneRays
+from vrut_lite.render.surface_look_up import LitScene
 from vrut_lite.scene.backend import IsGivenUp
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
@@ -80,7 +81,13 @@ class PyrenderBackend:
         if state.key_light is None or state.ambient is None:
             raise RuntimeError("nothing to measure yet: no light")
         return illuminance(
-            self._scene_rays(state), state.key_light, state.ambient, point_m, normal, state.clouds
+            self._scene_rays(state),
+            state.key_light,
+            state.ambient,
+            point_m,
+            normal,
+            state.clouds,
+            _lit_scene(state),
         )
 
     def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:
@@ -194,6 +201,15 @@ class PyrenderBackend:
             background.ground_through_air,
         )
         return Light(sun.direction, sun.irradiance_rgb, ambient.irradiance_sh_rgb.values, sky)
+
+
+def _lit_scene(state: SceneState) -> LitScene | None:
+    if state.light_map is None or state.surface_light is None:
+        return None
+    assert state.scene is not None
+    assert state.ambient is not None
+    harmonics = state.ambient.irradiance_sh_rgb.values
+    return LitScene(state.scene, state.light_map, state.surface_light, harmonics)
 
 
 def _view(camera: MoveCamera, scene_radius_m: float, aspect: float) -> View:

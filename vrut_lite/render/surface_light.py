@@ -13,12 +13,13 @@ from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, S
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light
+from vrut_lite.render.open_irradiance import open_irradiance
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.
-_MAP_UNIT, _PROBE_UNIT = 5, 6
+_MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT = 5, 6, 7
 _UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -30,6 +31,8 @@ class SurfaceLightOnGpu:
         self._block = context.buffer(reserve=SURFACE_LIGHT.size_bytes)
         self._laid: LightMapLaid | None = None
         self._light: SurfaceLightChanged | None = None
+        self._open_sky: Any = None
+        self._harmonics: NDArray | None = None
         self._map: Any = None
         self._probes: Any = None
         self._sees_sky: dict[PlacedPrimitive, bool] = {}
@@ -80,11 +83,12 @@ class SurfaceLightOnGpu:
                 texel=1.0 / np.array(self._laid.size_px),
                 radiance_scale=self._light.radiance_scale,
                 ground_warp=ground.warp,
+                ground_slope=np.sinh(ground.warp),
                 ground_first=np.array(ground.corner_px) + 0.5,
                 ground_eye_m=eye_m[[0, 2]] - scene.ground_centre_xz_m,
                 ground_half_width_m=ground.half_width_m,
                 ground_steps=ground.edge_px - 1,
-                open_ground=np.maximum(evaluate_irradiance(light.irradiance_sh, _UP), 0.0),
+                open_ground=evaluate_irradiance(light.irradiance_sh, _UP),
                 probes_eye=(eye_m - probes.lower_m) / np.array(probes.step_m),
                 probes_per_m=1.0 / np.array(probes.step_m),
                 probe_counts=probes.counts,
@@ -92,13 +96,23 @@ class SurfaceLightOnGpu:
         )
         self._block.bind_to_uniform_block(SURFACE_LIGHT.binding)
         self._map.use(location=_MAP_UNIT)
+        self._open_sky_of(light.irradiance_sh).use(location=_OPEN_SKY_UNIT)
         if self._laid.probes is not None:
             self._probes.use(location=_PROBE_UNIT)
 
     def release(self) -> None:
         """Free the GL objects."""
         self._free()
+        self._release(self._open_sky)
         self._block.release()
+
+    def _open_sky_of(self, harmonics: NDArray) -> Any:
+        """The table of `open_irradiance` of these harmonics (25, 3)."""
+        if self._harmonics is None or not np.array_equal(harmonics, self._harmonics):
+            self._harmonics = np.array(harmonics)
+            table = open_irradiance(self._harmonics)
+            self._open_sky = self._written(self._open_sky, table, table.shape[1::-1])
+        return self._open_sky
 
     def _gets_light_of_sky(self, placed: PlacedPrimitive) -> bool:
         lit = self.defines(placed)
@@ -114,17 +128,17 @@ class SurfaceLightOnGpu:
         share = self._light.texels.values[top : bottom + 1, left : right + 1, 3]
         return bool(share.any())
 
-    def _written(self, texture: Any, values: NDArray[np.float16], size: tuple[int, ...]) -> Any:
+    def _written(self, texture: Any, values: NDArray[Any], size: tuple[int, ...]) -> Any:
         """Values in a texture of that size: the one given, or a new one in its place."""
         if texture is None or texture.size != size:
             self._release(texture)
             make = self._context.texture3d if len(size) == 3 else self._context.texture
-            texture = make(size, 4, dtype="f2")
+            texture = make(size, values.shape[-1], dtype=f"f{values.itemsize}", alignment=1)
             texture.filter = (self._context.LINEAR, self._context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
             if len(size) == 3:
                 texture.repeat_z = False
-        texture.write(np.ascontiguousarray(values).tobytes())
+        texture.write(np.ascontiguousarray(values).tobytes(), alignment=1)
         return texture
 
     def _free(self) -> None:

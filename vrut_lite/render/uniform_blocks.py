@@ -142,6 +142,7 @@ SURFACE_LIGHT = UniformBlock(
         "ground_eye_m": ("vec2", "level, from the middle of the ground disc to the eye"),
         "ground_half_width_m": ("float", "of the chart"),
         "ground_warp": ("float", "how much finer it is in the middle"),
+        "ground_slope": ("float", "hyperbolic sine of that"),
         "probes_eye": ("vec3", "the eye, in steps from the first probe"),
         "ground_steps": ("float", "from its first texel to its last"),
         "probes_per_m": ("vec3", "one over the step"),

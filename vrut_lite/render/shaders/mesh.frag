@@ -190,11 +190,10 @@ vec4 surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
     // The map has the light of the front alone.
     if (behind) {
 #ifdef LIGHT_PROBES
-        return probe_light(eye_to_point, n);
-#else
+        if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
+#endif
         vec4 front = map_light(light_corner_px + place_px * centroid_factor(face));
         return vec4(front.rgb * tilted(n, -smooth_n, MOST_BEHIND), front.a);
-#endif
     }
 #endif
     vec4 light = map_light(light_corner_px + place_px * centroid_factor(face));
@@ -394,7 +393,7 @@ void main() {
     if (dielectric_f0 + metallic > 0.0) {
         // Of the sky the share that arrives; all else that arrives comes evenly from all around.
         vec3 mirrored = reached.a * reflected_sky(reflect(-view, n), roughness);
-        mirrored += max(reached.rgb - reached.a * sky_irradiance(n), 0.0) / PI;
+        mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
         radiance += once * more * mirrored;
     }
 #else
