@@ -12,6 +12,7 @@ from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
@@ -82,10 +83,14 @@ class CpuSkyStage:
         return self._view.state
 
     def draw(
-        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+        self,
+        size: tuple[int, int],
+        exposure: SetExposure,
+        still: bool,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
         """Draw what is known by now, which does not take long."""
-        return self._backend.draw(replace(self.state, size_px=size), still)
+        return self._backend.draw(replace(self.state, size_px=size, exposure=exposure), still)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """There is nothing but sky."""

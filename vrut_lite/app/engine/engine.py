@@ -14,9 +14,11 @@ from itertools import count
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
+from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.pacing import Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Input, Message
@@ -51,10 +53,12 @@ class Engine:
         open_stage: Callable[[], Stage],
         tell: Callable[[Hashable, Any], None],
         attend: Callable[[Stage], AbstractContextManager[object]] = nullcontext,
+        now_s: Callable[[], float] = perf_counter,
     ):
         self._open_stage = open_stage
         self._tell = tell
         self._attend = attend
+        self._now_s = now_s
         self._lock = threading.Lock()
         # Inputs that were sent before there was a kernel.
         self._early: list[Input] = []
@@ -65,6 +69,7 @@ class Engine:
         self._moved_on = threading.Event()
         self._ending = threading.Event()
         self._pacing = Pacing()
+        self._adaptation = Adaptation()
         self._finish_at_s: float | None = None
         # A finished picture was given up, and nothing visible has changed since.
         self._in_vain = False
@@ -99,6 +104,15 @@ class Engine:
         if self._ending.is_set():
             answer.cancel()
         return answer
+
+    def meter_exposure(self) -> None:
+        """Meter automatic exposure by the next picture, and draw that now."""
+
+        def meter(stage: Stage) -> None:
+            self._adaptation.meter_anew()
+            self._drawn = None
+
+        self.ask(meter, changes=True)
 
     def stop(self) -> None:
         """Ask the thread to end soon; ENDED is told when it has."""
@@ -162,7 +176,13 @@ class Engine:
         stage.kernel.on_inject(None)
 
     def _patience_s(self) -> float | None:
-        return None if self._finish_at_s is None else max(0.0, self._finish_at_s - perf_counter())
+        times_s = (self._finish_at_s, self._adaptation.wakes_at_s)
+        due_s = min((time_s for time_s in times_s if time_s is not None), default=None)
+        return None if due_s is None else max(0.0, due_s - self._now_s())
+
+    def exposure_of(self, state: SceneState) -> SetExposure:
+        """The exposure that a finished picture has in the window; on the engine's thread."""
+        return self._adaptation.exposure_of(state)
 
     def _pump(self, stage: Stage) -> None:
         waiting = stage.kernel.waiting
@@ -190,13 +210,16 @@ class Engine:
                 answer.set_exception(error)
 
     def _draw(self, stage: Stage) -> None:
-        now_s = perf_counter()
+        now_s = self._now_s()
+        wakes_at_s = self._adaptation.wakes_at_s
         if stage.state.missing:
             return
-        if stage.state is not self._drawn:
+        if stage.state is not self._drawn or (wakes_at_s is not None and now_s >= wakes_at_s):
             self._drawn, self._in_vain = stage.state, False
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
-            self._finish_at_s = perf_counter() + self._pacing.rest_s()
+            # While the exposure changes no picture is worth finishing.
+            settled = self._adaptation.settled
+            self._finish_at_s = self._now_s() + self._pacing.rest_s() if settled else None
         elif self._awake.is_set():
             # The answer to a question has injected inputs, as an undo does: they come first.
             return
@@ -205,11 +228,15 @@ class Engine:
             self._draw_one(stage, 1.0, still=True)
 
     def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
-        start_s = perf_counter()
+        start_s = self._now_s()
+        adaptation, state = self._adaptation, stage.state
+        exposure = (
+            adaptation.exposure_of(state) if still else adaptation.next_exposure(state, start_s)
+        )
         size = scaled(stage.state.size_px, scale)
         is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
         try:
-            picture = stage.draw(size, still, is_given_up if still else None)
+            picture = stage.draw(size, exposure, still, is_given_up if still else None)
         except GivenUp:
             # If the input changes nothing visible the picture is finished after all, without
             # interruption: a playing clock sends inputs more often than pictures can be drawn.
@@ -218,11 +245,13 @@ class Engine:
         except BaseException as error:
             self._trouble(error)
             return
-        seconds = perf_counter() - start_s
+        seconds = self._now_s() - start_s
+        adaptation.drew(picture, exposure, self._now_s())
         self._pacing.drew(scale, seconds)
         self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds))
 
     def _hear(self, message: Message, sender: str) -> None:
+        self._adaptation.hear(message, self._now_s())
         key = message.key()
         self._tell(
             (HEARD, type(message), next(self._numbers) if key is None else key), (message, sender)

@@ -22,6 +22,8 @@ from vrut_lite.app.engine.roster import Roster, roster_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Fault, Input, Message, ReloadModule
@@ -128,6 +130,14 @@ class Session(QObject):
     def last(self, kind: type[M]) -> M | None:
         """The latest message of a type that was delivered on Qt's thread."""
         return self._last.get(kind)  # type: ignore[return-value]
+
+    def meter_exposure(self) -> None:
+        """Meter automatic exposure by what is seen now."""
+        self._engine.meter_exposure()
+
+    def exposure_of(self, state: SceneState) -> SetExposure:
+        """The exposure of the finished picture of a state; on the engine's thread."""
+        return self._engine.exposure_of(state)
 
     def ask(
         self,

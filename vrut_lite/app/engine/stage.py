@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import Any, Protocol
 
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
@@ -43,9 +44,13 @@ class Stage(Protocol):
         """What frames did and what they left out."""
 
     def draw(
-        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+        self,
+        size: tuple[int, int],
+        exposure: SetExposure,
+        still: bool,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
-        """Draw what is known by now; where that takes long, GivenUp is raised when it is."""
+        """Draw the present state with an exposure; GivenUp is raised when `is_given_up()`."""
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on what a pixel of the full size shows; None for the sky."""
@@ -83,11 +88,15 @@ class GlStage:
         return self._host.frame_ledger
 
     def draw(
-        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+        self,
+        size: tuple[int, int],
+        exposure: SetExposure,
+        still: bool,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
         """Draw what is known by now, or raise GivenUp as soon as `is_given_up()`."""
         self.pass_seconds = {}
-        return self._host.draw_now(still, is_given_up, size)
+        return self._host.draw_now(still, is_given_up, size, exposure)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
         """Lux on what a pixel of the full size shows; None for the sky."""

@@ -169,8 +169,7 @@ class MainWindow(CommandedWindow):
 
     def export(self, path: str) -> None:
         """Write the picture."""
-        project = project_of(self.session)
-        self.session.ask(lambda stage: export_picture(stage, path, project), self.show_news)
+        export_picture(self.session, path, self.show_news)
 
     def save_screenshot(self) -> None:
         """Write the picture as it looks now into the folder `pictures`."""
