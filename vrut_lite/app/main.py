@@ -37,7 +37,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     session.start()
     if safe_mode:
         session.ask(states_of, lambda states: session.begin_with(*into_safe_mode(states)))
-    window.open_project(project)
+    window.files.open_project(project)
     listening = _hear_interrupts(window)
     code = app.exec()
     listening.stop()

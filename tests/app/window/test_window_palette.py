@@ -78,7 +78,7 @@ def test_panels_and_settings_are_gone_to(driver):
 
 def test_a_recent_scene_is_opened_from_the_palette_and_from_the_menu(driver):
     """Both list what was opened lately; what has gone is not offered."""
-    driver.window.open_path(str(SCENES / "spheres.glb"))
+    driver.window.files.open_path(str(SCENES / "spheres.glb"))
     driver.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     driver.heard.clear()
     run(driver, "open sundial")

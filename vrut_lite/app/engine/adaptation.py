@@ -61,6 +61,11 @@ class Adaptation:
         return self._arrived and self.wakes_at_s is None
 
     @property
+    def held(self) -> bool:
+        """Whether automatic exposure stays as it is, whatever is seen."""
+        return not self._follows
+
+    @property
     def _arrived(self) -> bool:
         if self._ev100 is None or not self._follows:
             return True
@@ -96,9 +101,7 @@ class Adaptation:
         """The exposure of the next quick picture, a step nearer to what is seen."""
         if state.scene is not self._state.scene or state.exposure.mode == "manual":
             self.meter_anew()
-        elif state.camera != self._state.camera:
-            self._follow(now_s)
-        elif self._dragged and now_s >= self._drag_ends_s:
+        elif state.camera != self._state.camera or (self._dragged and now_s >= self._drag_ends_s):
             self._follow(now_s)
         self._state, self.wakes_at_s = state, None
         if self._ev100 is None:

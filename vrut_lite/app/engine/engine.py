@@ -34,12 +34,13 @@ READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
 
 
 class Shown(NamedTuple):
-    """A picture, its time, and whether it is the finished one (`still`)."""
+    """A picture, its time, whether it is finished (`still`), and whether its exposure is held."""
 
     picture: Picture
     still: bool
     seconds: float
     pass_seconds: dict[str, float]
+    held: bool = False
 
 
 class Engine:
@@ -248,7 +249,7 @@ class Engine:
         seconds = self._now_s() - start_s
         adaptation.drew(picture, exposure, self._now_s())
         self._pacing.drew(scale, seconds)
-        self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds))
+        self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds, adaptation.held))
 
     def _hear(self, message: Message, sender: str) -> None:
         self._adaptation.hear(message, self._now_s())
