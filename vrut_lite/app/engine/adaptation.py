@@ -1,9 +1,9 @@
 """Automatic exposure in the window: metered at once, adapting to a moved camera, or held.
 
-A new scene, and an hour or a place that was chosen, are metered with their first picture. A moved
-camera adapts the exposure, and what is seen afterwards does too (a light map that comes late, for
-example), until something else than the camera changes the light: playing or dragged time, settings.
-Then the exposure is held, so that dusk darkens. Times are seconds of the engine's clock.
+The first picture of a new scene, a chosen hour or a chosen place is metered. A moved camera adapts
+the exposure over a second. The exposure then follows the picture, for example when a light map
+comes late, until playing or dragged time or a setting changes the light: from then on it is held,
+so that dusk darkens. Times are seconds of the engine's clock.
 """
 
 from math import exp
@@ -27,11 +27,11 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite.pictures.picture import Picture
 
-# The rest of the way shrinks to 5 % in a second, however many stops it is.
+# 95 % of the difference in stops is gone after a second.
 _TIME_CONSTANT_S = 1.0 / 3.0
 _ADAPTED_S = 1.5
 _SETTLED_EV = 0.02
-# Between two pictures of one adaptation; and what a step may count of a longer pause.
+# Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
 
 
@@ -47,10 +47,10 @@ class Adaptation:
         self._ev100: float | None = None
         self._seen_ev100 = 0.0
         self._stepped_s = 0.0
-        # Whether the exposure goes to what is seen, and until when nothing but the camera counts.
+        # Whether the exposure follows the picture, and until when only the camera decides that.
         self._follows = True
         self._follows_until_s = 0.0
-        # Hours that come before this belong to one drag; whether its last is still to be metered.
+        # Hours that are set before this time belong to one drag; whether that drag is still held.
         self._drag_ends_s = 0.0
         self._dragged = False
         self._state = SceneState()
@@ -62,7 +62,7 @@ class Adaptation:
 
     @property
     def held(self) -> bool:
-        """Whether automatic exposure stays as it is, whatever is seen."""
+        """Whether automatic exposure stays as it is, whatever the picture shows."""
         return not self._follows
 
     @property
@@ -78,7 +78,7 @@ class Adaptation:
     def hear(self, message: Message, now_s: float) -> None:
         """Note a message that the kernel delivers."""
         if isinstance(message, (SetClock, SetPlace)):
-            # The first hour of a drag is metered; from there light is seen to change.
+            # The first hour of a drag is metered; the next ones show how the light changes.
             if now_s >= self._drag_ends_s and self._arrived:
                 self.meter_anew()
             else:
@@ -113,7 +113,7 @@ class Adaptation:
         return msgspec.structs.replace(state.exposure, mode="manual", ev100=self._ev100)
 
     def drew(self, picture: Picture, exposure: SetExposure, now_s: float) -> None:
-        """Learn from a picture that was drawn with an exposure that was given here."""
+        """Meter a picture that was drawn with `exposure`, which this object chose."""
         if self._state.exposure.mode == "manual":
             return
         if exposure.mode == "auto":

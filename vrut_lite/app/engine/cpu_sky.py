@@ -1,6 +1,6 @@
 """The window without OpenGL: the sky alone, drawn on the CPU from its cube map.
 
-Scenes are opened and light is computed as ever; meshes are not drawn.
+Scenes are opened and light is computed; meshes are not drawn.
 """
 
 from dataclasses import replace
@@ -40,7 +40,7 @@ class CpuSkyBackend:
     def draw(
         self, state: SceneState, still: bool = True, is_given_up: IsGivenUp | None = None
     ) -> Picture:
-        """The sky that the camera sees; fewer pixels than asked for where these are many."""
+        """Draw the visible sky, with at most `_MOST_PIXELS` pixels."""
         state.check_drawable()
         width, height = state.size_px
         step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
@@ -89,15 +89,15 @@ class CpuSkyStage:
         still: bool,
         is_given_up: IsGivenUp | None = None,
     ) -> Picture:
-        """Draw what is known by now, which does not take long."""
+        """Draw the present state; `is_given_up` is not asked, since this is quick."""
         return self._backend.draw(replace(self.state, size_px=size, exposure=exposure), still)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """There is nothing but sky."""
+        """None: this stage draws no surfaces."""
         return None
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
-        """There is nothing but sky."""
+        """None: this stage draws no surfaces."""
         return None
 
     def close(self) -> None:

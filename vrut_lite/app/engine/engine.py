@@ -1,8 +1,7 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
 Each round the kernel admits the inputs that wait, then a frame is drawn. Inputs that arrive
-meanwhile merge in the kernel's inbox, however many they are; a finished picture, which may take
-seconds, is given up for them.
+meanwhile merge in the kernel's inbox. A finished picture may take seconds; new inputs end it early.
 """
 
 import threading
@@ -27,7 +26,7 @@ from vrut_lite.scene.backend import GivenUp
 
 T = TypeVar("T")
 Question = Callable[[Stage], Any]
-# First parts of the keys under which the engine tells something.
+# Kinds of news: the first parts of the keys that the engine passes to `tell`.
 READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
     "ready", "heard", "picture", "camera", "problem", "ended",
 )  # fmt: skip
@@ -46,7 +45,7 @@ class Shown(NamedTuple):
 class Engine:
     """`tell(key, value)` is called on the engine's thread and must be quick.
 
-    What `attend(stage)` returns is entered while the stage is open, on the engine's thread.
+    The context manager `attend(stage)` is entered on the engine's thread while the stage is open.
     """
 
     def __init__(
@@ -95,7 +94,7 @@ class Engine:
     def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
         """Call `question` on the engine's thread, after the inputs that were sent before.
 
-        What `changes` something does not wait for a picture to be finished.
+        A question that `changes` something interrupts a finished picture that is being drawn.
         """
         answer: Future[T] = Future()
         self._questions.append((question, answer))
@@ -107,7 +106,7 @@ class Engine:
         return answer
 
     def meter_exposure(self) -> None:
-        """Meter automatic exposure by the next picture, and draw that now."""
+        """Draw a new picture now and meter automatic exposure by it."""
 
         def meter(stage: Stage) -> None:
             self._adaptation.meter_anew()
@@ -125,7 +124,7 @@ class Engine:
         self._awake.set()
 
     def join(self, timeout_s: float | None = None) -> bool:
-        """Wait for the end; whether it came."""
+        """Wait for the end; False after the timeout."""
         self._thread.join(timeout_s)
         return not self._thread.is_alive()
 
@@ -158,7 +157,7 @@ class Engine:
         return stage
 
     def _live(self, stage: Stage) -> None:
-        # Only now: a journal begins before the first input.
+        # After `attend`: a journal must begin before the first input.
         with self._lock:
             self._inject = stage.kernel.inject
             for message in self._early:
@@ -190,7 +189,7 @@ class Engine:
         while True:
             try:
                 stage.kernel.pump(most=waiting)
-            # The host's own error: it costs the one message at which it was raised.
+            # An error in the host itself: the message that raised it is lost, the others go on.
             except BaseException as error:
                 self._trouble(error)
             else:
@@ -218,11 +217,11 @@ class Engine:
         if stage.state is not self._drawn or (wakes_at_s is not None and now_s >= wakes_at_s):
             self._drawn, self._in_vain = stage.state, False
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
-            # While the exposure changes no picture is worth finishing.
+            # A finished picture waits until the exposure has settled.
             settled = self._adaptation.settled
             self._finish_at_s = self._now_s() + self._pacing.rest_s() if settled else None
         elif self._awake.is_set():
-            # The answer to a question has injected inputs, as an undo does: they come first.
+            # A question has injected inputs, as an undo does: pump them first.
             return
         elif self._finish_at_s is not None and now_s >= self._finish_at_s:
             self._finish_at_s = None

@@ -16,9 +16,9 @@ FORMATS = (".png", ".exr")
 
 
 def export_picture(session: Session, path: str | Path, then: Callable[[str], None]) -> None:
-    """Write the finished picture as the window exposes it; `then` is told what it is.
+    """Write the finished picture as the window exposes it; `then` gets a line about it.
 
-    Another ending, or a file that cannot be written, becomes a problem of the session.
+    An unknown suffix or a file that cannot be written is reported as the session's `problem`.
     """
     project = project_of(session)
     session.ask(

@@ -87,7 +87,7 @@ class ExportPanel(QWidget):
         self._show_running(True)
 
     def stop(self) -> None:
-        """Make no more."""
+        """Stop after the picture that is being made."""
         if self.sequence is not None:
             self.sequence.cancel()
 

@@ -22,7 +22,7 @@ _LOWEST_EV, _HIGHEST_EV = -8.0, 24.0
 class PicturePanel(QWidget):
     """Edits `SetExposure`; all fields are sent together.
 
-    A locked exposure is a manual one: it begins at the value of the picture that is shown.
+    A lock is manual exposure, which starts at the value of the shown picture.
     """
 
     def __init__(self, session: Session):
@@ -62,7 +62,7 @@ class PicturePanel(QWidget):
             part.setToolTip(tip)
             part.setAccessibleName(title)
             form.addRow(title, part)
-        self.meter.setToolTip("Set the exposure by what is seen now (M)")
+        self.meter.setToolTip("Meter the picture that is shown (M)")
         form.addRow("", self.metered)
         form.addRow("", self.meter)
         form.addRow("", self.reset)
@@ -77,7 +77,7 @@ class PicturePanel(QWidget):
         self.reset.clicked.connect(lambda: self._session.send(SetExposure()))
 
     def set_locked(self, locked: bool) -> None:
-        """Keep the exposure as it is, or meter it again."""
+        """Fix the exposure at the shown picture's, or make it automatic again."""
         shown = self._session.shown
         if locked and shown is not None:
             ev100 = shown.picture.ev100 + self._wish.compensation_ev

@@ -103,7 +103,7 @@ class CommandPalette(QDialog):
 
 
 def matching(entries: list[PaletteEntry], text: str) -> list[PaletteEntry]:
-    """Those that hold all words of a text; titles that begin with the first come first."""
+    """Entries with all words of a text; titles that begin with the first word come first."""
     words = text.lower().split()
     found = [
         entry

@@ -37,7 +37,7 @@ Area = Qt.DockWidgetArea
 class DockSpec(NamedTuple):
     """A dock: docks of one `group` share a place as tabs, in this order.
 
-    A dock that is not `scrolled` is as high as its content. `keys` show it and hide it.
+    A dock that is not `scrolled` is as high as its content. `keys` is its shortcut.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What the File menu does: opens, saves and exports, and asks for the names of files."""
+"""The commands of the File menu: open, save, export, screenshot, and their file dialogs."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ _TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
 
 
 class Files:
-    """Files of one window; the status line tells what was done and what went wrong.
+    """Files of one window; the status line shows results and errors.
 
     Screenshots go to the folder `pictures`.
     """

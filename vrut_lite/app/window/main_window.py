@@ -1,4 +1,4 @@
-"""The window: the picture, the docks around it, the menus, and a line for messages."""
+"""The window: the picture, the docks around it, the menus, and the status line."""
 
 from collections.abc import Callable
 from functools import partial
@@ -157,7 +157,7 @@ class MainWindow(QMainWindow):
     # --- actions -----------------------------------------------------------------------------
 
     def _specs(self) -> list[ActionSpec]:
-        """The actions; panels that come later are asked for when an action needs them."""
+        """The actions; they look up panels when triggered, since panels are made later."""
         files, viewport, dots = self.files, self.desk.viewport, "\N{HORIZONTAL ELLIPSIS}"
 
         def camera(name: str, title: str, key: str, mode: CameraMode) -> ActionSpec:
@@ -209,7 +209,7 @@ class MainWindow(QMainWindow):
         self.docks[name].raise_()
 
     def toggle_dock(self, name: str) -> None:
-        """Hide a dock that is seen; show one that is not."""
+        """Hide a visible dock; show a hidden one."""
         if self.panels[name].visibleRegion().isEmpty():
             self.show_dock(name)
         else:
@@ -252,11 +252,11 @@ class MainWindow(QMainWindow):
     # --- messages ----------------------------------------------------------------------------
 
     def show_problem(self, line: str) -> None:
-        """One line on what went wrong."""
+        """Show an error in the status line."""
         self._status.show_problem(line)
 
     def show_news(self, line: str) -> None:
-        """One line on what was done."""
+        """Show a result in the status line."""
         self._status.show_news(line)
 
     def _ready(self, roster: Roster) -> None:
