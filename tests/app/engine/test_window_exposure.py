@@ -9,7 +9,9 @@ from window_driver import NOON, PATIENCE_MS, SCENES, HeadlessStage
 from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.engine import PICTURE, Engine
 from vrut_lite.app.engine.history import GESTURE_S
+from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene
@@ -124,7 +126,7 @@ def test_a_chosen_hour_is_metered_at_once_and_a_dragged_one_when_it_rests(window
     assert window.adaptation.settled
 
 
-def test_settings_hold_and_what_comes_late_is_metered(window):
+def test_settings_hold_the_exposure(window):
     """What a setting does is seen; before, light that comes late is adapted to."""
     window.radiance = 3.0
     assert window.draw(2.0) == pytest.approx(window.metered, abs=0.05)
@@ -132,6 +134,26 @@ def test_settings_hold_and_what_comes_late_is_metered(window):
     window.radiance = 0.1
     window.hear(SetSetting(module="clouds", name="coverage", value=0.9))
     assert window.draw(2.0) == pytest.approx(held)
+
+
+def test_the_first_light_of_a_light_map_is_adapted_to_and_that_of_later_hours_is_not(window):
+    """A room that becomes dark when its light is known must not stay black while time plays."""
+    black = Array(np.zeros((1, 1, 4), np.float16))
+    light = SurfaceLightChanged(
+        layout_key="room", texels=black, probes=None, radiance_scale=1.0, rays=1, source="test"
+    )
+    for _ in range(90):
+        window.hear(Tick(elapsed_s=0.03))
+        window.draw()
+    window.radiance /= 256
+    window.hear(light)
+    for _ in range(90):
+        window.hear(Tick(elapsed_s=0.03))
+        adapted = window.draw()
+    assert adapted == pytest.approx(window.metered, abs=0.2)
+    window.radiance /= 4
+    window.hear(light)
+    assert window.draw(2.0) == pytest.approx(adapted)
 
 
 def test_a_lock_holds_always_and_a_meter_that_is_asked_for_jumps(window):

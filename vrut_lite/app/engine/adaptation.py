@@ -11,7 +11,7 @@ from math import exp
 import msgspec
 
 from vrut_lite.app.engine.history import GESTURE_S
-from vrut_lite.daylight.light_map import LightMapLaid
+from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene_state import SceneState
@@ -53,6 +53,8 @@ class Adaptation:
         # Hours that are set before this time belong to one drag; whether that drag is still held.
         self._drag_ends_s = 0.0
         self._dragged = False
+        # The layout of the light map whose first light was adapted to.
+        self._lit_layout = ""
         self._state = SceneState()
 
     @property
@@ -87,7 +89,8 @@ class Adaptation:
             self._drag_ends_s = now_s + GESTURE_S
         elif isinstance(message, (Tick, SetSetting, SetTolerance, ChooseSlot, EnableModule)):
             self._hold(now_s)
-        elif isinstance(message, LightMapLaid):
+        elif isinstance(message, SurfaceLightChanged) and message.layout_key != self._lit_layout:
+            self._lit_layout = message.layout_key
             self._follow(now_s)
 
     def exposure_of(self, state: SceneState) -> SetExposure:
