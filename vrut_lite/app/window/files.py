@@ -37,6 +37,14 @@ class Files:
             return
         try:
             self.open_project(load_project(path))
+        except UserError as error:
+            self._status.show_problem(str(error))
+        else:
+            self.add_recent(path)
+
+    def add_recent(self, path: str) -> None:
+        """Note an opened file for the list of recent ones."""
+        try:
             self.kept.add_recent(path)
         except UserError as error:
             self._status.show_problem(str(error))

@@ -1,6 +1,5 @@
 """The window: the picture, the docks around it, the menus, and the status line."""
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -148,7 +147,7 @@ class MainWindow(QMainWindow):
         session.listen(SceneOpened, self._scene_loaded)
         session.listen(SetExposure, self.menus.show_exposure)
         session.ready.connect(self._ready)
-        session.problem.connect(self.show_problem)
+        session.problem.connect(self._status.show_problem)
         session.picture_shown.connect(self._show_facts)
         session.steps_changed.connect(self.menus.show_steps)
         desk.viewport.scene_dropped.connect(self.files.open_path)
@@ -235,29 +234,19 @@ class MainWindow(QMainWindow):
         """Open the list of keys."""
         ShortcutList(self.menus.specs, self).show()
 
-    def _guarded(self, act: Callable[[], None]) -> None:
-        try:
-            act()
-        except UserError as error:
-            self.show_problem(str(error))
-
     def undo(self) -> None:
         """Undo the last change."""
-        self.session.undo(lambda title: self.show_news(f"Taken back: {title}" if title else ""))
+        self.session.undo(
+            lambda title: self._status.show_news(f"Taken back: {title}" if title else "")
+        )
 
     def redo(self) -> None:
         """Redo the change that was undone last."""
-        self.session.redo(lambda title: self.show_news(f"Done again: {title}" if title else ""))
+        self.session.redo(
+            lambda title: self._status.show_news(f"Done again: {title}" if title else "")
+        )
 
     # --- messages ----------------------------------------------------------------------------
-
-    def show_problem(self, line: str) -> None:
-        """Show an error in the status line."""
-        self._status.show_problem(line)
-
-    def show_news(self, line: str) -> None:
-        """Show a result in the status line."""
-        self._status.show_news(line)
 
     def _ready(self, roster: Roster) -> None:
         docks, failures = module_docks(roster)
@@ -280,12 +269,12 @@ class MainWindow(QMainWindow):
 
     def _scene_loaded(self, scene: SceneOpened) -> None:
         self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
-        self.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
-        self._guarded(lambda: self.files.kept.add_recent(scene.path))
+        self._status.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
+        self.files.add_recent(scene.path)
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)
-        self.show_news(mode.value)
+        self._status.show_news(mode.value)
 
     def _show_facts(self, shown: Shown) -> None:
         self._status.show_facts(shown, self.session.roster.renderer)
@@ -299,7 +288,7 @@ class MainWindow(QMainWindow):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Hide at once; threads that still run end without a window."""
         if not self.session.has_ended:
-            self._guarded(self._keep)
+            self._keep()
             self.time.player.pause()
             self.session.close()
         self.hide()
@@ -307,10 +296,14 @@ class MainWindow(QMainWindow):
 
     def _keep(self) -> None:
         """Keep the project and the window's layout for the next start, if the host was opened."""
-        if self.session.roster.modules:
+        if not self.session.roster.modules:
+            return
+        geometry, docks = self.saveGeometry().data(), self.saveState().data()
+        try:
             self.files.kept.keep_session(project_of(self.session))
-            geometry, docks = self.saveGeometry().data(), self.saveState().data()
             self.files.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
+        except UserError as error:
+            self._status.show_problem(str(error))
 
 
 _TABS_ABOVE = QTabWidget.TabPosition.North
