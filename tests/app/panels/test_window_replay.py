@@ -71,8 +71,8 @@ def session_by_hand(driver):
     yield lambda: type_in(driver, driver.panel("module clouds").rows["coverage"].editor.spin, "0.5")
     yield lambda: pick(driver.panel("picture").mode, "manual")
     yield lambda: pick(sky.choosers["sky"], "bruneton_sky")
-    yield lambda: driver.window.open_path(str(SCENES / "nothing.glb"))
-    yield lambda: driver.window.open_path(str(SCENES / "spheres.glb"))
+    yield lambda: driver.window.files.open_path(str(SCENES / "nothing.glb"))
+    yield lambda: driver.window.files.open_path(str(SCENES / "spheres.glb"))
     yield driver.window.desk.viewport.frame_scene
     yield lambda: driver.panel("modules").set_safe_mode(True)
     yield driver.window.undo
