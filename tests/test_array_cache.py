@@ -125,6 +125,7 @@ def test_what_a_killed_process_left_is_swept_up(tmp_path):
     assert new.exists()
 
 
+@pytest.mark.long
 def test_two_processes_may_write_the_same_entry(tmp_path):
     """Whoever reads meanwhile finds a whole entry or none."""
     context = multiprocessing.get_context("spawn")

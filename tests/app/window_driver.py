@@ -74,8 +74,12 @@ class WindowDriver:
     def __init__(self, qtbot, open_stage, folder, size=(900, 600)):
         from PySide6.QtWidgets import QApplication
 
-        if not QApplication.instance().styleSheet():
-            apply_theme(QApplication.instance())
+        # Qt takes 0.1 s to style each window: those that nobody draws stay plain.
+        app = QApplication.instance()
+        if open_stage is HeadlessStage:
+            app.setStyleSheet("")
+        elif not app.styleSheet():
+            apply_theme(app)
         self.qtbot = qtbot
         self.session = Session(open_stage)
         self.window = MainWindow(

@@ -47,16 +47,16 @@ for number in range(1000):
 
 
 def test_kill_9_during_cache_writes(tmp_path):
-    """Six writers are killed at random moments: the entry is absent, or whole and of one writer.
+    """Four writers are killed at random moments: the entry is absent, or whole and of one writer.
 
     Their leftovers are never read, and are removed after a day.
     """
-    for attempt in range(6):
+    for attempt in range(4):
         writer = subprocess.Popen(
             [sys.executable, "-c", WRITER, tmp_path], stdout=subprocess.PIPE, cwd=ROOT
         )
         writer.stdout.readline()
-        time.sleep(0.011 * attempt)
+        time.sleep(0.017 * attempt)
         writer.send_signal(signal.SIGKILL)
         writer.communicate()
         found = ArrayCache(tmp_path).get(RECIPE)

@@ -164,8 +164,8 @@ def _marks(
 def _upper_limb(suns: list[SunMoved]) -> Height:
     """Elevation of the refracted upper limb."""
     rising = sorted(suns, key=lambda sun: sun.elevation_rad)
-    elevation_rad = [sun.elevation_rad for sun in rising]
-    refraction_rad = [sun.apparent_elevation_rad - sun.elevation_rad for sun in rising]
+    elevation_rad = np.array([sun.elevation_rad for sun in rising])
+    refraction_rad = np.array([sun.apparent_elevation_rad for sun in rising]) - elevation_rad
 
     def height(sun: SunMoved) -> float:
         limb_rad = sun.elevation_rad + _SUN_RADIUS_RAD
