@@ -8,6 +8,7 @@ from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.messages import Derived, Input, Message
@@ -32,6 +33,7 @@ DERIVED: tuple[type[Derived], ...] = (
     AirChanged,
     CloudsChanged,
     AmbientChanged,
+    SkyLightChanged,
     GpuJob,
 )
 DAYLIGHT_MESSAGES: tuple[type[Message], ...] = INPUTS + DERIVED

@@ -9,11 +9,11 @@ from vrut_lite import __version__
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.daylight_kernel import LIGHT
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.kernel.messages import SlotChanged
@@ -135,6 +135,11 @@ class SceneManager(Module):
         """Light with this sky."""
         self._view.state = self.state.with_light(ambient=message)
 
+    @handles(SkyLightChanged)
+    def on_sky_light(self, message: SkyLightChanged) -> None:
+        """Light with the sum of sky and layers, and mirror it, where there are layers."""
+        self._change(sky_light=message if message.layers else None)
+
     @handles(AirChanged)
     def on_air(self, message: AirChanged) -> None:
         """Show the scene through this air."""
@@ -224,6 +229,7 @@ class SceneManager(Module):
     def _want_light(self, useful: bool) -> None:
         for kind in LIGHT:
             self.link.demand(kind, self._cube_size if useful else 0)
+        self.link.demand(SkyLightChanged, None if useful else 0)
 
 
 def _altitudes_m(layer: CloudLayer | None) -> tuple[float, float] | None:
