@@ -22,7 +22,7 @@ def towards(*directions):
 
 @pytest.mark.parametrize("extinction_per_m", [2e-4, 1e-3, 5e-3])
 def test_a_slab_shines_as_on_paper(extinction_per_m):
-    """Radiance within 2 %, transmittance within 0.03, from thin to thick: an opaque ray ends early."""
+    """Radiance within 2 %, transmittance within 0.03: rays end before a cloud is quite opaque."""
     layer = slab(extinction_per_m=extinction_per_m)
     views = towards((0.3, 1.0, 0.2), (-0.8, 0.9, 0.0), (0.0, 0.2, 1.0))
     seen = clouds_seen(layer, DARK, GROUND, views, NARROW_RAD)

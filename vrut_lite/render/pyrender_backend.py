@@ -161,6 +161,7 @@ class PyrenderBackend:
         background = light.background
         assert isinstance(background.cube, Array)
         texture = self._summed_cube.holding(context, background.cube)
+        texture.filter = (context.LINEAR, context.LINEAR)
         self._mirrored = Sky(texture, background.radiance_scale, background)
 
     def _draw(
