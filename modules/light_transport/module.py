@@ -12,9 +12,11 @@ from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import Quality, quality_for
 from light_transport.unseen_hours import HourMessages, looks_like
+from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.kernel.messages import Demand, Derived, JobResult
@@ -24,7 +26,8 @@ LAYOUT, RAYS, HOUR = "layout", "rays", "hour"
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
 _FIRST_RAYS = 64
-_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
+# Of the clear sky; the sum of it and layers has what they leave of these.
+_CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
 
 
 class _Asked(NamedTuple):
@@ -88,7 +91,7 @@ class LightTransport(Module):
         if works == self._works:
             return
         self._works = works
-        for kind in _LIGHT:
+        for kind in (*_CLEAR_LIGHT, SkyLightChanged):
             size = SKY_SIZE if kind is SkyRadianceChanged else None
             self.link.demand(kind, size if works else 0)
         if not works and self._laid is not None:
@@ -182,7 +185,8 @@ class LightTransport(Module):
     @handles(SkyRadianceChanged)
     @handles(KeyLightChanged)
     @handles(AmbientChanged)
-    def on_light(self, message: SkyRadianceChanged | KeyLightChanged | AmbientChanged) -> None:
+    @handles(SkyLightChanged)
+    def on_light(self, message: Derived) -> None:
         """Another hour, when all of it was told."""
         if self._works:
             self.link.post(HourOutdated())
@@ -209,7 +213,22 @@ class LightTransport(Module):
         self.link.start_job(HOUR, lit, self._round.bake, self._laid.message.layout_key, hour)
 
     def _present_hour(self) -> HourMessages | None:
-        sky, key_light, ambient = (self.link.last(kind) for kind in _LIGHT)
+        summed = self.link.last(SkyLightChanged)
+        if summed is not None and summed.layers:
+            return HourMessages(_radiance(summed), summed.key_light, summed.ambient)
+        sky, key_light, ambient = (self.link.last(kind) for kind in _CLEAR_LIGHT)
         if sky is None or key_light is None or ambient is None:
             return None
         return HourMessages(sky, key_light, ambient)  # type: ignore[arg-type]
+
+
+def _radiance(summed: SkyLightChanged) -> SkyRadianceChanged:
+    """The radiance of the sky with its layers, whose cube is an array."""
+    background = summed.background
+    assert isinstance(background.cube, Array)
+    return SkyRadianceChanged(
+        cube=background.cube,
+        radiance_scale=background.radiance_scale,
+        ground_radiance_rgb=background.ground_radiance_rgb,
+        source=summed.source,
+    )
