@@ -28,6 +28,7 @@ SKY_SIZE = 64
 _FIRST_RAYS = 64
 # Of the clear sky; the sum of it and layers has what they leave of these.
 _CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
+_HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
 
 
 class _Asked(NamedTuple):
@@ -91,7 +92,7 @@ class LightTransport(Module):
         if works == self._works:
             return
         self._works = works
-        for kind in (*_CLEAR_LIGHT, SkyLightChanged):
+        for kind in _HEARD:
             size = SKY_SIZE if kind is SkyRadianceChanged else None
             self.link.demand(kind, size if works else 0)
         if not works and self._laid is not None:
