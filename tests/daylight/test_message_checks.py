@@ -27,6 +27,7 @@ from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    SkyRadianceChanged,
     SpectrumSeen,
     ViewShader,
 )
@@ -137,6 +138,9 @@ SOUND = [
     AirChanged(volume=AIR, source="s"),
     CloudsChanged(layer=CLOUDS, source="s"),
     AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+    SkyRadianceChanged(
+        cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"
+    ),
     GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
     SkyLightChanged(
         background=BackgroundChanged(

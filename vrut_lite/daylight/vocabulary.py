@@ -7,7 +7,13 @@ from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+)
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
@@ -33,6 +39,7 @@ DERIVED: tuple[type[Derived], ...] = (
     AirChanged,
     CloudsChanged,
     AmbientChanged,
+    SkyRadianceChanged,
     SkyLightChanged,
     GpuJob,
 )
