@@ -229,7 +229,7 @@ class SceneManager(Module):
     def _want_light(self, useful: bool) -> None:
         for kind in LIGHT:
             self.link.demand(kind, self._cube_size if useful else 0)
-        self.link.demand(SkyLightChanged, None if useful else 0)
+        self.link.demand(SkyLightChanged, self._cube_size if useful else 0)
 
 
 def _altitudes_m(layer: CloudLayer | None) -> tuple[float, float] | None:
