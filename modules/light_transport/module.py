@@ -12,7 +12,6 @@ from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import Quality, quality_for
 from light_transport.unseen_hours import HourMessages, looks_like
-from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
@@ -215,21 +214,9 @@ class LightTransport(Module):
 
     def _present_hour(self) -> HourMessages | None:
         summed = self.link.last(SkyLightChanged)
-        if summed is not None and summed.layers:
-            return HourMessages(_radiance(summed), summed.key_light, summed.ambient)
+        if summed is not None and summed.radiance is not None:
+            return HourMessages(summed.radiance, summed.key_light, summed.ambient)
         sky, key_light, ambient = (self.link.last(kind) for kind in _CLEAR_LIGHT)
         if sky is None or key_light is None or ambient is None:
             return None
         return HourMessages(sky, key_light, ambient)  # type: ignore[arg-type]
-
-
-def _radiance(summed: SkyLightChanged) -> SkyRadianceChanged:
-    """The radiance of the sky with its layers, whose cube is an array."""
-    background = summed.background
-    assert isinstance(background.cube, Array)
-    return SkyRadianceChanged(
-        cube=background.cube,
-        radiance_scale=background.radiance_scale,
-        ground_radiance_rgb=background.ground_radiance_rgb,
-        source=summed.source,
-    )

@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 from cloud_stage import clouds_of, rough_layer
-from light_messages import light_messages
+from light_messages import light_messages, radiance_of
 
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer
@@ -42,7 +42,8 @@ class ToySky(Module):
             return
         wanted = self.link.wanted(BackgroundChanged)
         cube = np.full((6, wanted.size or 32, wanted.size or 32, 3), message.radiance)
-        for part in light_messages(cube, SUN, (90.0, 80.0, 70.0)):
+        parts = light_messages(cube, SUN, (90.0, 80.0, 70.0))
+        for part in (*parts, radiance_of(parts[0])):
             self.link.post(part)
 
 

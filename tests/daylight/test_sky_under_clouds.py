@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from cloud_stage import rough_layer, slab, slab_irradiance
-from light_messages import light_messages
+from light_messages import light_messages, radiance_of
 
-from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
+from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -30,7 +30,8 @@ def clear_sky(above=(2.0, 3.0, 5.0), albedo=0.2):
 
 
 def summed(layer, view=ON_GROUND, sky=None):
-    return light_under_clouds(layer, *(sky or clear_sky()), view, 32, "test")
+    sky = sky or clear_sky()
+    return light_under_clouds(layer, ClearSky(*sky, radiance_of(sky[0])), view, 32, "test")
 
 
 def cube_of(light):

@@ -21,15 +21,9 @@ from vrut_lite.daylight.cloud_density import (
     distance_up_m,
     turned,
 )
-from vrut_lite.daylight.cloud_kernels import (
-    LOWEST_SUN,
-    SMOOTHEST_WEATHER,
-    Field,
-    Lights,
-    look_at_clouds,
-    optical_depths,
-)
+from vrut_lite.daylight.cloud_density_kernels import SMOOTHEST_WEATHER, Field, optical_depths
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
+from vrut_lite.daylight.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.numeric_types import FloatArray, Vector

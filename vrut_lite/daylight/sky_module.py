@@ -252,7 +252,8 @@ class SkyModule(Module):
 
     def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, demand: Demand) -> None:
         """Post what is made from other things than the last of its kind."""
-        size = demand.size or self._quality.cube_size
+        usual = LIGHT_SIZE if kind is SkyRadianceChanged else self._quality.cube_size
+        size = demand.size or usual
         name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
         made_from: tuple[object, ...] = sky.on_scene(), direction
         if kind is BackgroundChanged:

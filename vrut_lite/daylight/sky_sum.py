@@ -10,7 +10,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.messages import Demand, JobResult, SlotChanged
@@ -68,6 +68,7 @@ class SkySum(Module):
     @handles(BackgroundChanged)
     @handles(KeyLightChanged)
     @handles(AmbientChanged)
+    @handles(SkyRadianceChanged)
     @handles(SlotChanged)
     @handles(SceneOpened)
     @handles(SceneNeeds)
@@ -92,6 +93,7 @@ class SkySum(Module):
         for kind in LIGHT:
             size = 0 if wanted is None else wanted.size
             self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
+        self.link.demand(SkyRadianceChanged, None if exact and wanted is not None else 0)
 
     def _clouds(self) -> CloudLayer | None:
         last = self.link.last(CloudsChanged)
@@ -110,8 +112,10 @@ class SkySum(Module):
         layer = self._clouds()
         if layer is None:
             self._hand_on(parts)
-        elif not isinstance(background.cube, GpuTexture):
-            self._start(layer, parts)
+            return
+        radiance = self.link.last(SkyRadianceChanged)
+        if radiance is not None and not isinstance(background.cube, GpuTexture):
+            self._start(layer, (*parts, radiance))
 
     def _forget(self) -> None:
         self.link.cancel_job(JOB)
@@ -134,7 +138,7 @@ class SkySum(Module):
     def _start(
         self,
         layer: CloudLayer,
-        parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged],
+        parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged],
     ) -> None:
         """Sum in the background, unless nobody would see that it is new."""
         assert self._wanted is not None
@@ -179,6 +183,7 @@ def sum_up(
     background: BackgroundChanged,
     key_light: KeyLightChanged,
     ambient: AmbientChanged,
+    radiance: SkyRadianceChanged,
     eye_m: Vector,
     middle_m: Vector,
     half_width_m: float,
@@ -186,10 +191,11 @@ def sum_up(
 ) -> SkyLightChanged:
     """The background job."""
     # Imported here because it imports numba, which is needed only if there are clouds.
-    from vrut_lite.daylight.sky_under_clouds import Viewpoint, light_under_clouds
+    from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
 
+    clear = ClearSky(background, key_light, ambient, radiance)
     view = Viewpoint(eye_m, middle_m, half_width_m)
-    return light_under_clouds(layer, background, key_light, ambient, view, size, NAME)
+    return light_under_clouds(layer, clear, view, size, NAME)
 
 
 def _square(scene: SceneOpened | None) -> tuple[Vector, float]:

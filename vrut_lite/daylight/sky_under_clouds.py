@@ -16,7 +16,7 @@ from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
@@ -30,15 +30,23 @@ from vrut_lite.numeric_types import FloatArray, Vector
 # Rayleigh scattering at sea level at 635, 550 and 465 nm, where linear sRGB has its weight.
 _RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
 _SCALE_HEIGHT_M = 8000.0
-# Of an eye higher than this share of the clouds' base, light is looked up from the ground too.
+# An eye higher than this share of the clouds' base sees them otherwise than the ground does.
 _NEAR_GROUND = 0.1
-_GROUND_CUBE_SIZE = 32
+
+
+class ClearSky(NamedTuple):
+    """A clear sky's own messages."""
+
+    background: BackgroundChanged
+    key_light: KeyLightChanged
+    ambient: AmbientChanged
+    radiance: SkyRadianceChanged
 
 
 class Viewpoint(NamedTuple):
     """From where the sum is seen, and where its light falls: a level square around the middle.
 
-    `eye_m` has its height over the scene's `middle_m`, which lies on the ground.
+    `eye_m` lies over the scene's `middle_m`, which is on the ground.
     """
 
     eye_m: Vector
@@ -46,63 +54,105 @@ class Viewpoint(NamedTuple):
     half_width_m: float
 
 
+class _OnGround(NamedTuple):
+    """The summed sky (6, n, n, 3) from the ground, its harmonics (25, 3), and the ground's share.
+
+    `share` (3,): light on level ground, relative to a clear sky's.
+    """
+
+    cube: FloatArray
+    harmonics: FloatArray
+    share: FloatArray
+
+
 def light_under_clouds(
-    layer: CloudLayer,
-    background: BackgroundChanged,
-    key_light: KeyLightChanged,
-    ambient: AmbientChanged,
-    view: Viewpoint,
-    size: int,
-    source: str,
+    layer: CloudLayer, clear: ClearSky, view: Viewpoint, size: int, source: str
 ) -> SkyLightChanged:
-    """The sum of a clear sky and a layer of clouds, its cube map about `size` texels an edge.
+    """The sum of a clear sky and a layer of clouds; its background has about `size` texels an edge.
 
     Raises:
-        ValueError: the clear sky's cube map has never left the GPU.
+        ValueError: the clear sky's background has never left the GPU.
     """
-    if not isinstance(background.cube, Array):
-        raise ValueError("the sum of sky and clouds needs the sky as an array")
-    clear = background.cube.values.astype(np.float32) * np.float32(background.radiance_scale)
-    if clear.shape[1] > size:
-        clear = reduce_cube(clear, size)
-    harmonics = np.asarray(ambient.irradiance_sh_rgb.values, dtype=float)
-    light = ClearLight(key_light.direction, key_light.irradiance_rgb, harmonics)
-    share = sun_share(layer, key_light.direction, view.middle_m, view.half_width_m)
-    upper = texel_directions(clear.shape[1])[..., 1] > 0.0
-    cube = np.array(clear, dtype=float)
-    cube[upper] = _seen(layer, light, clear, upper, view.eye_m)
-    added = cube - clear
-    if view.eye_m[1] - view.middle_m[1] > _NEAR_GROUND * layer.base_m:
-        added = _added_on_ground(layer, light, view.middle_m)
-    on_ground = _ground_share(light, share, horizontal_irradiance(added))
-    ground_rgb = on_ground * background.ground_radiance_rgb
-    added[texel_directions(added.shape[1])[..., 1] <= 0.0] = (
-        ground_rgb - background.ground_radiance_rgb
+    sun = clear.key_light
+    light = ClearLight(sun.direction, sun.irradiance_rgb, clear.ambient.irradiance_sh_rgb.values)
+    share = sun_share(layer, sun.direction, view.middle_m, view.half_width_m)
+    on_ground = _on_ground(layer, light, clear.radiance, view.middle_m, share)
+    texels, scale = encode_float16(on_ground.cube)
+    radiance = SkyRadianceChanged(
+        cube=Array(texels),
+        radiance_scale=scale,
+        ground_radiance_rgb=_vector(on_ground.share * clear.radiance.ground_radiance_rgb),
+        source=source,
     )
-    summed = harmonics + irradiance_coefficients(added)
-    cube[~upper] = _seen(layer, light, clear * on_ground, ~upper, view.eye_m)
-    texels, scale = encode_float16(cube)
-    through_to_eye = sun_share(layer, key_light.direction, view.eye_m, 0.0)
-    seen_rgb = background.seen_sun_irradiance_rgb or key_light.irradiance_rgb
+    near_ground = view.eye_m[1] - view.middle_m[1] <= _NEAR_GROUND * layer.base_m
+    if near_ground and size <= len(texels[0]):
+        cube, scale = radiance.cube, radiance.radiance_scale
+    else:
+        seen, scale = encode_float16(_from_eye(layer, light, clear, on_ground.share, view, size))
+        cube = Array(seen)
+    through_to_eye = sun_share(layer, sun.direction, view.eye_m, 0.0)
+    seen_rgb = clear.background.seen_sun_irradiance_rgb or sun.irradiance_rgb
     return SkyLightChanged(
         background=msgspec.structs.replace(
-            background,
-            cube=Array(texels),
+            clear.background,
+            cube=cube,
             radiance_scale=scale,
-            ground_radiance_rgb=_vector(ground_rgb),
+            ground_radiance_rgb=_vector(on_ground.share * clear.background.ground_radiance_rgb),
             view=None,
             seen_sun_irradiance_rgb=_vector(through_to_eye * np.asarray(seen_rgb)),
             source=source,
         ),
         key_light=msgspec.structs.replace(
-            key_light,
-            irradiance_rgb=_vector(share * np.asarray(key_light.irradiance_rgb)),
-            source=source,
+            sun, irradiance_rgb=_vector(share * np.asarray(sun.irradiance_rgb)), source=source
         ),
-        ambient=AmbientChanged(irradiance_sh_rgb=Array(summed.astype(np.float32)), source=source),
+        ambient=AmbientChanged(
+            irradiance_sh_rgb=Array(on_ground.harmonics.astype(np.float32)), source=source
+        ),
+        radiance=radiance,
         layers=("clouds",),
         source=source,
     )
+
+
+def _on_ground(
+    layer: CloudLayer,
+    light: ClearLight,
+    radiance: SkyRadianceChanged,
+    place_m: Vector,
+    sun_share: float,
+) -> _OnGround:
+    clear = _radiance(radiance.cube, radiance.radiance_scale)
+    upper = texel_directions(clear.shape[1])[..., 1] > 0.0
+    added = np.zeros(clear.shape)
+    added[upper] = _seen(layer, light, clear, upper, place_m) - clear[upper]
+    sky = np.maximum(light.by_sky + horizontal_irradiance(added), 0.0)
+    share = (sun_share * light.by_sun + sky) / light.on_ground
+    added[~upper] = clear[~upper] * (share - 1.0)
+    return _OnGround(clear + added, light.irradiance_sh + irradiance_coefficients(added), share)
+
+
+def _from_eye(
+    layer: CloudLayer,
+    light: ClearLight,
+    clear: ClearSky,
+    ground_share: FloatArray,
+    view: Viewpoint,
+    size: int,
+) -> FloatArray:
+    """Radiance (6, n, n, 3) of the background with the clouds in it."""
+    if not isinstance(clear.background.cube, Array):
+        raise ValueError("the sum of sky and clouds needs the sky as an array")
+    cube = _radiance(clear.background.cube, clear.background.radiance_scale)
+    if cube.shape[1] > size:
+        cube = reduce_cube(cube, size)
+    lower = texel_directions(cube.shape[1])[..., 1] <= 0.0
+    cube[lower] *= ground_share
+    everywhere = np.ones(lower.shape, bool)
+    return _seen(layer, light, cube, everywhere, view.eye_m).reshape(cube.shape)
+
+
+def _radiance(cube: Array, scale: float) -> FloatArray:
+    return np.asarray(cube.values, dtype=float) * scale
 
 
 def _seen(
@@ -146,22 +196,6 @@ def _mean_density(from_m: float, to_m: FloatArray) -> FloatArray:
     level = np.abs(rise) < 1e-6
     mean = np.where(level, 1.0, -np.expm1(-rise) / np.where(level, 1.0, rise))
     return np.asarray(np.exp(-from_m / _SCALE_HEIGHT_M) * mean)
-
-
-def _added_on_ground(layer: CloudLayer, light: ClearLight, place_m: Vector) -> FloatArray:
-    """What clouds add to an even sky (6, n, n, 3) of the same irradiance, seen from the ground."""
-    even = light.by_sky / np.pi
-    clear = np.broadcast_to(even, (6, _GROUND_CUBE_SIZE, _GROUND_CUBE_SIZE, 3))
-    upper = texel_directions(_GROUND_CUBE_SIZE)[..., 1] > 0.0
-    added = np.zeros(clear.shape)
-    added[upper] = _seen(layer, light, clear, upper, place_m) - even
-    return added
-
-
-def _ground_share(light: ClearLight, sun_share: float, added: FloatArray) -> FloatArray:
-    """Light (3,) on level ground, relative to a clear sky's; `added` (3,) to the sky's."""
-    now = sun_share * light.by_sun + np.maximum(light.by_sky + added, 0.0)
-    return np.asarray(now / light.on_ground)
 
 
 def _vector(values: FloatArray) -> Vector:

@@ -178,11 +178,11 @@ class PyrenderBackend:
         if light is None:
             self._mirrored = None
             return
-        background = light.background
-        assert isinstance(background.cube, Array)
-        texture = self._summed_cube.holding(context, background.cube)
+        radiance = light.radiance
+        assert radiance is not None
+        texture = self._summed_cube.holding(context, radiance.cube)
         texture.filter = (context.LINEAR, context.LINEAR)
-        self._mirrored = Sky(texture, background.radiance_scale, background)
+        self._mirrored = Sky(texture, radiance.radiance_scale, radiance)
 
     def _draw(
         self, context: Any, state: SceneState, still: bool, is_given_up: IsGivenUp | None

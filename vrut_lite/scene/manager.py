@@ -67,7 +67,7 @@ class SceneManager(Module):
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
         for kind in LIGHT:
             self.link.demand(kind, cube_size)
-        self.link.demand(SkyLightChanged, None)
+        self.link.demand(SkyLightChanged, cube_size)
 
     @property
     def state(self) -> SceneState:
