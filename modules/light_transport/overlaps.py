@@ -8,6 +8,7 @@ from light_transport.nearest_place import REACH_PX, nearest, signed_area
 # Places beside each other in a chart, whose heights differ by more texels than this and slopes
 # explain, are not beside each other on the surface: light of one would reach the other.
 _STEP_PX = 4.0
+_FEW_TEXELS = 25
 
 
 @kernel
@@ -116,27 +117,34 @@ def _slope(corners, heights):  # type: ignore[no-untyped-def]
 def _met(corners, heights, size):  # type: ignore[no-untyped-def]
     """Texels (n,) of a rectangle that look-ups on a triangle meet, row by row.
 
-    With them whether their middles lie inside it, not on its border, and the height of its
-    nearest place.
+    With them whether their middles lie inside it, not on its border, and the height of a place
+    near by.
     """
-    left = max(int(np.floor(corners[:, 0].min() - REACH_PX)), 0)
-    right = min(int(np.ceil(corners[:, 0].max() + REACH_PX)), size[0])
-    top = max(int(np.floor(corners[:, 1].min() - REACH_PX)), 0)
-    bottom = min(int(np.ceil(corners[:, 1].max() + REACH_PX)), size[1])
+    low = np.array([corners[:, 0].min(), corners[:, 1].min()])
+    high = np.array([corners[:, 0].max(), corners[:, 1].max()])
+    left, right = max(int(np.floor(low[0] - 1.0)), 0), min(int(np.ceil(high[0] + 1.0)), size[0])
+    top, bottom = max(int(np.floor(low[1] - 1.0)), 0), min(int(np.ceil(high[1] + 1.0)), size[1])
     most = max(right - left, 0) * max(bottom - top, 0)
     texels = np.empty(most, np.int64)
     inside, height = np.empty(most, np.bool_), np.empty(most)
     count = 0
     area = signed_area(corners[0], corners[1], corners[2, 0], corners[2, 1])
-    for y in range(top, bottom):
-        for x in range(left, right):
-            distance2, above = nearest(corners, heights, x + 0.5, y + 0.5)
-            if distance2 > REACH_PX * REACH_PX:
-                continue
-            covers = distance2 == 0.0
+    # Of what is no larger than some texels all are taken, at its mean height: that is soon done.
+    is_small = most <= _FEW_TEXELS
+    mean = (heights[0] + heights[1] + heights[2]) / 3.0
+    for row in range(top, bottom):
+        for column in range(left, right):
+            x, y = column + 0.5, row + 0.5
+            above = mean
+            if not is_small:
+                distance2, above = nearest(corners, heights, x, y)
+                if distance2 > REACH_PX * REACH_PX:
+                    continue
+            covers = low[0] < x < high[0] and low[1] < y < high[1]
             for e in range(3):
-                side = signed_area(corners[e], corners[(e + 1) % 3], x + 0.5, y + 0.5)
-                covers = covers and side * area > 0.0
-            texels[count], inside[count], height[count] = y * size[0] + x, covers, above
+                if covers:
+                    side = signed_area(corners[e], corners[(e + 1) % 3], x, y)
+                    covers = side * area > 0.0
+            texels[count], inside[count], height[count] = row * size[0] + column, covers, above
             count += 1
     return texels[:count], inside[:count], height[:count]

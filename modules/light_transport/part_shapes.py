@@ -17,6 +17,8 @@ MOST_TEXELS = 400_000
 _LEAST_USED, _MOST_USED, _ROUNDS = 0.8, 1.05, 6
 # How many times too many texels the first trial may have.
 _FIRST_TRIAL = 4.0
+# From trial to trial texels shrink to this share of their edge at most.
+_FASTEST = 0.6
 # A part may go without texels if its area is less than this share of them, and goes when texels
 # beside borders would be more than this share of the budget.
 _SPARSE, _MOST_BESIDE = 0.25, 0.6
@@ -70,17 +72,18 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
     size_m = texel_m or float(np.sqrt(1.4 * whole_m2 / most))
     # Nobody should have to hold the map of a slip of the pen.
     size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
+    bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
     for last in reversed(range(_ROUNDS)):
-        shapes = _cut(kinds, size_m, most)
+        shapes = _cut(kinds, bare, size_m, most)
         used = sum(
             kind.count * int(np.count_nonzero(shape.owner != UNUSED))
             for kind, shape in zip(kinds, shapes, strict=True)
             if shape is not None
         )
-        enough = texel_m is not None or used >= _LEAST_USED * most
+        enough = texel_m is not None or used == 0 or used >= _LEAST_USED * most
         if last == 0 or (enough and used <= _MOST_USED * most):
             break
-        size_m *= float(np.sqrt(max(used, 1) / (0.95 * most)))
+        size_m *= max(float(np.sqrt(used / (0.95 * most))), _FASTEST)
     has_area = np.array([kind.area_m2 > 0.0 for kind in kinds])
     mapped = np.array([shape is not None for shape in shapes])
     number = np.where(mapped, np.cumsum(mapped) - 1, NOT_MAPPED).astype(np.int32)
@@ -93,12 +96,17 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
     )
 
 
-def _cut(kinds: list[_Kind], texel_m: float, budget: int) -> list[MeshShape | None]:
-    """A shape for each kind; None for those that do without texels."""
+def _cut(
+    kinds: list[_Kind], bare: BoolArray, texel_m: float, budget: int
+) -> list[MeshShape | None]:
+    """A shape for each kind; None for those that do without texels, which `bare` (K,) collects.
+
+    Those in it stay there, whatever texels the others get.
+    """
     sizes_m = _texel_sizes_m(kinds, texel_m, budget)
     charts = [
-        charts_of(kind.surface, size_m) if kind.area_m2 > 0.0 else None
-        for kind, size_m in zip(kinds, sizes_m.tolist(), strict=True)
+        None if none else charts_of(kind.surface, size_m)
+        for kind, size_m, none in zip(kinds, sizes_m.tolist(), bare.tolist(), strict=True)
     ]
     cost = np.array([0.0 if each is None else each.texels for each in charts])
     within = np.array([kind.area_m2 for kind in kinds]) / sizes_m**2
@@ -109,13 +117,15 @@ def _cut(kinds: list[_Kind], texel_m: float, budget: int) -> list[MeshShape | No
     excess = beside[~thin].sum() - _MOST_BESIDE * budget
     for kind in np.argsort(full, kind="stable"):
         if thin[kind]:
-            charts[kind] = None
+            bare[kind] = True
         elif excess > 0.0 and full[kind] < _SPARSE:
-            charts[kind] = None
+            bare[kind] = True
             excess -= beside[kind]
     return [
-        None if each is None else shape_of(kind.surface, each, size_m)
-        for kind, each, size_m in zip(kinds, charts, sizes_m.tolist(), strict=True)
+        None if each is None or none else shape_of(kind.surface, each, size_m)
+        for kind, each, size_m, none in zip(
+            kinds, charts, sizes_m.tolist(), bare.tolist(), strict=True
+        )
     ]
 
 
