@@ -14,7 +14,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 # However small texels are asked for, the map has no more of them.
 MOST_TEXELS = 400_000
 # Texels are right when this share of those that are wanted is used; their size is sought so often.
-_LEAST_USED, _MOST_USED, _ROUNDS = 0.8, 1.05, 6
+_LEAST_USED, _MOST_USED, _ROUNDS = 0.75, 1.05, 6
 # How many times too many texels the first trial may have.
 _FIRST_TRIAL = 4.0
 # From trial to trial texels shrink to this share of their edge at most.
@@ -25,6 +25,8 @@ _SPARSE, _MOST_BESIDE = 0.25, 0.6
 # It goes anyway, foliage for one, if it is thinner than this share and takes more than this share
 # of the budget.
 _THIN, _TRIFLE = 0.02, 1e-3
+# No more than this share of the scene's area goes: texels grow instead.
+_MOST_BARE = 0.5
 # Surfaces of so many triangles a group are modelled finely where they are to be seen finely; this
 # share of the budget is theirs for a texel a triangle.
 _TRIANGLES_A_GROUP, _FINE = 8, 0.6
@@ -68,8 +70,8 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
         nothing = np.full(len(of), NOT_MAPPED, np.int32)
         return PartShapes(nothing, [], [], np.zeros(len(of), bool), texel_m or 1.0)
     most = MOST_TEXELS if texel_m else min(texels, MOST_TEXELS)
-    # With those beside borders there are some 1.4 times as many as the surface is large.
-    size_m = texel_m or float(np.sqrt(1.4 * whole_m2 / most))
+    # With those beside borders there are some 1.25 times as many as the surface is large.
+    size_m = texel_m or float(np.sqrt(1.25 * whole_m2 / most))
     # Nobody should have to hold the map of a slip of the pen.
     size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
     bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
@@ -115,12 +117,14 @@ def _cut(
     full = np.divide(within, cost, out=np.ones_like(within), where=cost > 0.0)
     thin = (full < _THIN) & (cost * count > _TRIFLE * budget)
     excess = beside[~thin].sum() - _MOST_BESIDE * budget
+    areas_m2 = count * [kind.area_m2 for kind in kinds]
+    kept_m2 = areas_m2[~bare].sum() - _MOST_BARE * areas_m2.sum()
     for kind in np.argsort(full, kind="stable"):
-        if thin[kind]:
+        gives_way = thin[kind] or (excess > 0.0 and full[kind] < _SPARSE)
+        if gives_way and not bare[kind] and areas_m2[kind] <= kept_m2:
             bare[kind] = True
-        elif excess > 0.0 and full[kind] < _SPARSE:
-            bare[kind] = True
-            excess -= beside[kind]
+            kept_m2 -= areas_m2[kind]
+            excess -= 0.0 if thin[kind] else beside[kind]
     return [
         None if each is None or none else shape_of(kind.surface, each, size_m)
         for kind, each, size_m, none in zip(
