@@ -56,6 +56,14 @@ def test_what_stands_often_has_one_shape_and_a_place_each():
     assert len(np.unique(layout.message.part_corner_px.values, axis=0)) == len(matrices)
 
 
+def test_a_crowd_that_is_turned_at_random_shares_one_shape():
+    """Trees, cars: rounding of their matrices does not set them apart."""
+    places = [(0, turned(angle, at=(3.0 * angle, 0, 0))) for angle in np.arange(200.0)]
+    message = laid(opened(box(), places=places))[1].message
+    assert message.shapes.shape[0] == 1
+    assert (message.part_shape.values == 0).all()
+
+
 def test_vertices_are_doubled_where_charts_end_alone():
     """A smooth sheet keeps its vertices; a box's eight become four on each side."""
     sheet = grid(5, 4, lambda s, t: (s, 0.0 * s, t))
