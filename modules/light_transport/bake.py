@@ -60,10 +60,28 @@ class Bake:
     +y, -y, +z, -z), then groups of triangles without texels and backs of sheets.
     """
 
-    def __init__(self, surfaces: Surfaces, layout: Layout, threads: int = 1):
+    def __init__(
+        self,
+        surfaces: Surfaces,
+        layout: Layout,
+        threads: int = 1,
+        patch_texels: float = 4.0,
+        bounces_left: float = 1e-3,
+    ):
+        """Nothing is traced yet.
+
+        Args:
+            surfaces: of a scene.
+            layout: of its light map.
+            threads: that share the work; the light does not depend on how many.
+            patch_texels: edge of the patches that send light on, in texels.
+            bounces_left: share of each patch's light that bounces left out may bring.
+        """
         self.surfaces = surfaces
         self.layout = layout
         self.threads = threads
+        self.patch_texels = patch_texels
+        self.bounces_left = bounces_left
         self.rays = 0
         """How many each row has."""
         geometry = map_geometry(surfaces, layout)
@@ -126,7 +144,8 @@ class Bake:
         self._finished = None
 
     def _patches_by(self, table: Rows, rays: int) -> Patches:
-        return patches_of(self.surfaces, self.receivers, self.links, _are_good(table, rays))
+        good = _are_good(table, rays)
+        return patches_of(self.surfaces, self.receivers, self.links, good, self.patch_texels)
 
     def light(self, hour: Hour) -> HourLight:
         """The light of an hour; some rays must have been added."""
@@ -172,7 +191,8 @@ class Bake:
             direct += _of_patches(patches, share)[:, None] * irradiance
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
-        return radiosity(finished.exchange, direct, patches.emitted_rgb, reflectance)
+        emitted = patches.emitted_rgb
+        return radiosity(finished.exchange, direct, emitted, reflectance, self.bounces_left)
 
     def _finish(self) -> _Finished:
         if self._finished is None:

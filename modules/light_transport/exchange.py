@@ -11,8 +11,6 @@ from light_transport.ray_table import Rows
 from light_transport.sky_nodes import NODES
 from vrut_lite.numeric_types import Float32Array, IntArray
 
-# Bounces end when what is still to come is below this share of each patch's light.
-TOLERANCE = 1e-3
 # Patches darker than this share of the mean are held to it: a shut room has no light at all.
 _DARKEST = 1e-5
 _MOST_SWEEPS = 400
@@ -108,10 +106,14 @@ def radiosity(
     direct_rgb: Float32Array,
     emitted_rgb: Float32Array,
     reflectance_rgb: Float32Array,
+    left: float,
 ) -> Float32Array:
-    """What patches (M, 3) send, W m^-2, after all bounces of the direct light on them (M, 3)."""
+    """What patches (M, 3) send, W m^-2, after all bounces of the direct light on them (M, 3).
+
+    Bounces end when what is still to come is below the share `left` of each patch's light.
+    """
     sent = np.zeros((len(direct_rgb), 3), np.float32)
-    _bounce(exchange, direct_rgb, emitted_rgb, reflectance_rgb, sent)
+    _bounce(exchange, direct_rgb, emitted_rgb, reflectance_rgb, np.float32(left), sent)
     return sent
 
 
@@ -129,7 +131,7 @@ def direct_sky(exchange, node_light, out):  # type: ignore[no-untyped-def]
 
 
 @hot
-def _bounce(exchange, direct, emitted, reflectance, sent):  # type: ignore[no-untyped-def]
+def _bounce(exchange, direct, emitted, reflectance, left, sent):  # type: ignore[no-untyped-def]
     """Gauss and Seidel's sweeps until what is still to come does not matter.
 
     A sweep's gains shrink by a factor q or better in the next: gain q / (1 - q) is to come, of
@@ -165,5 +167,5 @@ def _bounce(exchange, direct, emitted, reflectance, sent):  # type: ignore[no-un
         if sweep > 1 and last_gain > 0.0:
             quotient = min(largest, gain / last_gain)
         last_gain = gain
-        if gain * quotient <= np.float32(TOLERANCE) * (np.float32(1.0) - quotient):
+        if gain * quotient <= left * (np.float32(1.0) - quotient):
             break

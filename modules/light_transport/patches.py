@@ -16,8 +16,6 @@ from light_transport.sky_nodes import NODES
 from light_transport.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
-_TEXELS_AN_EDGE = 4.0
-
 
 class Patches(NamedTuple):
     """Patches (M) of rows.
@@ -42,12 +40,16 @@ class Patches(NamedTuple):
 
 
 def patches_of(
-    surfaces: Surfaces, receivers: Receivers, links: NDArray[np.int32], good: BoolArray
+    surfaces: Surfaces,
+    receivers: Receivers,
+    links: NDArray[np.int32],
+    good: BoolArray,
+    texels_an_edge: float,
 ) -> Patches:
     """Patches of the rows that are good (N,), by their links (N, 4), see `smoothing`."""
     texels, groups = receivers.texels, receivers.groups
     count, probes = len(texels.pixel), len(receivers.probes.place)
-    key = _keys(surfaces, receivers)
+    key = _keys(surfaces, receivers, texels_an_edge)
     label = np.asarray(_connected(links, key, good[:count]))
     _, patch = np.unique(label[good[:count]], return_inverse=True)
     patches = int(patch.max(initial=-1)) + 1
@@ -85,17 +87,17 @@ def patches_of(
     )
 
 
-def _keys(surfaces: Surfaces, receivers: Receivers) -> NDArray[np.int64]:
+def _keys(surfaces: Surfaces, receivers: Receivers, texels_an_edge: float) -> NDArray[np.int64]:
     """Equal numbers (N,) for texels of one part, facing and box of space."""
     texels = receivers.texels
     if len(texels.pixel) == 0:
         return np.empty(0, np.int64)
     # Boxes grow by whole octaves, so that neighbours' boxes are the same or nested.
-    edge = _TEXELS_AN_EDGE * np.exp2(np.round(np.log2(np.maximum(texels.width, 1e-9))))
+    edge = texels_an_edge * np.exp2(np.round(np.log2(np.maximum(texels.width, 1e-9))))
     cell = np.floor(texels.place / edge[:, None]).astype(np.int64)
     axis = np.argmax(np.abs(texels.normal), axis=1)
     positive = np.take_along_axis(texels.normal, axis[:, None], axis=1)[:, 0] > 0.0
-    octave = np.round(np.log2(edge)).astype(np.int64)
+    octave = np.round(np.log2(edge / texels_an_edge)).astype(np.int64)
     parts = surfaces.part[texels.triangle].astype(np.int64)
     rows = np.column_stack([parts, 2 * axis + positive, octave, cell])
     _, key = np.unique(rows, axis=0, return_inverse=True)
