@@ -2,7 +2,7 @@
 
 Each room is random: walls 0.3 m thick around 3 to 9 m, a window in one of them, boxes in it and
 before it, paint of reflectance 0.1 to 0.8, an even sky above a grey ground, and a sun. Errors are
-rms over places that lie evenly on all surfaces, relative to the light there and a tenth of the mean:
+rms over places that lie evenly on all surfaces, relative to light there plus a tenth of the mean:
 noise and blurred edges are seen as such, and the worst texel of a map says nothing of its picture.
 """
 
