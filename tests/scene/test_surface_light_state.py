@@ -6,6 +6,7 @@ import pytest
 import trimesh
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.bus import Kernel
@@ -78,6 +79,17 @@ def test_light_on_surfaces_is_asked_for_where_there_are_surfaces(stage):
     assert [kernel.wanted(kind) for kind in kinds] == [None, None]
     load(0)
     assert all(kernel.wanted(kind) is not None for kind in kinds)
+
+
+def test_where_no_backend_draws_a_light_map_none_is_baked(stage, tmp_path):
+    """A path tracer finds the light between surfaces by itself."""
+    load_file = LoadScene(path=str(tmp_path / "1.glb"))
+    kernel = Kernel()
+    kernel.add_module(SceneManager, light_map=False)
+    kernel.inject(load_file)
+    kernel.pump_until_idle()
+    assert kernel.wanted(CloudsChanged) is not None
+    assert kernel.wanted(SurfaceLightChanged) is None
 
 
 def test_map_and_light_of_the_open_scene_are_kept(stage):

@@ -41,7 +41,8 @@ class SceneSettings(msgspec.Struct, frozen=True):
 class SceneManager(Module):
     """Owns the state of a `SceneView`; draws nothing itself.
 
-    It demands light, of a sky's cube map in `cube_size` texels where that is named.
+    It demands light, of a sky's cube map in `cube_size` texels where that is named, and a light map
+    unless the view's backend draws none.
     """
 
     manifest = Manifest(name=NAME, title="Scene", version=__version__)
@@ -53,11 +54,16 @@ class SceneManager(Module):
         settings: Any,
         view: SceneView | None = None,
         cube_size: int | None = None,
+        light_map: bool = True,
     ):
         super().__init__(link, settings)
         self._view = view or SceneView()
         self._wants_air = False
         self._wants_scene_light = False
+        self._of_scene = (
+            CloudsChanged,
+            *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
+        )
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
         for kind in LIGHT:
             self.link.demand(kind, cube_size)
@@ -214,7 +220,7 @@ class SceneManager(Module):
         if self._wants_scene_light:
             return
         self._wants_scene_light = True
-        for kind in (CloudsChanged, LightMapLaid, SurfaceLightChanged):
+        for kind in self._of_scene:
             self.link.demand(kind, None)
         clouds = self.link.last(CloudsChanged)
         self._change(clouds=clouds and clouds.layer)

@@ -71,7 +71,7 @@ class CpuSkyStage:
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
         self._backend = CpuSkyBackend()
         self._view = SceneView(self._backend)
-        self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE)
+        self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE, light_map=False)
         self.renderer = "CPU, sky alone"
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()
