@@ -26,12 +26,12 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
-TEXELS = (15_000, 30_000, 60_000, 120_000)
-RAYS = (64, 128, 256, 512, 1024)
+TEXELS = (10_000, 20_000, 40_000, 80_000)
+RAYS = (64, 128, 256, 512)
 PATCH_TEXELS = (8, 6, 4, 3, 2)
 # With what the other knobs are measured, and what the truth of each is.
-_SIZE, _RAYS = 30_000, 128
-_TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 240_000, 256, 2.0
+_SIZE, _RAYS = 20_000, 128
+_TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 160_000, 256, 2.0
 _TIMED_SIZE, _TIMED_RAYS = 5000, 16
 _PLACES = 4000
 _WALL_M = 0.3
@@ -101,7 +101,7 @@ def scene_of(room: Room) -> SceneOpened:
     boxes = np.array(room.boxes)
     corners = boxes[:, None, :3] + _CORNERS * (boxes[:, None, 3:] - boxes[:, None, :3])
     count = len(boxes)
-    normals = np.repeat(np.repeat(np.eye(3), 2, axis=0) * [[-1.0], [1.0]] * 3, 4, axis=0)
+    normals = np.repeat(np.kron(np.eye(3), [[-1.0], [1.0]]), 4, axis=0)
     quads = np.array([[0, 1, 2], [0, 2, 3]])
     triangles = (4 * np.arange(6)[:, None, None] + quads).reshape(-1, 3)
     meshes = [[24 * n, 24, 12 * n, 12, NONE, NONE, NONE, n] for n in range(count)]
