@@ -18,7 +18,7 @@ from light_transport.filling import takes_light_of
 from light_transport.gather import gathered
 from light_transport.groups import groups_of
 from light_transport.hour import Hour, HourLight
-from light_transport.key_light import lit_shares
+from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_means
 from light_transport.layout import Layout
 from light_transport.links import links_of
 from light_transport.map_texels import map_geometry, texels_of
@@ -51,6 +51,7 @@ class _Finished:
     exchange: Exchange
     smoothing: Smoothing
     source: NDArray[np.int32]
+    key_rays: KeyRays
 
 
 class Bake:
@@ -159,10 +160,17 @@ class Bake:
             self._over_rows(
                 self.rows,
                 lambda a, b: lit_shares(
-                    self.tree, self.receivers, self.table.free, towards, scratch(), a, b, share
+                    self.tree,
+                    self.receivers,
+                    finished.key_rays.ray,
+                    towards,
+                    scratch(),
+                    a,
+                    b,
+                    share,
                 ),
             )
-            direct += _of_patches(patches, share)[:, None] * irradiance
+            direct += patch_means(patches, finished.key_rays, share)[:, None] * irradiance
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
         return radiosity(finished.exchange, direct, patches.emitted_rgb, reflectance)
@@ -180,6 +188,7 @@ class Bake:
                 exchange_of(self.table, self.patches),
                 smoothing_of(self.texels, self.links, good[:texels], room),
                 takes_light_of(self.links, good, valid.astype(np.float32)),
+                key_rays_of(self.patches, self.table.free),
             )
         return self._finished
 
@@ -214,11 +223,3 @@ class Bake:
 def _are_good(table: Rows, rays: int) -> BoolArray:
     """Which rows (N,) do not lie inside bodies."""
     return np.asarray(table.valid > _LEAST_FREE * rays)
-
-
-def _of_patches(patches: Patches, values: Float32Array) -> Float32Array:
-    """Means (M,) of rows' values (N,) over patches."""
-    total = len(patches.area)
-    of_member = np.repeat(np.arange(total), np.diff(patches.start))
-    weighted = patches.weight * values[patches.member]
-    return np.bincount(of_member, weighted, total).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Patches: some 4 x 4 texels of one part that face one way, on which bounces are counted.
+"""Patches: up to 6 x 6 texels of one part that face one way, on which bounces are counted.
 
 A patch is connected: texels on two sides of what stands on a floor are never one, so that a wall of
 two texels lets no light through.
@@ -16,7 +16,7 @@ from light_transport.sky_nodes import NODES
 from light_transport.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
-_TEXELS_AN_EDGE = 4.0
+_TEXELS_AN_EDGE = 6.0
 
 
 class Patches(NamedTuple):
