@@ -20,16 +20,16 @@ from light_transport.groups import groups_of
 from light_transport.hour import Hour, HourLight
 from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_means
 from light_transport.layout import Layout
-from light_transport.links import links_of
+from light_transport.links import links_of, seam_links
 from light_transport.map_texels import map_geometry, texels_of
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
-from light_transport.probe_places import probe_places_m
+from light_transport.probe_places import probe_places_m, without_buried
 from light_transport.ray_starts import Receivers, no_probes, probe_planes, scratch
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
 from light_transport.sky_nodes import NODES, node_radiances
-from light_transport.smoothing import STEPS, Smoothing, smoothed_rows, smoothing_of
+from light_transport.smoothing import STEPS, Smoothing, mix_at_seams, smoothed_rows, smoothing_of
 from light_transport.surfaces import Surfaces
 from light_transport.tree import tree_over
 from vrut_lite.geometry.colour import luminance
@@ -80,6 +80,7 @@ class Bake:
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
+        self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
         self.patches: Patches | None = None
@@ -115,7 +116,7 @@ class Bake:
         self.rays += count
         if self.patches is None:
             self.patches = patches_of(
-                self.surfaces, self.receivers, self.links, _are_good(table, self.rays)
+                self.surfaces, self.receivers, self.links, self.seams, _are_good(table, self.rays)
             )
             table = with_columns(table, self.patches.column_of)
         self.table = table
@@ -138,12 +139,15 @@ class Bake:
         texels = len(self.texels.pixel)
         light[:texels] = self._smoothed(light[:texels], finished.smoothing)
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
-        return HourLight(self._as_map(light[:texels], finished), self._as_probes(light[texels:]))
+        return HourLight(
+            self._as_map(light[:texels], finished), self._as_probes(light[texels:], finished)
+        )
 
     def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
         other = np.empty_like(light)
         for _ in range(STEPS):
             self._over_rows(len(light), partial(smoothed_rows, light, other, smoothing))
+            mix_at_seams(light, other, smoothing)
             light, other = other, light
         return light
 
@@ -186,7 +190,7 @@ class Bake:
             self._finished = _Finished(
                 good,
                 exchange_of(self.table, self.patches),
-                smoothing_of(self.texels, self.links, good[:texels], room),
+                smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
                 takes_light_of(self.links, good, valid.astype(np.float32)),
                 key_rays_of(self.patches, self.table.free),
             )
@@ -199,12 +203,13 @@ class Bake:
         padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
         return padded[source]
 
-    def _as_probes(self, light: Float32Array) -> Float32Array | None:
+    def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
         grid = self.layout.message.probes
         if grid is None:
             return None
         nx, ny, nz = grid.counts
-        return light.reshape(nz, ny, nx, 6, 4)
+        buried = ~finished.good[len(self.texels.pixel) :][: len(light)].reshape(nz, ny, nx, 6)
+        return without_buried(light.reshape(nz, ny, nx, 6, 4), np.asarray(buried.any(axis=-1)))
 
     def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""
