@@ -1,4 +1,4 @@
-"""Patches: some 4 x 4 texels of one part that face one way, on which bounces are counted.
+"""Patches: up to 6 x 6 texels of one part that face one way, on which bounces are counted.
 
 A patch is connected: texels on two sides of what stands on a floor are never one, so that a wall of
 two texels lets no light through.
@@ -43,14 +43,15 @@ def patches_of(
     surfaces: Surfaces,
     receivers: Receivers,
     links: NDArray[np.int32],
+    seams: NDArray[np.int32],
     good: BoolArray,
     texels_an_edge: float,
 ) -> Patches:
-    """Patches of the rows that are good (N,), by their links (N, 4), see `smoothing`."""
+    """Patches of the rows that are good (N,), by links (N, 4) and seams (K, 2), see `links`."""
     texels, groups = receivers.texels, receivers.groups
     count, probes = len(texels.pixel), len(receivers.probes.place)
     key = _keys(surfaces, receivers, texels_an_edge)
-    label = np.asarray(_connected(links, key, good[:count]))
+    label = np.asarray(_connected(links, seams, key, good[:count]))
     _, patch = np.unique(label[good[:count]], return_inverse=True)
     patches = int(patch.max(initial=-1)) + 1
     of_row = np.full(len(good), NOBODY, np.int32)
@@ -105,15 +106,17 @@ def _keys(surfaces: Surfaces, receivers: Receivers, texels_an_edge: float) -> ND
 
 
 @kernel
-def _connected(links, key, good):  # type: ignore[no-untyped-def]
+def _connected(links, seams, key, good):  # type: ignore[no-untyped-def]
     """The first texel (N,) of those that are linked and share a key."""
     count = len(key)
     label = np.arange(count)
-    for i in range(count):
-        for k in range(links.shape[1]):
-            j = links[i, k]
-            if j < 0 or key[j] != key[i] or not good[i] or not good[j]:
-                continue
+    neighbours = links.shape[1]
+    for n in range(count * neighbours + len(seams)):
+        if n < count * neighbours:
+            i, j = n // neighbours, links[n // neighbours, n % neighbours]
+        else:
+            i, j = seams[n - count * neighbours, 0], seams[n - count * neighbours, 1]
+        if j >= 0 and key[j] == key[i] and good[i] and good[j]:
             a, b = i, j
             while label[a] != a:
                 label[a] = label[label[a]]

@@ -30,8 +30,8 @@ TEXELS = (10_000, 20_000, 40_000, 80_000)
 RAYS = (64, 128, 256, 512)
 PATCH_TEXELS = (8, 6, 4, 3, 2)
 # With what the other knobs are measured, and what the truth of each is.
-_SIZE, _RAYS = 20_000, 128
-_TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 160_000, 256, 2.0
+_SIZE, _RAYS, _PATCH = 20_000, 128, 6.0
+_TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 160_000, 256, 3.0
 _TIMED_SIZE, _TIMED_RAYS = 5000, 16
 _PLACES = 4000
 _WALL_M = 0.3
@@ -218,14 +218,14 @@ def _texel_errors(room: Room, true: Truth) -> FloatArray:
     errors = []
     for texels in TEXELS:
         laid = _laid(room, texels)
-        errors.append(rms_error(_light_at(laid, _baked(laid, _RAYS, 4.0), room), true[0]))
+        errors.append(rms_error(_light_at(laid, _baked(laid, _RAYS, _PATCH), room), true[0]))
     return np.array([errors])
 
 
 def _ray_errors(room: Room, _true: Truth) -> FloatArray:
     """Against twice the most rays, of the same texels."""
     laid = _laid(room, _SIZE)
-    bake, lights = _baked(laid, RAYS[0], 4.0), []
+    bake, lights = _baked(laid, RAYS[0], _PATCH), []
     for _ in RAYS:
         lights.append(_light_at(laid, bake, room))
         bake.add_rays(bake.rays)
@@ -258,8 +258,8 @@ def _timed(texels: int, rays: int, patch_texels: float) -> NDArray[Any]:
 KNOBS = ToleranceKnobs(
     fronts=FRONTS,
     knobs={
-        "texels": Knob(TEXELS, _texel_errors, float, lambda n: _timed(n, _TIMED_RAYS, 4.0)),
-        "rays": Knob(RAYS, _ray_errors, float, lambda n: _timed(_TIMED_SIZE, n, 4.0)),
+        "texels": Knob(TEXELS, _texel_errors, float, lambda n: _timed(n, _TIMED_RAYS, _PATCH)),
+        "rays": Knob(RAYS, _ray_errors, float, lambda n: _timed(_TIMED_SIZE, n, _PATCH)),
         "patch_texels": Knob(
             PATCH_TEXELS,
             _patch_errors,
