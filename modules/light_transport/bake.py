@@ -18,18 +18,18 @@ from light_transport.filling import takes_light_of
 from light_transport.gather import gathered
 from light_transport.groups import groups_of
 from light_transport.hour import Hour, HourLight
-from light_transport.key_light import lit_shares
+from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_means
 from light_transport.layout import Layout
-from light_transport.links import links_of
+from light_transport.links import links_of, seam_links
 from light_transport.map_texels import map_geometry, texels_of
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
-from light_transport.probe_places import probe_places_m
-from light_transport.ray_starts import Receivers, no_probes, probe_planes
+from light_transport.probe_places import probe_places_m, without_buried
+from light_transport.ray_starts import Receivers, no_probes, probe_planes, scratch
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
 from light_transport.sky_nodes import NODES, node_radiances
-from light_transport.smoothing import STEPS, Smoothing, smoothed_rows, smoothing_of
+from light_transport.smoothing import STEPS, Smoothing, mix_at_seams, smoothed_rows, smoothing_of
 from light_transport.surfaces import Surfaces
 from light_transport.tree import tree_over
 from vrut_lite.geometry.colour import luminance
@@ -51,6 +51,7 @@ class _Finished:
     exchange: Exchange
     smoothing: Smoothing
     source: NDArray[np.int32]
+    key_rays: KeyRays
 
 
 class Bake:
@@ -60,10 +61,29 @@ class Bake:
     +y, -y, +z, -z), then groups of triangles without texels and backs of sheets.
     """
 
-    def __init__(self, surfaces: Surfaces, layout: Layout, threads: int = 1):
+    def __init__(
+        self,
+        surfaces: Surfaces,
+        layout: Layout,
+        threads: int = 1,
+        patch_texels: float = 6.0,
+        bounces_left: float = 3e-3,
+    ):
+        """Nothing is traced yet.
+
+        Args:
+            surfaces: of a scene.
+            layout: of its light map.
+            threads: that share the work; the light does not depend on how many.
+            patch_texels: edge of the patches that send light on, in texels.
+            bounces_left: share of any patch's light that bounces left out may bring; of the mean
+                it is a hundredth of that.
+        """
         self.surfaces = surfaces
         self.layout = layout
         self.threads = threads
+        self.patch_texels = patch_texels
+        self.bounces_left = bounces_left
         self.rays = 0
         """How many each row has."""
         geometry = map_geometry(surfaces, layout)
@@ -79,6 +99,7 @@ class Bake:
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
+        self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
         self.patches: Patches | None = None
@@ -126,7 +147,10 @@ class Bake:
         self._finished = None
 
     def _patches_by(self, table: Rows, rays: int) -> Patches:
-        return patches_of(self.surfaces, self.receivers, self.links, _are_good(table, rays))
+        good = _are_good(table, rays)
+        return patches_of(
+            self.surfaces, self.receivers, self.links, self.seams, good, self.patch_texels
+        )
 
     def light(self, hour: Hour) -> HourLight:
         """The light of an hour; some rays must have been added."""
@@ -144,12 +168,15 @@ class Bake:
         texels = len(self.texels.pixel)
         light[:texels] = self._smoothed(light[:texels], finished.smoothing)
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
-        return HourLight(self._as_map(light[:texels], finished), self._as_probes(light[texels:]))
+        return HourLight(
+            self._as_map(light[:texels], finished), self._as_probes(light[texels:], finished)
+        )
 
     def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
         other = np.empty_like(light)
         for _ in range(STEPS):
             self._over_rows(len(light), partial(smoothed_rows, light, other, smoothing))
+            mix_at_seams(light, other, smoothing)
             light, other = other, light
         return light
 
@@ -166,13 +193,21 @@ class Bake:
             self._over_rows(
                 self.rows,
                 lambda a, b: lit_shares(
-                    self.tree, self.receivers, self.table.free, towards, a, b, share
+                    self.tree,
+                    self.receivers,
+                    finished.key_rays.ray,
+                    towards,
+                    scratch(),
+                    a,
+                    b,
+                    share,
                 ),
             )
-            direct += _of_patches(patches, share)[:, None] * irradiance
+            direct += patch_means(patches, finished.key_rays, share)[:, None] * irradiance
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
-        return radiosity(finished.exchange, direct, patches.emitted_rgb, reflectance)
+        emitted = patches.emitted_rgb
+        return radiosity(finished.exchange, direct, emitted, reflectance, self.bounces_left)
 
     def _finish(self) -> _Finished:
         if self._finished is None:
@@ -185,8 +220,9 @@ class Bake:
             self._finished = _Finished(
                 good,
                 exchange_of(self.table, self.patches),
-                smoothing_of(self.texels, self.links, good[:texels], room),
+                smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
                 takes_light_of(self.links, good, valid.astype(np.float32)),
+                key_rays_of(self.patches, self.table.free),
             )
         return self._finished
 
@@ -197,12 +233,13 @@ class Bake:
         padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
         return padded[source]
 
-    def _as_probes(self, light: Float32Array) -> Float32Array | None:
+    def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
         grid = self.layout.message.probes
         if grid is None:
             return None
         nx, ny, nz = grid.counts
-        return light.reshape(nz, ny, nx, 6, 4)
+        buried = ~finished.good[len(self.texels.pixel) :][: len(light)].reshape(nz, ny, nx, 6)
+        return without_buried(light.reshape(nz, ny, nx, 6, 4), np.asarray(buried.any(axis=-1)))
 
     def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""
@@ -221,11 +258,3 @@ class Bake:
 def _are_good(table: Rows, rays: int) -> BoolArray:
     """Which rows (N,) do not lie inside bodies."""
     return np.asarray(table.valid > _LEAST_FREE * rays)
-
-
-def _of_patches(patches: Patches, values: Float32Array) -> Float32Array:
-    """Means (M,) of rows' values (N,) over patches."""
-    total = len(patches.area)
-    of_member = np.repeat(np.arange(total), np.diff(patches.start))
-    weighted = patches.weight * values[patches.member]
-    return np.bincount(of_member, weighted, total).astype(np.float32)

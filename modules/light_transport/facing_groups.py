@@ -52,7 +52,7 @@ def facing_groups(
     surface = _smooth_surfaces(normals, areas, opposite, shading)
     label, directions = _labels(normals, areas, surface, opposite)
     group, first = connected(surface, label, opposite)
-    return Groups(group, _group_directions(normals, areas, group, directions[label[first]]))
+    return Groups(group, mean_directions(normals, areas, group, directions[label[first]]))
 
 
 @kernel
@@ -257,8 +257,11 @@ def connected(surface, label, opposite):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _group_directions(normals, areas, group, fallback):  # type: ignore[no-untyped-def]
-    """Mean normals of groups, where they lie nearer to all their triangles than `fallback`."""
+def mean_directions(normals, areas, group, fallback):  # type: ignore[no-untyped-def]
+    """Mean normals (G, 3) of groups, or `fallback` where that is nearer to all their triangles.
+
+    Nearer by the worst of them; those without an area do not count.
+    """
     groups = len(fallback)
     mean = np.zeros((groups, 3))
     for f in range(len(areas)):
@@ -268,6 +271,8 @@ def _group_directions(normals, areas, group, fallback):  # type: ignore[no-untyp
         mean[g] /= max(np.sqrt(dot(mean[g], mean[g])), 1e-300)
     for f in range(len(areas)):
         g = group[f]
+        if areas[f] == 0.0:
+            continue
         least[g, 0] = min(least[g, 0], dot(normals[f], mean[g]))
         least[g, 1] = min(least[g, 1], dot(normals[f], fallback[g]))
     for g in range(groups):

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from vrut_lite.njit import SUMS_IN_ORDER, njit
+from light_transport.kernels import hot
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[first:last] (N, 4): means over each row's rays of light (columns, 4)."""
     for i in range(first, last):
         r, g = np.float32(0.0), np.float32(0.0)
         b, a = np.float32(0.0), np.float32(0.0)
         for e in range(table.start[i], table.start[i + 1]):
-            c, n = table.column[e], np.float32(table.rays[e])
+            c, n = np.uint64(table.column[e]), np.float32(table.rays[e])
             r += n * light[c, 0]
             g += n * light[c, 1]
             b += n * light[c, 2]

@@ -1,38 +1,82 @@
 """Which share of the key light falls on texels: for its bounces, as the frame draws it itself."""
 
-import numpy as np
+from typing import NamedTuple
 
-from light_transport.kernels import dot, kernel
-from light_transport.ray_starts import begin
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import hot
+from light_transport.patches import Patches
+from light_transport.ray_starts import begin, shift
 from light_transport.ray_table import TRIED
 from light_transport.trace import MISS, blocker, mixed
-from light_transport.tree import STACK
+from vrut_lite.numeric_types import Float32Array
 
+# Of patches with more texels every second one is asked.
+_FEW_TEXELS = 6
 # A group has no other rows whose rays are averaged with its own.
 _RAYS_OF_A_GROUP = 8
 
 
-@kernel
-def lit_shares(tree, receivers, free_start, direction, first, last, out):  # type: ignore[no-untyped-def]
+class KeyRays(NamedTuple):
+    """Which rows are asked for the key light, and what they count for their patches.
+
+    `ray` (N,) uint8: a ray of each row that begins outside bodies, or TRIED for rows that are not
+    asked; `weight` (K,) float32: of patches' members, 1 in the sum over a patch.
+    """
+
+    ray: NDArray[np.uint8]
+    weight: Float32Array
+
+
+def key_rays_of(patches: Patches, free: NDArray[np.uint8]) -> KeyRays:
+    """Rays for patches whose rows' first free rays (N,) are these."""
+    sizes = np.diff(patches.start)
+    patch = np.repeat(np.arange(len(sizes)), sizes)
+    number = np.arange(len(patches.member)) - patches.start[patch]
+    asked = (number % 2 == 0) | (sizes[patch] <= _FEW_TEXELS)
+    asked &= free[patches.member] < TRIED
+    weight = np.where(asked, patches.weight, 0.0)
+    total = np.bincount(patch, weight, len(sizes))
+    ray = np.full(len(free), TRIED, np.uint8)
+    ray[patches.member[asked]] = free[patches.member[asked]]
+    return KeyRays(ray, (weight / np.maximum(total, 1e-12)[patch]).astype(np.float32))
+
+
+def patch_means(patches: Patches, rays: KeyRays, values: Float32Array) -> Float32Array:
+    """Means (M,) over patches of values (N,) of the rows that were asked."""
+    sums = np.add.reduceat(
+        np.append(rays.weight * values[patches.member], np.float32(0.0)), patches.start[:-1]
+    )
+    return np.where(np.diff(patches.start) > 0, sums, 0.0).astype(np.float32)
+
+
+@hot
+def lit_shares(tree, receivers, free_start, direction, scratch, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[first:last] with visible share times cosine of a direction (3,), unit.
 
     A texel has one ray, from anywhere in it: a patch has the mean of its texels. `free_start`
-    (N,) uint8: a ray of each row that began outside bodies, or TRIED for none.
+    (N,): see `KeyRays`.
     """
-    stack = np.empty(STACK, np.int32)
-    place, normal, face = np.empty(3), np.empty(3), np.empty(3)
+    stack, _, _, shifts, weights, place, normal, face, _ = scratch
     x, y, z = np.float32(direction[0]), np.float32(direction[1]), np.float32(direction[2])
-    texels, probes = len(receivers.texels.pixel), len(receivers.probes.place)
+    geometry, texels, probes, groups = receivers
+    first_probe = len(texels.pixel)
+    first_group = first_probe + len(probes.place)
     likely = MISS
     for row in range(first, last):
         out[row] = 0.0
-        if texels <= row < texels + probes or free_start[row] >= TRIED:
+        if first_probe <= row < first_group or free_start[row] >= TRIED:
             continue
-        rays = 1 if row < texels else _RAYS_OF_A_GROUP
+        rays = 1 if row < first_probe else _RAYS_OF_A_GROUP
+        shift(row, shifts)
         total = 0.0
         for s in range(rays):
-            begin(receivers, row, s if rays > 1 else free_start[row], place, normal, face)
-            cosine = dot(face, direction)
+            number = s if rays > 1 else free_start[row]
+            begin(
+                geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
+            )
+            cosine = face[0] * direction[0] + face[1] * direction[1] + face[2] * direction[2]
             if cosine <= 0.0:
                 continue
             found = blocker(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import kernel
+from light_transport.kernels import inlined, kernel
 from light_transport.layout import Layout
 from light_transport.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -17,8 +17,8 @@ _PIECES = 4
 _LEAST_COVERED = 1.0 / 32.0
 # Padding looks so far around for a texel to copy.
 _REACH_PX = 2
-# Places are kept so far inside their triangle, of its height: rays must not begin on an edge.
-_INSIDE = 0.002
+# Rays begin at least so far inside their triangle, of its height: not on an edge.
+_INSIDE = 2e-4
 
 
 class MapGeometry(NamedTuple):
@@ -103,7 +103,7 @@ def texels_of(geometry: MapGeometry) -> Texels:
     )
 
 
-@kernel
+@inlined
 def weights_at(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
     """Barycentric coordinates of a place in the map; whether it lies in triangle t."""
     ax, ay = uv[t, 0, 0], uv[t, 0, 1]
@@ -120,7 +120,7 @@ def weights_at(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
     return weights[0] >= 0.0 and weights[1] >= 0.0 and weights[2] >= 0.0
 
 
-@kernel
+@inlined
 def keep_inside(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
     """Barycentric coordinates of the point of triangle t that is nearest to a place in the map."""
     least = np.inf
@@ -137,7 +137,17 @@ def keep_inside(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
             weights[e], weights[f], weights[(e + 2) % 3] = 1.0 - s, s, 0.0
 
 
-@kernel
+@inlined
+def keep_off_edges(weights):  # type: ignore[no-untyped-def]
+    """Move barycentric coordinates just inside their triangle."""
+    for k in range(3):
+        weights[k] = max(weights[k], _INSIDE)
+    total = weights[0] + weights[1] + weights[2]
+    for k in range(3):
+        weights[k] /= total
+
+
+@inlined
 def triangle_at(geometry, column, row, x, y, weights):  # type: ignore[no-untyped-def]
     """A triangle at a place in a texel and barycentric coordinates there, inside it.
 
@@ -161,32 +171,31 @@ def triangle_at(geometry, column, row, x, y, weights):  # type: ignore[no-untype
     if found < 0:
         found = own
         keep_inside(uv, own, x, y, weights)
-    for k in range(3):
-        weights[k] = (1.0 - 3.0 * _INSIDE) * weights[k] + _INSIDE
+    keep_off_edges(weights)
     return found
 
 
-@kernel
+@inlined
 def ground_place(ground, x, y, place):  # type: ignore[no-untyped-def]
     """The point of the ground at a place in the map; see `GroundChart`."""
     for axis in range(2):
-        at = ((x, y)[axis] - ground[axis] - 0.5) / ground[2] * 2.0 - 1.0
+        at = ((x if axis == 0 else y) - ground[axis] - 0.5) / ground[2] * 2.0 - 1.0
         away = math.sinh(ground[4] * at) / math.sinh(ground[4])
         away = min(max(away, -1.0), 1.0) * 0.999
         place[2 * axis] = ground[5 + axis] + ground[3] * away
     place[1] = ground[7]
 
 
-@kernel
+@inlined
 def ground_pixel(ground, place_x, place_z, pixel):  # type: ignore[no-untyped-def]
     """Column and row of the texel at a point of the ground."""
     for axis in range(2):
-        away = ((place_x, place_z)[axis] - ground[5 + axis]) / ground[3]
+        away = ((place_x if axis == 0 else place_z) - ground[5 + axis]) / ground[3]
         away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
         pixel[axis] = int(ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2])
 
 
-@kernel
+@inlined
 def surface_place(geometry, t, weights, place, normal):  # type: ignore[no-untyped-def]
     """The point of triangle t at barycentric coordinates, and the shading normal there."""
     corners, normals = geometry.corners, geometry.normals

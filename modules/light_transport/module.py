@@ -23,7 +23,6 @@ from vrut_lite.kernel.module import Link, Manifest, Module, handles
 LAYOUT, RAYS, HOUR = "layout", "rays", "hour"
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
-_FIRST_RAYS = 64
 _LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
 
 
@@ -156,7 +155,7 @@ class LightTransport(Module):
         if self._laid is None:
             return
         rays = self._round.rays if self._round is not None else 0
-        count = min(max(rays, _FIRST_RAYS), self._quality.rays - rays)
+        count = min(rays or self._laid.first_rays, self._quality.rays - rays)
         if count > 0:
             bake = self._laid.bake if self._round is None else self._round.bake
             self.link.start_job(RAYS, with_rays, bake, count)

@@ -8,6 +8,7 @@ from light_transport.nearest_place import REACH_PX, nearest, signed_area
 # Places beside each other in a chart, whose heights differ by more texels than this and slopes
 # explain, are not beside each other on the surface: light of one would reach the other.
 _STEP_PX = 4.0
+_FEW_TEXELS = 25
 
 
 @kernel
@@ -37,6 +38,9 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
     # Of a claim: whether a triangle covers the middle, the lowest and the highest place.
     covered, lowest, highest = np.empty(1024, np.bool_), np.empty(1024), np.empty(1024)
     claims = 0
+    # Of a triangle: the texels that it meets.
+    most = (sizes[:, 0].astype(np.int64) * sizes[:, 1]).max()
+    texels, inside, height = np.empty(most, np.int64), np.empty(most, np.bool_), np.empty(most)
     layer = np.full(count, -1, np.int32)
     newest = np.zeros(len(sizes), np.int32)
     queue = np.empty(count, np.int32)
@@ -49,11 +53,11 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
             f = queue[begin]
             begin += 1
             slack = _STEP_PX + 2.0 * REACH_PX * _slope(uv[f], heights[f])
-            texels, inside, height = _met(uv[f], heights[f], sizes[c])
+            met = _meet(uv[f], heights[f], sizes[c], texels, inside, height)
             # If not into its own layer, into the newest, where its neighbours may be already.
             for _ in range(2):
                 free = True
-                for k in range(len(texels)):
+                for k in range(met):
                     claim = head[first[c] + texels[k]]
                     while claim >= 0 and claimed[claim] != layer[f]:
                         claim = follows[claim]
@@ -70,7 +74,7 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
             if not free:
                 newest[c] += 1
                 layer[f] = newest[c]
-            for k in range(len(texels)):
+            for k in range(met):
                 at = first[c] + texels[k]
                 claim = head[at]
                 while claim >= 0 and claimed[claim] != layer[f]:
@@ -113,30 +117,37 @@ def _slope(corners, heights):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _met(corners, heights, size):  # type: ignore[no-untyped-def]
-    """Texels (n,) of a rectangle that look-ups on a triangle meet, row by row.
+def _meet(corners, heights, size, texels, inside, height):  # type: ignore[no-untyped-def]
+    """How many texels of a rectangle look-ups on a triangle meet.
 
-    With them whether their middles lie inside it, not on its border, and the height of its
-    nearest place.
+    They are put into `texels`, as row times width and column, beside whether their middles lie
+    inside it, not on its border, and the height of a place near by.
     """
-    left = max(int(np.floor(corners[:, 0].min() - REACH_PX)), 0)
-    right = min(int(np.ceil(corners[:, 0].max() + REACH_PX)), size[0])
-    top = max(int(np.floor(corners[:, 1].min() - REACH_PX)), 0)
-    bottom = min(int(np.ceil(corners[:, 1].max() + REACH_PX)), size[1])
-    most = max(right - left, 0) * max(bottom - top, 0)
-    texels = np.empty(most, np.int64)
-    inside, height = np.empty(most, np.bool_), np.empty(most)
+    a, b, c = corners
+    low_x, high_x = min(a[0], b[0], c[0]), max(a[0], b[0], c[0])
+    low_y, high_y = min(a[1], b[1], c[1]), max(a[1], b[1], c[1])
+    left, right = max(int(np.floor(low_x - 1.0)), 0), min(int(np.ceil(high_x + 1.0)), size[0])
+    top, bottom = max(int(np.floor(low_y - 1.0)), 0), min(int(np.ceil(high_y + 1.0)), size[1])
+    area = signed_area(a, b, c[0], c[1])
+    # Of what is no larger than some texels all are taken, at its mean height: that is soon done.
+    is_small = (right - left) * (bottom - top) <= _FEW_TEXELS
+    mean = (heights[0] + heights[1] + heights[2]) / 3.0
     count = 0
-    area = signed_area(corners[0], corners[1], corners[2, 0], corners[2, 1])
-    for y in range(top, bottom):
-        for x in range(left, right):
-            distance2, above = nearest(corners, heights, x + 0.5, y + 0.5)
-            if distance2 > REACH_PX * REACH_PX:
-                continue
-            covers = distance2 == 0.0
-            for e in range(3):
-                side = signed_area(corners[e], corners[(e + 1) % 3], x + 0.5, y + 0.5)
-                covers = covers and side * area > 0.0
-            texels[count], inside[count], height[count] = y * size[0] + x, covers, above
+    for row in range(top, bottom):
+        for column in range(left, right):
+            x, y = column + 0.5, row + 0.5
+            above = mean
+            if not is_small:
+                distance2, above = nearest(corners, heights, x, y)
+                if distance2 > REACH_PX * REACH_PX:
+                    continue
+            covers = (
+                low_x < x < high_x
+                and low_y < y < high_y
+                and signed_area(a, b, x, y) * area > 0.0
+                and signed_area(b, c, x, y) * area > 0.0
+                and signed_area(c, a, x, y) * area > 0.0
+            )
+            texels[count], inside[count], height[count] = row * size[0] + column, covers, above
             count += 1
-    return texels[:count], inside[:count], height[:count]
+    return count

@@ -14,15 +14,19 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 # However small texels are asked for, the map has no more of them.
 MOST_TEXELS = 400_000
 # Texels are right when this share of those that are wanted is used; their size is sought so often.
-_LEAST_USED, _MOST_USED, _ROUNDS = 0.8, 1.05, 6
+_LEAST_USED, _MOST_USED, _ROUNDS = 0.75, 1.05, 6
 # How many times too many texels the first trial may have.
 _FIRST_TRIAL = 4.0
+# From trial to trial texels shrink to this share of their edge at most.
+_FASTEST = 0.6
 # A part may go without texels if its area is less than this share of them, and goes when texels
 # beside borders would be more than this share of the budget.
 _SPARSE, _MOST_BESIDE = 0.25, 0.6
 # It goes anyway, foliage for one, if it is thinner than this share and takes more than this share
 # of the budget.
 _THIN, _TRIFLE = 0.02, 1e-3
+# No more than this share of the scene's area goes: texels grow instead.
+_MOST_BARE = 0.5
 # Surfaces of so many triangles a group are modelled finely where they are to be seen finely; this
 # share of the budget is theirs for a texel a triangle.
 _TRIANGLES_A_GROUP, _FINE = 8, 0.6
@@ -66,21 +70,22 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
         nothing = np.full(len(of), NOT_MAPPED, np.int32)
         return PartShapes(nothing, [], [], np.zeros(len(of), bool), texel_m or 1.0)
     most = MOST_TEXELS if texel_m else min(texels, MOST_TEXELS)
-    # With those beside borders there are some 1.4 times as many as the surface is large.
-    size_m = texel_m or float(np.sqrt(1.4 * whole_m2 / most))
+    # With those beside borders there are some 1.25 times as many as the surface is large.
+    size_m = texel_m or float(np.sqrt(1.25 * whole_m2 / most))
     # Nobody should have to hold the map of a slip of the pen.
     size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
+    bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
     for last in reversed(range(_ROUNDS)):
-        shapes = _cut(kinds, size_m, most)
+        shapes = _cut(kinds, bare, size_m, most)
         used = sum(
             kind.count * int(np.count_nonzero(shape.owner != UNUSED))
             for kind, shape in zip(kinds, shapes, strict=True)
             if shape is not None
         )
-        enough = texel_m is not None or used >= _LEAST_USED * most
+        enough = texel_m is not None or used == 0 or used >= _LEAST_USED * most
         if last == 0 or (enough and used <= _MOST_USED * most):
             break
-        size_m *= float(np.sqrt(max(used, 1) / (0.95 * most)))
+        size_m *= max(float(np.sqrt(used / (0.95 * most))), _FASTEST)
     has_area = np.array([kind.area_m2 > 0.0 for kind in kinds])
     mapped = np.array([shape is not None for shape in shapes])
     number = np.where(mapped, np.cumsum(mapped) - 1, NOT_MAPPED).astype(np.int32)
@@ -93,12 +98,17 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
     )
 
 
-def _cut(kinds: list[_Kind], texel_m: float, budget: int) -> list[MeshShape | None]:
-    """A shape for each kind; None for those that do without texels."""
+def _cut(
+    kinds: list[_Kind], bare: BoolArray, texel_m: float, budget: int
+) -> list[MeshShape | None]:
+    """A shape for each kind; None for those that do without texels, which `bare` (K,) collects.
+
+    Those in it stay there, whatever texels the others get.
+    """
     sizes_m = _texel_sizes_m(kinds, texel_m, budget)
     charts = [
-        charts_of(kind.surface, size_m) if kind.area_m2 > 0.0 else None
-        for kind, size_m in zip(kinds, sizes_m.tolist(), strict=True)
+        None if none else charts_of(kind.surface, size_m)
+        for kind, size_m, none in zip(kinds, sizes_m.tolist(), bare.tolist(), strict=True)
     ]
     cost = np.array([0.0 if each is None else each.texels for each in charts])
     within = np.array([kind.area_m2 for kind in kinds]) / sizes_m**2
@@ -107,15 +117,19 @@ def _cut(kinds: list[_Kind], texel_m: float, budget: int) -> list[MeshShape | No
     full = np.divide(within, cost, out=np.ones_like(within), where=cost > 0.0)
     thin = (full < _THIN) & (cost * count > _TRIFLE * budget)
     excess = beside[~thin].sum() - _MOST_BESIDE * budget
+    areas_m2 = count * [kind.area_m2 for kind in kinds]
+    kept_m2 = areas_m2[~bare].sum() - _MOST_BARE * areas_m2.sum()
     for kind in np.argsort(full, kind="stable"):
-        if thin[kind]:
-            charts[kind] = None
-        elif excess > 0.0 and full[kind] < _SPARSE:
-            charts[kind] = None
-            excess -= beside[kind]
+        gives_way = thin[kind] or (excess > 0.0 and full[kind] < _SPARSE)
+        if gives_way and not bare[kind] and areas_m2[kind] <= kept_m2:
+            bare[kind] = True
+            kept_m2 -= areas_m2[kind]
+            excess -= 0.0 if thin[kind] else beside[kind]
     return [
-        None if each is None else shape_of(kind.surface, each, size_m)
-        for kind, each, size_m in zip(kinds, charts, sizes_m.tolist(), strict=True)
+        None if each is None or none else shape_of(kind.surface, each, size_m)
+        for kind, each, size_m, none in zip(
+            kinds, charts, sizes_m.tolist(), bare.tolist(), strict=True
+        )
     ]
 
 

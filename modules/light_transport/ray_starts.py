@@ -12,20 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.groups import Groups
-from light_transport.kernels import dot, kernel
+from light_transport.kernels import inlined
 from light_transport.map_texels import (
     MapGeometry,
     Texels,
     ground_place,
+    keep_off_edges,
     surface_place,
     triangle_at,
 )
 from light_transport.trace import mixed
+from light_transport.tree import STACK
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-# Of the plastic number, for directions, and of its next of kin, for places.
+# Powers of the plastic number for directions, and of the root of x^4 = x + 1 for places. One
+# sequence of four dimensions errs four times as much with 64 rays.
 _TURNS = (0.7548776662466927, 0.5698402909980532)
 _STEPS = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
+SEQUENCES = 5
 # Rays begin so far off their surface, in radii; single precision needs a tenth of it.
 _OFF = 1e-5
 
@@ -46,51 +50,74 @@ class Receivers(NamedTuple):
     groups: Groups
 
 
-@kernel
-def row_count(receivers):  # type: ignore[no-untyped-def]
-    """How many rows there are."""
-    return len(receivers.texels.pixel) + len(receivers.probes.place) + len(receivers.groups.area)
+class Scratch(NamedTuple):
+    """Small arrays that kernels of rays overwrite."""
+
+    stack: NDArray[np.int32]
+    far_stack: Float32Array
+    pixel: NDArray[np.int64]
+    shifts: FloatArray
+    weights: FloatArray
+    place: FloatArray
+    normal: FloatArray
+    face: FloatArray
+    direction: FloatArray
 
 
-@kernel
-def _share(row, which, step, number):  # type: ignore[no-untyped-def]
+def scratch() -> Scratch:
+    """New ones, for one thread."""
+    threes = [np.empty(3) for _ in range(5)]
+    stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+    return Scratch(stack, far_stack, np.empty(2, np.int64), np.empty(SEQUENCES), *threes)
+
+
+@inlined
+def shift(row, shifts):  # type: ignore[no-untyped-def]
+    """Fill in where the sequences (SEQUENCES) of a row begin."""
+    for which in range(SEQUENCES):
+        shifts[which] = mixed(row, which) * (1.0 / 4294967296.0)
+
+
+@inlined
+def _share(shift, step, number):  # type: ignore[no-untyped-def]
     """A number in [0, 1), evenly spread over rays."""
-    shift = mixed(row, which) * (1.0 / 4294967296.0)
-    return (shift + step * (number + 1)) % 1.0
+    moved = shift + step * (number + 1)
+    return moved - math.floor(moved)
 
 
-@kernel
-def begin(receivers, row, number, place, normal, face):  # type: ignore[no-untyped-def]
+@inlined
+def begin(geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face):  # type: ignore[no-untyped-def]
     """Fill in the point that ray `number` of a row begins at, off the surface, and the normals.
 
-    `normal` is the shading normal that rays are spread around, `face` the triangle's own.
+    `normal` is the shading normal that rays are spread around, `face` the triangle's own;
+    `weights` (3,) is overwritten. The first four are those of `Receivers`; taken from it for each
+    ray, their arrays would be counted each time.
     """
-    texels, probes, groups = receivers.texels, receivers.probes, receivers.groups
-    geometry = receivers.geometry
-    weights = np.empty(3)
     off = _OFF
     if row < len(texels.pixel):
-        column, line = texels.pixel[row]
-        x = column + _share(row, 2, _STEPS[0], number)
-        y = line + _share(row, 3, _STEPS[1], number)
+        column, line = texels.pixel[row, 0], texels.pixel[row, 1]
+        x = column + _share(shifts[2], _STEPS[0], number)
+        y = line + _share(shifts[3], _STEPS[1], number)
         t = texels.triangle[row]
         if geometry.on_ground[t]:
             ground_place(geometry.ground, x, y, place)
-            normal[:] = geometry.faces[t]
+            for k in range(3):
+                normal[k] = geometry.faces[t, k]
         else:
             t = triangle_at(geometry, column, line, x, y, weights)
             surface_place(geometry, t, weights, place, normal)
-        face[:] = geometry.faces[t]
+        for k in range(3):
+            face[k] = geometry.faces[t, k]
     elif row < len(texels.pixel) + len(probes.place):
         probe = row - len(texels.pixel)
-        place[:] = probes.place[probe]
-        normal[:] = probes.normal[probe]
-        face[:] = normal
+        for k in range(3):
+            place[k] = probes.place[probe, k]
+            normal[k] = face[k] = probes.normal[probe, k]
         off = 0.0
     else:
         group = row - len(texels.pixel) - len(probes.place)
         first, last = groups.start[group], groups.start[group + 1]
-        wanted = _share(row, 4, _STEPS[2], number)
+        wanted = _share(shifts[4], _STEPS[2], number)
         low, high = first, last - 1
         while low < high:
             middle = (low + high) // 2
@@ -99,11 +126,10 @@ def begin(receivers, row, number, place, normal, face):  # type: ignore[no-untyp
             else:
                 high = middle
         t = groups.triangle[low]
-        root = math.sqrt(_share(row, 2, _STEPS[0], number))
-        across = _share(row, 3, _STEPS[1], number)
+        root = math.sqrt(_share(shifts[2], _STEPS[0], number))
+        across = _share(shifts[3], _STEPS[1], number)
         weights[0], weights[1], weights[2] = 1.0 - root, root * (1.0 - across), root * across
-        for k in range(3):
-            weights[k] = 0.994 * weights[k] + 0.002
+        keep_off_edges(weights)
         surface_place(geometry, t, weights, place, normal)
         for k in range(3):
             normal[k] *= groups.side[group]
@@ -112,14 +138,14 @@ def begin(receivers, row, number, place, normal, face):  # type: ignore[no-untyp
         place[k] += off * face[k]
 
 
-@kernel
-def aim(row, number, normal, face, direction):  # type: ignore[no-untyped-def]
-    """Fill in the direction of ray `number` of a row: cosine-distributed around the normal.
+@inlined
+def aim(number, shifts, normal, face, direction):  # type: ignore[no-untyped-def]
+    """Fill in the direction of ray `number`: cosine-distributed around the normal.
 
     What would go below the triangle is mirrored by its plane.
     """
-    radius2 = _share(row, 0, _TURNS[0], number)
-    angle = 2.0 * math.pi * _share(row, 1, _TURNS[1], number)
+    radius2 = _share(shifts[0], _TURNS[0], number)
+    angle = 2.0 * math.pi * _share(shifts[1], _TURNS[1], number)
     radius = math.sqrt(radius2)
     x, y, z = radius * math.cos(angle), radius * math.sin(angle), math.sqrt(1.0 - radius2)
     # Duff et al. 2017, "Building an orthonormal basis, revisited".
@@ -129,7 +155,7 @@ def aim(row, number, normal, face, direction):  # type: ignore[no-untyped-def]
     direction[0] = x * (1.0 + sign * normal[0] ** 2 * a) + y * b + z * normal[0]
     direction[1] = x * sign * b + y * (sign + normal[1] ** 2 * a) + z * normal[1]
     direction[2] = -x * sign * normal[0] - y * normal[1] + z * normal[2]
-    below = dot(direction, face)
+    below = direction[0] * face[0] + direction[1] * face[1] + direction[2] * face[2]
     if below < 0.0:
         for k in range(3):
             direction[k] -= 2.0 * below * face[k]

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.groups import NO_GROUP
-from light_transport.kernels import dot, kernel
+from light_transport.kernels import hot, inlined, kernel
 from light_transport.map_texels import NOBODY, ground_pixel
-from light_transport.ray_starts import Receivers, aim, begin
+from light_transport.ray_starts import Receivers, aim, begin, scratch, shift
 from light_transport.sky_nodes import NODES, node_of
 from light_transport.trace import MISS, mixed, nearest
-from light_transport.tree import STACK, Tree
+from light_transport.tree import Tree
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 _DROPPED = -1
@@ -103,7 +103,9 @@ def with_rays(
 
     `column_of` (NODES + row count,): the column for what a ray met.
     """
-    targets, distances = _traced(tree, receivers, rows.first, len(rows.valid), first, count)
+    targets = np.empty((len(rows.valid), count), np.int32)
+    distances = np.zeros(targets.shape, np.float32)
+    _trace(tree, receivers, rows.first, first, scratch(), targets, distances)
     columns = int(column_of.max(initial=0)) + 1
     small = np.uint16 if columns <= _SMALL else np.int32
     made = _counted(rows, column_of, targets, distances, columns, np.empty(0, small))
@@ -121,20 +123,22 @@ def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
     return Rows(rows.first, *made)
 
 
-@kernel
-def _traced(tree, receivers, first_row, rows, first, count):  # type: ignore[no-untyped-def]
-    """What rays end at, (rows, count): a node, NODES + a row, or _DROPPED; and how far away."""
-    targets = np.empty((rows, count), np.int32)
-    distances = np.zeros((rows, count), np.float32)
-    stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
-    place, normal, face, ray = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    pixel = np.empty(2, np.int64)
+@hot
+def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # type: ignore[no-untyped-def]
+    """Fill in what rays (rows, count) end at: a node, NODES + a row, or _DROPPED; and how far."""
+    geometry, texels, probes, groups = receivers
+    stack, far_stack, pixel, shifts, weights, place, normal, face, ray = scratch
+    first_group = len(texels.pixel) + len(probes.place)
+    rows, count = targets.shape
     for i in range(rows):
         row = first_row + i
+        shift(row, shifts)
         for s in range(count):
             number = first + s
-            begin(receivers, row, number, place, normal, face)
-            aim(row, number, normal, face, ray)
+            begin(
+                geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
+            )
+            aim(number, shifts, normal, face, ray)
             distance, hit, u, v = nearest(
                 tree,
                 np.float32(place[0]),
@@ -153,18 +157,18 @@ def _traced(tree, receivers, first_row, rows, first, count):  # type: ignore[no-
             distances[i, s] = distance
             for k in range(3):
                 place[k] += distance * ray[k]
-            met = _met(receivers, tree.order[hit], u, v, place, ray, pixel)
+            met = _met(
+                geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray, pixel
+            )
             targets[i, s] = NODES + met if met >= 0 else _DROPPED
-    return targets, distances
 
 
-@kernel
-def _met(receivers, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
+@inlined
+def _met(geometry, texels, groups, first_group, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
     """The row of whom a ray met, or NOBODY where it met a body's back."""
-    geometry, texels, groups = receivers.geometry, receivers.texels, receivers.groups
-    first_group = len(texels.pixel) + len(receivers.probes.place)
     group = groups.front[t]
-    if dot(geometry.faces[t], ray) > 0.0:
+    faces = geometry.faces
+    if faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2] > 0.0:
         group = groups.back[t]
         return first_group + group if group != NO_GROUP else NOBODY
     if group != NO_GROUP:

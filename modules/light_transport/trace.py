@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.kernels import hot, inlined, kernel
 from light_transport.tree import LEAF_BITS, STACK, Tree
-from vrut_lite.njit import SUMS_IN_ORDER, njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Farther than anything in a scene of unit radius.
@@ -18,7 +18,7 @@ _ONE, _ZERO = np.float32(1.0), np.float32(0.0)
 _BEYOND = np.float32(2e-6)
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def mixed(a: int, b: int) -> int:
     """A 32-bit hash of two numbers (finaliser of Murmur 3)."""
     h = (a * 0x9E3779B1 ^ b * 0x85EBCA77) & 0xFFFFFFFF
@@ -27,7 +27,7 @@ def mixed(a: int, b: int) -> int:
     return h ^ (h >> 16)
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, inline="always")
+@inlined
 def _enters(boxes, node, side, ox, oy, oz, ix, iy, iz, far):  # type: ignore[no-untyped-def]
     """Distance at which a ray enters a child's box, FAR if it does not before `far`."""
     ax, bx = (boxes[node, side] - ox) * ix, (boxes[node, side + 3] - ox) * ix
@@ -38,7 +38,7 @@ def _enters(boxes, node, side, ox, oy, oz, ix, iy, iz, far):  # type: ignore[no-
     return near if near <= out else FAR
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, inline="always")
+@inlined
 def _crossed(triangle, t, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
     """Distance to a triangle and barycentric u, v there; distance -1 where it is missed.
 
@@ -62,13 +62,13 @@ def _crossed(triangle, t, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-de
     return (e2x * qx + e2y * qy + e2z * qz) * inverse, u, v
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER, inline="always")
+@inlined
 def _lets_pass(opacity, t, ray):  # type: ignore[no-untyped-def]
     """Whether a triangle that is not opaque lets this ray through: the same for ever."""
     return opacity[t] < _ONE and mixed(ray, t) >= opacity[t] * np.float32(4294967296.0)
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignore[no-untyped-def]
     """The nearest triangle on a ray: distance, place in the tree's order (MISS), u, v.
 
@@ -113,7 +113,7 @@ def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignor
         node = stack[top]
 
 
-@njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
+@hot
 def blocker(tree, ox, oy, oz, dx, dy, dz, ray, stack, likely):  # type: ignore[no-untyped-def]
     """Some triangle that is in a ray's way, in the tree's order, or MISS.
 
@@ -151,7 +151,7 @@ def blocker(tree, ox, oy, oz, dx, dy, dz, ray, stack, likely):  # type: ignore[n
         node = stack[top]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def first_hits(
     tree: Tree, origin: FloatArray, direction: FloatArray
 ) -> tuple[NDArray[np.int32], Float32Array]:
