@@ -61,7 +61,7 @@ def test_pictures_stay_while_work_goes(plays, name):
     assert difference(one, everything) <= 1
     table = {work: (asked, done) for work, asked, done, _ in rows(one, everything)}
     assert all(done <= asked for asked, done in table.values())
-    assert {work for work, (_, done) in table.items() if done == 0} == SPARED[name]
+    assert {work for work, (_, done) in table.items() if done == 0} >= SPARED[name]
     for work in ("reflection slice", "shadow map", "light: sky, sun, ambient"):
         asked, done = table[work]
         assert done <= asked / 2

@@ -18,22 +18,22 @@ from light_transport.filling import takes_light_of
 from light_transport.gather import gathered
 from light_transport.groups import groups_of
 from light_transport.hour import Hour, HourLight
-from light_transport.key_light import lit_shares
+from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_means
 from light_transport.layout import Layout
-from light_transport.links import links_of
+from light_transport.links import links_of, seam_links
 from light_transport.map_texels import map_geometry, texels_of
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
-from light_transport.probe_places import probe_places_m
-from light_transport.ray_starts import Receivers, no_probes, probe_planes, scratch
+from light_transport.probe_places import probe_places_m, without_buried
+from light_transport.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
 from light_transport.sky_nodes import NODES, node_radiances
-from light_transport.smoothing import STEPS, Smoothing, smoothed_rows, smoothing_of
+from light_transport.smoothing import STEPS, Smoothing, mix_at_seams, smoothed_rows, smoothing_of
 from light_transport.surfaces import Surfaces
 from light_transport.tree import tree_over
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.numeric_types import BoolArray, Float32Array
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Rows of which fewer rays count lie inside bodies.
 _LEAST_FREE = 0.1
@@ -51,6 +51,7 @@ class _Finished:
     exchange: Exchange
     smoothing: Smoothing
     source: NDArray[np.int32]
+    key_rays: KeyRays
 
 
 class Bake:
@@ -60,10 +61,29 @@ class Bake:
     +y, -y, +z, -z), then groups of triangles without texels and backs of sheets.
     """
 
-    def __init__(self, surfaces: Surfaces, layout: Layout, threads: int = 1):
+    def __init__(
+        self,
+        surfaces: Surfaces,
+        layout: Layout,
+        threads: int = 1,
+        patch_texels: float = 6.0,
+        bounces_left: float = 3e-3,
+    ):
+        """Nothing is traced yet.
+
+        Args:
+            surfaces: of a scene.
+            layout: of its light map.
+            threads: that share the work; the light does not depend on how many.
+            patch_texels: edge of the patches that send light on, in texels.
+            bounces_left: share of any patch's light that bounces left out may bring; of the mean
+                it is a hundredth of that.
+        """
         self.surfaces = surfaces
         self.layout = layout
         self.threads = threads
+        self.patch_texels = patch_texels
+        self.bounces_left = bounces_left
         self.rays = 0
         """How many each row has."""
         geometry = map_geometry(surfaces, layout)
@@ -79,6 +99,7 @@ class Bake:
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
+        self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
         self.patches: Patches | None = None
@@ -126,30 +147,66 @@ class Bake:
         self._finished = None
 
     def _patches_by(self, table: Rows, rays: int) -> Patches:
-        return patches_of(self.surfaces, self.receivers, self.links, _are_good(table, rays))
+        good = _are_good(table, rays)
+        return patches_of(
+            self.surfaces, self.receivers, self.links, self.seams, good, self.patch_texels
+        )
 
     def light(self, hour: Hour) -> HourLight:
         """The light of an hour; some rays must have been added."""
         assert self.patches is not None
         finished = self._finish()
-        node_light = np.zeros((NODES, 4), np.float32)
-        radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
-        node_light[:, :3], node_light[:, 3] = radiances, luminance(radiances)
-        column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
-        column_light[:NODES] = node_light
-        column_light[NODES:-1, :3] = self._radiosity(hour, node_light, finished)
+        column_light = self._column_light(hour, finished)
         rows = len(self._orientation)
         light = np.empty((rows, 4), np.float32)
         self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
         texels = len(self.texels.pixel)
         light[:texels] = self._smoothed(light[:texels], finished.smoothing)
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
-        return HourLight(self._as_map(light[:texels], finished), self._as_probes(light[texels:]))
+        return HourLight(
+            self._as_map(light[:texels], finished), self._as_probes(light[texels:], finished)
+        )
+
+    def irradiance_at(
+        self, places_m: FloatArray, normals: FloatArray, hour: Hour, rays: int
+    ) -> Float32Array:
+        """Irradiance (P, 3), W m^-2, at free points by rays of their own, as `light` has it.
+
+        `places_m` (P, 3) and unit `normals` (P, 3): world axes.
+        """
+        assert self.patches is not None
+        places = (places_m - self.surfaces.centre_m) / self.surfaces.radius_m
+        probes = Probes(places.astype(np.float32), normals.astype(np.float32))
+        first, own = len(self.texels.pixel), len(self.receivers.probes.place)
+        columns = self.patches.column_of
+        nothing = np.full(len(places), NODES + len(self.patches.area), np.int32)
+        before, after = columns[: NODES + first], columns[NODES + first + own :]
+        rows = with_rays(
+            self.tree,
+            self.receivers._replace(probes=probes),
+            empty_rows(first, len(places)),
+            np.concatenate([before, nothing, after]),
+            0,
+            rays,
+        )
+        light = np.empty((len(places), 4), np.float32)
+        gathered(rows, self._column_light(hour, self._finish()), 0, len(places), light)
+        return light[:, :3]
+
+    def _column_light(self, hour: Hour, finished: _Finished) -> Float32Array:
+        """What a ray brings from each column (C, 4): pi L, and luminance of the sky's alone."""
+        assert self.patches is not None
+        column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
+        radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
+        column_light[:NODES, :3], column_light[:NODES, 3] = radiances, luminance(radiances)
+        column_light[NODES:-1, :3] = self._radiosity(hour, column_light[:NODES], finished)
+        return column_light
 
     def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
         other = np.empty_like(light)
         for _ in range(STEPS):
             self._over_rows(len(light), partial(smoothed_rows, light, other, smoothing))
+            mix_at_seams(light, other, smoothing)
             light, other = other, light
         return light
 
@@ -166,13 +223,21 @@ class Bake:
             self._over_rows(
                 self.rows,
                 lambda a, b: lit_shares(
-                    self.tree, self.receivers, self.table.free, towards, scratch(), a, b, share
+                    self.tree,
+                    self.receivers,
+                    finished.key_rays.ray,
+                    towards,
+                    scratch(),
+                    a,
+                    b,
+                    share,
                 ),
             )
-            direct += _of_patches(patches, share)[:, None] * irradiance
+            direct += patch_means(patches, finished.key_rays, share)[:, None] * irradiance
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
-        return radiosity(finished.exchange, direct, patches.emitted_rgb, reflectance)
+        emitted = patches.emitted_rgb
+        return radiosity(finished.exchange, direct, emitted, reflectance, self.bounces_left)
 
     def _finish(self) -> _Finished:
         if self._finished is None:
@@ -185,8 +250,9 @@ class Bake:
             self._finished = _Finished(
                 good,
                 exchange_of(self.table, self.patches),
-                smoothing_of(self.texels, self.links, good[:texels], room),
+                smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
                 takes_light_of(self.links, good, valid.astype(np.float32)),
+                key_rays_of(self.patches, self.table.free),
             )
         return self._finished
 
@@ -197,12 +263,13 @@ class Bake:
         padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
         return padded[source]
 
-    def _as_probes(self, light: Float32Array) -> Float32Array | None:
+    def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
         grid = self.layout.message.probes
         if grid is None:
             return None
         nx, ny, nz = grid.counts
-        return light.reshape(nz, ny, nx, 6, 4)
+        buried = ~finished.good[len(self.texels.pixel) :][: len(light)].reshape(nz, ny, nx, 6)
+        return without_buried(light.reshape(nz, ny, nx, 6, 4), np.asarray(buried.any(axis=-1)))
 
     def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""
@@ -221,11 +288,3 @@ class Bake:
 def _are_good(table: Rows, rays: int) -> BoolArray:
     """Which rows (N,) do not lie inside bodies."""
     return np.asarray(table.valid > _LEAST_FREE * rays)
-
-
-def _of_patches(patches: Patches, values: Float32Array) -> Float32Array:
-    """Means (M,) of rows' values (N,) over patches."""
-    total = len(patches.area)
-    of_member = np.repeat(np.arange(total), np.diff(patches.start))
-    weighted = patches.weight * values[patches.member]
-    return np.bincount(of_member, weighted, total).astype(np.float32)

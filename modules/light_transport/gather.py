@@ -12,7 +12,7 @@ def gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
         r, g = np.float32(0.0), np.float32(0.0)
         b, a = np.float32(0.0), np.float32(0.0)
         for e in range(table.start[i], table.start[i + 1]):
-            c, n = table.column[e], np.float32(table.rays[e])
+            c, n = np.uint64(table.column[e]), np.float32(table.rays[e])
             r += n * light[c, 0]
             g += n * light[c, 1]
             b += n * light[c, 2]

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _MOST_THREADS = 4
+# Of a texel, and of all together.
+_FIRST_RAYS, _RAYS_AT_FIRST = 64, 2_500_000
 
 
 class Unwritten(Generic[T]):
@@ -49,9 +51,10 @@ class Plan(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """A layout, and the bake that begins with it."""
+    """A layout, the rays of its first round, and the bake that begins with it."""
 
     message: LightMapLaid
+    first_rays: int
     bake: "Unwritten[Bake]"
 
 
@@ -72,7 +75,13 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
 
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
-    return Laid(layout.message, Unwritten(Bake(surfaces, layout, _threads())))
+    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
+    return Laid(layout.message, first_rays(bake.rows), Unwritten(bake))
+
+
+def first_rays(rows: int) -> int:
+    """How many rays of so many rows are traced in a fraction of a second: from 8 to 64."""
+    return max(min(_FIRST_RAYS, 1 << (_RAYS_AT_FIRST // max(rows, 1)).bit_length() >> 1), 8)
 
 
 def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:
@@ -81,8 +90,11 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
 
     # Light is made of the rays before, meanwhile.
     grown = copy(bake.value)
+    grown.threads = min(os.cpu_count() or 1, _MOST_THREADS)
     if not add_kept_rays(grown, count, control.cancelled):
         return None
+    # Hours follow each other while time plays: they leave the other cores to the frame.
+    grown.threads = 1
     texels = len(grown.texels.pixel)
     return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
 
@@ -116,10 +128,6 @@ def hour_of(messages: HourMessages) -> "Hour":
         key_irradiance_rgb=key_light.irradiance_rgb,
         open_sky=np.asarray(ambient.irradiance_sh_rgb.values, np.float64),
     )
-
-
-def _threads() -> int:
-    return min(os.cpu_count() or 1, _MOST_THREADS)
 
 
 def _encoded(light: Float32Array, scale: float) -> NDArray[np.float16]:

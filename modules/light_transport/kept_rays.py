@@ -1,9 +1,9 @@
 """Rays kept on disk: a scene that is opened again has its light at once.
 
-A table of rays follows from where triangles lie and how the map is laid out, and from nothing else:
-neither colours nor the hour are in it. It is kept after each round, under a digest of these, of
-the number of rays and of this package's own code. So a round gives the same table whether it was
-kept or not, and a replay the same messages.
+A table of rays follows from where triangles lie and how map and patches are laid out: neither
+colours nor the hour are in it. It is kept after each round, under a digest of these, of the number
+of rays and of this package's own code. So a round gives the same table whether it was kept or not,
+and a replay the same messages.
 """
 
 import hashlib
@@ -24,7 +24,7 @@ _LIMIT_BYTES = 2 << 30
 def add_kept_rays(bake: Bake, count: int, is_cancelled: Callable[[], bool]) -> bool:
     """As `Bake.add_rays`, but what was traced before is read."""
     cache = ArrayCache.of_user("light_maps", _LIMIT_BYTES)
-    recipe = (_code_digest(), _geometry_digest(bake), bake.rays + count)
+    recipe = (_code_digest(), _geometry_digest(bake), bake.patch_texels, bake.rays + count)
     arrays = cache.get(recipe)
     if arrays is not None and _fits(arrays, bake):
         bake.take_rays(Rows(0, **arrays), count)

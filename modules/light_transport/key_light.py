@@ -1,14 +1,54 @@
 """Which share of the key light falls on texels: for its bounces, as the frame draws it itself."""
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from light_transport.kernels import hot
+from light_transport.patches import Patches
 from light_transport.ray_starts import begin, shift
 from light_transport.ray_table import TRIED
 from light_transport.trace import MISS, blocker, mixed
+from vrut_lite.numeric_types import Float32Array
 
+# Of patches with more texels every second one is asked.
+_FEW_TEXELS = 6
 # A group has no other rows whose rays are averaged with its own.
 _RAYS_OF_A_GROUP = 8
+
+
+class KeyRays(NamedTuple):
+    """Which rows are asked for the key light, and what they count for their patches.
+
+    `ray` (N,) uint8: a ray of each row that begins outside bodies, or TRIED for rows that are not
+    asked; `weight` (K,) float32: of patches' members, 1 in the sum over a patch.
+    """
+
+    ray: NDArray[np.uint8]
+    weight: Float32Array
+
+
+def key_rays_of(patches: Patches, free: NDArray[np.uint8]) -> KeyRays:
+    """Rays for patches whose rows' first free rays (N,) are these."""
+    sizes = np.diff(patches.start)
+    patch = np.repeat(np.arange(len(sizes)), sizes)
+    number = np.arange(len(patches.member)) - patches.start[patch]
+    asked = (number % 2 == 0) | (sizes[patch] <= _FEW_TEXELS)
+    asked &= free[patches.member] < TRIED
+    weight = np.where(asked, patches.weight, 0.0)
+    total = np.bincount(patch, weight, len(sizes))
+    ray = np.full(len(free), TRIED, np.uint8)
+    ray[patches.member[asked]] = free[patches.member[asked]]
+    return KeyRays(ray, (weight / np.maximum(total, 1e-12)[patch]).astype(np.float32))
+
+
+def patch_means(patches: Patches, rays: KeyRays, values: Float32Array) -> Float32Array:
+    """Means (M,) over patches of values (N,) of the rows that were asked."""
+    sums = np.add.reduceat(
+        np.append(rays.weight * values[patches.member], np.float32(0.0)), patches.start[:-1]
+    )
+    return np.where(np.diff(patches.start) > 0, sums, 0.0).astype(np.float32)
 
 
 @hot
@@ -16,7 +56,7 @@ def lit_shares(tree, receivers, free_start, direction, scratch, first, last, out
     """Fill out[first:last] with visible share times cosine of a direction (3,), unit.
 
     A texel has one ray, from anywhere in it: a patch has the mean of its texels. `free_start`
-    (N,) uint8: a ray of each row that began outside bodies, or TRIED for none.
+    (N,): see `KeyRays`.
     """
     stack, _, _, shifts, weights, place, normal, face, _ = scratch
     x, y, z = np.float32(direction[0]), np.float32(direction[1]), np.float32(direction[2])

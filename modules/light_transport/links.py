@@ -20,6 +20,13 @@ def links_of(texels: Texels, parts: NDArray[np.int32]) -> NDArray[np.int32]:
     return cast(NDArray[np.int32], _links(texels, parts))
 
 
+def seam_links(texels: Texels, seams: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Pairs (K, 2) of texels that meet at a seam, each once; `seams` as in `Layout`."""
+    ends = texels.row_of.ravel()[seams.astype(np.int64)].reshape(-1, 2)
+    ends = np.sort(ends[(ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])], axis=1)
+    return np.unique(ends, axis=0).astype(np.int32)
+
+
 @kernel
 def _links(texels, parts):  # type: ignore[no-untyped-def]
     height, width = texels.row_of.shape

@@ -24,7 +24,6 @@ from vrut_lite.kernel.module import Link, Manifest, Module, handles
 LAYOUT, RAYS, HOUR = "layout", "rays", "hour"
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
-_FIRST_RAYS = 64
 # Of the clear sky; the sum of it and layers has what they leave of these.
 _CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
 _HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
@@ -46,7 +45,8 @@ class LightTransport(Module):
     hour that looks like the one before, one that a newer overtook, rays that were kept on disk.
     """
 
-    manifest = Manifest(name=NAME, title="Light transport", version="0.1.0")
+    # Its settings are no options of commands: `--on` would say nothing.
+    manifest = Manifest(name=NAME, title="Light transport", version="0.1.0", auxiliary=True)
     speaks = (HourOutdated, BakeGrown)
     settings_type = LightTransportSettings
     settings: LightTransportSettings
@@ -159,7 +159,7 @@ class LightTransport(Module):
         if self._laid is None:
             return
         rays = self._round.rays if self._round is not None else 0
-        count = min(max(rays, _FIRST_RAYS), self._quality.rays - rays)
+        count = min(rays or self._laid.first_rays, self._quality.rays - rays)
         if count > 0:
             bake = self._laid.bake if self._round is None else self._round.bake
             self.link.start_job(RAYS, with_rays, bake, count)

@@ -1,4 +1,4 @@
-"""Patches: some 4 x 4 texels of one part that face one way, on which bounces are counted.
+"""Patches: up to 6 x 6 texels of one part that face one way, on which bounces are counted.
 
 A patch is connected: texels on two sides of what stands on a floor are never one, so that a wall of
 two texels lets no light through.
@@ -15,8 +15,6 @@ from light_transport.ray_starts import Receivers
 from light_transport.sky_nodes import NODES
 from light_transport.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
-
-_TEXELS_AN_EDGE = 4.0
 
 
 class Patches(NamedTuple):
@@ -42,13 +40,18 @@ class Patches(NamedTuple):
 
 
 def patches_of(
-    surfaces: Surfaces, receivers: Receivers, links: NDArray[np.int32], good: BoolArray
+    surfaces: Surfaces,
+    receivers: Receivers,
+    links: NDArray[np.int32],
+    seams: NDArray[np.int32],
+    good: BoolArray,
+    texels_an_edge: float,
 ) -> Patches:
-    """Patches of the rows that are good (N,), by their links (N, 4), see `smoothing`."""
+    """Patches of the rows that are good (N,), by links (N, 4) and seams (K, 2), see `links`."""
     texels, groups = receivers.texels, receivers.groups
     count, probes = len(texels.pixel), len(receivers.probes.place)
-    key = _keys(surfaces, receivers)
-    label = np.asarray(_connected(links, key, good[:count]))
+    key = _keys(surfaces, receivers, texels_an_edge)
+    label = np.asarray(_connected(links, seams, key, good[:count]))
     _, patch = np.unique(label[good[:count]], return_inverse=True)
     patches = int(patch.max(initial=-1)) + 1
     of_row = np.full(len(good), NOBODY, np.int32)
@@ -85,17 +88,17 @@ def patches_of(
     )
 
 
-def _keys(surfaces: Surfaces, receivers: Receivers) -> NDArray[np.int64]:
+def _keys(surfaces: Surfaces, receivers: Receivers, texels_an_edge: float) -> NDArray[np.int64]:
     """Equal numbers (N,) for texels of one part, facing and box of space."""
     texels = receivers.texels
     if len(texels.pixel) == 0:
         return np.empty(0, np.int64)
     # Boxes grow by whole octaves, so that neighbours' boxes are the same or nested.
-    edge = _TEXELS_AN_EDGE * np.exp2(np.round(np.log2(np.maximum(texels.width, 1e-9))))
+    edge = texels_an_edge * np.exp2(np.round(np.log2(np.maximum(texels.width, 1e-9))))
     cell = np.floor(texels.place / edge[:, None]).astype(np.int64)
     axis = np.argmax(np.abs(texels.normal), axis=1)
     positive = np.take_along_axis(texels.normal, axis[:, None], axis=1)[:, 0] > 0.0
-    octave = np.round(np.log2(edge)).astype(np.int64)
+    octave = np.round(np.log2(edge / texels_an_edge)).astype(np.int64)
     parts = surfaces.part[texels.triangle].astype(np.int64)
     rows = np.column_stack([parts, 2 * axis + positive, octave, cell])
     _, key = np.unique(rows, axis=0, return_inverse=True)
@@ -103,15 +106,17 @@ def _keys(surfaces: Surfaces, receivers: Receivers) -> NDArray[np.int64]:
 
 
 @kernel
-def _connected(links, key, good):  # type: ignore[no-untyped-def]
+def _connected(links, seams, key, good):  # type: ignore[no-untyped-def]
     """The first texel (N,) of those that are linked and share a key."""
     count = len(key)
     label = np.arange(count)
-    for i in range(count):
-        for k in range(links.shape[1]):
-            j = links[i, k]
-            if j < 0 or key[j] != key[i] or not good[i] or not good[j]:
-                continue
+    neighbours = links.shape[1]
+    for n in range(count * neighbours + len(seams)):
+        if n < count * neighbours:
+            i, j = n // neighbours, links[n // neighbours, n % neighbours]
+        else:
+            i, j = seams[n - count * neighbours, 0], seams[n - count * neighbours, 1]
+        if j >= 0 and key[j] == key[i] and good[i] and good[j]:
             a, b = i, j
             while label[a] != a:
                 label[a] = label[label[a]]

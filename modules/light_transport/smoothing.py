@@ -23,21 +23,53 @@ _ALIKE_POWER = 8
 
 
 class Smoothing(NamedTuple):
-    """Weights (N, 4) float32 of the links (N, 4) int32 of texels; 0 where there is none."""
+    """How much of its neighbours' light each texel (N) takes in a step.
+
+    `weights` (N, 4) float32 of the `links` (N, 4) int32, 0 where there is none; `seam_weights`
+    (K, 2) float32 of both ends of the `seams` (K, 2) int32.
+    """
 
     links: NDArray[np.int32]
     weights: Float32Array
+    seams: NDArray[np.int32]
+    seam_weights: Float32Array
 
 
 def smoothing_of(
-    texels: Texels, links: NDArray[np.int32], good: BoolArray, room: Float32Array
+    texels: Texels,
+    links: NDArray[np.int32],
+    seams: NDArray[np.int32],
+    good: BoolArray,
+    room: Float32Array,
 ) -> Smoothing:
     """Weights for good texels (N,) around which there is so much room (N,), in radii."""
     gate = np.minimum(1.0, _SHARE_OF_ROOM * room / np.maximum(texels.width, 1e-12)) ** 2
-    weights = _weights(links, texels.normal, texels.area, gate.astype(np.float32), good)
+    gate = gate.astype(np.float32)
+    weights = _weights(links, texels.normal, texels.area, gate, good)
+    across = np.zeros(seams.shape, np.float32)
+    if len(seams):
+        # All seams of a texel together give it as much as one neighbour does.
+        meeting = np.bincount(seams.ravel(), minlength=len(good))[seams].max(axis=1)
+        for end in range(2):
+            shared = _exchange(texels, gate, good, seams[:, end], seams[:, 1 - end])
+            across[:, end] = shared / meeting
     # A link of no weight leads to the texel itself: kernels need not ask.
     own = np.arange(len(links), dtype=np.int32)[:, None]
-    return Smoothing(np.where(weights > 0.0, links, own).astype(np.int32), weights)
+    return Smoothing(np.where(weights > 0.0, links, own).astype(np.int32), weights, seams, across)
+
+
+def _exchange(
+    texels: Texels,
+    gate: Float32Array,
+    good: BoolArray,
+    here: NDArray[np.int32],
+    there: NDArray[np.int32],
+) -> Float32Array:
+    """What texels (K,) take of others (K,), as in `_weights`."""
+    alike = np.maximum(np.einsum("ki,ki->k", texels.normal[here], texels.normal[there]), 0.0)
+    area = np.minimum(texels.area[here], texels.area[there]) / np.maximum(texels.area[here], 1e-30)
+    shared = np.minimum(gate[here], gate[there]) * alike**_ALIKE_POWER * area
+    return np.where(good[here] & good[there], _MOST * shared, 0.0).astype(np.float32)
 
 
 @kernel
@@ -73,3 +105,15 @@ def smoothed_rows(light, out, smoothing, first, last):  # type: ignore[no-untype
                 + wc * light[c, k]
                 + wd * light[d, k]
             )
+
+
+@hot
+def mix_at_seams(light, out, smoothing):  # type: ignore[no-untyped-def]
+    """What passes between charts in the step from `light` to `out` (N, 4)."""
+    seams, weights = smoothing.seams, smoothing.seam_weights
+    for s in range(len(seams)):
+        i, j = seams[s, 0], seams[s, 1]
+        for k in range(4):
+            difference = light[j, k] - light[i, k]
+            out[i, k] += weights[s, 0] * difference
+            out[j, k] -= weights[s, 1] * difference

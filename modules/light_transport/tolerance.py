@@ -26,7 +26,7 @@ Rung = Literal["draft", "usual", "fine", "finest"]
 RUNGS: tuple[Rung, ...] = get_args(Rung)
 # Shares of the tolerance; errors of texels, rays and patches add up by squares.
 _SHARE = 0.6
-_BOUNCES_SHARE = 0.05
+_BOUNCES_SHARE = 0.03
 
 
 class Quality(NamedTuple):
@@ -42,10 +42,10 @@ class Quality(NamedTuple):
 
 _OF_RUNG: Mapping[Rung, Quality] = MappingProxyType(
     {
-        "draft": Quality(20_000, 128, 6.0, 0.02, 0.01, radians(0.2)),
-        "usual": Quality(60_000, 256, 4.0, 0.005, 0.005, radians(0.1)),
-        "fine": Quality(120_000, 512, 3.0, 0.002, 0.002, radians(0.05)),
-        "finest": Quality(240_000, 1024, 2.0, 0.001, 0.001, radians(0.02)),
+        "draft": Quality(20_000, 128, 8.0, 0.01, 0.01, radians(0.2)),
+        "usual": Quality(60_000, 256, 6.0, 0.003, 0.005, radians(0.1)),
+        "fine": Quality(120_000, 512, 4.0, 0.001, 0.002, radians(0.05)),
+        "finest": Quality(240_000, 1024, 3.0, 0.0005, 0.001, radians(0.02)),
     }
 )
 

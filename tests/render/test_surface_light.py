@@ -5,6 +5,7 @@ The sky is uniform with radiance 1 unless a test says so: the open sky's irradia
 
 import numpy as np
 import pytest
+from air_stage import volume_of
 from light_map_stage import (
     PROBES,
     RECTANGLE_PX,
@@ -263,6 +264,30 @@ def test_where_no_sky_arrives_none_is_filtered(backend, tmp_path):
     before = backend.ledger.done["reflection slice"]
     look(backend, *ABOVE)
     assert backend.ledger.done["reflection slice"] > before
+
+
+@pytest.mark.parametrize(("share", "glows"), [(0.0, False), (0.5, True)])
+def test_air_in_a_room_without_windows_does_not_glow(backend, tmp_path, share, glows):
+    """Where none of the sky's light arrives, none is in the air before it; elsewhere all of it."""
+    light(backend, np.zeros((6, 16, 16, 3)))
+    show(backend, matte(tmp_path, 0.0), lambda layout: even(layout, 0.0, share))
+    dark = look(backend, *ABOVE).radiance
+    assert dark.max() == 0.0
+    backend.change(air=volume_of(1e-2, 8.0))
+    glow = look(backend, *ABOVE).radiance
+    backend.change(light_map=None, surface_light=None)
+    in_open_air = look(backend, *ABOVE).radiance
+    assert in_open_air.min() > 0.01
+    np.testing.assert_allclose(glow, in_open_air if glows else dark, rtol=1e-5)
+
+
+def test_the_sun_does_not_enter_where_no_sky_does(backend, tmp_path):
+    """A shadow map lets it through where walls meet; texels that see no sky see no sun."""
+    sun = {"sun_direction": (0.0, 1.0, 0.0), "sun_irradiance": (9.0,) * 3}
+    light(backend, np.zeros((6, 16, 16, 3)), **sun)
+    for share, dark in ((0.0, True), (0.01, False)):
+        show(backend, matte(tmp_path, 0.5), lambda layout, o=share: even(layout, 0.0, o))
+        assert bool(look(backend, *ABOVE).radiance.max() == 0.0) is dark
 
 
 def planes(**irradiance):

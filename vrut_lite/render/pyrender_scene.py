@@ -25,7 +25,8 @@ class PlacedPrimitive:
 
     `centre_m` (3,) is the middle of its bounds, `radius_m` holds it all from there. The matrix
     (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
-    `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one.
+    `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one, and
+    `light_end_px` (2,) lies past the last texel that its look-ups reach.
     """
 
     primitive: Any
@@ -34,6 +35,7 @@ class PlacedPrimitive:
     radius_m: float
     is_ground: bool = False
     light_corner_px: NDArray[np.int32] | None = None
+    light_end_px: NDArray[np.int32] | None = None
 
 
 class _Cut(NamedTuple):
@@ -79,11 +81,15 @@ class PyrenderScene:
             if key not in self._cuts:
                 self._cuts[key] = whole.get(key) or self._cut(int(mesh), shape, light_map)
                 self.scene.add(self._cuts[key].mesh)
-            corner = None
+            lit: dict[str, Any] = {}
             if light_map is not None and shape != NOT_MAPPED:
                 corner = light_map.part_corner_px.values[part]
+                size = np.ceil(light_map.shape(shape).uv.max(axis=0, initial=0.0) + 0.5).astype(
+                    np.int32
+                )
+                lit = {"light_corner_px": corner, "light_end_px": corner + size}
             matrix = geometry.world_from_part.values[part] @ self._cuts[key].model_from_centred
-            self.placed.append(_placed(self._cuts[key].primitive, matrix, light_corner_px=corner))
+            self.placed.append(_placed(self._cuts[key].primitive, matrix, **lit))
         if self._ground is not None:
             self.scene.add(self._ground.mesh)
             ground = self._ground.primitive, self._ground.model_from_centred

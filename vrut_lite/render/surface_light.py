@@ -64,13 +64,20 @@ class SurfaceLightOnGpu:
         probes: Defines = () if self._laid.probes is None else ("LIGHT_PROBES",)
         if placed.light_corner_px is None:
             return probes
-        two_sided = placed.primitive.material.doubleSided
-        return ("LIGHT_MAP", *(("TWO_SIDED", *probes) if two_sided else ()))
+        if placed.primitive.material.doubleSided:
+            return ("LIGHT_MAP", "TWO_SIDED", *probes)
+        return ("LIGHT_MAP",) if self.sees_sky(placed) else ("LIGHT_MAP", "NO_SKY")
 
     def sees_sky(self, placed: PlacedPrimitive) -> bool:
-        """Whether a mesh gets light from the sky itself, so that it may mirror it."""
+        """Whether a mesh may get light from the sky itself, and so from the sun."""
+        if self._light is None or placed.light_corner_px is None or placed.light_end_px is None:
+            return True
+        if placed.primitive.material.doubleSided:
+            return True
         if placed not in self._sees_sky:
-            self._sees_sky[placed] = self._gets_light_of_sky(placed)
+            (left, top), (right, bottom) = placed.light_corner_px, placed.light_end_px
+            share = self._light.texels.values[top:bottom, left:right, 3]
+            self._sees_sky[placed] = bool(share.any())
         return self._sees_sky[placed]
 
     def bind(self, scene: PyrenderScene, light: Light, eye_m: NDArray[np.float64]) -> None:
@@ -92,6 +99,7 @@ class SurfaceLightOnGpu:
                 probes_eye=(eye_m - probes.lower_m) / np.array(probes.step_m),
                 probes_per_m=1.0 / np.array(probes.step_m),
                 probe_counts=probes.counts,
+                scene_m=2.0 * scene.radius_m,
             )
         )
         self._block.bind_to_uniform_block(SURFACE_LIGHT.binding)
@@ -113,20 +121,6 @@ class SurfaceLightOnGpu:
             table = open_irradiance(self._harmonics)
             self._open_sky = self._written(self._open_sky, table, table.shape[1::-1])
         return self._open_sky
-
-    def _gets_light_of_sky(self, placed: PlacedPrimitive) -> bool:
-        lit = self.defines(placed)
-        if "LIGHT_MAP" not in lit or "TWO_SIDED" in lit:
-            return True
-        assert self._light is not None
-        assert placed.light_corner_px is not None
-        # Between the texels that a triangle lies in: one more on each side.
-        reached = placed.primitive.tangents[:, :2]
-        first = np.floor(reached.min(axis=0) - 0.5).astype(int) + placed.light_corner_px
-        last = np.floor(reached.max(axis=0) + 0.5).astype(int) + placed.light_corner_px
-        (left, top), (right, bottom) = np.maximum(first, 0), last
-        share = self._light.texels.values[top : bottom + 1, left : right + 1, 3]
-        return bool(share.any())
 
     def _written(self, texture: Any, values: NDArray[Any], size: tuple[int, ...]) -> Any:
         """Values in a texture of that size: the one given, or a new one in its place."""

@@ -146,6 +146,7 @@ SURFACE_LIGHT = UniformBlock(
         "ground_steps": ("float", "from its first texel to its last"),
         "probes_per_m": ("vec3", "one over the step"),
         "probe_counts": ("vec3", "along x, y and z"),
+        "scene_m": ("float", "across the scene"),
     },
 )
 # By the names under which shaders include them.

@@ -124,14 +124,17 @@ AirLight air_before(AirRay ray, float metres) {
 //!include light_shafts.glsl
 #endif
 
-// Radiance that comes from so far in a unit direction, as the eye gets it.
-vec3 through_air(vec3 radiance, vec3 d, float metres) {
+// Radiance that comes from so far in a unit direction, as the eye gets it, where a share of the
+// light in open air is in the air between; shafts know by themselves where the sun is.
+vec3 through_air(vec3 radiance, vec3 d, float metres, float share) {
     AirRay ray = air_ray(d);
     AirLight light = air_before(ray, metres);
 #ifdef LIGHT_SHAFTS
     light.sunlit = max(light.sunlit - shadowed_light(ray, d, metres), 0.0);
+#else
+    light.sunlit *= share;
 #endif
-    return radiance * light.transmittance + light.shaded + light.sunlit;
+    return radiance * light.transmittance + light.shaded * share + light.sunlit;
 }
 
 // To the ground behind the scene, a sphere; past its horizon, to where the horizon is.

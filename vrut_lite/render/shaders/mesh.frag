@@ -374,6 +374,10 @@ void main() {
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
 #endif
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
+#ifdef NO_SKY
+    // Shadow maps let the sun through where walls meet.
+    nl = 0.0;
+#endif
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
         vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face));
@@ -400,7 +404,11 @@ void main() {
     radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
 #endif
 #ifdef AIR
-    radiance = through_air(radiance, -view, length(eye_to_sample));
+    float metres = length(eye_to_sample), lit_air = 1.0;
+#ifdef SURFACE_LIGHT
+    lit_air = light_in_air(reached.a, metres);
+#endif
+    radiance = through_air(radiance, -view, metres, lit_air);
 #endif
     frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
 }

@@ -58,7 +58,7 @@ void main() {
 #ifdef CLOUD_SHADOWS
     if (air.ground_is_bare > 0.5) lower *= ground_under_clouds(d * ground_m);
 #endif
-    if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m);
+    if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m, 1.0);
 #ifdef LIGHT_SHAFTS
     // What has its air already lacks what the scene shades of it.
     AirRay shaded = air_ray(d);

@@ -6,6 +6,7 @@ layout(binding = 6) uniform sampler3D light_probes;  // its layers: six faces, e
 layout(binding = 7) uniform sampler2D open_sky;      // open_irradiance.py's table
 //!include surface_light_block.glsl
 
+const float OPEN_AIR = 0.5;      // share of the sky at a surface from which the air before it gets all
 const float GROUND_FADE = 0.7;  // of the half width, where the map goes over into open ground
 
 vec4 map_light(vec2 at_px) {
@@ -64,6 +65,13 @@ vec4 probe_light(vec3 point, vec3 n) {
     return vec4(light.rgb * surface.radiance_scale, light.a);
 }
 #endif
+
+// Share of the light in open air that is in the air before a point: none in a room without windows,
+// little in a hall, all in a street or far away. The air is guessed to get it as the surface does.
+float light_in_air(float share_of_sky, float metres) {
+    float far = smoothstep(1.0, 2.0, metres / surface.scene_m);
+    return mix(smoothstep(0.0, OPEN_AIR, share_of_sky), 1.0, far);
+}
 
 // How much more or less light a plane has with normal n than with another, by the open sky.
 vec3 tilted(vec3 n, vec3 from, float most) {

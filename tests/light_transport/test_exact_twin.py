@@ -1,0 +1,64 @@
+"""The fast hour against a plain one: the same table, dense matrices in double precision."""
+
+import numpy as np
+from boxes import box, floor, hour, quads
+from light_transport.bake import Bake
+from light_transport.key_light import lit_shares, patch_means
+from light_transport.ray_starts import scratch
+from light_transport.sky_nodes import NODES, node_radiances
+from light_transport.smoothing import STEPS
+
+
+def plain_hour(bake, now, key_share):
+    """Irradiance (texels, 3) by matrices: E = D s + F B, B = M + rho (P E0 + P F B)."""
+    texels, patches = len(bake.texels.pixel), len(bake.patches.area)
+    table = np.zeros((bake.rows, NODES + patches + 1))
+    for row in range(bake.rows):
+        own = slice(bake.table.start[row], bake.table.start[row + 1])
+        np.add.at(table[row], bake.table.column[own].astype(int), bake.table.rays[own])
+    table /= np.maximum(bake.table.valid, 1)[:, None]
+    d, f = table[:, :NODES], table[:, NODES:-1]
+    p = np.zeros((patches, bake.rows))
+    for patch in range(patches):
+        own = slice(bake.patches.start[patch], bake.patches.start[patch + 1])
+        p[patch, bake.patches.member[own]] = bake.patches.weight[own]
+    p *= bake.table.valid > 0
+    p /= p.sum(axis=1, keepdims=True)
+    s = np.pi * node_radiances(now.sky, now.ground_radiance_rgb)
+    e = np.empty((texels, 3))
+    for c in range(3):
+        rho = bake.patches.reflectance_rgb[:, c].astype(float)
+        direct = p @ (d @ s[:, c]) + key_share * now.key_irradiance_rgb[c]
+        sent = np.linalg.solve(
+            np.eye(patches) - rho[:, None] * (p @ f), bake.patches.emitted_rgb[:, c] + rho * direct
+        )
+        e[:, c] = (d @ s[:, c] + f @ sent)[:texels]
+    return e
+
+
+def smoothed(bake, e):
+    smoothing = bake._finish().smoothing
+    w = smoothing.weights.astype(float)
+    for _ in range(STEPS):
+        e = e + np.einsum("nk,nkc->nc", w, e[smoothing.links] - e[:, None])
+    return e
+
+
+def test_kernels_agree_with_matrices_in_double_precision():
+    """Sky, key light and emission, in a room that is open above: within 0.2 % everywhere."""
+    walls = [side for k, side in enumerate(box((0, 0, 0), (2, 1, 2), inwards=True)) if k != 2]
+    scene = quads(*walls, floor(-3, 5, -3, 5, y=-0.2), texels=12, reflectance=[0.8, 0.5, 0.3])
+    scene[0].emitted_rgb[:2] = 4.0
+    bake = Bake(*scene)
+    bake.add_rays(96)
+    now = hour(2.0, irradiance=30.0, key=(0.4, 0.8, 0.1))
+    share = np.empty(bake.rows, np.float32)
+    rays = bake._finish().key_rays
+    towards = np.asarray(now.key_direction)
+    lit_shares(bake.tree, bake.receivers, rays.ray, towards, scratch(), 0, bake.rows, share)
+    expected = smoothed(bake, plain_hour(bake, now, patch_means(bake.patches, rays, share)))
+    column, row = bake.texels.pixel.T
+    good = bake._finish().good[: len(column)]
+    found = bake.light(now).texels[row, column, :3]
+    np.testing.assert_allclose(found[good], expected[good], rtol=2e-3)
+    assert len(bake.patches.area) < 192

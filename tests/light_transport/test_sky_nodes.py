@@ -1,0 +1,40 @@
+"""The sky's cells are of equal solid angle, and what a cube map holds is in them."""
+
+import numpy as np
+import pytest
+from light_transport.sky_nodes import GROUND_NODE, NODES, node_of, node_radiances
+
+from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
+
+CELL = 2.0 * np.pi / GROUND_NODE
+
+
+def test_cells_have_equal_solid_angles():
+    """Even directions on the hemisphere fall into all cells alike; those below go to the ground."""
+    n = 400_000
+    i = np.arange(n)
+    y, angle = (i + 0.5) / n, 2.0 * np.pi * (i * 0.6180339887498949 % 1.0)
+    r = np.sqrt(1.0 - y * y)
+    directions = np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
+    counts = np.bincount([node_of(*d) for d in directions], minlength=NODES)
+    assert counts[GROUND_NODE] == 0
+    np.testing.assert_allclose(counts[:GROUND_NODE], n / GROUND_NODE, rtol=0.05)
+    assert node_of(0.6, -0.8, 0.0) == GROUND_NODE
+
+
+def test_a_uniform_sky_is_uniform_in_all_cells():
+    """No cell gains or loses by the cube map's grid."""
+    found = node_radiances(np.full((6, 64, 64, 3), 3.0, np.float32), (1.0, 2.0, 3.0))
+    np.testing.assert_allclose(found[:GROUND_NODE], 3.0, rtol=1e-6)
+    np.testing.assert_array_equal(found[GROUND_NODE], [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("size", [32, 64, 128])
+def test_the_integral_over_the_sky_is_that_of_the_cube_map(size):
+    """Radiance times solid angle over cells is the exact sum over texels of the upper half."""
+    d = texel_directions(size)
+    cube = (0.2 + np.maximum(d @ [0.5, 0.6, 0.62], 0.0) ** 8)[..., None] * np.ones(3)
+    above = np.where(d[..., 1] > 0.0, texel_solid_angles(size)[None], 0.0)
+    exact = np.einsum("fij,fijc->c", above, cube)
+    found = node_radiances(cube.astype(np.float32), (0, 0, 0))[:GROUND_NODE].sum(axis=0) * CELL
+    np.testing.assert_allclose(found, exact, rtol=2e-3)
