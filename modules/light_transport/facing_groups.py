@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import dot, kernel
+from light_transport.kernels import agree, dot, kernel
 from vrut_lite.numeric_types import FloatArray
 
-# Least cosine between two triangles' normals in a smooth surface; a crease (40 degrees) ends it.
+# Least cosine between two triangles' normals in a smooth surface; a crease (40 degrees) ends it,
+# unless the shading normals of both agree.
 _CREASE = 0.766
 # A triangle is stretched by the reciprocal of the cosine between its normal and its chart's: most
 # of a single group stays below 1.7, and all of it below 5.
@@ -35,24 +36,27 @@ class Groups(NamedTuple):
     direction: FloatArray
 
 
-def facing_groups(normals: FloatArray, areas: FloatArray, opposite: NDArray[np.int32]) -> Groups:
+def facing_groups(
+    normals: FloatArray, areas: FloatArray, opposite: NDArray[np.int32], shading: FloatArray
+) -> Groups:
     """Groups of triangles, all of which face their group's direction within 70 degrees or so.
 
     Args:
         normals: (F, 3), unit, of the triangles' planes; zero where one has no area.
         areas: (F,), in any unit.
         opposite: see `welding.opposite_edges`.
+        shading: (F, 3, 3), unit normals of the corners.
     """
     # Triangles without an area take a neighbour's normal.
     normals = normals.copy()
-    surface = _smooth_surfaces(normals, areas, opposite)
+    surface = _smooth_surfaces(normals, areas, opposite, shading)
     label, directions = _labels(normals, areas, surface, opposite)
     group, first = connected(surface, label, opposite)
-    return Groups(group, _group_directions(normals, areas, group, directions[label[first]]))
+    return Groups(group, mean_directions(normals, areas, group, directions[label[first]]))
 
 
 @kernel
-def _smooth_surfaces(normals, areas, opposite):  # type: ignore[no-untyped-def]
+def _smooth_surfaces(normals, areas, opposite, shading):  # type: ignore[no-untyped-def]
     """Numbers (F,) of surfaces that creases and open edges end."""
     count = len(areas)
     surface = np.full(count, -1, np.int32)
@@ -75,7 +79,9 @@ def _smooth_surfaces(normals, areas, opposite):  # type: ignore[no-untyped-def]
                         continue
                     if areas[g] == 0.0:
                         normals[g] = normals[f]
-                    elif dot(normals[f], normals[g]) < _CREASE:
+                    elif dot(normals[f], normals[g]) < _CREASE and not agree(
+                        shading, f, e, g, opposite[f, e] % 3
+                    ):
                         continue
                     surface[g] = surfaces
                     queue[tail] = g
@@ -251,8 +257,11 @@ def connected(surface, label, opposite):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _group_directions(normals, areas, group, fallback):  # type: ignore[no-untyped-def]
-    """Mean normals of groups, where they lie nearer to all their triangles than `fallback`."""
+def mean_directions(normals, areas, group, fallback):  # type: ignore[no-untyped-def]
+    """Mean normals (G, 3) of groups, or `fallback` where that is nearer to all their triangles.
+
+    Nearer by the worst of them; those without an area do not count.
+    """
     groups = len(fallback)
     mean = np.zeros((groups, 3))
     for f in range(len(areas)):
@@ -262,6 +271,8 @@ def _group_directions(normals, areas, group, fallback):  # type: ignore[no-untyp
         mean[g] /= max(np.sqrt(dot(mean[g], mean[g])), 1e-300)
     for f in range(len(areas)):
         g = group[f]
+        if areas[f] == 0.0:
+            continue
         least[g, 0] = min(least[g, 0], dot(normals[f], mean[g]))
         least[g, 1] = min(least[g, 1], dot(normals[f], fallback[g]))
     for g in range(groups):

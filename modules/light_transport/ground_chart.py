@@ -13,13 +13,15 @@ EDGE_PX = 96
 # In the middle texels are a tenth as wide as they are at the edge.
 _WARP = 3.0
 _RADII = 4.0
+# Below a scene of a single point.
+_LEAST_WIDTH_M = 1e-6
 
 
 def ground_chart(
     disc: GroundDisc, scene_radius_m: float, corner_px: tuple[int, int]
 ) -> GroundChart:
     """The chart of a disc below a scene, at a corner of the map."""
-    half_width_m = min(_RADII * scene_radius_m, disc.radius_m)
+    half_width_m = max(min(_RADII * scene_radius_m, disc.radius_m), _LEAST_WIDTH_M)
     return GroundChart(corner_px=corner_px, edge_px=EDGE_PX, half_width_m=half_width_m, warp=_WARP)
 
 

@@ -22,7 +22,7 @@ from vrut_lite.daylight.light_map import (
     ProbeGrid,
 )
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.numeric_types import Float32Array
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SOURCE = "light_transport"
 TEXELS = 150_000
@@ -42,7 +42,8 @@ class Layout:
         owner: (height, width) int32, the triangle that a texel's middle lies in, or beside a
             chart the nearest one of it; `texel_owners.UNUSED` elsewhere.
         seams: (S, 2) int32, see `seams.seam_texels`.
-        texel_m: edge of a texel; parts too long for the map have larger ones.
+        texel_m: edge of a texel, where its part does not have finer ones, or is too long for it.
+        part_texel_m: (P,) float64, edge of a texel on each part, NaN where it has none.
         charts: how many there are, the ground's too.
     """
 
@@ -51,6 +52,7 @@ class Layout:
     owner: NDArray[np.int32]
     seams: NDArray[np.int32]
     texel_m: float
+    part_texel_m: FloatArray
     charts: int
 
     @property
@@ -70,8 +72,9 @@ def lay_out(
     Args:
         scene: the opened scene.
         surfaces: its `surfaces_of`.
-        texel_m: edge of a texel; larger if the map would have more than 400,000. None: such that
-            about `texels` are used.
+        texel_m: edge of a texel, larger if the map would have more than 400,000. None: such that
+            about `texels` are used, without the ground's 9,216. Where triangles are fine, texels
+            are finer.
         texels: see `texel_m`.
     """
     shapes = part_shapes(scene.geometry, texel_m, texels)
@@ -103,7 +106,8 @@ def lay_out(
         charts += 1
     seams = seam_texels(surfaces.corners_m, surfaces.normals, uv_px, chart, owner)
     message = _message(scene, surfaces, shapes, corners, owner, ground)
-    return Layout(message, uv_px, owner, seams, shapes.texel_m, charts)
+    texels_m = np.array([*(shape.texel_m for shape in shapes.shapes), np.nan])
+    return Layout(message, uv_px, owner, seams, shapes.texel_m, texels_m[shapes.of], charts)
 
 
 def _own_triangles(surfaces: Surfaces) -> int:
@@ -125,20 +129,23 @@ def _message(
         [shapes.meshes, _starts(vertices), vertices, _starts(triangles), triangles], axis=1
     )
     content_key = scene.content_key
-    key = f"{_VERSION} {content_key} {shapes.texel_m.hex()} {shapes.of.tolist()}"
+    arrays = {
+        "shapes": Array(table.astype(np.int64).reshape(-1, 5)),
+        "source_vertex": Array(_joined(shapes.shapes, "source_vertex", np.int32, ())),
+        "uv": Array(_joined(shapes.shapes, "vertex_uv", np.float32, (2,))),
+        "triangles": Array(_joined(shapes.shapes, "triangles", np.int32, (3,))),
+        "part_shape": Array(shapes.of.astype(np.int32)),
+        "part_corner_px": Array(corners),
+    }
+    key = " ".join([str(_VERSION), content_key, *(array.digest for array in arrays.values())])
     return LightMapLaid(
         content_key=content_key,
         layout_key=hashlib.blake2b(key.encode(), digest_size=16).hexdigest(),
         size_px=(owner.shape[1], owner.shape[0]),
-        shapes=Array(table.astype(np.int64).reshape(-1, 5)),
-        source_vertex=Array(_joined(shapes.shapes, "source_vertex", np.int32, ())),
-        uv=Array(_joined(shapes.shapes, "vertex_uv", np.float32, (2,))),
-        triangles=Array(_joined(shapes.shapes, "triangles", np.int32, (3,))),
-        part_shape=Array(shapes.of.astype(np.int32)),
-        part_corner_px=Array(corners),
         ground=ground,
         probes=_probes(surfaces, shapes),
         source=SOURCE,
+        **arrays,
     )
 
 

@@ -3,15 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.facing_groups import Groups
+from light_transport.facing_groups import Groups, mean_directions
 from light_transport.kernels import dot, kernel
 from vrut_lite.numeric_types import FloatArray
 
 # In texels: a chart of this area has as many texels beside its border as within.
 _SMALL_PX2 = 16.0
-# Least cosine between a triangle's normal and what its chart faces after a merger: stretched twice.
-_LEAST = 0.5
-_ROUNDS = 4
+# Least cosine between a triangle's normal and what its chart faces after a merger: stretched twice;
+# and that for what is hardly larger than a texel, where it is stretched five times.
+_LEAST, _LEAST_OF_TINY, _TINY_PX2 = 0.5, 0.2, 2.0
+_ROUNDS = 8
 
 
 def merged(
@@ -36,6 +37,7 @@ def merged(
         if not np.any(into != np.arange(len(into))):
             break
         group = into[group]
+        direction = mean_directions(normals, areas_px2, group, direction)
     used, inverse = np.unique(group, return_inverse=True)
     return Groups(np.asarray(inverse.reshape(-1), np.int32), direction[used])
 
@@ -84,10 +86,10 @@ def _best_neighbours(  # type: ignore[no-untyped-def]
                     border[group[opposite[members[k], e] // 3]] = 0.0
         if best == g or into[best] != best:
             continue
-        fits = True
+        fits, least = True, _LEAST_OF_TINY if area[g] <= _TINY_PX2 else _LEAST
         for k in range(first[g], first[g + 1]):
             f = members[k]
-            if dot(normals[f], direction[best]) < _LEAST and areas[f] > 0.0:
+            if dot(normals[f], direction[best]) < least and areas[f] > 0.0:
                 fits = False
                 break
         if fits:

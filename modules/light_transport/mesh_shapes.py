@@ -39,9 +39,10 @@ class Surface:
     groups: Groups
 
     @property
-    def longest_m(self) -> float:
-        """The diagonal of its bounds."""
-        return float(np.linalg.norm(self.corners_m.max(axis=(0, 1), initial=0.0)))
+    def least_texel_m(self) -> float:
+        """Edge of texels with which no chart is too long for the map."""
+        diagonal_m = float(np.linalg.norm(self.corners_m.max(axis=(0, 1), initial=0.0)))
+        return diagonal_m / _LONGEST_PX
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,7 @@ class MeshShape:
         uv_px: (F, 3, 2) float64, places of corners from the rectangle's corner.
         owner: (height, width) int32, see `texel_owners`.
         charts: how many there are.
+        texel_m: edge of a texel.
     """
 
     source_vertex: NDArray[np.int32]
@@ -63,6 +65,7 @@ class MeshShape:
     uv_px: FloatArray
     owner: NDArray[np.int32]
     charts: int
+    texel_m: float
 
     @property
     def size(self) -> tuple[int, int]:
@@ -85,20 +88,19 @@ def stretched(mesh: Mesh, stretch: FloatArray) -> Surface:
         across, length[:, None], out=np.zeros_like(across), where=areas[:, None] > 0.0
     )
     opposite = opposite_edges(vertices, welded(points)[vertices])
-    groups = facing_groups(normals, areas, opposite)
+    groups = facing_groups(normals, areas, opposite, mesh.normals[mesh.triangles])
     return Surface(mesh.triangles, corners, normals, areas, opposite, groups)
 
 
 def charts_of(surface: Surface, texel_m: float) -> Charts:
-    """The charts of a surface for texels of this edge, larger where they might be too long."""
-    texel_m = max(texel_m, surface.longest_m / _LONGEST_PX)
+    """The charts of a surface for texels of this edge, at least its `least_texel_m`."""
     corners_px, areas_px2 = surface.corners_m / texel_m, surface.areas_m2 / texel_m**2
     groups = merged(surface.groups, corners_px, surface.normals, areas_px2, surface.opposite)
     return unwrapped(groups, corners_px, surface.opposite)
 
 
-def shape_of(surface: Surface, charts: Charts) -> MeshShape:
-    """Charts in one rectangle."""
+def shape_of(surface: Surface, charts: Charts, texel_m: float) -> MeshShape:
+    """Charts, which were made for texels of this edge, in one rectangle."""
     packed = pack(charts.sizes, WIDEST_PX)
     uv_px = charts.uv_px + packed.corners[charts.of][:, None]
     owner = texel_owners(uv_px, charts.of, packed.corners, charts.sizes, packed.size)
@@ -111,6 +113,7 @@ def shape_of(surface: Surface, charts: Charts) -> MeshShape:
         uv_px=uv_px,
         owner=owner,
         charts=len(charts.sizes),
+        texel_m=texel_m,
     )
 
 

@@ -14,10 +14,22 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 # However small texels are asked for, the map has no more of them.
 MOST_TEXELS = 400_000
 # Texels are right when this share of those that are wanted is used; their size is sought so often.
-_LEAST_USED, _MOST_USED, _ROUNDS = 0.8, 1.05, 6
-# A part less of whose texels than this share are needed for its area may go without, and goes when
-# texels beside borders would be more than this share of the budget.
+_LEAST_USED, _MOST_USED, _ROUNDS = 0.75, 1.05, 6
+# How many times too many texels the first trial may have.
+_FIRST_TRIAL = 4.0
+# From trial to trial texels shrink to this share of their edge at most.
+_FASTEST = 0.6
+# A part may go without texels if its area is less than this share of them, and goes when texels
+# beside borders would be more than this share of the budget.
 _SPARSE, _MOST_BESIDE = 0.25, 0.6
+# It goes anyway, foliage for one, if it is thinner than this share and takes more than this share
+# of the budget.
+_THIN, _TRIFLE = 0.02, 1e-3
+# No more than this share of the scene's area goes: texels grow instead.
+_MOST_BARE = 0.5
+# Surfaces of so many triangles a group are modelled finely where they are to be seen finely; this
+# share of the budget is theirs for a texel a triangle.
+_TRIANGLES_A_GROUP, _FINE = 8, 0.6
 # Linear maps that agree to this share of their largest element make one shape.
 _SAME = 1e-6
 
@@ -58,18 +70,22 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
         nothing = np.full(len(of), NOT_MAPPED, np.int32)
         return PartShapes(nothing, [], [], np.zeros(len(of), bool), texel_m or 1.0)
     most = MOST_TEXELS if texel_m else min(texels, MOST_TEXELS)
-    size_m = texel_m or float(np.sqrt(1.4 * whole_m2 / most))
+    # With those beside borders there are some 1.25 times as many as the surface is large.
+    size_m = texel_m or float(np.sqrt(1.25 * whole_m2 / most))
+    # Nobody should have to hold the map of a slip of the pen.
+    size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
+    bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
     for last in reversed(range(_ROUNDS)):
-        shapes = _cut(kinds, size_m, most)
+        shapes = _cut(kinds, bare, size_m, most)
         used = sum(
             kind.count * int(np.count_nonzero(shape.owner != UNUSED))
             for kind, shape in zip(kinds, shapes, strict=True)
             if shape is not None
         )
-        enough = texel_m is not None or used >= _LEAST_USED * most
+        enough = texel_m is not None or used == 0 or used >= _LEAST_USED * most
         if last == 0 or (enough and used <= _MOST_USED * most):
             break
-        size_m *= float(np.sqrt(max(used, 1) / (0.95 * most)))
+        size_m *= max(float(np.sqrt(used / (0.95 * most))), _FASTEST)
     has_area = np.array([kind.area_m2 > 0.0 for kind in kinds])
     mapped = np.array([shape is not None for shape in shapes])
     number = np.where(mapped, np.cumsum(mapped) - 1, NOT_MAPPED).astype(np.int32)
@@ -82,23 +98,58 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
     )
 
 
-def _cut(kinds: list[_Kind], texel_m: float, budget: int) -> list[MeshShape | None]:
-    """A shape for each kind; None for those that do without texels."""
-    charts = [charts_of(kind.surface, texel_m) if kind.area_m2 > 0.0 else None for kind in kinds]
-    cost = np.array([0 if c is None else np.prod(c.sizes, axis=1).sum() for c in charts], float)
-    area = np.array([kind.area_m2 for kind in kinds]) / texel_m**2
-    beside = np.maximum(cost - area, 0.0) * [kind.count for kind in kinds]
-    full = np.divide(area, cost, out=np.ones_like(area), where=cost > 0.0)
-    excess = beside.sum() - _MOST_BESIDE * budget
-    for kind in np.argsort(full, kind="stable"):
-        if excess <= 0.0 or full[kind] >= _SPARSE:
-            break
-        charts[kind] = None
-        excess -= beside[kind]
-    return [
-        None if c is None else shape_of(kind.surface, c)
-        for kind, c in zip(kinds, charts, strict=True)
+def _cut(
+    kinds: list[_Kind], bare: BoolArray, texel_m: float, budget: int
+) -> list[MeshShape | None]:
+    """A shape for each kind; None for those that do without texels, which `bare` (K,) collects.
+
+    Those in it stay there, whatever texels the others get.
+    """
+    sizes_m = _texel_sizes_m(kinds, texel_m, budget)
+    charts = [
+        None if none else charts_of(kind.surface, size_m)
+        for kind, size_m, none in zip(kinds, sizes_m.tolist(), bare.tolist(), strict=True)
     ]
+    cost = np.array([0.0 if each is None else each.texels for each in charts])
+    within = np.array([kind.area_m2 for kind in kinds]) / sizes_m**2
+    count = np.array([kind.count for kind in kinds])
+    beside = np.maximum(cost - within, 0.0) * count
+    full = np.divide(within, cost, out=np.ones_like(within), where=cost > 0.0)
+    thin = (full < _THIN) & (cost * count > _TRIFLE * budget)
+    excess = beside[~thin].sum() - _MOST_BESIDE * budget
+    areas_m2 = count * [kind.area_m2 for kind in kinds]
+    kept_m2 = areas_m2[~bare].sum() - _MOST_BARE * areas_m2.sum()
+    for kind in np.argsort(full, kind="stable"):
+        gives_way = thin[kind] or (excess > 0.0 and full[kind] < _SPARSE)
+        if gives_way and not bare[kind] and areas_m2[kind] <= kept_m2:
+            bare[kind] = True
+            kept_m2 -= areas_m2[kind]
+            excess -= 0.0 if thin[kind] else beside[kind]
+    return [
+        None if each is None or none else shape_of(kind.surface, each, size_m)
+        for kind, each, size_m, none in zip(
+            kinds, charts, sizes_m.tolist(), bare.tolist(), strict=True
+        )
+    ]
+
+
+def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArray:
+    """The edge of a texel on each kind: smaller where a surface has finer triangles.
+
+    A landscape's tiles, and what is round, are as fine in the map as they were modelled, if the
+    budget allows. What falls into pieces tells nothing by its triangles' size.
+    """
+    count = np.array([kind.count for kind in kinds])
+    triangles = np.array([len(kind.surface.areas_m2) for kind in kinds])
+    groups = np.array([len(kind.surface.groups.direction) for kind in kinds])
+    fine = np.where(groups * _TRIANGLES_A_GROUP <= triangles, triangles, 0)
+    share = min(1.0, _FINE * budget / max(int((fine * count).sum()), 1))
+    least_m = [
+        np.sqrt(kind.area_m2 / (share * each)) if each else texel_m
+        for kind, each in zip(kinds, fine.tolist(), strict=True)
+    ]
+    long_m = np.array([kind.surface.least_texel_m for kind in kinds])
+    return np.maximum(np.minimum(texel_m, least_m), np.maximum(long_m, 1e-3 * texel_m))
 
 
 def _kinds(geometry: SceneGeometry) -> tuple[list[_Kind], NDArray[np.int64]]:
@@ -108,7 +159,8 @@ def _kinds(geometry: SceneGeometry) -> tuple[list[_Kind], NDArray[np.int64]]:
     of = np.empty(len(geometry.part_mesh.values), np.int64)
     for part, mesh in enumerate(geometry.part_mesh.values.tolist()):
         stretch = _stretch(geometry.world_from_part.values[part, :3, :3])
-        exponent = int(np.ceil(np.log2(max(np.abs(stretch).max(), 1e-300))))
+        # Round numbers, which scales often are, lie far from where this steps.
+        exponent = round(float(np.log2(max(np.abs(stretch).max(), 1e-300))))
         steps = np.round(stretch / (2.0**exponent * _SAME)).astype(np.int64)
         key = (mesh, exponent, *steps.reshape(-1).tolist())
         of[part] = numbers.setdefault(key, len(stretches))

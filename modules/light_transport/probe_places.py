@@ -12,6 +12,8 @@ from vrut_lite.daylight.light_map import ProbeGrid
 from vrut_lite.numeric_types import BoolArray, FloatArray, Vector
 
 _MOST_PROBES, _MOST_A_SIDE = 2048, 64
+# A box that is thinner, in steps, is a sheet.
+_FLAT = 1e-3
 
 
 def probe_grid(lower_m: FloatArray, upper_m: FloatArray, least_step_m: float) -> ProbeGrid:
@@ -28,8 +30,9 @@ def probe_grid(lower_m: FloatArray, upper_m: FloatArray, least_step_m: float) ->
     counts = _counts(size, step)
     # The outermost stand an eighth of a step within the box, and above what it stands on; a flat
     # box gets probes on both sides of it.
-    steps = np.where(size > 0.0, size / (counts - 0.75), step)
-    lower = np.where(size > 0.0, lower_m + 0.125 * steps, lower_m - 0.5 * steps)
+    flat = size < _FLAT * step
+    steps = np.where(flat, step, size / (counts - 0.75))
+    lower = np.where(flat, lower_m - 0.5 * steps, lower_m + 0.125 * steps)
     return ProbeGrid(lower_m=_vector(lower), step_m=_vector(steps), counts=_whole(counts))
 
 

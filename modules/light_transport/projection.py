@@ -18,9 +18,9 @@ _TURNS = 15
 
 @kernel
 def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-def]
-    """Places (F, 3, 2) of corners in their group's plane, and a rectangle (G, 2) about each group.
+    """Places (F, 3, 2) of corners in their group's plane, and how high (F, 3) they are above it.
 
-    Groups are turned to fill a lying rectangle best.
+    Groups are turned to fill a lying rectangle best; its size (G, 2) comes third.
 
     Args:
         group, direction: see `facing_groups.Groups`.
@@ -36,7 +36,7 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
         u = np.cross(seldom, n)
         axes[g, 0] = u / np.sqrt(dot(u, u))
         axes[g, 1] = np.cross(n, axes[g, 0])
-    uv = np.empty((len(group), 3, 2))
+    uv, heights = np.empty((len(group), 3, 2)), np.empty((len(group), 3))
     longest = np.zeros(groups)
     # The directions that are tried, the first of them along the longest border.
     turn = np.zeros((groups, 1 + _TURNS, 2))
@@ -46,6 +46,7 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
         for k in range(3):
             uv[f, k, 0] = dot(corners[f, k], axes[g, 0])
             uv[f, k, 1] = dot(corners[f, k], axes[g, 1])
+            heights[f, k] = dot(corners[f, k], direction[g])
         for e in range(3):
             if opposite[f, e] < 0 or group[opposite[f, e] // 3] != g:
                 du = uv[f, (e + 1) % 3, 0] - uv[f, e, 0]
@@ -103,4 +104,4 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
             for k in range(2):
                 at = uv[f, c, k] + lower[group[f], 0, k]
                 uv[f, c, k] = np.round(at * STEPS_PER_PX) / STEPS_PER_PX
-    return uv, sizes
+    return uv, heights, sizes

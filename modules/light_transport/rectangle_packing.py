@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
 
-# Room left between rectangles, as a share of their area, when the width is chosen.
-_WASTE = 1.06
+# Widths that are tried, in edges of the square that would just hold all.
+_WIDTHS = (1.03, 0.75, 0.85, 0.95, 1.1, 1.2, 1.35)
+# Of more rectangles the first width will do: small ones fill what large ones leave.
+_MANY = 2000
 
 
 class Packed(NamedTuple):
@@ -22,20 +24,26 @@ class Packed(NamedTuple):
     size: tuple[int, int]
 
 
-def pack(sizes: NDArray[np.int32], widest: int, aspect: float = 1.0) -> Packed:
+def pack(sizes: NDArray[np.int32], widest: int) -> Packed:
     """Places for rectangles of these sizes (N, 2), none of which overlap.
 
     Args:
         sizes: width and height of each, at least one.
         widest: no place reaches beyond it, unless a rectangle is wider itself.
-        aspect: width over height that the whole should have.
     """
     if not len(sizes):
         return Packed(np.empty((0, 2), np.int32), (0, 0))
-    area = float(np.prod(sizes.astype(np.int64), axis=1).sum())
-    wanted = math.ceil(math.sqrt(_WASTE * area * aspect))
-    width = max(int(sizes[:, 0].max()), min(wanted, widest))
+    edge = math.sqrt(float(np.prod(sizes.astype(np.int64), axis=1).sum()))
     order = np.lexsort((-sizes[:, 0], -sizes[:, 1])).astype(np.int64)
+    tried = [
+        _packed(sizes, order, min(math.ceil(width * edge), widest))
+        for width in (_WIDTHS if len(sizes) <= _MANY else _WIDTHS[:1])
+    ]
+    return min(tried, key=lambda packed: packed.size[0] * packed.size[1])
+
+
+def _packed(sizes: NDArray[np.int32], order: NDArray[np.int64], width: int) -> Packed:
+    width = max(width, int(sizes[:, 0].max()))
     corners = _skyline(np.ascontiguousarray(sizes, np.int64), order, width)
     far = (corners + sizes).max(axis=0)
     return Packed(corners.astype(np.int32), (int(far[0]), int(far[1])))

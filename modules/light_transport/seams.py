@@ -7,13 +7,10 @@ map lets light pass between these pairs as between texels side by side, so that 
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import dot, kernel
+from light_transport.kernels import agree, kernel
 from light_transport.texel_owners import UNUSED
 from light_transport.welding import NO_EDGE, opposite_edges, welded
 from vrut_lite.numeric_types import Float32Array, FloatArray
-
-# Least cosine between the shading normals on both sides of an edge that is smooth (10 degrees).
-_SMOOTH = 0.985
 
 
 def seam_texels(
@@ -27,7 +24,8 @@ def seam_texels(
 
     Beside each place of the edge, half a texel apart, both charts have a texel within the border
     and one beyond it. The texels within are a pair, and so is each texel beyond with the other
-    chart's within, which lies at about the same place.
+    chart's within, which lies at about the same place: a texel that no triangle covers may take
+    that one's light.
 
     Args:
         corners_m, normals: (F, 3, 3), of triangles in one frame.
@@ -67,10 +65,7 @@ def _pairs(opposite, normals, uv, chart, texel_chart):  # type: ignore[no-untype
             if opposite[f, e] == NO_EDGE or g < f or chart[f] == chart[g]:
                 continue
             after, beyond = (e + 1) % 3, (d + 1) % 3
-            if (
-                dot(normals[f, e], normals[g, beyond]) < _SMOOTH
-                or dot(normals[f, after], normals[g, d]) < _SMOOTH
-            ):
+            if not agree(normals, f, e, g, d):
                 continue
             long = max(_length(uv[f, e], uv[f, after]), _length(uv[g, d], uv[g, beyond]))
             steps = int(np.ceil(2.0 * long)) + 1

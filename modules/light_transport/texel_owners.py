@@ -4,13 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
-from light_transport.overlaps import signed_area
+from light_transport.nearest_place import REACH_PX, nearest
 from vrut_lite.numeric_types import FloatArray
 
 UNUSED = -1
-# A bilinear look-up on a triangle meets texels whose middles lie less than one texel across and one
-# down beside it: 1.42 along the diagonal, and what `MARGIN_PX` adds.
-REACH_PX = 1.51
 
 
 def texel_owners(
@@ -38,6 +35,7 @@ def texel_owners(
 def _owners(uv, chart, corners, sizes, width, height):  # type: ignore[no-untyped-def]
     owner = np.full((height, width), UNUSED, np.int32)
     nearest2 = np.full((height, width), REACH_PX * REACH_PX)
+    level = np.zeros(3)
     for f in range(len(uv)):
         a = uv[f]
         c = chart[f]
@@ -48,26 +46,8 @@ def _owners(uv, chart, corners, sizes, width, height):  # type: ignore[no-untype
         for y in range(top, bottom):
             for x in range(left, right):
                 if nearest2[y, x] > 0.0:
-                    distance2 = _distance2(a, x + 0.5, y + 0.5)
+                    distance2 = nearest(a, level, x + 0.5, y + 0.5)[0]
                     # Among equally near ones the first.
                     if distance2 < nearest2[y, x]:
                         nearest2[y, x], owner[y, x] = distance2, f
     return owner
-
-
-@kernel
-def _distance2(corners, x, y):  # type: ignore[no-untyped-def]
-    """Square of the distance of a point from a triangle, 0 within."""
-    area = signed_area(corners[0], corners[1], corners[2, 0], corners[2, 1])
-    inside = area != 0.0
-    least = np.inf
-    for e in range(3):
-        a, b = corners[e], corners[(e + 1) % 3]
-        if signed_area(a, b, x, y) * area < 0.0:
-            inside = False
-        du, dv = b[0] - a[0], b[1] - a[1]
-        along, length2 = (x - a[0]) * du + (y - a[1]) * dv, du * du + dv * dv
-        share = min(max(along / length2, 0.0), 1.0) if length2 > 0.0 else 0.0
-        across, down = x - a[0] - share * du, y - a[1] - share * dv
-        least = min(least, across * across + down * down)
-    return 0.0 if inside else least

@@ -49,9 +49,10 @@ def _firsts_of_rows(rows, scatter):  # type: ignore[no-untyped-def]
     first = np.empty(count, np.int32)
     for i in range(count):
         key = np.uint64(0)
-        for k in range(3):
-            key = (key ^ rows[i, k]) * scatter[k]
-            key ^= key >> np.uint64(29)
+        # Round numbers have bits at one end alone, which two rounds more spread over all.
+        for k in range(5):
+            key = (key ^ rows[i, k % 3]) * scatter[k % 3]
+            key ^= key >> np.uint64(32)
         slot = key & mask
         while True:
             other = table[slot]

@@ -4,6 +4,7 @@ from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
@@ -33,5 +34,7 @@ DERIVED: tuple[type[Derived], ...] = (
     CloudsChanged,
     AmbientChanged,
     GpuJob,
+    LightMapLaid,
+    SurfaceLightChanged,
 )
 DAYLIGHT_MESSAGES: tuple[type[Message], ...] = INPUTS + DERIVED
