@@ -7,7 +7,7 @@ import msgspec
 from vrut_lite.kernel.settings import setting
 
 # What stands for what is no metal: see `PathTracerSettings.surfaces`.
-SurfaceModel = Literal["gltf", "bare", "principled"]
+SurfaceModel = Literal["layered", "gltf", "bare", "principled"]
 
 
 class PathTracerSettings(msgspec.Struct, frozen=True):

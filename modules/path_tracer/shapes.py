@@ -128,7 +128,7 @@ def _mesh(
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
     if colours is not None:
-        painted = painted_vertices(material, layer, colours)
+        painted = painted_vertices(material, layer, colours, model)
         made.add_attribute(VERTEX_COLOUR, painted.shape[1], painted.ravel())
     return made
 

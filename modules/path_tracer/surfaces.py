@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from path_tracer.layered import PLUGIN, register
 from path_tracer.settings import SurfaceModel
 from path_tracer.textures import Maps, maps_of
 from vrut_lite.daylight.scene_content import Material
@@ -53,7 +54,9 @@ def surface(
     """
     maps = maps_of(material, layer)
     metallic = _number_or_map(mitsuba, material.metallic, maps.metallic)
-    if model == "principled" or metallic == 1.0:
+    if model == "layered":
+        paint = _layered(mitsuba, material, maps, vertex_colours, metallic)
+    elif model == "principled" or metallic == 1.0:
         paint = _burleys(mitsuba, material, maps, vertex_colours, metallic)
     else:
         painted = _coated if model == "gltf" else _bare
@@ -84,13 +87,15 @@ def emission(mitsuba: Any, material: Material, layer: int, repeats: bool) -> Plu
 
 
 def painted_vertices(
-    material: Material, layer: int, vertex_colours: NDArray
+    material: Material, layer: int, vertex_colours: NDArray, model: SurfaceModel = "gltf"
 ) -> NDArray[np.float32]:
     """The mesh's attribute for `surface` from vertices' colours (V, 4): colours (V, 3) or weights.
 
     Under a map, colours of one hue are weights (V, 1). To colours of many hues it lends its mean
     hue; where it has many itself, no channel of the product goes beyond 1.
     """
+    if model == "layered":
+        return np.asarray(vertex_colours[:, :3], np.float32)
     texels = maps_of(material, layer).base_colour
     if texels is None:
         return np.asarray(vertex_colours[:, :3] * material.base_colour_rgba[:3], np.float32)
@@ -104,6 +109,30 @@ def painted_vertices(
 def colours_vary(vertex_colours: NDArray) -> bool:
     """Whether colours (V, 4) of a mesh's vertices are more than one."""
     return bool(np.any(np.ptp(vertex_colours[:, :3], axis=0) > _SAME_COLOUR))
+
+
+def _layered(
+    mitsuba: Any,
+    material: Material,
+    maps: Maps,
+    vertex_colours: NDArray | None,
+    metallic: Any,
+) -> Plugin:
+    """The GL frame's own surface: vertices' colours multiply the base colour, map or not."""
+    register(mitsuba.variant())
+    tint = np.ones(3) if vertex_colours is None else vertex_colours[0, :3]
+    varies = vertex_colours is not None and colours_vary(vertex_colours)
+    texels = maps.base_colour
+    if texels is None:
+        texels = np.asarray(material.base_colour_rgba[:3], np.float32)[None, None]
+    colour = texels if varies else np.asarray(texels * tint, np.float32)
+    made = {
+        "type": PLUGIN,
+        "base_color": _bitmap(mitsuba, colour),
+        "roughness": _number_or_map(mitsuba, material.roughness, maps.roughness),
+        "metallic": metallic,
+    }
+    return {**made, "tint": {"type": "mesh_attribute", "name": VERTEX_COLOUR}} if varies else made
 
 
 def _burleys(
