@@ -156,8 +156,8 @@ def register(variant: str) -> None:
             return drawn, dr.select(found, value / dr.maximum(density, 1e-20), 0.0)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            base, _, metallic = self._material(si, active)
-            return base * (1.0 - metallic)
+            # What a denoiser is guided by: of metals their colour.
+            return self._material(si, active)[0]
 
     def _grazing(clip: Any, largest: Any) -> Any:
         return clip(_GRAZING_SLOPE * largest, 0.0, 1.0)
