@@ -16,7 +16,7 @@ DRAWN = ("street.toml", "large/hall.toml", "work/indoor.glb", "pavilion.gltf", "
 HOURS = ("07:00", "12:30", "20:00")
 SIZE = (240, 150)
 # Light through windows is found by few paths: 1 % of region means needs so many.
-SAMPLES, INDOOR_SAMPLES = 8, 8
+SAMPLES, INDOOR_SAMPLES = 64, 128
 _INDOOR_WORDS = ("hall", "indoor", "room", "corridor", "stair", "bleeding")
 
 
