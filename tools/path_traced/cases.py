@@ -15,9 +15,11 @@ DRAWN = ("street.toml", "large/hall.toml", "work/indoor.glb", "pavilion.gltf", "
          "large/terrain.toml", "sundial.toml", "work/ground.glb")  # fmt: skip
 HOURS = ("07:00", "12:30", "20:00")
 SIZE = (240, 150)
-# Light through windows is found by few paths: 1 % of region means needs so many.
-SAMPLES, INDOOR_SAMPLES = 64, 128
-_INDOOR_WORDS = ("hall", "indoor", "room", "corridor", "stair", "bleeding")
+# Of a truth, per pixel: region means are then right to well below 1 %. Light through windows is
+# found by few paths.
+SAMPLES = 32
+MORE_SAMPLES = {"street": 64, "hall": 128, "indoor": 128, "staircase": 64, "corridor": 64,
+                "thin_room": 64, "colour_bleeding": 64}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,7 @@ class Case:
     @property
     def samples(self) -> int:
         """Of a truth, per pixel."""
-        is_indoor = any(word in Path(self.scene).stem for word in _INDOOR_WORDS)
-        return INDOOR_SAMPLES if is_indoor else SAMPLES
+        return MORE_SAMPLES.get(Path(self.scene).stem, SAMPLES)
 
     @cached_property
     def project(self) -> Project:
