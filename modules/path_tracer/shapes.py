@@ -94,7 +94,7 @@ class _Skin(NamedTuple):
 
 
 class _Bsdfs:
-    """One BSDF for all meshes of a material: a llvm kernel has code and texels of each only once."""
+    """One BSDF for all meshes of a material, so that llvm kernels compile in seconds."""
 
     def __init__(self, mitsuba: Any, model: SurfaceModel):
         self._mitsuba, self._model = mitsuba, model

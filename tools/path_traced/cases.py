@@ -62,12 +62,14 @@ class Case:
     def content(self) -> str:
         """Digest of the scene's file and of the project that frames it."""
         digest = hashlib.blake2b(digest_size=4)
-        for path in {str(SCENES / self.scene), self.project.scene}:
+        for path in sorted({str(SCENES / self.scene), self.project.scene}):
             digest.update(Path(path).read_bytes())
         return digest.hexdigest()
 
 
-def states(scene: str, sky: str, hours: tuple[str, ...] = HOURS) -> Iterator[tuple[Case, SceneState]]:
+def states(
+    scene: str, sky: str, hours: tuple[str, ...] = HOURS
+) -> Iterator[tuple[Case, SceneState]]:
     """What is to be drawn at each hour, by one kernel."""
     cases = [Case(scene, sky, hour) for hour in hours]
     host = EngineHost("path-tracer", cases[0].project)

@@ -1,6 +1,6 @@
 """A truth without its grain, by Intel's Open Image Denoise (Afra 2024), for FLIP alone.
 
-Region means are taken of the traced picture, which is right in the mean; a denoised one need not be.
+Region means are of the traced picture: it is right in the mean, a denoised one need not be.
 """
 
 import mitsuba_oidn
@@ -10,17 +10,18 @@ from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 
 from tools.path_traced.cases import Case
-from tools.path_traced.truths import Arrays, Picture, fastest_variant, kept
+from tools.path_traced.truths import Arrays, Picture, kept
 from vrut_lite.daylight.scene_state import SceneState
 
+GUIDES_NAME = "guides"
 _GUIDE_SAMPLES = 32
 
 
 def guides_of(case: Case, state: SceneState) -> Arrays:
     """Colours and normals that the eye meets, from disk if known."""
-    settings = PathTracerSettings(surfaces="layered", variant=fastest_variant())
+    settings = PathTracerSettings(surfaces="layered")
     return kept(
-        case, "guides", lambda: guides(Subject(state), settings, _GUIDE_SAMPLES)._asdict()
+        case, GUIDES_NAME, lambda: guides(Subject(state), settings, _GUIDE_SAMPLES)._asdict()
     )
 
 

@@ -17,6 +17,7 @@ from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
 
+REGIONS_NAME = "regions"
 REGIONS = ("sunlit", "shadowed", "sky")
 _SAMPLES = 8
 _FEWEST_PIXELS = 100
@@ -25,7 +26,7 @@ Mask = NDArray[np.bool_]
 
 def regions_of(case: Case, state: SceneState) -> dict[str, Mask]:
     """Masks (h, w) of REGIONS without pixels at their edges, from disk if known."""
-    return kept(case, "regions", lambda: dict(_regions(state)))
+    return kept(case, REGIONS_NAME, lambda: dict(_regions(state)))
 
 
 def _regions(state: SceneState) -> dict[str, Mask]:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from tools.path_traced.cases import DRAWN, states
 from tools.path_traced.denoising import guides_of
 from tools.path_traced.regions import regions_of
-from tools.path_traced.truths import OTHER_TRUTH, TRUTH, Recipe, is_kept, truth
+from tools.path_traced.truths import OTHER_TRUTH, TRUTH, Recipe, known_truth, truth
 from tools.pictures.drawing import SKIES
 
 
@@ -19,7 +19,7 @@ def fill(scenes: Sequence[str], sky: str, recipe: Recipe) -> None:
     """Trace these scenes at all hours."""
     for scene in scenes:
         for case, state in states(scene, sky):
-            if is_kept(case, recipe, case.samples):
+            if known_truth(case, recipe, case.samples) is not None:
                 continue
             began = time.process_time()
             truth(case, state, recipe, case.samples)

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from path_tracer.library import safe_library
 from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
@@ -21,7 +20,6 @@ from path_tracer.tracer import Tracer
 from tools.path_traced.cases import Case
 from vrut_lite.daylight.darkness import no_ambient, no_background, no_sun
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.errors import UserError
 
 Light = Literal["all", "sun", "sky"]
 Picture = NDArray[np.float32]
@@ -49,27 +47,42 @@ class Recipe:
 
 
 TRUTH, OTHER_TRUTH = Recipe(), Recipe(seed=1)
+# Light that met one surface, and of it the sun's; and that without coats and half shadows.
+DIRECT, SUN = Recipe(max_bounces=1), Recipe(light="sun", max_bounces=1)
+BARE_SUN = Recipe(light="sun", surfaces="bare", sun="sharp", max_bounces=1)
+DIRECT_SAMPLES = 24
 
 
 def truth(case: Case, state: SceneState, recipe: Recipe, samples: int) -> Picture:
     """The mean radiance (h, w, 3) of so many samples, from disk if it was traced before."""
-    name = f"{recipe.name}-{samples}"
+    name = _name(recipe, samples)
     return kept(case, name, lambda: {"radiance": traced(state, recipe, samples)})["radiance"]
 
 
-def is_kept(case: Case, recipe: Recipe, samples: int) -> bool:
-    """Whether a picture is on disk."""
-    return _path(case, f"{recipe.name}-{samples}").exists()
+def known_truth(case: Case, recipe: Recipe, samples: int) -> Picture | None:
+    """The same if it is on disk."""
+    found = known(case, _name(recipe, samples))
+    return None if found is None else found["radiance"]
 
 
 def kept(case: Case, name: str, make: Callable[[], Arrays]) -> Arrays:
     """Arrays from disk, or made and written there whole."""
-    path = _path(case, name)
-    if not path.exists():
+    found = known(case, name)
+    if found is None:
+        path = _path(case, name)
         path.parent.mkdir(parents=True, exist_ok=True)
         begun = path.with_name(f"{path.stem}.{os.getpid()}.begun.npz")
-        np.savez(begun, **make())
+        found = make()
+        np.savez(begun, allow_pickle=False, **found)
         begun.replace(path)
+    return found
+
+
+def known(case: Case, name: str) -> Arrays | None:
+    """Arrays from disk, or None."""
+    path = _path(case, name)
+    if not path.exists():
+        return None
     with np.load(path) as found:
         return {key: found[key] for key in found.files}
 
@@ -81,7 +94,6 @@ def traced(state: SceneState, recipe: Recipe, samples: int) -> Picture:
         max_bounces=recipe.max_bounces,
         sun=recipe.sun,
         surfaces=recipe.surfaces,
-        variant=fastest_variant(),
     )
     tracer = Tracer(Subject(lit_by(state, recipe.light)), settings)
     picture = tracer.trace(recipe.seed * _SEED_STEP, samples)
@@ -96,13 +108,8 @@ def lit_by(state: SceneState, light: Light) -> SceneState:
     return replace(state, key_light=no_sun()) if light == "sky" else state
 
 
-def fastest_variant() -> Literal["scalar", "llvm"]:
-    """In `scalar` the frame's own surfaces take some sixty times as long."""
-    try:
-        safe_library()
-    except UserError:
-        return "scalar"
-    return "llvm"
+def _name(recipe: Recipe, samples: int) -> str:
+    return f"{recipe.name}-{samples}"
 
 
 def _path(case: Case, name: str) -> Path:

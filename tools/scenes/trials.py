@@ -60,7 +60,7 @@ def courtyard() -> bytes:
 
 
 def staircase() -> bytes:
-    """A well 6 m high: a straight flight, and steps that wind about a pole; a window, a skylight."""
+    """A well 6 m high with a straight flight and a winding one, a window and a skylight."""
     writer = GltfWriter()
     plaster = writer.material("plaster", (0.75, 0.74, 0.71))
     oak = writer.material("oak", (0.38, 0.26, 0.15), roughness=0.4)
@@ -146,7 +146,7 @@ def thin_room() -> bytes:
 
 
 def colour_bleeding() -> bytes:
-    """A white room with a red wall in the north and a green one in the south, a window westwards."""
+    """A white room with a red wall in the north, a green one in the south, a western window."""
     writer = GltfWriter()
     white = writer.material("white", (0.78, 0.78, 0.76))
     red = writer.material("red", (0.60, 0.05, 0.04))
@@ -159,9 +159,7 @@ def colour_bleeding() -> bytes:
         box((-half - 0.2, high, -half - 0.2), (half + 0.2, high + 0.2, half + 0.2)),
         box((-half - 0.2, -0.1, -half - 0.2), (half + 0.2, 0.001, half + 0.2)),
     ])  # fmt: skip
-    ends = [
-        box((-half - 0.2, 0.0, z), (half + 0.2, high, z + 0.2)) for z in (-half - 0.2, half)
-    ]
+    ends = [box((-half - 0.2, 0.0, z), (half + 0.2, high, z + 0.2)) for z in (-half - 0.2, half)]
     writer.place("shell", writer.mesh("shell", [(shell, white)]))
     writer.place("north", writer.mesh("north", [(ends[0], red)]))
     writer.place("south", writer.mesh("south", [(ends[1], green)]))
@@ -179,7 +177,9 @@ def loggia() -> bytes:
     plaster = writer.material("plaster", (0.70, 0.62, 0.48), roughness=0.9)
     stone = writer.material("stone", (0.55, 0.53, 0.50), roughness=0.6)
     tiles = writer.material("tiles", (0.42, 0.20, 0.13), roughness=0.35)
-    house = joined([box((0.0, 0.0, -5.0), (3.0, 4.2, 5.0)), box((-3.2, 0.0, -5.3), (0.0, 4.2, -5.0))])
+    house = joined(
+        [box((0.0, 0.0, -5.0), (3.0, 4.2, 5.0)), box((-3.2, 0.0, -5.3), (0.0, 4.2, -5.0))]
+    )
     roof = box((-3.4, 3.5, -5.3), (0.0, 3.8, 5.2))
     pillar = lathe([(0.22, 0.0), (0.22, 0.2), (0.16, 0.25), (0.14, 3.2), (0.24, 3.5)], 24)
     rail = box((-3.2, 0.0, -5.0), (-3.0, 0.9, -1.0))
@@ -233,7 +233,9 @@ def _wedge(
     sides = []
     for number, (x, z) in enumerate(corners):
         next_x, next_z = corners[(number + 1) % 4]
-        sides.append(polygon([(x, low, z), (next_x, low, next_z), (next_x, top, next_z), (x, top, z)]))
+        sides.append(
+            polygon([(x, low, z), (next_x, low, next_z), (next_x, top, next_z), (x, top, z)])
+        )
     upper = polygon([(x, top, z) for x, z in corners])
     lower = polygon([(x, low, z) for x, z in corners[::-1]])
     return joined([upper, lower, *sides])
