@@ -69,7 +69,7 @@ def _layered(mi: Any) -> Any:
     last = table.shape[0] - 1
     glossy, diffuse = +mi.BSDFFlags.GlossyReflection, +mi.BSDFFlags.DiffuseReflection
 
-    class Layered(mi.BSDF):  # type: ignore[misc]
+    class Layered(mi.BSDF):
         """A metallic-roughness surface; black from behind."""
 
         def __init__(self, properties: Any):
