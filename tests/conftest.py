@@ -3,6 +3,8 @@
 import functools
 import gc
 import importlib.metadata
+import sys
+from collections import OrderedDict
 from types import SimpleNamespace
 
 import hypothesis
@@ -42,6 +44,37 @@ def pytest_addoption(parser):
     parser.addoption("--scene-cycles", type=int, default=12, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.05, help="minutes of play at 60 Hz")
     parser.addoption("--stress-scale", type=float, default=0.15, help="times more inputs")
+
+
+_SOLVED = OrderedDict()
+_KEPT = 12
+
+
+def pytest_runtest_setup():
+    """Tests of a process share solved atmospheres, as soon as something has loaded the solver.
+
+    That the solver finds the same digits again is held by the journals in tests/replays, each of
+    another process, and by tests/test_sums_in_order.py.
+    """
+    job = sys.modules.get("bruneton_sky.solver_job")
+    if job is None or hasattr(job.solve, "solves"):
+        return
+    solve = job.solve
+
+    def solve_once(*arguments, progress=None, **named):
+        key = (arguments, tuple(sorted(named.items())))
+        if key in _SOLVED:
+            _SOLVED.move_to_end(key)
+            if progress is not None:
+                progress(1.0)
+        else:
+            _SOLVED[key] = solve(*arguments, progress=progress, **named)
+            while len(_SOLVED) > _KEPT:
+                _SOLVED.popitem(last=False)
+        return _SOLVED[key]
+
+    solve_once.solves = solve
+    job.solve = solve_once
 
 
 def pytest_configure(config):

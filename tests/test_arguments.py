@@ -150,7 +150,7 @@ def test_non_numbers_are_refused_by_parameter_name(tables, parameter):
         (lambda: preset(["mars-like"]), "no atmosphere"),
         (lambda: precompute(None), "atmosphere must be of the class Atmosphere, not None"),
         (lambda: precompute(EARTH, progress=print.__name__), "progress must be a function"),
-        (lambda: precompute(EARTH, cache="/tmp"), "cache must be of the class TableCache"),
+        (lambda: precompute(EARTH, cache="/tmp"), "cache must be of the class ArrayCache"),
         (lambda: precompute(EARTH, 10**9), "orders must lie between 1 and 1000"),
         (lambda: precompute(EARTH, sizes=(4, 8)), "sizes must be of the class TableSizes"),
         (

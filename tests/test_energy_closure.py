@@ -125,7 +125,7 @@ def test_the_bruneton_sky_publishes_all_its_light(publish, at):
     np.testing.assert_allclose(sky + sun, own, rtol=0.01)
 
 
-def normals_all_around(count=800):
+def normals_all_around(count=300):
     """Directions (count, 3) on a golden spiral."""
     y = 1.0 - (2.0 * np.arange(count) + 1.0) / count
     turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))

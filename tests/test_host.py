@@ -7,7 +7,6 @@ import pytest
 import trimesh
 
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel, demand_light
-from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
@@ -150,16 +149,3 @@ def test_a_failing_scene_does_not_end_the_host(tmp_path):
             with pytest.raises(UserError):
                 host.settle()
         host.load(str(path))
-
-
-@pytest.mark.gl
-def test_a_closed_room_is_drawn_before_any_light():
-    """A closed room in a new host, before any time is set, shows its own lamps."""
-    from vrut_lite.host import Host
-
-    with Host() as host:
-        host.inject(Resize(width_px=32, height_px=24))
-        host.load(str(SCENES / "work" / "room.glb"))
-        picture = host.draw()
-    assert np.isfinite(picture.radiance).all()
-    assert picture.radiance.max() > 0.0

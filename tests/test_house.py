@@ -60,6 +60,7 @@ def files():
     return {name: path for package in PACKAGES for name, path in sources(package)}
 
 
+@cache
 def imported(name):
     """Names of our own python modules that a file imports anywhere in it."""
     found = set()

@@ -15,7 +15,7 @@ from vrut_lite.project import Project, daylight_inputs, view_inputs
 pytestmark = pytest.mark.gl
 SUNDIAL = Path(__file__).parents[1] / "scenes" / "sundial.glb"
 HOURS = ("07:30", "10:00", "13:10", "15:45", "18:45")
-CAMERA_HEIGHT_M, HALF_VIEW_M, SIZE_PX = 40.0, 4.0, 400
+CAMERA_HEIGHT_M, HALF_VIEW_M, SIZE_PX = 40.0, 4.0, 240
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def shadow_azimuth_rad(radiance):
     brightness = luminance(radiance)
     # Excludes the gnomon, which covers its foot; the dial is plain out to 5 m.
     dark = (brightness < 0.6 * np.median(brightness)) & (distance > 0.2) & (distance < 3.9)
-    assert dark.sum() > 100, "no shadow in the picture"
+    assert dark.sum() > 30, "no shadow in the picture"
     return math.atan2((east / distance)[dark].mean(), (north / distance)[dark].mean())
 
 

@@ -17,6 +17,7 @@ PACKAGES = {
     "vrut_lite": ROOT / "vrut_lite",
     "dynamic_skylight": ROOT / "modules" / "dynamic_skylight",
     "clouds": ROOT / "modules" / "clouds",
+    "light_transport": ROOT / "modules" / "light_transport",
     "path_tracer": ROOT / "modules" / "path_tracer",
     "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
     "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",

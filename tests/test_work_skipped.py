@@ -26,7 +26,7 @@ PLAYED = {
 LATERS = (timedelta(0), timedelta(0), timedelta(seconds=1), timedelta(minutes=20))
 # What each scene spares in full, of the work that frames do.
 SPARED = {
-    "closed room": {"reflection slice", "shadow map", "sky sample"},
+    "closed room": {"sky sample"},
     "camera to the ground": {"sky sample"},
     "small indoor scene": {"sky sample"},
     "planet-sized": set(),
@@ -72,7 +72,6 @@ def test_pictures_stay_while_work_goes(plays, name):
     [
         ("sky", "small indoor scene", "sky sample"),
         ("reflection", "small indoor scene", "reflection slice"),
-        ("unlit", "closed room", "reflection slice"),
     ],
 )
 def test_a_skip_that_is_switched_off_shows_in_the_ledger(plays, skip, name, work):

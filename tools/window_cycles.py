@@ -72,7 +72,7 @@ class Cycles:
         window.resize(*SIZE)
         window.show()
         session.start()
-        window.open_project(load_project("scenes/sundial.toml"))
+        window.files.open_project(load_project("scenes/sundial.toml"))
         self._until(lambda: session.shown is not None and session.shown.still)
         counts: list[int] = []
         session.ask(lambda stage: stage.gl_objects(), counts.append)  # type: ignore[attr-defined]

@@ -6,7 +6,7 @@ the message is called in the sentence, by default its type.
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, NoReturn, Protocol
 
@@ -109,12 +109,13 @@ def whole(message: object, name: str, low: int, high: int) -> None:
         _refuse(message, name, "", f"be a whole number from {low} to {high}", value)
 
 
-def wholes(message: object, name: str, low: int, high: int, most: int) -> None:
-    """Check that a field is a tuple of at most so many whole numbers from `low` to `high`."""
+def wholes(message: object, name: str, low: int, high: int, most: int, least: int = 0) -> None:
+    """Check that a field is a tuple of `least` to `most` whole numbers from `low` to `high`."""
     value = getattr(message, name)
-    fits = isinstance(value, tuple) and len(value) <= most
+    fits = isinstance(value, tuple) and least <= len(value) <= most
     if not (fits and all(is_whole(item) and low <= item <= high for item in value)):
-        _refuse(message, name, "", f"be {most} whole numbers from {low} to {high} at most", value)
+        many = f"{most}" if least == most else f"{least} to {most}"
+        _refuse(message, name, "", f"be {many} whole numbers from {low} to {high}", value)
 
 
 def text(message: object, *names: str) -> None:
@@ -181,6 +182,25 @@ def array(message: object, name: str, shape: tuple[int, ...], dtypes: Sequence[s
         kinds = " or ".join(str(np.dtype(kind)) for kind in dtypes)
         found = f"{value.shape} of {value.dtype}"
         _refuse_as(message, name, "", f"be an array ({wanted}) of {kinds}", found)
+
+
+def arrays(
+    message: object, expected: Mapping[str, tuple[str, tuple[int | str, ...]]], of: str = ""
+) -> None:
+    """Check that fields are arrays of these element types and shapes, of any length.
+
+    Element types are as numpy's `dtype.str`; in a shape equal letters stand for equal lengths.
+    """
+    lengths: dict[int | str, int] = {}
+    for name, (dtype, shape) in expected.items():
+        instance(message, name, Array)
+        found: Array = getattr(message, name)
+        fits = found.dtype.str == dtype and len(found.shape) == len(shape)
+        for wanted, length in zip(shape, found.shape, strict=False):
+            known = wanted if isinstance(wanted, int) else lengths.setdefault(wanted, length)
+            fits = fits and known == length
+        if not fits:
+            refuse(message, name, f"be {dtype} of shape {shape}", of)
 
 
 def contents(message: object, name: str, low: float, high: float) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.kernel.ledger import Ledger
@@ -87,15 +88,20 @@ class Host:
         still: bool = True,
         is_given_up: IsGivenUp | None = None,
         size_px: tuple[int, int] | None = None,
+        exposure: SetExposure | None = None,
     ) -> Picture:
-        """Draw the present state, `size_px` instead of the state's own size.
+        """Draw the present state, with `size_px` and `exposure` instead of the state's own.
 
         Raises:
             GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
         """
         state = self.state
-        size_px = size_px or state.size_px
-        drawn = replace(state, size_px=size_px, skips=self.frame_skips)
+        drawn = replace(
+            state,
+            size_px=size_px or state.size_px,
+            exposure=exposure or state.exposure,
+            skips=self.frame_skips,
+        )
         return self._backend.draw(drawn, still, is_given_up)
 
     @property

@@ -84,9 +84,14 @@ def background_cube(around: Surroundings, size: int) -> NDArray[np.float32]:
     return fill_cube(around.view, size, around.ground_radiance_rgb)
 
 
+def ground_cube(around: Surroundings, size: int) -> NDArray[np.float32]:
+    """The same as it is seen from the ground, where the scene is."""
+    return fill_cube(around.standing, size, around.ground_radiance_rgb)
+
+
 def ambient_coefficients(around: Surroundings) -> NDArray[np.float32]:
     """Harmonics (25, 3) of the irradiance on the scene by sky and ground, W m^-2."""
-    cube = fill_cube(around.standing, LIGHT_SIZE, around.ground_radiance_rgb)
+    cube = ground_cube(around, LIGHT_SIZE)
     return irradiance_coefficients(cube).astype(np.float32)
 
 

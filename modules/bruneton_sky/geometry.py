@@ -36,6 +36,20 @@ class Ray(NamedTuple):
         return (self.mu < 0) & (self.perigee_altitude_m <= 0)
 
 
+class RaysInAir(NamedTuple):
+    """Rays (n,) by the state where they are first inside the air.
+
+    `entry_m` is how far that is from where they start, 0 inside the air; of a ray that misses the
+    air the other values mean nothing.
+    """
+
+    altitude_m: FloatArray
+    mu: FloatArray
+    mu_s: FloatArray
+    entry_m: FloatArray
+    misses: NDArray[np.bool_]
+
+
 def make_ray(ground_radius_m: float, altitude_m: ArrayLike, mu: ArrayLike) -> Ray:
     """The ray from an altitude in a direction, with its perigee."""
     altitude = np.asarray(altitude_m, dtype=float)
@@ -133,6 +147,32 @@ def entry_to_air(
     half_chord = np.sqrt(np.maximum((top_radius - impact_m) * (top_radius + impact_m), 0.0))
     misses = (along_m >= 0.0) | (impact_m >= top_radius)
     return np.maximum(-along_m - half_chord, 0.0), -half_chord / top_radius, misses
+
+
+def rays_in_air(
+    ground_radius_m: float,
+    top_altitude_m: float,
+    altitude_m: FloatArray,
+    mu: FloatArray,
+    mu_s: FloatArray,
+    nu: FloatArray,
+) -> RaysInAir:
+    """Rays (n,) from any altitude, from where they are first inside the air."""
+    outside = altitude_m > top_altitude_m
+    radius, sine = ground_radius_m + altitude_m, np.sqrt((1.0 - mu) * (1.0 + mu))
+    entry, entry_mu, misses = entry_to_air(
+        ground_radius_m, top_altitude_m, radius * mu, radius * sine
+    )
+    entry = np.where(outside & ~misses, entry, 0.0)
+    altitude = np.minimum(altitude_m, top_altitude_m)
+    sun = np.clip((radius * mu_s + entry * nu) / (ground_radius_m + altitude), -1.0, 1.0)
+    return RaysInAir(
+        altitude,
+        np.where(outside, entry_mu, mu),
+        np.where(outside, sun, mu_s),
+        entry,
+        outside & misses,
+    )
 
 
 def in_earth_shadow(

@@ -8,6 +8,7 @@ from bruneton_sky.background import (
     Surroundings,
     ambient_coefficients,
     background_cube,
+    ground_cube,
     surroundings,
 )
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_at, spectral_atmosphere_of
@@ -110,6 +111,11 @@ class BrunetonLight(Sky):
     def background(self, size: int) -> Background:
         """The sky-view table as a cube map."""
         return background_with(self._around, background_cube(self._around, size))
+
+    def background_on_ground(self, size: int) -> Background:
+        """The table of an observer on the ground, which the ambient light is made from too."""
+        around = self._around
+        return Background(ground_cube(around, size), around.ground_radiance_rgb)
 
     def gpu_background(self, size: int) -> tuple[GpuJob, Background]:
         """The same table, laid onto the cube by the GPU."""

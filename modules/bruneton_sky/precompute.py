@@ -14,7 +14,6 @@ from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.view import sky_irradiance
 from bruneton_sky.solver.wavelength_groups import groups_of_air
-from bruneton_sky.tables.cache import TableCache
 from bruneton_sky.tables.parametrisations import (
     Coordinates,
     Year,
@@ -26,6 +25,7 @@ from bruneton_sky.tables.parametrisations import (
 from bruneton_sky.tables.sizes import TableSizes, refuse_fog, table_shapes
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.arguments import as_count, check_choice, check_type, shown
+from vrut_lite.array_cache import ArrayCache
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 Backend = Literal["cpu", "gpu"]
@@ -33,6 +33,8 @@ _MOST_ORDERS = 1000
 # Values of one table: 1 GiB in single precision, 80 times the published one.
 _MOST_VALUES = 1 << 28
 Progress = Callable[[float], None]
+# Changes whenever the same recipe gives other numbers.
+VERSION = 2
 # Share of the CPU's time when the atmosphere is solved, and when the irradiance is done.
 _SOLVED, _IRRADIANCE = 0.2, 0.25
 
@@ -43,7 +45,7 @@ def precompute(
     backend: Backend = "cpu",
     sizes: TableSizes | None = None,
     progress: Progress | None = None,
-    cache: TableCache | None = None,
+    cache: ArrayCache | None = None,
 ) -> Tables:
     """The tables of an atmosphere, in the parametrisation of 2017.
 
@@ -73,10 +75,10 @@ def precompute(
     if progress is not None and not callable(progress):
         raise ValueError(f"progress must be a function of the share done, not {shown(progress)}")
     if cache is not None:
-        check_type("cache", cache, TableCache)
+        check_type("cache", cache, ArrayCache)
     for name, shape in table_shapes(atmosphere, size).items():
         as_count(f"the number of values of the table {name}", math.prod(shape), 1, _MOST_VALUES)
-    recipe = (backend, atmosphere, orders, size)
+    recipe = (VERSION, backend, atmosphere, orders, size)
     # Arrays made in single precision stay so.
     arrays: dict[str, Any] | None = None if cache is None else cache.get(recipe)
     if arrays is None or _shapes(arrays) != table_shapes(atmosphere, size):

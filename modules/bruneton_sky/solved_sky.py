@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.background import background_cube, surroundings
-from bruneton_sky.geometry import entry_to_air
+from bruneton_sky.geometry import rays_in_air
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
 from bruneton_sky.ray_light import light_along
 from bruneton_sky.solver import SourceField
@@ -192,56 +191,24 @@ class SolvedSky:
             altitude_m=_altitudes(altitude_m), **cosines, distance_m=np.asarray(distance_m)
         )
         shape = (*rays[0].shape, len(air.wavelength_nm))
-        *inside, misses = _inside_air(air, *(part.ravel() for part in rays))
-        seen = np.flatnonzero(~misses)
+        *starts, distance = (part.ravel() for part in rays)
+        inside = rays_in_air(air.ground_radius_m, air.top_altitude_m, *starts)
+        within = np.maximum(distance - inside.entry_m, 0.0)
+        ways = inside.altitude_m, inside.mu, inside.mu_s, starts[3], within
+        seen = np.flatnonzero(~inside.misses)
         radiance, transmittance = (
-            np.zeros((misses.size, shape[-1])),
-            np.ones((misses.size, shape[-1])),
+            np.zeros((distance.size, shape[-1])),
+            np.ones((distance.size, shape[-1])),
         )
         for part in self._batches(seen.size):
             some = seen[part]
-            light = light_along(self.field, *(values[some] for values in inside[:5]))
+            light = light_along(self.field, *(values[some] for values in ways))
             radiance[some], transmittance[some] = light
         return radiance.reshape(shape), transmittance.reshape(shape)
 
     def _batches(self, count: int) -> Iterator[slice]:
         step = max(_BATCH // len(self.atmosphere.wavelength_nm), 1)
         return (slice(start, start + step) for start in range(0, count, step))
-
-
-class _Rays(NamedTuple):
-    """Rays (n,) from where they are first inside the air, and whether they never are."""
-
-    altitude_m: FloatArray
-    mu: FloatArray
-    mu_s: FloatArray
-    nu: FloatArray
-    distance_m: FloatArray
-    misses: NDArray[np.bool_]
-
-
-def _inside_air(
-    air: Atmosphere,
-    altitude_m: FloatArray,
-    mu: FloatArray,
-    mu_s: FloatArray,
-    nu: FloatArray,
-    distance_m: FloatArray,
-) -> _Rays:
-    ground, top = air.ground_radius_m, air.top_altitude_m
-    outside = altitude_m > top
-    radius, sine = ground + altitude_m, np.sqrt((1.0 - mu) * (1.0 + mu))
-    entry, entry_mu, misses = entry_to_air(ground, top, radius * mu, radius * sine)
-    entry = np.where(outside & ~misses, entry, 0.0)
-    sun = np.clip((radius * mu_s + entry * nu) / (ground + np.minimum(altitude_m, top)), -1.0, 1.0)
-    return _Rays(
-        np.minimum(altitude_m, top),
-        np.where(outside, entry_mu, mu),
-        np.where(outside, sun, mu_s),
-        nu,
-        np.maximum(distance_m - entry, 0.0),
-        outside & misses,
-    )
 
 
 def _altitudes(altitude_m: ArrayLike) -> FloatArray:

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.solver import SourceField, multiple_scattering, single_scattering_fast
+from bruneton_sky.solved_sky import SolvedSky
 from bruneton_sky.solver_job import solve_air
 from vrut_lite.kernel.job import JobControl
 from vrut_lite.numeric_types import Vector
@@ -38,18 +37,13 @@ def sky_spectrum(
 ) -> SkySpectrum:
     """The spectral radiance of the sky above the horizon, without the sun's disc.
 
-    The atmosphere has the wavelengths `SPECTRUM_NM`. Directions are unit vectors in world axes; an
-    observer above the air is moved to its top.
+    The atmosphere has the wavelengths `SPECTRUM_NM`. Directions are unit vectors in world axes.
     """
-    altitude_m = min(max(altitude_m, 0.0), atmosphere.top_altitude_m)
-    mu, mu_s = np.array([direction[1]]), float(np.clip(sun_direction[1], -1.0, 1.0))
-    nu = np.array([float(np.dot(direction, sun_direction))])
-    view = (_solved(atmosphere, orders), altitude_m, mu, mu_s, nu)
-    by_molecules, by_aerosol = single_scattering_fast(*view)
-    once = by_molecules * rayleigh_phase(nu) + by_aerosol * mie_phase(atmosphere, nu)
-    return SkySpectrum(direction, (once + multiple_scattering(*view))[0])
+    cosines = direction[1], sun_direction[1], float(np.dot(direction, sun_direction))
+    sky = _solved(atmosphere, orders)
+    return SkySpectrum(direction, sky.radiance(max(altitude_m, 0.0), *np.clip(cosines, -1.0, 1.0)))
 
 
 @lru_cache(maxsize=1)
-def _solved(atmosphere: Atmosphere, orders: int) -> SourceField:
-    return solve_air(atmosphere, orders)
+def _solved(atmosphere: Atmosphere, orders: int) -> SolvedSky:
+    return SolvedSky(field=solve_air(atmosphere, orders))

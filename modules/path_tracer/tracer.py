@@ -75,12 +75,12 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
     matter = shapes(mitsuba, subject, model)
     farthest = subject.reach_units()
     scenes = []
-    if not subject.state.sheltered and any(subject.sun.irradiance_rgb):
+    if any(subject.sun.irradiance_rgb):
         sun, distance = sun_emitter(mitsuba, subject.sun, settings.sun == "disc", farthest)
         lights = {"sun": sun, "sky": darkness()}
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
     cube = radiance_cube(subject.background)
-    bright = not subject.state.sheltered and bool(np.any(cube > 0.0))
+    bright = bool(np.any(cube > 0.0))
     lamps = glowing_shapes(mitsuba, subject, model)
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}

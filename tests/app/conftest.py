@@ -13,6 +13,28 @@ except ImportError:
     collect_ignore_glob = ["*/test_*.py", "test_*.py"]
 
 
+@pytest.fixture(scope="session", autouse=True)
+def days_found_once():
+    """Windows of one process share the sun's days, each of which takes 400 places of the sun."""
+    from vrut_lite.app.engine import day_scout
+    from vrut_lite.daylight.place import SetPlace
+
+    found, day_of = {}, day_scout.day_of
+
+    def day_of_once(second, day, zone):
+        kernel = second.kernel
+        holder = kernel.slots.holder("sun")
+        settings = kernel.seats[holder].settings if holder else None
+        key = (repr(kernel.last(SetPlace)), holder, repr(settings), day, str(zone))
+        if key not in found:
+            found[key] = day_of(second, day, zone)
+        return found[key]
+
+    day_scout.day_of = day_of_once
+    yield
+    day_scout.day_of = day_of
+
+
 @pytest.fixture
 def headless_window(qtbot, tmp_path):
     """A window on a kernel with every module, whose pictures are black; closed at the end."""

@@ -15,6 +15,7 @@ from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.pictures.exposure import ev100_of
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, load_project
 from vrut_lite.scene.backend import SceneView
@@ -43,10 +44,15 @@ class HeadlessStage:
         self.frame_ledger = Ledger()
         self.sizes = []
 
-    def draw(self, size, still, is_given_up=None):
+    def draw(self, size, exposure, still, is_given_up=None):
         self.sizes.append((size, still))
-        black = np.zeros((size[1], size[0], 3), np.float32)
-        return Picture(black, black.astype(np.uint8), 0.0)
+        radiance = np.full((size[1], size[0], 3), self.radiance(), np.float32)
+        display = np.zeros(radiance.shape, np.uint8)
+        return Picture(radiance, display, ev100_of(exposure, radiance))
+
+    def radiance(self):
+        """Of the whole picture, in W m^-2 sr^-1."""
+        return 0.0
 
     @property
     def state(self):
@@ -68,8 +74,12 @@ class WindowDriver:
     def __init__(self, qtbot, open_stage, folder, size=(900, 600)):
         from PySide6.QtWidgets import QApplication
 
-        if not QApplication.instance().styleSheet():
-            apply_theme(QApplication.instance())
+        # Qt takes 0.1 s to style each window: those that nobody draws stay plain.
+        app = QApplication.instance()
+        if open_stage is HeadlessStage:
+            app.setStyleSheet("")
+        elif not app.styleSheet():
+            apply_theme(app)
         self.qtbot = qtbot
         self.session = Session(open_stage)
         self.window = MainWindow(
@@ -107,7 +117,7 @@ class WindowDriver:
 
     def open(self, project: Project):
         at = msgspec.structs.replace(project, at=NOON.isoformat())
-        self.window.open_project(at)
+        self.window.files.open_project(at)
         self.until(lambda: self.session.last(ClockMoved) is not None)
 
     @property

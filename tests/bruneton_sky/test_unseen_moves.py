@@ -16,7 +16,7 @@ from bruneton_sky.unseen_moves import (
     altitude_step_m,
     sun_step_rad,
 )
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from long_parameters import mostly_long
 from numpy.typing import NDArray
@@ -83,7 +83,6 @@ def test_no_texel_changes_visibly_over_a_step_of_the_sun(name: str, height_m: fl
 
 
 @given(st.floats(0.0, 1e7), st.floats(1e5, 1e8))
-@settings(deadline=None, max_examples=50)
 def test_horizon_moves_less_than_can_be_seen(height_m: float, radius_m: float) -> None:
     """Up or down by a step, at any height above any planet: 0.07 degrees at most."""
     air = Atmosphere(**{**vars(Atmosphere.earth()), "ground_radius_m": radius_m})

@@ -19,6 +19,12 @@ from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.light_map import (
+    GroundChart,
+    LightMapLaid,
+    ProbeGrid,
+    SurfaceLightChanged,
+)
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
@@ -27,9 +33,11 @@ from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
     LookAlong,
+    SkyRadianceChanged,
     SpectrumSeen,
     ViewShader,
 )
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
@@ -93,7 +101,23 @@ SCENE = SceneOpened(
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
-NESTED = AirVolume | CloudLayer | ViewShader | SceneGeometry | SceneMaterials
+NESTED = (
+    AirVolume | CloudLayer | ViewShader | SceneGeometry | SceneMaterials | GroundChart | ProbeGrid
+)
+LAID = LightMapLaid(
+    content_key="c", layout_key="l", size_px=(8, 6),
+    shapes=Array(np.array([[0, 0, 3, 0, 1]], np.int64)),
+    source_vertex=Array(np.arange(3, dtype=np.int32)), uv=Array(np.ones((3, 2), np.float32)),
+    triangles=Array(np.array([[0, 1, 2]], np.int32)),
+    part_shape=Array(np.array([0, -1], np.int32)),
+    part_corner_px=Array(np.zeros((2, 2), np.int32)),
+    ground=GroundChart(corner_px=(4, 2), edge_px=4, half_width_m=40.0, warp=3.0),
+    probes=ProbeGrid(lower_m=UP, step_m=(1.0, 2.0, 1.0), counts=(3, 2, 4)), source="s",
+)  # fmt: skip
+SURFACE_LIGHT = SurfaceLightChanged(
+    layout_key="l", texels=Array(np.ones((6, 8, 4), np.float16)),
+    probes=Array(np.ones((4, 2, 3, 6, 4), np.float16)), radiance_scale=2.0, rays=64, source="s",
+)  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 SOUND = [
     SetSetting(module="m", name="n", value=1.0),
@@ -136,7 +160,24 @@ SOUND = [
     AirChanged(volume=AIR, source="s"),
     CloudsChanged(layer=CLOUDS, source="s"),
     AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+    SkyRadianceChanged(
+        cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"
+    ),
     GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
+    LAID,
+    SURFACE_LIGHT,
+    SkyLightChanged(
+        background=BackgroundChanged(
+            cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"
+        ),
+        key_light=KeyLightChanged(
+            direction=UP, irradiance_rgb=(1.0, 1.0, 1.0), angular_radius_rad=0.005,
+            limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
+        ),
+        ambient=AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+        layers=("clouds",),
+        source="s",
+    ),
 ]  # fmt: skip
 # Only the kernel posts these.
 NEVER_POSTED = (SlotChanged, SettingChanged)
@@ -323,6 +364,10 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
         (BackgroundChanged, {"radiance_scale": 0.0}, "radiance_scale of BackgroundChanged must"),
         (SpectrumSeen, {"radiance": (1.0,)}, "radiance of SpectrumSeen must be two finite numbers"),
         (GpuJob, {"size": 2**20}, "size of GpuJob must be a whole number from 1 to 16384"),
+        (LightMapLaid, {"size_px": (8,)}, "size_px of LightMapLaid must be 2 whole numbers from 1"),
+        (LightMapLaid, {"size_px": (8, 5)}, "ground of LightMapLaid must lie within (8, 5) texels"),
+        (LightMapLaid, {"uv": Array(np.ones((4, 2), "f4"))}, "must be <f4 of shape ('V', 2)"),
+        (SurfaceLightChanged, {"texels": Array(np.ones((0, 8, 4), "f2"))}, "edges of 1 to 16384"),
         (GpuJob, {"buffers": ((1, Array(np.zeros(3))),)}, "a binding and an array of float32"),
     ],
 )  # fmt: skip
@@ -386,3 +431,36 @@ def test_values_of_arrays_are_checked_on_request(name, odd):
     changed.check()
     with pytest.raises(UserError, match=f"{name} of .* must hold numbers from"):
         changed.check_arrays()
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"shapes": np.array([[0, 1, 3, 0, 1]])}, "shapes of a LightMapLaid reach beyond"),
+        ({"triangles": np.array([[0, 1, 3]], np.int32)}, "triangles of a LightMapLaid reach"),
+        ({"part_shape": np.array([0, 1], np.int32)}, "names a shape that is not there"),
+        ({"source_vertex": np.array([0, -1, 2], np.int32)}, "names what no mesh has"),
+        ({"uv": np.full((3, 2), np.nan, np.float32)}, "uv of a LightMapLaid must hold finite"),
+    ],
+)
+def test_arrays_of_a_light_map_refer_to_each_other(changes, says):
+    """What a shape or a part names must be there: the frame looks nothing up beyond."""
+    odd = msgspec.structs.replace(LAID, **{name: Array(v) for name, v in changes.items()})
+    odd.check()
+    with pytest.raises(UserError, match=says):
+        odd.check_arrays()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"layout_key": "m"},
+        {"texels": Array(np.ones((6, 7, 4), np.float16))},
+        {"probes": None},
+        {"probes": Array(np.ones((3, 2, 4, 6, 4), np.float16))},
+    ],
+)
+def test_light_of_another_layout_does_not_fit(changes):
+    """By its name or its size light tells that a layout is not its own."""
+    assert SURFACE_LIGHT.fits(LAID)
+    assert not msgspec.structs.replace(SURFACE_LIGHT, **changes).fits(LAID)

@@ -16,12 +16,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, TableSizes, precompute
-from bruneton_sky.tables import cache as table_cache
-from bruneton_sky.tables.cache import TableCache
 from fault_stage import ROOT, SMALL_SKY, outcome, start
 from long_parameters import mostly_long
 
-from vrut_lite import compiled_code
+from vrut_lite import array_cache, compiled_code
+from vrut_lite.array_cache import ArrayCache
 from vrut_lite.njit import CheckedCacheFile
 
 RECIPE = ("anything", 1)
@@ -39,8 +38,8 @@ def arrays(value=1.0):
 WRITER = """
 import sys, numpy as np
 from pathlib import Path
-from bruneton_sky.tables.cache import TableCache
-cache = TableCache(Path(sys.argv[1]))
+from vrut_lite.array_cache import ArrayCache
+cache = ArrayCache(Path(sys.argv[1]))
 for number in range(1000):
     cache.put(("anything", 1), {"scattering": np.full((2_000_000,), float(number))})
     print(number, flush=True)
@@ -48,30 +47,30 @@ for number in range(1000):
 
 
 def test_kill_9_during_cache_writes(tmp_path):
-    """Six writers are killed at random moments: the entry is absent, or whole and of one writer.
+    """Four writers are killed at random moments: the entry is absent, or whole and of one writer.
 
     Their leftovers are never read, and are removed after a day.
     """
-    for attempt in range(6):
+    for attempt in range(4):
         writer = subprocess.Popen(
             [sys.executable, "-c", WRITER, tmp_path], stdout=subprocess.PIPE, cwd=ROOT
         )
         writer.stdout.readline()
-        time.sleep(0.011 * attempt)
+        time.sleep(0.017 * attempt)
         writer.send_signal(signal.SIGKILL)
         writer.communicate()
-        found = TableCache(tmp_path).get(RECIPE)
+        found = ArrayCache(tmp_path).get(RECIPE)
         assert found is not None
         assert np.ptp(found["scattering"]) == 0.0
     for part in tmp_path.glob("*.part"):
         os.utime(part, (0, 0))
-    TableCache(tmp_path).put(RECIPE, arrays())
-    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+    ArrayCache(tmp_path).put(RECIPE, arrays())
+    assert [path.suffix for path in tmp_path.iterdir()] == [".arrays"]
 
 
 def test_a_full_disk_keeps_the_older_tables(tmp_path, caplog):
     """A write fails half-way: one line, the older entry is whole, no partial file remains."""
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     cache.put(RECIPE, arrays())
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -85,7 +84,7 @@ def test_a_full_disk_keeps_the_older_tables(tmp_path, caplog):
     assert len(caplog.records) == 1
     assert "not kept" in caplog.text
     np.testing.assert_array_equal(cache.get(RECIPE)["scattering"], arrays()["scattering"])
-    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+    assert [path.suffix for path in tmp_path.iterdir()] == [".arrays"]
 
 
 BUILDER = """
@@ -93,13 +92,13 @@ import sys
 from pathlib import Path
 import numpy as np
 from bruneton_sky import Atmosphere, TableSizes, precompute
-from bruneton_sky.tables.cache import TableCache
+from vrut_lite.array_cache import ArrayCache
 sizes = TableSizes(
     transmittance_altitude=4, transmittance_mu=8, irradiance_altitude=2, irradiance_mu_s=4,
     altitude=4, mu=8, nu=2, mu_s=4,
 )
 tables = precompute(
-    Atmosphere.earth(), orders=2, sizes=sizes, cache=TableCache(Path(sys.argv[1]))
+    Atmosphere.earth(), orders=2, sizes=sizes, cache=ArrayCache(Path(sys.argv[1]))
 )
 sys.stdout.buffer.write(np.ascontiguousarray(tables.scattering).tobytes())
 """
@@ -113,18 +112,18 @@ def test_two_processes_build_the_same_tables(tmp_path):
     assert [builder.returncode for builder in builders] == [0, 0]
     assert made[0] == made[1]
     shares = []
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     later = precompute(Atmosphere.earth(), 2, sizes=SIZES, cache=cache, progress=shares.append)
     assert shares == [1.0]
     assert np.ascontiguousarray(later.scattering).tobytes() == made[0]
-    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+    assert [path.suffix for path in tmp_path.iterdir()] == [".arrays"]
 
 
 @pytest.mark.parametrize("used_s", [-3.0 * 365 * 86_400, 0.0, 10.0 * 365 * 86_400])
 def test_a_clock_jump_does_not_evict_the_newest_entry(tmp_path, used_s):
     """With entries dated far in the past or future the newest entry is kept."""
     small = {"a": np.zeros(1000)}
-    cache = TableCache(tmp_path, limit_bytes=12_000)
+    cache = ArrayCache(tmp_path, limit_bytes=12_000)
     cache.put("older", small)
     for path in tmp_path.iterdir():
         os.utime(path, (time.time() + used_s,) * 2)
@@ -139,14 +138,14 @@ def test_a_clock_jump_does_not_evict_the_newest_entry(tmp_path, used_s):
 
 def test_a_file_removed_by_another_process_is_ignored(tmp_path, monkeypatch, caplog):
     """A file that vanishes after the folder was listed is ignored silently."""
-    gone = tmp_path / "gone.tables"
+    gone = tmp_path / "gone.arrays"
     listed = Path.glob
 
     def listing(folder, pattern):
         return [*listed(folder, pattern), gone]
 
     monkeypatch.setattr(Path, "glob", listing)
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     with caplog.at_level(logging.WARNING):
         cache.put(RECIPE, {"a": np.zeros(3)})
     assert not caplog.records
@@ -226,11 +225,11 @@ FORGED = {
 @pytest.mark.parametrize("forged", FORGED)
 def test_forged_cache_entries_are_ignored(tmp_path, caplog, forged):
     """Entries with a correct digest and forged headers are refused before memory is taken."""
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     cache.put(RECIPE, {"a": np.zeros(3)})
     (path,) = tmp_path.iterdir()
     content = FORGED[forged]
-    path.write_bytes(table_cache._MAGIC + table_cache._digest(content) + content)
+    path.write_bytes(array_cache._MAGIC + array_cache._digest(content) + content)
     tracemalloc.start()
     with caplog.at_level(logging.WARNING):
         found = cache.get(RECIPE)
@@ -245,7 +244,7 @@ def test_forged_cache_entries_are_ignored(tmp_path, caplog, forged):
 @pytest.mark.parametrize("kind", ["pipe", "folder", "endless", "loop", "large"])
 def test_foreign_cache_entries_are_ignored(tmp_path, kind):
     """Pipes, devices and sparse files of a terabyte are not read."""
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     cache.put(RECIPE, {"a": np.zeros(3)})
     (path,) = tmp_path.iterdir()
     path.unlink()

@@ -138,8 +138,15 @@ def test_vertex_colours_multiply_the_base_colour(backend, tmp_path):
     np.testing.assert_allclose(found.max(), 0.5, atol=0.05)
 
 
-@pytest.mark.parametrize("model", ["bare", "principled"])
-@pytest.mark.parametrize("metallic", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("model", "metallic"),
+    [
+        ("bare", 0.0),
+        ("principled", 1.0),
+        pytest.param("bare", 1.0, marks=pytest.mark.long),
+        pytest.param("principled", 0.0, marks=pytest.mark.long),
+    ],
+)
 def test_vertex_colours_and_a_map_multiply(backend, tmp_path, model, metallic):
     """Colours from 1 in the south to 0 in the north, over a map of two greys and an orange factor.
 
@@ -301,7 +308,10 @@ def sun_at(azimuth_deg, elevation_deg):
     return tuple(world_from_enu(direction_from_angles(*angles)))
 
 
-@pytest.mark.parametrize(("scale", "offset_m"), [(1e-3, 0.0), (2e3, 0.0), (1.0, 2e6)])
+@pytest.mark.parametrize(
+    ("scale", "offset_m"),
+    [(1e-3, 0.0), pytest.param(2e3, 0.0, marks=pytest.mark.long), (1.0, 2e6)],
+)
 def test_watches_cities_and_far_places_are_traced_alike(backend, tmp_path, scale, offset_m):
     """The same picture at any scale, and 2,000 km from the origin: same samples, to 1 %.
 

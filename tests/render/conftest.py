@@ -21,3 +21,18 @@ def gl_backend(gl_owner):
     backend = PyrenderBackend(gl_owner)
     yield lambda **parts: StatefulBackend(backend, **parts)
     backend.close()
+
+
+@pytest.fixture(scope="module")
+def _backend_of_file(gl_owner):
+    from vrut_lite.render.pyrender_backend import PyrenderBackend
+
+    backend = PyrenderBackend(gl_owner)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture
+def shared_gl_backend(_backend_of_file):
+    """The same on a backend that the tests of a file share: its frames remember the ones before."""
+    return lambda **parts: StatefulBackend(_backend_of_file, **parts)

@@ -164,18 +164,6 @@ def test_without_air_the_picture_is_bit_for_bit_the_one_of_before(backend, tmp_p
     assert backend.ledger.done["air"] == 1
 
 
-def test_a_closed_room_has_no_air(backend, tmp_path):
-    """No light of the sky's air may glow in a cellar, whatever was told before."""
-    room = trimesh.creation.box((40, 30, 50))
-    room.invert()
-    backend.change(scene=opened(scene_of(tmp_path, room)))
-    show_light(backend, uniform_sky(4.0))
-    backend.change(air=volume_of(1e-2, SOURCE))
-    backend.change(sheltered=True)
-    assert look(backend, (0, 0, 10), (0, 0, -10)).radiance.max() == 0.0
-    assert backend.ledger.skipped["air: in a closed room"] == 1
-
-
 def horizon_sky():
     """4 above the horizon, ground of 1.5 below it."""
     above = texel_directions(32)[..., 1:2] > 0.0

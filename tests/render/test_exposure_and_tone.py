@@ -61,6 +61,51 @@ def test_a_large_picture_is_metered_as_a_small_one_of_it():
     assert ev100[0] == pytest.approx(ev100[1], abs=0.01)
 
 
+def room_with_windows(share, ratio):
+    """A room (20,000 pixels) whose walls differ by a stop or two, and windows on their share."""
+    rng = np.random.default_rng(1)
+    walls = 3.0 * np.exp2(rng.normal(0.0, 0.8, 20_000))
+    walls[: int(share * walls.size)] = 3.0 * ratio
+    return walls[:, None] * np.ones(3)
+
+
+def wall_stops(share, ratio):
+    """Stops by which the walls are shown above middle grey."""
+    radiance = room_with_windows(share, ratio)
+    return np.log2(3.0 * exposure.scale_of(exposure.automatic_ev100(radiance)) / 0.18)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.05, 0.12, 0.2, 0.3])
+@pytest.mark.parametrize("ratio", [100.0, 1000.0])
+def test_a_room_is_exposed_for_its_walls_and_not_for_its_windows(share, ratio):
+    """Within 0.6 stops of middle grey, whatever is outside."""
+    assert abs(wall_stops(share, ratio)) < 0.6
+
+
+def test_exposure_does_not_jump_while_a_window_comes_into_view():
+    """No hundredth of the picture changes it by more than half a stop."""
+    stops = [wall_stops(share, 100.0) for share in np.arange(0.0, 1.0, 0.01)]
+    assert np.abs(np.diff(stops)).max() < 0.5
+    assert stops[-1] == pytest.approx(-np.log2(100.0), abs=0.2)
+
+
+def test_what_differs_by_four_stops_counts_all_alike():
+    """Outdoors the mean is the plain log mean: sky and shadow, each on half of the picture."""
+    stops = np.tile([0.0, 1.0, 2.0, 3.0, 4.0], 2000)
+    ev100 = exposure.automatic_ev100(3.0 * np.exp2(stops)[:, None] * np.ones(3))
+    mean = np.sort(stops)[:-20].mean()
+    expected = exposure.automatic_ev100(np.full((10, 3), 3.0 * 2.0**mean))
+    assert ev100 == pytest.approx(expected, abs=1e-6)
+
+
+def test_space_around_a_planet_does_not_blow_it_out():
+    """Black on seven tenths of the picture counts as four stops below the lit part."""
+    radiance = np.full((10_000, 3), 30.0)
+    radiance[:7000] = 0.0
+    shown = 30.0 * exposure.scale_of(exposure.automatic_ev100(radiance)) / 0.18
+    assert np.log2(shown) == pytest.approx(0.7 * 4.0, abs=0.05)
+
+
 @settings(deadline=None)
 @given(st.lists(st.floats(0, 1e8), min_size=3, max_size=3), st.floats(1.0, 4.0))
 def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):

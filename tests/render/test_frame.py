@@ -14,8 +14,8 @@ pytestmark = pytest.mark.gl
 
 
 @pytest.fixture
-def backend(gl_backend):
-    return gl_backend(size_px=(160, 120))
+def backend(shared_gl_backend):
+    return shared_gl_backend(size_px=(160, 120))
 
 
 @pytest.mark.parametrize(

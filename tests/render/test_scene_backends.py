@@ -51,17 +51,6 @@ def even(backend, region, expected, rtol):
     np.testing.assert_allclose(values, np.broadcast_to(expected, values.shape), rtol=rtol)
 
 
-def test_a_closed_room_is_dark_in_a_picture_of_the_wished_size(any_backend, box_file):
-    """In a closed room neither sun nor sky lights anything."""
-    show_box(any_backend, box_file)
-    light(any_backend, uniform_sky(1.0))
-    any_backend.change(sheltered=True, size_px=(48, 20))
-    picture = look(any_backend, (9.0, 4.0, 9.0), (0.0, 1.0, 0.0))
-    assert picture.radiance.shape == picture.display.shape == (20, 48, 3)
-    assert (picture.radiance.dtype, picture.display.dtype) == (np.float32, np.uint8)
-    assert picture.radiance.max() == 0.0
-
-
 def test_a_matte_plane_under_a_uniform_sky_has_albedo_times_its_radiance(any_backend, box_file):
     """E = pi L under a uniform sky, so a Lambertian plane of albedo a shows a L, within 0.5 %."""
     show_box(any_backend, box_file, albedo=0.4)

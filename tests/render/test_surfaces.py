@@ -17,8 +17,8 @@ ROUGH = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
 
 
 @pytest.fixture
-def backend(gl_backend):
-    return gl_backend(size_px=(64, 64))
+def backend(shared_gl_backend):
+    return shared_gl_backend(size_px=(64, 64))
 
 
 def seen(backend, path, ground=None, sun=None, at=(0.0, 0.0, 0.0), sky=1.0):

@@ -144,17 +144,3 @@ def test_light_shafts_are_handed_on(stage):
     assert not scene.state.light_shafts
     play(kernel, SetSetting(module="scene", name="light_shafts", value=True))
     assert scene.state.light_shafts
-
-
-def test_in_a_closed_room_there_is_no_air(tmp_path):
-    """Inside the demand is taken back, outside it returns."""
-    kernel = Kernel()
-    kernel.add_module(SceneManager)
-    walls = trimesh.creation.box((4, 3, 5))
-    walls.invert()
-    walls.export(tmp_path / "room.glb")
-    play(kernel, LoadScene(path=str(tmp_path / "room.glb")))
-    for eye, inside in (((0.0, 0.0, 9.0), False), ((0.0, 0.0, 1.0), True), ((0, 9.0, 0), False)):
-        play(kernel, MoveCamera(eye_m=eye, target_m=(0.1, 0.2, 0.3)))
-        assert (kernel.wanted(AirChanged) is None) is inside
-        assert (kernel.last(SceneNeeds).air_reach_m == 0.0) is inside

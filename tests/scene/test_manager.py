@@ -132,29 +132,6 @@ def test_the_eye_s_height_is_told_also_of_a_scene_s_own_camera(stage, box):
     assert only(heard, SceneNeeds)[-1].eye_height_m == scene.state.camera.eye_m[1]
 
 
-def test_in_a_closed_room_nobody_is_asked_for_light(tmp_path):
-    """Inside, the demands are taken back and the needs are none; outside both return."""
-    walls = trimesh.creation.box((4, 3, 5))
-    walls.invert()
-    path = tmp_path / "room.glb"
-    walls.export(path)
-    kernel = Kernel()
-    kernel.add_module(SceneManager, cube_size=64)
-    kinds = (BackgroundChanged, KeyLightChanged, AmbientChanged)
-    kernel.inject(LoadScene(path=str(path)))
-    kernel.pump_until_idle()
-    for eye, inside in (((0.0, 0.0, 9.0), False), ((0.0, 0.0, 1.0), True), ((0, 9.0, 0), False)):
-        kernel.inject(MoveCamera(eye_m=eye, target_m=(0.1, 0.2, 0.3)))
-        kernel.pump_until_idle()
-        needs = kernel.last(SceneNeeds)
-        assert needs.receives_light is not inside
-        assert (needs.visible_faces == ()) is inside
-        assert kernel.seats["scene"].module.state.sheltered is inside
-        wanted = [kernel.wanted(kind) for kind in kinds]
-        assert [demand and demand.size for demand in wanted] == [None if inside else 64] * 3
-    assert kernel.seats["scene"].module.ledger.skipped["light: in a closed room"] == 3
-
-
 def test_exposure_is_kept(stage):
     """The manager does not interpret it."""
     play, scene = stage

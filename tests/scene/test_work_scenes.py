@@ -9,7 +9,6 @@ import pytest
 
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import load_scene
-from vrut_lite.scene.shelter import Shelter
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 NAMES = ["ground.glb", "indoor.glb", "planet.glb", "room.glb"]
@@ -29,15 +28,6 @@ def test_the_script_makes_the_committed_bytes(tmp_path):
         made = (tmp_path / name).read_bytes()
         assert made == (SCENES / "work" / name).read_bytes(), name
         assert len(made) < 300_000
-
-
-def test_only_the_room_shuts_its_camera_in(scenes):
-    """Its walls close around the eye; the room with the window lets light in."""
-    inside = {
-        name for name, scene in scenes.items()
-        if Shelter(scene).holds(scene.camera.world_from_camera[:3, 3])
-    }  # fmt: skip
-    assert inside == {"room.glb"}
 
 
 def test_only_the_planet_brings_its_ground_and_is_as_large_as_one(scenes):

@@ -16,6 +16,7 @@ from vrut_lite_studies.framework.fisheye import pixels
 from vrut_lite_studies.framework.interpolant import interpolate
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.models.rules import PUBLISHED
+from vrut_lite_studies.report import study as study_parts
 from vrut_lite_studies.report.choices import ModelSet, chosen_set, model_by_name, usual_sets
 from vrut_lite_studies.report.figures import Row, figures
 from vrut_lite_studies.report.folder import study_folder
@@ -24,6 +25,7 @@ from vrut_lite_studies.report.panels import TILE
 from vrut_lite_studies.report.scores import score, table_two
 from vrut_lite_studies.report.skies import Sky, directional_radiance, measured_sky, model_sky
 from vrut_lite_studies.report.study import Plan, write_study
+from vrut_lite_studies.rules.airs import clear_air
 
 from vrut_lite.errors import UserError
 
@@ -150,9 +152,14 @@ def written(tmp_path_factory):
         timed_suns_deg=(),
     )
     target = tmp_path_factory.mktemp("study") / "made" / "here"
-    with study_folder(target) as folder:
+    with pytest.MonkeyPatch.context() as patch, study_folder(target) as folder:
+        # Of the rules two wavelengths are enough here; test_study_rules.py has all.
+        patch.setattr(
+            study_parts, "spectral_airs", lambda: {"A": clear_air(np.array([450.0, 600.0]))}
+        )
         write_study(plan, folder, told.append)
-    return plan, target, told
+        steps = plan.steps()
+    return steps, target, told
 
 
 def test_page_names_only_files_that_are_there(written) -> None:
@@ -166,8 +173,8 @@ def test_page_names_only_files_that_are_there(written) -> None:
 
 def test_progress_is_told_to_its_end(written) -> None:
     """As many steps are told as were announced."""
-    plan, _, told = written
-    assert len(told) == plan.steps()
+    steps, _, told = written
+    assert len(told) == steps
 
 
 def test_table_of_models_is_the_score(written) -> None:

@@ -3,7 +3,6 @@
 from datetime import timedelta
 
 import numpy as np
-import py7zr
 import pytest
 from scan_writer import (
     FIRST_NM,
@@ -12,6 +11,7 @@ from scan_writer import (
     file_content,
     file_lines,
     file_name,
+    pack,
     scan_files,
     write_scan,
 )
@@ -75,8 +75,7 @@ def test_a_scan_is_resampled_in_order_and_its_faulty_sample_replaced(whole_scan)
 def test_a_folder_an_archive_and_an_npz_tell_the_same(whole_scan, tmp_path):
     """To the digits that the texts have."""
     archive = tmp_path / "scan.7z"
-    with py7zr.SevenZipFile(archive, "w") as packed:
-        packed.writeall(whole_scan, STAMP)
+    pack(whole_scan, archive)
     (first,) = read_measurements(whole_scan)
     (packed_sky,) = read_measurements(archive)
     (from_npz,) = read_measurements(write_npz(tmp_path / "sky.npz"))
@@ -88,8 +87,7 @@ def test_a_folder_an_archive_and_an_npz_tell_the_same(whole_scan, tmp_path):
 def test_a_folder_of_scans_is_read_in_the_order_of_time(whole_scan, tmp_path):
     """Folders and archives side by side."""
     write_scan(tmp_path / "b", stamp="2013-05-27___12.00.00")
-    with py7zr.SevenZipFile(tmp_path / "a.7z", "w") as packed:
-        packed.writeall(whole_scan, STAMP)
+    pack(whole_scan, tmp_path / "a.7z")
     first, second = read_measurements(tmp_path)
     assert second.time - first.time == timedelta(minutes=15)
 
@@ -243,8 +241,7 @@ def test_a_file_that_is_none_of_them_is_refused(tmp_path, name, content, word):
 def test_an_archive_cut_short_is_refused(whole_scan, tmp_path):
     """As a broken download leaves it."""
     archive = tmp_path / "scan.7z"
-    with py7zr.SevenZipFile(archive, "w") as packed:
-        packed.writeall(whole_scan, STAMP)
+    pack(whole_scan, archive)
     content = archive.read_bytes()
     archive.write_bytes(content[: len(content) // 2])
     assert "is no whole 7z archive" in refusal(archive)

@@ -10,8 +10,8 @@ from scipy.ndimage import minimum_filter
 
 from tools.path_traced.cases import Case
 from tools.path_traced.truths import Picture, Recipe, kept, traced
+from tools.pictures.darkness import no_background, no_sun
 from vrut_lite.array import Array
-from vrut_lite.daylight.darkness import no_background, no_sun
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.geometry.colour import luminance

@@ -18,7 +18,7 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 
 from tools.path_traced.cases import Case
-from vrut_lite.daylight.darkness import no_ambient, no_background, no_sun
+from tools.pictures.darkness import no_ambient, no_background, no_sun
 from vrut_lite.daylight.scene_state import SceneState
 
 Light = Literal["all", "sun", "sky"]

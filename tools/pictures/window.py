@@ -29,7 +29,6 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.message_inspector import MessageInspector
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.theme import apply_theme
-from vrut_lite.app.window.command_palette import CommandPalette
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.daylight.clouds import CloudsChanged
@@ -85,7 +84,7 @@ class PosedWindow:
     def open(self, project: Project) -> None:
         """Become a project's picture."""
         self._shown = None
-        self.window.open_project(project)
+        self.window.files.open_project(project)
         self.finish()
 
     def finish(self) -> None:
@@ -194,7 +193,7 @@ def profiler(posed: PosedWindow) -> Pixels:
 def dialogs(posed: PosedWindow) -> list[Pixels]:
     """The palette with a word in it, and the list of keys."""
     palette, keys = (
-        CommandPalette(posed.window),
+        posed.window.new_palette(),
         ShortcutList(posed.window.menus.specs, posed.window),
     )
     palette.text_field.setText("sun")

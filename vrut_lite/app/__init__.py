@@ -1,6 +1,6 @@
 """The desktop application: a window on a host that runs on a thread of its own.
 
-In the host Qt lives in this package alone. `engine/` pumps and draws, and its session brings what
-it tells to Qt's thread; `view/` is the picture, `panels/` and `compare/` send inputs and listen to
-messages without knowing of each other, `window/` puts them together.
+No other package of the host imports Qt. `engine/` pumps the kernel and draws; its session delivers
+messages and pictures on Qt's thread. `view/` shows the picture. `panels/` and `compare/` send
+inputs and listen to messages; no panel imports another. `window/` puts them together.
 """

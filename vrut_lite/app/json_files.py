@@ -23,7 +23,7 @@ def read_object(file: Path) -> dict[str, Any]:
 def write_object(file: Path, facts: dict[str, Any]) -> None:
     """Write a file, and its folder if there is none.
 
-    One that cannot be read is given a longer name before: it may hold what its user wants back.
+    An unreadable file is renamed before, since the user may want its content back.
 
     Raises:
         UserError: the folder takes no files.
@@ -42,7 +42,7 @@ def set_aside(file: Path) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder, and those that it lies in.
+    """Make a folder and its parents.
 
     Raises:
         UserError: it cannot be made.

@@ -30,14 +30,14 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     session = Session()
     session.ended.connect(app.quit)
     window = MainWindow(session, kept=kept)
-    # Collecting garbage among the objects of the start would stop the window for 0.1 s.
+    # Otherwise garbage collection scans all these objects and stops the window for 0.1 s.
     session.ready.connect(lambda roster: gc.freeze())
     window.resize(*_SIZE)
     window.show()
     session.start()
     if safe_mode:
         session.ask(states_of, lambda states: session.begin_with(*into_safe_mode(states)))
-    window.open_project(project)
+    window.files.open_project(project)
     listening = _hear_interrupts(window)
     code = app.exec()
     listening.stop()

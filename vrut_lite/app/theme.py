@@ -1,4 +1,4 @@
-"""The window's looks: neutral greys, so that nothing beside the picture has a colour of its own."""
+"""The window's looks: neutral greys, so that colours of the picture are judged rightly."""
 
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication

@@ -88,7 +88,7 @@ class EngineHost:
         self._backend = module.open_engine(settings, lambda samples: self._traced(samples))
         self._view = SceneView(self._backend)
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
-        self.kernel.add_module(SceneManager, view=self._view)
+        self.kernel.add_module(SceneManager, view=self._view, light_map=False)
         self.settle()
 
     @property

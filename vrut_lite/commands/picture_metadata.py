@@ -5,7 +5,6 @@ from collections.abc import Iterable
 
 from vrut_lite import __version__
 from vrut_lite.daylight.place_time import local_text
-from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import tolerance_of
 from vrut_lite.kernel.bus import Kernel
@@ -39,7 +38,7 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
     if sun is not None:
         metadata["sunElevationDeg"] = math.degrees(sun.elevation_rad)
         metadata["sunAzimuthDeg"] = math.degrees(sun.azimuth_rad)
-    if light is not None and receives_light(kernel):
+    if light is not None:
         metadata["skyModel"] = light.source
         metadata["sunDirection"] = vector_text(light.direction)
         metadata["sunIrradianceRgb"] = vector_text(light.irradiance_rgb)
@@ -47,12 +46,6 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         for name in settings.__struct_fields__:
             metadata[f"setting_{name}"] = str(getattr(settings, name))
     return metadata
-
-
-def receives_light(kernel: Kernel) -> bool:
-    """Whether daylight reaches the scene; none reaches into a closed room."""
-    needs = kernel.last(SceneNeeds)
-    return needs is None or needs.receives_light
 
 
 def vector_text(values: Iterable[float]) -> str:

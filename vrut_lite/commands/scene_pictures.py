@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.commands.engines import GL, EngineHost
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
-from vrut_lite.commands.picture_metadata import picture_metadata, receives_light
+from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import SetClock
@@ -74,8 +74,7 @@ class SceneStudio:
                 self._host.settle()
             self._hour = instant
         require_sun(self._host.kernel)
-        if receives_light(self._host.kernel):
-            require_sky(self._host.kernel)
+        require_sky(self._host.kernel)
         picture = self._host.draw()
         project = at_instant(self._plan.project, instant)
         metadata = {

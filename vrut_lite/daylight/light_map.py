@@ -1,7 +1,7 @@
 """The light map: irradiance of a scene's surfaces by all that scenes do to light.
 
-Its layout is told once a scene, the light in it once an hour. The key light's own light is not in it:
-the frame draws that with its shadow map.
+Its layout is told once a scene, the light in it once an hour. What comes straight from the key
+light is not in it: the frame draws that with its shadow map.
 """
 
 from typing import NamedTuple
@@ -12,14 +12,18 @@ from numpy.typing import NDArray
 
 from vrut_lite import checks
 from vrut_lite.array import Array
-from vrut_lite.daylight.limits import LARGEST_EDGE, MOST_LIGHT, check_scale
+from vrut_lite.daylight.limits import LARGEST_EDGE, LARGEST_VOLUME, MOST_LIGHT, check_scale
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Float32Array, Vector
 
+NOT_MAPPED = -1
 _LARGEST_M = 1e10
 _SHAPE_COLUMNS = 5
-NOT_MAPPED = -1
+_FACES = 6
+_SHORTEST_STEP_M = 1e-9
+# Along an axis: the six faces of the probes lie in one texture.
+_MOST_PROBES = LARGEST_VOLUME // _FACES
 
 
 class Shape(NamedTuple):
@@ -51,13 +55,18 @@ class GroundChart(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     half_width_m: float
     warp: float
 
+    @property
+    def end_px(self) -> NDArray[np.int64]:
+        """Past the last texel (2,), across and down."""
+        return np.array(self.corner_px) + self.edge_px
+
     def check(self) -> None:
         """A square with some width.
 
         Raises:
             UserError: it is none.
         """
-        checks.wholes(self, "corner_px", 0, LARGEST_EDGE, most=2)
+        checks.wholes(self, "corner_px", 0, LARGEST_EDGE, most=2, least=2)
         checks.whole(self, "edge_px", 2, LARGEST_EDGE)
         checks.number(self, "half_width_m", 1e-9, _LARGEST_M)
         checks.number(self, "warp", 1e-3, 20.0)
@@ -81,7 +90,9 @@ class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """
         checks.numbers(self, "lower_m", 3)
         checks.numbers(self, "step_m", 3)
-        checks.wholes(self, "counts", 2, 256, most=3)
+        if min(self.step_m) < _SHORTEST_STEP_M:
+            checks.refuse(self, "step_m", f"be three numbers of {_SHORTEST_STEP_M:g} or more")
+        checks.wholes(self, "counts", 2, _MOST_PROBES, most=3, least=3)
 
 
 class LightMapLaid(Derived, frozen=True, kw_only=True):
@@ -129,32 +140,45 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
     def check(self) -> None:
         """A map that a GPU can hold, and arrays that go with each other."""
         checks.text(self, "content_key", "layout_key", "source")
-        checks.wholes(self, "size_px", 1, LARGEST_EDGE, most=2)
-        many = -(2**31)
-        checks.array(self, "shapes", (many, _SHAPE_COLUMNS), ("<i8",))
-        checks.array(self, "source_vertex", (many,), ("<i4",))
-        checks.array(self, "uv", (many, 2), ("<f4",))
-        checks.array(self, "triangles", (many, 3), ("<i4",))
-        checks.array(self, "part_shape", (many,), ("<i4",))
-        checks.array(self, "part_corner_px", (many, 2), ("<i4",))
+        checks.wholes(self, "size_px", 1, LARGEST_EDGE, most=2, least=2)
+        checks.arrays(
+            self,
+            {
+                "shapes": ("<i8", ("S", _SHAPE_COLUMNS)),
+                "source_vertex": ("<i4", ("V",)),
+                "uv": ("<f4", ("V", 2)),
+                "triangles": ("<i4", ("F", 3)),
+                "part_shape": ("<i4", ("P",)),
+                "part_corner_px": ("<i4", ("P", 2)),
+            },
+        )
         for name, kind in (("ground", GroundChart), ("probes", ProbeGrid)):
             part = getattr(self, name)
             checks.instance(self, name, (kind, type(None)))
             if part is not None:
                 part.check()
+        if self.ground is not None and np.any(self.ground.end_px > np.array(self.size_px)):
+            checks.refuse(self, "ground", f"lie within {self.size_px} texels")
 
     def check_arrays(self) -> None:
-        """Shapes within the arrays, and parts that name a shape."""
-        _, vertex, vertices, triangle, triangles = self.shapes.values.T
-        for first, count, array in (
-            (vertex, vertices, self.source_vertex),
-            (vertex, vertices, self.uv),
-            (triangle, triangles, self.triangles),
-        ):
-            if np.any((first < 0) | (count < 0) | (first + count > array.shape[0])):
-                raise UserError("shapes of a LightMapLaid reach beyond its arrays")
+        """Shapes within the arrays, their triangles within them, and parts that name a shape.
+
+        Raises:
+            UserError: something is not.
+        """
+        mesh, vertex, vertices, triangle, triangles = self.shapes.values.T
+        _check_rows(vertex, vertices, len(self.uv.values))
+        _check_rows(triangle, triangles, len(self.triangles.values))
+        if np.any(mesh < 0) or np.any(self.source_vertex.values < 0):
+            raise UserError("a shape of a LightMapLaid names what no mesh has")
+        for number in range(len(mesh)):
+            corners = self.shape(number).triangles
+            if corners.size and (corners.min() < 0 or corners.max() >= vertices[number]):
+                raise UserError("triangles of a LightMapLaid reach beyond their shape")
+        if not np.all(np.isfinite(self.uv.values)):
+            raise UserError("uv of a LightMapLaid must hold finite numbers")
         shape = self.part_shape.values
-        if np.any((shape < NOT_MAPPED) | (shape >= self.shapes.shape[0])):
+        if np.any((shape < NOT_MAPPED) | (shape >= len(mesh))):
             raise UserError("a part of a LightMapLaid names a shape that is not there")
 
 
@@ -163,9 +187,9 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
 
     Attributes:
         layout_key: of the layout that it is of.
-        texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in W m^-2:
-            of the sky and of all that surfaces send on, without what comes from the key light
-            straight; alpha is the share of the open sky's irradiance that arrives, 0 to 1.
+        texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in
+            W m^-2: of the sky and of all that surfaces send on, without what comes from the key
+            light straight; alpha is the share of the open sky's irradiance that arrives, 0 to 1.
         probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
             and -z; None where the layout has no probes.
         rays: how many each texel has been given: more of them, less noise.
@@ -181,16 +205,42 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     def check(self) -> None:
         """Arrays of these shapes."""
         checks.text(self, "layout_key", "source")
-        edge = -LARGEST_EDGE
-        checks.array(self, "texels", (edge, edge, 4), ("<f2",))
+        checks.arrays(self, {"texels": ("<f2", ("H", "W", 4))})
+        _check_lengths(self, "texels", self.texels.shape[:2], 1, LARGEST_EDGE)
         if self.probes is not None:
-            checks.array(self, "probes", (-256, -256, -256, 6, 4), ("<f2",))
+            checks.arrays(self, {"probes": ("<f2", ("Z", "Y", "X", _FACES, 4))})
+            _check_lengths(self, "probes", self.probes.shape[:3], 2, _MOST_PROBES)
         check_scale(self)
         checks.whole(self, "rays", 1, 2**40)
 
     def check_arrays(self) -> None:
-        """Light, which is finite."""
+        """Light within its bounds, and shares of the sky.
+
+        Raises:
+            UserError: a value lies beyond.
+        """
         most = MOST_LIGHT / self.radiance_scale
-        checks.contents(self, "texels", 0.0, max(most, 1.0))
-        if self.probes is not None:
-            checks.contents(self, "probes", 0.0, max(most, 1.0))
+        for name in ("texels", "probes"):
+            if getattr(self, name) is not None:
+                checks.contents(self, name, 0.0, max(most, 1.0))
+                if float(getattr(self, name).values[..., 3].max()) > 1.0:
+                    raise UserError(f"{name} of a SurfaceLightChanged hold shares above 1")
+
+    def fits(self, laid: LightMapLaid) -> bool:
+        """Whether this is light of that layout: by name, and by size."""
+        counts = None if laid.probes is None else laid.probes.counts
+        found = None if self.probes is None else self.probes.shape[2::-1]
+        same_size = self.texels.shape[1::-1] == tuple(laid.size_px)
+        return self.layout_key == laid.layout_key and same_size and found == counts
+
+
+def _check_rows(first: NDArray, count: NDArray, length: int) -> None:
+    if np.any((first < 0) | (count < 0) | (first + count > length)):
+        raise UserError("shapes of a LightMapLaid reach beyond its arrays")
+
+
+def _check_lengths(
+    message: object, name: str, lengths: tuple[int, ...], low: int, high: int
+) -> None:
+    if not all(low <= length <= high for length in lengths):
+        checks.refuse(message, name, f"have edges of {low} to {high}")

@@ -107,7 +107,7 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Raises:
             UserError: one is not.
         """
-        _check_arrays(
+        checks.arrays(
             self,
             {
                 "positions_m": ("<f8", ("V", 3)),
@@ -239,7 +239,7 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
             UserError: one is not.
         """
         factors = ("metallic", "roughness", "alpha_cutoff", "normal_scale", "occlusion_strength")
-        _check_arrays(
+        checks.arrays(
             self,
             {
                 "names": ("|u1", ("N",)),
@@ -254,22 +254,3 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
                 **dict.fromkeys(factors, ("<f8", ("K",))),
             },
         )
-
-
-def _check_arrays(
-    content: msgspec.Struct, expected: dict[str, tuple[str, tuple[int | str, ...]]]
-) -> None:
-    """Raise UserError unless fields are arrays of these element types and shapes.
-
-    In a shape equal letters stand for equal lengths.
-    """
-    lengths: dict[int | str, int] = {}
-    for name, (dtype, shape) in expected.items():
-        checks.instance(content, name, Array)
-        array: Array = getattr(content, name)
-        fits = array.dtype.str == dtype and len(array.shape) == len(shape)
-        for wanted, found in zip(shape, array.shape, strict=False):
-            known = wanted if isinstance(wanted, int) else lengths.setdefault(wanted, found)
-            fits = fits and known == found
-        if not fits:
-            checks.refuse(content, name, f"be {dtype} of shape {shape}")

@@ -9,10 +9,11 @@ import numpy as np
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds
 from vrut_lite.daylight.clouds import CloudLayer
-from vrut_lite.daylight.darkness import no_ambient, no_background, no_sun
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -33,7 +34,7 @@ class FrameSkips:
         meshes: meshes outside the view.
         sky: samples of the sky that meshes cover.
         shadow: the shadow map when the sun is down, or neither scene nor sun have changed.
-        unlit: the sky and its reflection where they light nothing, in a closed room.
+        unlit: filtering a sky that reaches none of what is seen, by the light map.
         reflection: filtering a sky that is not seen to differ, or that nothing in view mirrors.
     """
 
@@ -51,13 +52,16 @@ class SceneState:
     A part is replaced, never changed: a part that is the same object needs no work.
 
     Attributes:
-        background, key_light, ambient: None before the sky has spoken.
+        background, key_light, ambient: of the clear sky; None before the sky has spoken.
+        sky_light: the sum of sky and layers; None without layers, where it is the clear sky's.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
         air: what the scene is seen through; None where it would not be seen.
         light_shafts: whether the scene shades the air.
-        sheltered: whether the eye is in a closed room, where sun and sky light nothing.
+        light_map: of the scene; None where nobody made one.
+        surface_light: of that light map; None as long as there is none. Surfaces are then lit by
+            the open sky.
         tolerance: share by which radiance may be off.
     """
 
@@ -65,6 +69,7 @@ class SceneState:
     background: BackgroundChanged | None = None
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
+    sky_light: SkyLightChanged | None = None
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)
@@ -72,7 +77,8 @@ class SceneState:
     air: AirVolume | None = None
     clouds: CloudLayer | None = None
     light_shafts: bool = False
-    sheltered: bool = False
+    light_map: LightMapLaid | None = None
+    surface_light: SurfaceLightChanged | None = None
     tolerance: float = DEFAULT_TOLERANCE
     skips: FrameSkips = field(default_factory=FrameSkips)
 
@@ -110,24 +116,30 @@ class SceneState:
         albedo = ground_albedo(lit.background, lit.key_light, lit.ambient)
         return replace(lit, ground_albedo_rgb=albedo)
 
-    def with_shelter(self, sheltered: bool) -> Self:
-        """The state inside or outside a closed room.
+    def with_surface_light(
+        self, light_map: LightMapLaid | None, surface_light: SurfaceLightChanged | None
+    ) -> Self:
+        """The state with a light map and the light in it.
 
-        Inside, darkness stands for light that was never computed, so that it can be drawn.
+        Either is left out that does not belong to the scene: what was computed for one scene may
+        arrive when the next is open.
         """
-        if not sheltered:
-            return replace(self, sheltered=False)
-        return replace(
-            self,
-            sheltered=True,
-            background=self.background or no_background(),
-            key_light=self.key_light or no_sun(),
-            ambient=self.ambient or no_ambient(),
-        )
+        if light_map is not None and not self._is_of_scene(light_map):
+            light_map = None
+        if surface_light is not None and (light_map is None or not surface_light.fits(light_map)):
+            surface_light = None
+        return replace(self, light_map=light_map, surface_light=surface_light)
+
+    def _is_of_scene(self, light_map: LightMapLaid) -> bool:
+        if self.scene is None or light_map.content_key != self.scene.content_key:
+            return False
+        return light_map.part_shape.shape == self.scene.geometry.part_mesh.shape
 
 
 def ground_albedo(
-    background: BackgroundChanged, key_light: KeyLightChanged, ambient: AmbientChanged
+    background: BackgroundChanged | SkyRadianceChanged,
+    key_light: KeyLightChanged,
+    ambient: AmbientChanged,
 ) -> Vector:
     """Albedo (R, G, B) of the ground that a sky was computed with: pi L / E at the nadir.
 

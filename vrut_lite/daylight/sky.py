@@ -106,6 +106,36 @@ class AmbientChanged(Derived, frozen=True, kw_only=True):
         checks.contents(self, "irradiance_sh_rgb", -MOST_LIGHT, MOST_LIGHT)
 
 
+class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
+    """The sky as it lights the scene: what is seen from the ground there, without the sun's disc.
+
+    For who adds up radiance on the CPU: the background may stay on the GPU, and shows what a high
+    camera sees. cube (6, size, size, 3) float16 in world axes; linear sRGB radiance in
+    W m^-2 sr^-1 is cube times `radiance_scale`. Below the horizon it holds `ground_radiance_rgb`
+    (W m^-2 sr^-1).
+    """
+
+    slot: ClassVar[str | None] = "sky"
+
+    cube: Array
+    radiance_scale: float
+    ground_radiance_rgb: Vector
+    source: str
+
+    def check(self) -> None:
+        """A cube with light in it."""
+        edge = -LARGEST_EDGE
+        checks.array(self, "cube", (6, edge, edge, 3), ("<f2",))
+        check_scale(self)
+        checks.light(self, "ground_radiance_rgb", MOST_LIGHT)
+        checks.text(self, "source")
+
+    def check_arrays(self) -> None:
+        """Radiance, which is finite."""
+        most = MOST_LIGHT / self.radiance_scale
+        checks.contents(self, "cube", -most, most)
+
+
 class LookAlong(Input, frozen=True, kw_only=True):
     """Ask for the sky's spectrum in a direction, a unit vector in world axes."""
 

@@ -1,11 +1,12 @@
 """`SkyModule`: all that skies have in common, between the bus and the light of an hour.
 
 It hears what changes the light, asks the sky for what somebody wants, and posts what is new:
-background, key light, ambient light and air, in this order. Sizes follow demand, else the
-tolerance; moves of sun and eye that nobody sees cost nothing; when the slot returns, all is posted
-again; a sky that needs a long computation first has it done by a background job, and shows the one
-before until then. With a setting `cube_device` on "gpu" the GPU makes cube map and air; the CPU
-does where nobody runs GPU jobs, where one has failed, and where the sky says so.
+background, key light, ambient light, radiance on the ground and air, in this order. Sizes follow
+demand, else the tolerance; moves of sun and eye that nobody sees cost nothing; when the slot
+returns, all is posted again; a sky that needs a long computation first has it done by a background
+job, and shows the one before until then. With a setting `cube_device` on "gpu" the GPU makes cube
+map and air; the CPU does where a demand names the cube's encoding, where nobody runs GPU jobs,
+where one has failed, and where the sky says so.
 
 The ledger counts, by the messages' type names, what was posted ("BackgroundChanged") and what was
 not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
@@ -23,7 +24,13 @@ from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneNeeds
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+)
 from vrut_lite.daylight.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
 from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
@@ -35,7 +42,15 @@ from vrut_lite.numeric_types import Vector
 
 SPECTRUM = "spectrum"
 Kinds = tuple[type[Derived], ...]
-PRODUCTS: Kinds = (BackgroundChanged, KeyLightChanged, AmbientChanged, AirChanged)
+PRODUCTS: Kinds = (
+    BackgroundChanged,
+    KeyLightChanged,
+    AmbientChanged,
+    SkyRadianceChanged,
+    AirChanged,
+)
+# Edge of the cube that lights the scene, where nobody names one.
+LIGHT_SIZE = 64
 # What depends on where the eye is.
 SEEN: Kinds = (BackgroundChanged, AirChanged)
 
@@ -168,7 +183,7 @@ class SkyModule(Module):
             return
         assert self._hour is not None
         for kind, demand in wanted.items():
-            self._post_if_new(kind, sky, self._hour, demand.size or self._quality.cube_size)
+            self._post_if_new(kind, sky, self._hour, demand)
 
     @property
     def _quality(self) -> Quality:
@@ -235,13 +250,18 @@ class SkyModule(Module):
             self._refused = ()
             self._preparation.ask(work)
 
-    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, size: int) -> None:
+    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, demand: Demand) -> None:
         """Post what is made from other things than the last of its kind."""
+        size = demand.size or self._quality.cube_size
         name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
         made_from: tuple[object, ...] = sky.on_scene(), direction
         if kind is BackgroundChanged:
-            on_gpu = self._gpu_serves(type(sky).gpu_background is not Sky.gpu_background)
+            # Who names an encoding reads the texels.
+            able = type(sky).gpu_background is not Sky.gpu_background and not demand.encoding
+            on_gpu = self._gpu_serves(able)
             made_from = sky, size, on_gpu
+        elif kind is SkyRadianceChanged:
+            made_from = *made_from, size
         elif kind is AirChanged:
             on_gpu = self._gpu_serves(type(sky).gpu_air is not Sky.gpu_air)
             made_from = sky, eye_m, self._view[1], on_gpu
@@ -254,6 +274,8 @@ class SkyModule(Module):
             self._post(self._air(sky, eye_m, self._view[1], on_gpu))
         elif kind is KeyLightChanged:
             self._post(sky.sun().message(direction, name))
+        elif kind is SkyRadianceChanged:
+            self._post(sky.background_on_ground(size).light_message(name))
         else:
             harmonics = Array(np.asarray(sky.ambient(), dtype=np.float32))
             self._post(AmbientChanged(irradiance_sh_rgb=harmonics, source=name))

@@ -16,7 +16,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.sky import BackgroundChanged, ViewShader
+from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged, ViewShader
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
@@ -111,11 +111,9 @@ class Background(NamedTuple):
 
     def message(self, source: str) -> BackgroundChanged:
         """The same as the sky's holder posts it."""
-        cube, scale = self.cube, self.scale
-        if not isinstance(cube, GpuTexture) and cube.dtype != np.float16:
-            cube, scale = encode_float16(cube)
+        cube, scale = self._encoded()
         return BackgroundChanged(
-            cube=cube if isinstance(cube, GpuTexture) else Array(cube),
+            cube=cube,
             radiance_scale=scale,
             ground_radiance_rgb=_vector(self.ground_rgb),
             source=source,
@@ -125,6 +123,26 @@ class Background(NamedTuple):
                 None if self.seen_sun_rgb is None else _vector(self.seen_sun_rgb)
             ),
         )
+
+    def light_message(self, source: str) -> SkyRadianceChanged:
+        """The same as light on the scene; the cube must be on the CPU."""
+        cube, scale = self._encoded()
+        assert isinstance(cube, Array)
+        return SkyRadianceChanged(
+            cube=cube,
+            radiance_scale=scale,
+            ground_radiance_rgb=_vector(self.ground_rgb),
+            source=source,
+        )
+
+    def _encoded(self) -> tuple[Array | GpuTexture, float]:
+        """The cube in half precision, and the power of two that brings it back."""
+        if isinstance(self.cube, GpuTexture):
+            return self.cube, self.scale
+        if self.cube.dtype == np.float16:
+            return Array(self.cube), self.scale
+        cube, scale = encode_float16(self.cube)
+        return Array(cube), scale
 
 
 class SunDisc(NamedTuple):
@@ -163,6 +181,10 @@ class Sky:
         """Sky and ground as a cube map with an edge of `size` texels."""
         raise NotImplementedError
 
+    def background_on_ground(self, size: int) -> Background:
+        """The same by the CPU, as the scene sees it: from the ground, wherever the eye is."""
+        return self.background(size)
+
     def sun(self) -> SunDisc:
         """The sun's light on the scene."""
         raise NotImplementedError
@@ -172,7 +194,7 @@ class Sky:
         raise NotImplementedError
 
     def on_scene(self) -> object:
-        """What `sun` and `ambient` depend on, to be compared: by default all of the sky."""
+        """What lights the scene, to be compared: by default all of the sky."""
         return self
 
     def unseen(self, hour: Hour, quality: Any) -> Unseen:

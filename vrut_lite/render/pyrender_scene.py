@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
+from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, Shape
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh
 from vrut_lite.numeric_types import FloatArray, Vector
@@ -18,98 +19,138 @@ from vrut_lite.render.gl_environment import import_pyrender
 pyrender = import_pyrender()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlacedPrimitive:
     """A pyrender primitive where it stands.
 
     `centre_m` (3,) is the middle of its bounds, `radius_m` holds it all from there. The matrix
     (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
+    `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one.
     """
 
     primitive: Any
     world_from_model: FloatArray
     centre_m: FloatArray
     radius_m: float
-    casts_shadow: bool
+    is_ground: bool = False
+    light_corner_px: NDArray[np.int32] | None = None
+
+
+class _Cut(NamedTuple):
+    """A mesh on its way to the GPU, and the matrix (4, 4) that moves its centred vertices back."""
+
+    mesh: Any
+    model_from_centred: FloatArray
+
+    @property
+    def primitive(self) -> Any:
+        return self.mesh.primitives[0]
 
 
 class PyrenderScene:
-    """Meshes whose buffers pyrender keeps, where they stand, and the paint of the ground."""
+    """Meshes whose buffers pyrender keeps, where they stand, and the paint of the ground.
+
+    `scene` is what pyrender brings to the GPU, `placed` what is drawn.
+    """
 
     def __init__(self, opened: SceneOpened):
-        self.scene = pyrender.Scene()
-        self.placed: list[PlacedPrimitive] = []
-        self._known: set[int] = set()
+        self._opened = opened
         lower_m, upper_m = np.asarray(opened.lower_m), np.asarray(opened.upper_m)
         self.centre_m = 0.5 * (lower_m + upper_m)
         self.radius_m = max(0.5 * float(np.linalg.norm(upper_m - lower_m)), 1e-6)
-        # Where the ground behind the scene lies.
-        self.ground_level_m = 0.0 if opened.ground is None else opened.ground.height_m
-        self._ground_material: Any = None
-        geometry = opened.geometry
-        surfaces = [_surface(material) for material in opened.materials.all()]
-        meshes = [geometry.mesh(number) for number in range(geometry.mesh_count)]
-        primitives = [_primitive(mesh, surfaces[mesh.material]) for mesh in meshes]
-        places = zip(geometry.part_mesh.values, geometry.world_from_part.values, strict=True)
-        for number, matrix in places:
-            primitive, model_from_centred = primitives[number]
-            self._place(primitive, matrix @ model_from_centred, True)
-        if opened.ground is not None:
-            self._add_ground(opened.ground)
+        ground = opened.ground
+        # Where the ground behind the scene lies, and the middle of its disc.
+        self.ground_level_m = 0.0 if ground is None else ground.height_m
+        self.ground_centre_xz_m = np.array((0.0, 0.0) if ground is None else ground.centre_xz_m)
+        self._surfaces = [_surface(material) for material in opened.materials.all()]
+        self._ground = None if ground is None else _ground(ground)
+        # By the number of the mesh and of its shape in the light map.
+        self._cuts: dict[tuple[int, int], _Cut] = {}
+        self.lay_out(None)
 
-    def _place(self, primitive: Any, matrix: FloatArray, casts_shadow: bool) -> None:
-        if id(primitive) not in self._known:
-            self._known.add(id(primitive))
-            self.scene.add(pyrender.Mesh([primitive]))
-        # Vertices count from the middle of their bounds, which is the matrix's translation.
-        largest = float(np.linalg.norm(primitive.positions, axis=1).max(initial=0.0))
-        radius_m = largest * float(np.linalg.norm(matrix[:3, :3], ord=2))
-        self.placed.append(
-            PlacedPrimitive(primitive, matrix, matrix[:3, 3], radius_m, casts_shadow)
-        )
+    def lay_out(self, light_map: LightMapLaid | None) -> None:
+        """Cut meshes up as a light map asks for; those that it leaves whole keep their buffers."""
+        geometry = self._opened.geometry
+        whole = {key: cut for key, cut in self._cuts.items() if key[1] == NOT_MAPPED}
+        self._cuts, self.scene, self.placed = {}, pyrender.Scene(), []
+        for part, mesh in enumerate(geometry.part_mesh.values):
+            shape = NOT_MAPPED if light_map is None else int(light_map.part_shape.values[part])
+            key = (int(mesh), shape)
+            if key not in self._cuts:
+                self._cuts[key] = whole.get(key) or self._cut(int(mesh), shape, light_map)
+                self.scene.add(self._cuts[key].mesh)
+            corner = None
+            if light_map is not None and shape != NOT_MAPPED:
+                corner = light_map.part_corner_px.values[part]
+            matrix = geometry.world_from_part.values[part] @ self._cuts[key].model_from_centred
+            self.placed.append(_placed(self._cuts[key].primitive, matrix, light_corner_px=corner))
+        if self._ground is not None:
+            self.scene.add(self._ground.mesh)
+            ground = self._ground.primitive, self._ground.model_from_centred
+            self.placed.append(_placed(*ground, is_ground=True))
 
     def paint_ground(self, albedo_rgb: Vector) -> None:
         """Give the ground disc an albedo, linear RGB in [0, 1]."""
-        if self._ground_material is not None:
-            self._ground_material.baseColorFactor = [*albedo_rgb, 1.0]
+        if self._ground is not None:
+            self._ground.primitive.material.baseColorFactor = [*albedo_rgb, 1.0]
 
-    def _add_ground(self, ground: GroundDisc) -> None:
-        vertices, triangles = triangulate(ground)
-        # Matte, without the reflection of a dielectric: the disc then has the radiance
-        # albedo * E / pi of the sky's own lower half, and its rim does not show.
-        self._ground_material = Surface(
-            baseColorFactor=[0.1, 0.1, 0.1, 1.0], metallicFactor=0.0, roughnessFactor=1.0
-        )
-        self._ground_material.matte = True
-        primitive = pyrender.Primitive(
-            positions=vertices,
-            normals=np.tile(np.array([0, 1, 0], np.float32), (len(vertices), 1)),
-            indices=triangles,
-            material=self._ground_material,
-        )
-        middle = np.eye(4)
-        middle[:3, 3] = [ground.centre_xz_m[0], ground.height_m, ground.centre_xz_m[1]]
-        self._place(primitive, middle, False)
+    def _cut(self, number: int, shape: int, light_map: LightMapLaid | None) -> _Cut:
+        mesh = self._opened.geometry.mesh(number)
+        cut = None if light_map is None or shape == NOT_MAPPED else light_map.shape(shape)
+        return _cut_up(mesh, self._surfaces[mesh.material], cut)
 
 
-def _primitive(mesh: Mesh, surface: "Surface") -> tuple[Any, FloatArray]:
-    """The primitive, its vertices centred, and the matrix (4, 4) that moves them back.
+def _placed(primitive: Any, matrix: FloatArray, **more: Any) -> PlacedPrimitive:
+    # Vertices count from the middle of their bounds, which is the matrix's translation.
+    largest = float(np.linalg.norm(primitive.positions, axis=1).max(initial=0.0))
+    radius_m = largest * float(np.linalg.norm(matrix[:3, :3], ord=2))
+    return PlacedPrimitive(primitive, matrix, matrix[:3, 3], radius_m, **more)
+
+
+def _ground(ground: GroundDisc) -> _Cut:
+    vertices, triangles = triangulate(ground)
+    # Matte, without the reflection of a dielectric: the disc then has the radiance
+    # albedo * E / pi of the sky's own lower half, and its rim does not show.
+    material = Surface(
+        baseColorFactor=[0.1, 0.1, 0.1, 1.0], metallicFactor=0.0, roughnessFactor=1.0
+    )
+    material.matte = True
+    primitive = pyrender.Primitive(
+        positions=vertices,
+        normals=np.tile(np.array([0, 1, 0], np.float32), (len(vertices), 1)),
+        indices=triangles,
+        material=material,
+    )
+    middle = np.eye(4)
+    middle[:3, 3] = [ground.centre_xz_m[0], ground.height_m, ground.centre_xz_m[1]]
+    return _Cut(pyrender.Mesh([primitive]), middle)
+
+
+def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
+    """A mesh with its vertices centred, and with those of its shape in the light map.
 
     Single precision is then spent on the mesh itself, not on where its origin happens to be.
     """
     centre = 0.5 * (mesh.positions_m.min(axis=0) + mesh.positions_m.max(axis=0))
+    vertices = slice(None) if shape is None else shape.source_vertex
+
+    def values(array: NDArray | None) -> Any:
+        return None if array is None else np.asarray(array, np.float32)[vertices]
+
     primitive = pyrender.Primitive(
-        positions=(mesh.positions_m - centre).astype(np.float32),
-        normals=np.asarray(mesh.normals, np.float32),
-        texcoord_0=None if mesh.uv is None else np.asarray(mesh.uv, np.float32),
-        texcoord_1=mesh.second_uv,
-        color_0=mesh.colours_rgba,
-        indices=np.asarray(mesh.triangles, np.uint32),
+        positions=(mesh.positions_m - centre).astype(np.float32)[vertices],
+        normals=values(mesh.normals),
+        # Shaders of ours have no use for tangents: their place holds that in the light map.
+        tangents=None if shape is None else np.pad(shape.uv, ((0, 0), (0, 2))),
+        texcoord_0=values(mesh.uv),
+        texcoord_1=values(mesh.second_uv),
+        color_0=values(mesh.colours_rgba),
+        indices=np.asarray((mesh if shape is None else shape).triangles, np.uint32),
         material=surface,
     )
     model_from_centred = np.eye(4)
     model_from_centred[:3, 3] = centre
-    return primitive, model_from_centred
+    return _Cut(pyrender.Mesh([primitive]), model_from_centred)
 
 
 class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]

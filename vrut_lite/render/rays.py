@@ -10,14 +10,23 @@ from vrut_lite.daylight.scene import SceneOpened
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6
+# And so close a point lies on a surface.
+_TOUCHING = 1e-5
+# Instead of the number of a part.
+GROUND = -1
 
 
 class Hit(NamedTuple):
-    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material."""
+    """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material.
+
+    `part` is `GROUND`, or that of the scene's, of whose mesh it is this `triangle`.
+    """
 
     point_m: NDArray[np.float64]
     normal: NDArray[np.float64]
     material: str
+    part: int
+    triangle: int
 
 
 class SceneRays:
@@ -35,6 +44,7 @@ class SceneRays:
         self._ground = scene.ground
         size_m = float(np.linalg.norm(np.subtract(scene.upper_m, scene.lower_m)))
         self._clearance_m = _CLEARANCE * max(size_m, 1e-6)
+        self._touching_m = _TOUCHING * max(size_m, 1e-6)
 
     def first_hit(self, eye_m: ArrayLike, direction: ArrayLike) -> Hit | None:
         """The nearest hit of a ray from `eye_m` (3,) along a unit direction; None for the sky."""
@@ -46,12 +56,22 @@ class SceneRays:
         if not np.isfinite(min(distance_m, ground_m)):
             return None
         if ground_m < distance_m:
-            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]), "ground")
+            return Hit(eye + ground_m * ray, np.array([0.0, 1.0, 0.0]), "ground", GROUND, 0)
         normal = np.cross(self._edge_1[nearest], self._edge_2[nearest])
         normal /= np.linalg.norm(normal)
-        material = self._materials[int(np.searchsorted(self._ends, nearest, side="right"))]
+        part = int(np.searchsorted(self._ends, nearest, side="right"))
+        triangle = nearest - (int(self._ends[part - 1]) if part else 0)
         towards_eye = normal if normal @ ray < 0.0 else -normal
-        return Hit(eye + distance_m * ray, towards_eye, material)
+        point = eye + distance_m * ray
+        return Hit(point, towards_eye, self._materials[part], part, triangle)
+
+    def surface_at(self, point_m: ArrayLike, normal: ArrayLike) -> Hit | None:
+        """The surface that a point (3,) lies on, seen from where its normal points to."""
+        point, n = np.asarray(point_m, dtype=float), np.asarray(normal, dtype=float)
+        hit = self.first_hit(point + self._touching_m * n, -n)
+        if hit is None or np.linalg.norm(hit.point_m - point) > self._touching_m:
+            return None
+        return hit
 
     def is_free(self, point_m: ArrayLike, normal: ArrayLike, direction: ArrayLike) -> bool:
         """Whether nothing stands between a point on a surface and what lies in a direction.

@@ -117,7 +117,6 @@ CLOUDS = UniformBlock(
         "ground_squares_m2": ("float", "the same of the ground"),
         "eye_altitude_m": ("float", "the eye's y"),
         "light_from_above": ("vec3", "mean radiance of the upper hemisphere"),
-        "scattered_share": ("float", "of light from above, that reaches the ground through clouds"),
         "light_from_below": ("vec3", "radiance of the ground"),
         "covered_share": ("float", "of the sky's zenith that is cloud"),
         "shadow_origin_m": ("vec2", "the eye on the shadow map's plane"),
@@ -129,5 +128,29 @@ CLOUDS = UniformBlock(
         "shadow_texels": ("float", "along a side of the map"),
     },
 )
+SURFACE_LIGHT = UniformBlock(
+    "SurfaceLight",
+    "surface",
+    binding=2,
+    # "Level" is world x and z.
+    fields={
+        "open_ground": ("vec3", "irradiance of level ground under the open sky"),
+        "radiance_scale": ("float", "from texels to W m^-2"),
+        "texel": ("vec2", "one over the map's width and height"),
+        "ground_first": ("vec2", "middle of the first texel of the ground's chart"),
+        "ground_eye_m": ("vec2", "level, from the middle of the ground disc to the eye"),
+        "ground_half_width_m": ("float", "of the chart"),
+        "ground_warp": ("float", "how much finer it is in the middle"),
+        "ground_slope": ("float", "hyperbolic sine of that"),
+        "probes_eye": ("vec3", "the eye, in steps from the first probe"),
+        "ground_steps": ("float", "from its first texel to its last"),
+        "probes_per_m": ("vec3", "one over the step"),
+        "probe_counts": ("vec3", "along x, y and z"),
+    },
+)
 # By the names under which shaders include them.
-BLOCK_FILES = {"air_block.glsl": AIR, "cloud_block.glsl": CLOUDS}
+BLOCK_FILES = {
+    "air_block.glsl": AIR,
+    "cloud_block.glsl": CLOUDS,
+    "surface_light_block.glsl": SURFACE_LIGHT,
+}

@@ -9,11 +9,12 @@ from vrut_lite import __version__
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.daylight_kernel import LIGHT
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.kernel.messages import SlotChanged
@@ -22,7 +23,6 @@ from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
-from vrut_lite.scene.shelter import Shelter
 
 NAME = "scene"
 
@@ -41,7 +41,8 @@ class SceneSettings(msgspec.Struct, frozen=True):
 class SceneManager(Module):
     """Owns the state of a `SceneView`; draws nothing itself.
 
-    It demands light, of a sky's cube map in `cube_size` texels where that is named.
+    It demands light, of a sky's cube map in `cube_size` texels where that is named, and a light map
+    unless the view's backend draws none.
     """
 
     manifest = Manifest(name=NAME, title="Scene", version=__version__)
@@ -53,15 +54,20 @@ class SceneManager(Module):
         settings: Any,
         view: SceneView | None = None,
         cube_size: int | None = None,
+        light_map: bool = True,
     ):
         super().__init__(link, settings)
         self._view = view or SceneView()
-        self._cube_size = cube_size
-        self._shelter: Shelter | None = None
         self._wants_air = False
-        self._wants_clouds = False
+        self._wants_scene_light = False
+        self._of_scene = (
+            CloudsChanged,
+            *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
+        )
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
-        self._want_light(True)
+        for kind in LIGHT:
+            self.link.demand(kind, cube_size)
+        self.link.demand(SkyLightChanged, None)
 
     @property
     def state(self) -> SceneState:
@@ -73,14 +79,9 @@ class SceneManager(Module):
     @handles(LoadScene)
     def on_load(self, message: LoadScene) -> None:
         """Open the file and look through its own camera; a bad file leaves the old scene."""
-        loaded = load_scene(message.path)
-        scene = packed(loaded)
-        self._shelter = None
-        if scene.ground is None:
-            self.ledger.skip("search for closed rooms: the scene is a land")
-        else:
-            self._shelter = Shelter(loaded)
+        scene = packed(load_scene(message.path))
         self._change(scene=scene, moved_camera=None)
+        self._take_surface_light()
         self.link.post(scene)
         self._look()
 
@@ -135,6 +136,11 @@ class SceneManager(Module):
         """Light with this sky."""
         self._view.state = self.state.with_light(ambient=message)
 
+    @handles(SkyLightChanged)
+    def on_sky_light(self, message: SkyLightChanged) -> None:
+        """Light with the sum of sky and layers, and mirror it, where there are layers."""
+        self._change(sky_light=message if message.layers else None)
+
     @handles(AirChanged)
     def on_air(self, message: AirChanged) -> None:
         """Show the scene through this air."""
@@ -144,18 +150,31 @@ class SceneManager(Module):
     @handles(CloudsChanged)
     def on_clouds(self, message: CloudsChanged) -> None:
         """Show these clouds; the air before them reaches farther than the scene's."""
-        if not self._wants_clouds:
-            return
         moved = _altitudes_m(message.layer) != _altitudes_m(self.state.clouds)
         self._change(clouds=message.layer)
         if moved:
             self._look()
+
+    @handles(LightMapLaid)
+    def on_light_map(self, message: LightMapLaid) -> None:
+        """Look surfaces up in this map, if it is of the open scene."""
+        self._take_surface_light()
+
+    @handles(SurfaceLightChanged)
+    def on_surface_light(self, message: SurfaceLightChanged) -> None:
+        """Light surfaces with it, if it is of the open scene."""
+        self._take_surface_light()
 
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
         """Drop the air of a sky that no longer holds the slot."""
         if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
             self._change(air=None)
+
+    def _take_surface_light(self) -> None:
+        self._view.state = self.state.with_surface_light(
+            self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)
+        )
 
     def _change(self, **parts: Any) -> None:
         self._view.state = replace(self.state, **parts)
@@ -167,17 +186,16 @@ class SceneManager(Module):
         camera, aspect = self.state.camera, self.state.aspect
         if camera is None:
             return
-        self._go_inside(self._shelter is not None and self._shelter.holds(camera.eye_m))
         faces, sky_in_view = visible_faces(camera, aspect)
-        outside = not self.state.sheltered
-        seen = outside and self.state.scene is not None
-        self._want_air(seen)
-        self._want_clouds(seen)
+        has_scene = self.state.scene is not None
+        self._want_air(has_scene)
+        if has_scene:
+            self._want_scene_light()
         self.link.post(
             SceneNeeds(
-                sky_in_view=sky_in_view and outside,
-                visible_faces=faces if outside else (),
-                receives_light=seen,
+                sky_in_view=sky_in_view,
+                visible_faces=faces,
+                receives_light=has_scene,
                 air_reach_m=self._air_reach_m(camera, aspect),
                 eye_height_m=camera.eye_m[1],
             )
@@ -203,27 +221,16 @@ class SceneManager(Module):
         last = self.link.last(AirChanged) if wanted else None
         self._change(air=last and last.volume)
 
-    def _want_clouds(self, useful: bool) -> None:
-        """Demand clouds outside; remove them inside."""
-        if useful == self._wants_clouds:
+    def _want_scene_light(self) -> None:
+        """Demand what only a scene has a use for: clouds, and the light on its surfaces."""
+        if self._wants_scene_light:
             return
-        self._wants_clouds = useful
-        self.link.demand(CloudsChanged, None if useful else 0)
-        last = self.link.last(CloudsChanged) if useful else None
-        self._change(clouds=last and last.layer)
-
-    def _go_inside(self, sheltered: bool) -> None:
-        """Withdraw the demands for light in a closed room; renew them outside."""
-        if sheltered == self.state.sheltered:
-            return
-        self._view.state = self.state.with_shelter(sheltered)
-        self._want_light(not sheltered)
-        if sheltered:
-            self.ledger.skip("light: in a closed room", len(LIGHT))
-
-    def _want_light(self, useful: bool) -> None:
-        for kind in LIGHT:
-            self.link.demand(kind, self._cube_size if useful else 0)
+        self._wants_scene_light = True
+        for kind in self._of_scene:
+            self.link.demand(kind, None)
+        clouds = self.link.last(CloudsChanged)
+        self._change(clouds=clouds and clouds.layer)
+        self._take_surface_light()
 
 
 def _altitudes_m(layer: CloudLayer | None) -> tuple[float, float] | None:

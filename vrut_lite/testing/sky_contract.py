@@ -19,7 +19,13 @@ from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, LookAlong, SpectrumSeen
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+)
 from vrut_lite.daylight.sky_module import PRODUCTS, SkyModule
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
@@ -203,6 +209,21 @@ class SkyContract:
             harmonics = sky.last(AmbientChanged).irradiance_sh_rgb.values
             error = np.abs(evaluate_irradiance(harmonics, NORMALS) - exact)
             assert error.max() <= 0.04 * exact.max()
+
+    def test_radiance_on_the_ground_is_what_lights_the_scene(self, sky: SkyOnBus) -> None:
+        """Its irradiance is the ambient light's, and an eye that rises does not change it."""
+        sky.want(AmbientChanged, SkyRadianceChanged, size=64)
+        sky.sun(35.0, 120.0)
+        ground = sky.last(SkyRadianceChanged)
+        ground.check_arrays()
+        cube = decode_float16(ground.cube.values, ground.radiance_scale).astype(float)
+        exact = np.array([irradiance(cube, normal) for normal in NORMALS])
+        harmonics = sky.last(AmbientChanged).irradiance_sh_rgb.values
+        error = np.abs(evaluate_irradiance(harmonics, NORMALS) - exact)
+        assert error.max() <= 0.04 * exact.max()
+        sky.taken()
+        sky.eye(9000.0)
+        assert sky.taken() == []
 
     # --- air and spectrum ----------------------------------------------------------------
 

@@ -77,7 +77,7 @@ class Window:
         self.window.resize(*SIZE)
         self.window.show()
         self.session.start()
-        self.window.open_project(load_project(SCENES / "street.toml"))
+        self.window.files.open_project(load_project(SCENES / "street.toml"))
         self.session.picture_shown.connect(self._count)
         self._beat = QTimer()
         self._beat.timeout.connect(self._note)

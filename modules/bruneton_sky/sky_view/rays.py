@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.geometry import entry_to_air
 from vrut_lite.numeric_types import FloatArray
 
 # Where rows begin to be dense toward mu_top: b above; the shader has them too (sky_view.glsl).
@@ -94,13 +95,12 @@ def _entering(
     radius = atmosphere.ground_radius_m + altitude_m
     top_m = atmosphere.top_altitude_m
     top_radius = atmosphere.ground_radius_m + top_m
-    perigee = radius * sine
-    half_chord = np.sqrt(np.maximum((top_radius - perigee) * (top_radius + perigee), 0.0))
-    distance = (altitude_m - top_m) * (radius + top_radius) / (half_chord - radius * mu)
+    planet = atmosphere.ground_radius_m, top_m
+    distance, mu_there, _ = entry_to_air(*planet, radius * mu, radius * sine)
     mu_s_there = (radius * mu_s + distance[:, None] * nu) / top_radius
     return Rows(
         np.full(mu.shape, top_m),
-        -half_chord / top_radius,
+        mu_there,
         hits,
         np.clip(mu_s_there, -1.0, 1.0),
         nu,

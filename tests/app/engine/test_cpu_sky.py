@@ -52,6 +52,6 @@ def test_the_cpu_sky_is_the_frames_own(qtbot, tmp_path):
         for message in [*inputs_of(load_project(SCENES / "sundial.toml"), stage.kernel), UP]:
             stage.kernel.inject(message)
         stage.kernel.pump_until_idle()
-        skies.append(stage.draw((120, 80), True).radiance)
+        skies.append(stage.draw((120, 80), SetExposure(), True).radiance)
         stage.close()
     assert np.median(np.abs(skies[1] / skies[0] - 1.0)) < 0.02

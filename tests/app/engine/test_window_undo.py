@@ -139,7 +139,7 @@ def test_a_project_is_where_undo_ends(driver):
     """Nobody wants to go back to half of another project."""
     editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
     type_in(driver, editor.spin, "4.5")
-    driver.window.open_path(str(SCENES / "street.toml"))
+    driver.window.files.open_path(str(SCENES / "street.toml"))
     driver.until(lambda: not driver.window.actions_by_name["undo"].isEnabled())
     driver.settled()
     assert editor.value == 3.0

@@ -11,9 +11,10 @@ from vrut_lite.kernel.messages import EnableModule, SetClock, SettingChanged
 
 # What is not worked here: how fast it will play (test_window_time); how many pictures of a day
 # will be made, until it is cancelled (test_day_sequence); what opens a port (tests/zenoh_bridge);
-# a list that is only read.
+# a list that is only read; a picture that is metered anew, black as before (test_window_picture).
 ELSEWHERE = {
     "speed", "minutes from picture to picture", "Cancel", "Enabled", "content of the message",
+    "Meter now",
 }  # fmt: skip
 # What leaves others with nothing to do.
 LAST = {"Clear", "Close"}
@@ -21,7 +22,7 @@ PANELS = (
     "place", "sun", "picture", "export", "sky", "time", "modules", "messages", "compare",
     "module clouds", "module scene", "module path_tracer",
 )  # fmt: skip
-SHORT = ("picture", "sky", "modules", "module clouds")
+SHORT = ("place", "sky", "modules", "module clouds")
 
 
 @pytest.fixture

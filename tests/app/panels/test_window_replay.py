@@ -69,10 +69,10 @@ def session_by_hand(driver):
     yield lambda: type_in(driver, driver.panel("place").search, "Reykjavik")
     yield lambda: driver.panel("module scene").rows["light_shafts"].editor.click()
     yield lambda: type_in(driver, driver.panel("module clouds").rows["coverage"].editor.spin, "0.5")
-    yield lambda: pick(driver.panel("picture").mode, "manual")
+    yield lambda: driver.panel("picture").lock.click()
     yield lambda: pick(sky.choosers["sky"], "bruneton_sky")
-    yield lambda: driver.window.open_path(str(SCENES / "nothing.glb"))
-    yield lambda: driver.window.open_path(str(SCENES / "spheres.glb"))
+    yield lambda: driver.window.files.open_path(str(SCENES / "nothing.glb"))
+    yield lambda: driver.window.files.open_path(str(SCENES / "spheres.glb"))
     yield driver.window.desk.viewport.frame_scene
     yield lambda: driver.panel("modules").set_safe_mode(True)
     yield driver.window.undo

@@ -113,13 +113,13 @@ class HeldStage(GlStage):
 
     reached, released = threading.Event(), threading.Event()
 
-    def draw(self, size, still, is_given_up=None):
+    def draw(self, size, exposure, still, is_given_up=None):
         def is_given_up_now():
             self.reached.set()
             self.released.wait()
             return is_given_up()
 
-        return super().draw(size, still, is_given_up_now if still else None)
+        return super().draw(size, exposure, still, is_given_up_now if still else None)
 
 
 @pytest.mark.gl
@@ -148,13 +148,13 @@ def test_a_finished_picture_is_given_up_for_a_hand_that_moves_on(qtbot, tmp_path
 class SlowStage(HeadlessStage):
     """A finished picture takes until it is given up, or a fifth of a second."""
 
-    def draw(self, size, still, is_given_up=None):
+    def draw(self, size, exposure, still, is_given_up=None):
         end_s = time.monotonic() + 0.2
         while still and time.monotonic() < end_s:
             if is_given_up():
                 raise GivenUp
             time.sleep(0.005)
-        return super().draw(size, still)
+        return super().draw(size, exposure, still)
 
 
 def test_what_changes_nothing_to_be_seen_gives_a_picture_up_once(qtbot, tmp_path):

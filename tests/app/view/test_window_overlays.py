@@ -73,14 +73,14 @@ def test_the_path_of_the_day_passes_through_the_sun(driver):
 
 def test_a_screenshot_is_what_one_sees(driver, tmp_path):
     """The widget's own pixels, overlay included, named by scene and hour, never written over."""
-    driver.window.pictures = tmp_path / "pictures"
+    driver.window.files.pictures = tmp_path / "pictures"
     driver.window.actions_by_name["sun path"].trigger()
     for _ in range(2):
         driver.window.actions_by_name["screenshot"].trigger()
-    names = sorted(path.name for path in driver.window.pictures.iterdir())
+    names = sorted(path.name for path in driver.window.files.pictures.iterdir())
     assert names == ["sundial 2026-06-21 13.00.00 (2).png", "sundial 2026-06-21 13.00.00.png"]
     assert names[0] in driver.window.news.text()
-    with Image.open(driver.window.pictures / names[0]) as image:
+    with Image.open(driver.window.files.pictures / names[0]) as image:
         assert image.size == driver.view.pixels
         assert np.asarray(image).max() > 100
 
@@ -88,7 +88,7 @@ def test_a_screenshot_is_what_one_sees(driver, tmp_path):
 def test_a_screenshot_that_cannot_be_written_is_told(driver, tmp_path):
     """A file stands where the folder would be."""
     (tmp_path / "taken").write_text("")
-    driver.window.pictures = tmp_path / "taken"
+    driver.window.files.pictures = tmp_path / "taken"
     driver.window.actions_by_name["screenshot"].trigger()
     assert "taken" in driver.window.news.text()
     assert "cannot make" in driver.window.news.text()

@@ -7,8 +7,10 @@ import OpenEXR
 import pytest
 from PIL import Image
 from PySide6.QtCore import QPoint, Qt
+from window_driver import NOON
 
 from vrut_lite.daylight.picture import PictureClicked, SetExposure
+from vrut_lite.kernel.messages import SetClock, SetClockRate, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 pytestmark = pytest.mark.gl
@@ -41,17 +43,48 @@ def test_two_stops_of_compensation_make_the_picture_brighter(driver):
     assert np.median(after.radiance) == pytest.approx(np.median(before.radiance), rel=1e-3)
 
 
-def test_manual_exposure_begins_where_automatic_left_off(driver):
-    """Switching to manual changes nothing; then the typed EV100 holds."""
+def test_a_locked_exposure_begins_where_automatic_left_off(driver):
+    """Locking changes nothing; then the typed EV100 holds."""
     metered = shown_after(driver, lambda: driver.session.send(SetExposure())).ev100
     driver.heard.clear()
-    driver.picture.mode.setCurrentIndex(1)
-    driver.picture.mode.activated.emit(1)
+    driver.picture.lock.click()
     wish = driver.until_heard(SetExposure)
     assert (wish.mode, wish.ev100) == ("manual", pytest.approx(metered, abs=0.01))
     driver.until(lambda: driver.picture.ev100.isEnabled())
     picture = shown_after(driver, lambda: driver.picture.ev100.spin.setValue(10.0))
     assert picture.ev100 == 10.0
+
+
+def test_the_exposure_is_locked_by_an_action_and_the_project_keeps_it(driver):
+    """It locks and unlocks; panel, menu and project file agree; a lock leaves nothing to meter."""
+    metered = shown_after(driver, lambda: driver.session.send(SetExposure())).ev100
+    actions = driver.window.actions_by_name
+    assert actions["meter exposure"].isEnabled()
+    actions["lock exposure"].trigger()
+    driver.until(lambda: driver.picture.lock.isChecked() and actions["lock exposure"].isChecked())
+    assert not actions["meter exposure"].isEnabled()
+    assert not driver.picture.meter.isEnabled()
+    kept = driver.project.exposure
+    assert (kept.mode, kept.ev100) == ("manual", pytest.approx(metered, abs=0.01))
+    actions["lock exposure"].trigger()
+    driver.until(lambda: not driver.picture.lock.isChecked())
+    assert not actions["lock exposure"].isChecked()
+    assert driver.project.exposure.mode == "auto"
+
+
+def test_a_held_exposure_is_metered_by_an_action(driver, qtbot):
+    """Playing time holds the exposure, so that the evening darkens; then it is metered."""
+    noon = shown_after(driver, lambda: driver.session.send(SetClock(instant=NOON))).ev100
+    # The camera that the project has just brought adapts the exposure for a while.
+    qtbot.wait(1600)
+    play = (SetClockRate(rate=3600.0), Tick(elapsed_s=8.0))
+    played = shown_after(driver, lambda: driver.session.send(*play))
+    assert driver.local().hour == 21
+    assert played.ev100 == pytest.approx(noon, abs=0.1)
+    assert "held" in driver.picture.metered.text()
+    evening = shown_after(driver, driver.window.actions_by_name["meter exposure"].trigger)
+    assert evening.ev100 < noon - 2.0
+    driver.session.send(SetClock(instant=NOON))
 
 
 def test_tone_map_white_and_reset_go_out(driver):
@@ -151,7 +184,7 @@ def exported(driver, path):
         driver.until(lambda: size() == viewport.pixels)
         drawn = viewport.pixels
         driver.window.news.clear()
-        driver.window.export(str(path))
+        driver.window.files.export(str(path))
         driver.until(lambda: str(path) in driver.window.news.text())
         if size() == viewport.pixels == drawn:
             return drawn
@@ -175,7 +208,7 @@ def test_the_picture_is_exported(driver, tmp_path, suffix):
 
 def test_a_picture_of_an_unknown_kind_is_refused_in_one_line(driver, tmp_path):
     """And nothing is written."""
-    driver.window.export(str(tmp_path / "picture.bmp"))
+    driver.window.files.export(str(tmp_path / "picture.bmp"))
     driver.until(lambda: ".bmp" in driver.window.news.text())
     assert list(tmp_path.glob("picture*")) == []
 

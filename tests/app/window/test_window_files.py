@@ -56,7 +56,7 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
         MoveCamera(eye_m=(5.0, 6.0, 7.0), target_m=(0.0, 1.0, 0.0)),
     )
     driver.settled()
-    driver.window.save(str(tmp_path / "kept.toml"))
+    driver.window.files.save(str(tmp_path / "kept.toml"))
     assert "Saved" in driver.window.news.text()
     kept = load_project(tmp_path / "kept.toml")
     assert kept.settings == {"dynamic_skylight": {"turbidity": 4.5}}
@@ -65,10 +65,10 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
     assert kept.camera.eye_m == (5.0, 6.0, 7.0)
     assert kept.where() == (-33.87, 151.21, 40.0)
     assert kept.instant() == NOON
-    driver.window.open_path(str(SCENES / "sundial.toml"))
+    driver.window.files.open_path(str(SCENES / "sundial.toml"))
     driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("turbidity", 3.0))
     driver.heard.clear()
-    driver.window.open_path(str(tmp_path / "kept.toml"))
+    driver.window.files.open_path(str(tmp_path / "kept.toml"))
     driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("turbidity", 4.5))
     driver.settled()
     assert driver.project.camera.eye_m == (5.0, 6.0, 7.0)
@@ -81,7 +81,7 @@ def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
     title = driver.window.windowTitle()
     broken = tmp_path / "broken.glb"
     broken.write_bytes(b"glTF but not really")
-    driver.window.open_path(str(broken))
+    driver.window.files.open_path(str(broken))
     driver.until(lambda: bool(driver.problems))
     assert "broken.glb" in driver.window.news.text()
     assert "\n" not in driver.window.news.text()
@@ -97,7 +97,7 @@ def test_a_broken_project_is_told_in_one_line(driver, tmp_path):
     for number, text in enumerate(texts):
         path = tmp_path / f"broken_{number}.toml"
         path.write_text(text)
-        driver.window.open_path(str(path))
+        driver.window.files.open_path(str(path))
         assert path.name in driver.window.news.text()
     driver.settled()
     # Docks that come late may change the picture's size, and with it what the scene needs.
@@ -108,7 +108,7 @@ def test_a_project_with_a_module_that_is_not_there_is_refused_whole(driver, tmp_
     """The scene that it names is not opened either."""
     path = tmp_path / "other.toml"
     path.write_text(f"scene = '{SCENES / 'pavilion.gltf'}'\n[settings.no_such_module]\nx = 1\n")
-    driver.window.open_path(str(path))
+    driver.window.files.open_path(str(path))
     driver.until(lambda: "no_such_module" in driver.window.news.text())
     driver.settled()
     assert not any(isinstance(message, SceneOpened) for message in driver.heard)

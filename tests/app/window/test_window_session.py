@@ -46,7 +46,7 @@ def kept(tmp_path):
 def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     """Scene, place, hour, settings, camera: a second window has all of it."""
     first = open_window()
-    first.window.open_path(str(SCENES / "spheres.glb"))
+    first.window.files.open_path(str(SCENES / "spheres.glb"))
     first.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     first.session.send(
         SetPlace(latitude_deg=-33.87, longitude_deg=151.21, altitude_m=40.0),
@@ -60,7 +60,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     project = kept.session()
     assert project is not None
     second = open_window()
-    second.window.open_project(project)
+    second.window.files.open_project(project)
     second.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     second.settled()
     assert second.session.last(SetPlace).latitude_deg == -33.87
@@ -68,7 +68,7 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     assert second.panel("module clouds").rows["base_m"].editor.value == 900.0
     assert second.session.last(SetTolerance).tolerance == 0.05
     assert second.project.camera.eye_m == (5.0, 6.0, 7.0)
-    second.window.open_path(str(SCENES / "sundial.toml"))
+    second.window.files.open_path(str(SCENES / "sundial.toml"))
     second.until_heard(SetTolerance, lambda m: m.tolerance == DEFAULT_TOLERANCE)
 
 
@@ -87,7 +87,7 @@ def test_a_window_that_cannot_keep_anything_closes_all_the_same(open_window, tmp
     """A full or read-only disk must not hold a window open."""
     driver = open_window()
     (tmp_path / "file").write_text("")
-    driver.window.kept = Kept(tmp_path / "file" / "folder")
+    driver.window.files.kept = Kept(tmp_path / "file" / "folder")
     driver.window.close()
     assert "cannot make the folder" in driver.window.news.text()
     assert not driver.window.isVisible()
@@ -269,10 +269,10 @@ def test_a_recent_file_whose_name_is_no_text_is_offered(open_window, tmp_path):
     driver = open_window()
     odd = tmp_path / os.fsdecode(b"\xff.glb")
     odd.write_text("")
-    driver.window.kept.add_recent(str(odd))
+    driver.window.files.kept.add_recent(str(odd))
     driver.window.menus.fill_recent()
     assert len(driver.window.menus.recent.actions()) >= 1
-    assert str(odd) in driver.window.kept.recent
+    assert str(odd) in driver.window.files.kept.recent
     driver.window.show_palette()
 
 

@@ -23,7 +23,7 @@ from vrut_lite.app.widgets import aligned_form, faint_label
 from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 
 _TURBIDITY = "turbidity"
-# As the curves of `sky_plots` are drawn.
+# The line styles of `sky_plots`.
 _MARKS = ((theme.ACCENT, "\N{EM DASH}"), ("#8fb4e8", "\N{EN DASH} \N{EN DASH}"))
 
 
@@ -90,7 +90,7 @@ class ComparePanel(QWidget):
             self.status.setText("There are no two skies to compare.")
 
     def _choose(self) -> None:
-        """What both skies share is shown anew: another pair may share something else."""
+        """Make a row for each setting that both skies have."""
         left, right = (self._modules[chooser.currentIndex()] for chooser in self.choosers)
         while self._form.rowCount():
             self._form.removeRow(0)
@@ -98,20 +98,20 @@ class ComparePanel(QWidget):
         for spec in self.comparison.choose(left, right):
             field = NumberField(spec.at_least, spec.at_most, spec.unit)
             field.show_value(self.comparison.shared[spec.name])
-            field.setToolTip(f"{tooltip_of(spec)}\nOf both skies alike")
+            field.setToolTip(f"{tooltip_of(spec)}\nSets both skies")
             field.setAccessibleName(f"{label_of(spec)} of both")
             field.edited.connect(lambda v, name=spec.name: self.comparison.share(name, v))
             self._form.addRow(label_of(spec), field)
             self.fields[spec.name] = field
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Begin to work."""
+        """Start the comparison."""
         if self.plots is None and self._modules:
-            self.status.setText("Making both skies\N{HORIZONTAL ELLIPSIS}")
+            self.status.setText("Computing both skies\N{HORIZONTAL ELLIPSIS}")
         self.comparison.set_active(True)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Rest."""
+        """Stop the comparison."""
         self.comparison.set_active(False)
 
     def _show(self, compared: Compared) -> None:

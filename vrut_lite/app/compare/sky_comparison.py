@@ -83,7 +83,7 @@ class SkyComparison(QObject):
         session.closing.connect(self.close)
 
     def set_active(self, active: bool) -> None:
-        """Whether someone looks."""
+        """Whether the panel is visible."""
         self._active = active
         self._look()
 
@@ -106,7 +106,7 @@ class SkyComparison(QObject):
         self._look()
 
     def close(self) -> None:
-        """Compare no more."""
+        """Stop comparing."""
         self._active, self._asked = False, None
 
     def _setting_changed(self, message: SettingChanged) -> None:
@@ -174,7 +174,7 @@ class SkyComparison(QObject):
 
 
 def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:
-    """What one of the modules has in the window, or the default."""
+    """The value of a setting in the window, or its default."""
     known = (module.values[spec.name] for module in modules)
     value = next((v for v in known if v is not None), spec.default)
     return float(value) if isinstance(value, (int, float)) else float(spec.at_least or 0.0)
@@ -191,7 +191,7 @@ def compared(two: TwoSkies) -> Compared:
 
 
 def shared_settings(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
-    """Numbers that two modules have by one name, as the one describes them that has a default."""
+    """Numeric settings that two modules have by the same name; described by one with a default."""
     both = [
         (spec, right.specs[name])
         for name, spec in left.specs.items()
@@ -201,7 +201,7 @@ def shared_settings(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
 
 
 def comparable(roster: Roster) -> list[ModuleInfo]:
-    """The modules with a sky that have a setting in common with another's."""
+    """The modules with a sky that share a setting with another sky."""
     skies = roster.providers(SLOT)
     return [
         module

@@ -1,1 +1,1 @@
-"""The host on a thread of its own, and what is known of it on Qt's thread. No widgets."""
+"""The host on a thread of its own, and its state as known on Qt's thread. No widgets."""

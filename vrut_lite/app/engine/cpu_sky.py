@@ -1,6 +1,6 @@
 """The window without OpenGL: the sky alone, drawn on the CPU from its cube map.
 
-Scenes are opened and light is computed as ever; meshes are not drawn.
+Scenes are opened and light is computed; meshes are not drawn.
 """
 
 from dataclasses import replace
@@ -12,6 +12,7 @@ from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.geometry.encoding import decode_float16
@@ -39,7 +40,7 @@ class CpuSkyBackend:
     def draw(
         self, state: SceneState, still: bool = True, is_given_up: IsGivenUp | None = None
     ) -> Picture:
-        """The sky that the camera sees; fewer pixels than asked for where these are many."""
+        """Draw the visible sky, with at most `_MOST_PIXELS` pixels."""
         state.check_drawable()
         width, height = state.size_px
         step = max(1.0, float(np.sqrt(width * height / _MOST_PIXELS)))
@@ -71,7 +72,7 @@ class CpuSkyStage:
         self.failures = [*failures, f"the sky alone is drawn, on the CPU: {reason}"]
         self._backend = CpuSkyBackend()
         self._view = SceneView(self._backend)
-        self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE)
+        self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE, light_map=False)
         self.renderer = "CPU, sky alone"
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()
@@ -82,17 +83,21 @@ class CpuSkyStage:
         return self._view.state
 
     def draw(
-        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+        self,
+        size: tuple[int, int],
+        exposure: SetExposure,
+        still: bool,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
-        """Draw what is known by now, which does not take long."""
-        return self._backend.draw(replace(self.state, size_px=size), still)
+        """Draw the present state; `is_given_up` is not asked, since this is quick."""
+        return self._backend.draw(replace(self.state, size_px=size, exposure=exposure), still)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """There is nothing but sky."""
+        """None: this stage draws no surfaces."""
         return None
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
-        """There is nothing but sky."""
+        """None: this stage draws no surfaces."""
         return None
 
     def close(self) -> None:

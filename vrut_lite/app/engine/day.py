@@ -1,10 +1,10 @@
 """The sun's day at a place: sampled every five minutes, with the instants of its events.
 
-All is taken from `SunMoved`, whichever module holds the sun. Events are roots between two samples,
-by the almanacs' conventions: sunrise and sunset where the upper limb, refracted as its own
-elevation asks, stands on a level horizon; twilights where the centre's geometric elevation is -6,
--12 and -18 degrees; noon where the sun crosses the meridian. Refraction is interpolated from the
-day's own samples of geometric and apparent elevation.
+The samples come from `SunMoved`, whichever module holds the sun. Events are roots between two
+samples, by the almanacs' conventions: at sunrise and sunset the refracted upper limb stands on a
+level horizon; at twilights the centre's geometric elevation is -6, -12 or -18 degrees; at noon the
+sun crosses the meridian. Refraction is interpolated from the day's own samples of geometric and
+apparent elevation, at the limb's elevation.
 """
 
 from collections.abc import Callable
@@ -164,8 +164,8 @@ def _marks(
 def _upper_limb(suns: list[SunMoved]) -> Height:
     """Elevation of the refracted upper limb."""
     rising = sorted(suns, key=lambda sun: sun.elevation_rad)
-    elevation_rad = [sun.elevation_rad for sun in rising]
-    refraction_rad = [sun.apparent_elevation_rad - sun.elevation_rad for sun in rising]
+    elevation_rad = np.array([sun.elevation_rad for sun in rising])
+    refraction_rad = np.array([sun.apparent_elevation_rad for sun in rising]) - elevation_rad
 
     def height(sun: SunMoved) -> float:
         limb_rad = sun.elevation_rad + _SUN_RADIUS_RAD

@@ -48,7 +48,7 @@ class DayScout(QObject):
             )
 
     def _search(self, second: SecondKernel, wanted: _Wanted) -> Day | None:
-        """On the second kernel's thread; nothing if another day is wanted by now."""
+        """Compute the day, on the second kernel's thread; None if another day is wanted by now."""
         if wanted is not self._wanted:
             return None
         second.set_up(wanted.place, wanted.sun_holder, wanted.settings)
@@ -66,5 +66,5 @@ def place_of(message: SetPlace) -> Place:
 
 
 def local_date(instant: datetime, place: SetPlace) -> date:
-    """The date on a calendar at the place."""
+    """The local date at the place."""
     return instant.astimezone(time_zone_at(place_of(place))).date()

@@ -1,8 +1,7 @@
 """The host on a thread of its own: it pumps, draws when something changed, answers questions.
 
 Each round the kernel admits the inputs that wait, then a frame is drawn. Inputs that arrive
-meanwhile merge in the kernel's inbox, however many they are; a finished picture, which may take
-seconds, is given up for them.
+meanwhile merge in the kernel's inbox. A finished picture may take seconds; new inputs end it early.
 """
 
 import threading
@@ -14,9 +13,11 @@ from itertools import count
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
+from vrut_lite.app.engine.adaptation import Adaptation
 from vrut_lite.app.engine.pacing import Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Input, Message
@@ -25,25 +26,26 @@ from vrut_lite.scene.backend import GivenUp
 
 T = TypeVar("T")
 Question = Callable[[Stage], Any]
-# First parts of the keys under which the engine tells something.
+# Kinds of news: the first parts of the keys that the engine passes to `tell`.
 READY, HEARD, PICTURE, CAMERA, PROBLEM, ENDED = (
     "ready", "heard", "picture", "camera", "problem", "ended",
 )  # fmt: skip
 
 
 class Shown(NamedTuple):
-    """A picture, its time, and whether it is the finished one (`still`)."""
+    """A picture, its time, whether it is finished (`still`), and whether its exposure is held."""
 
     picture: Picture
     still: bool
     seconds: float
     pass_seconds: dict[str, float]
+    held: bool = False
 
 
 class Engine:
     """`tell(key, value)` is called on the engine's thread and must be quick.
 
-    What `attend(stage)` returns is entered while the stage is open, on the engine's thread.
+    The context manager `attend(stage)` is entered on the engine's thread while the stage is open.
     """
 
     def __init__(
@@ -51,10 +53,12 @@ class Engine:
         open_stage: Callable[[], Stage],
         tell: Callable[[Hashable, Any], None],
         attend: Callable[[Stage], AbstractContextManager[object]] = nullcontext,
+        now_s: Callable[[], float] = perf_counter,
     ):
         self._open_stage = open_stage
         self._tell = tell
         self._attend = attend
+        self._now_s = now_s
         self._lock = threading.Lock()
         # Inputs that were sent before there was a kernel.
         self._early: list[Input] = []
@@ -65,6 +69,7 @@ class Engine:
         self._moved_on = threading.Event()
         self._ending = threading.Event()
         self._pacing = Pacing()
+        self._adaptation = Adaptation()
         self._finish_at_s: float | None = None
         # A finished picture was given up, and nothing visible has changed since.
         self._in_vain = False
@@ -89,7 +94,7 @@ class Engine:
     def ask(self, question: Callable[[Stage], T], changes: bool = False) -> "Future[T]":
         """Call `question` on the engine's thread, after the inputs that were sent before.
 
-        What `changes` something does not wait for a picture to be finished.
+        A question that `changes` something interrupts a finished picture that is being drawn.
         """
         answer: Future[T] = Future()
         self._questions.append((question, answer))
@@ -99,6 +104,15 @@ class Engine:
         if self._ending.is_set():
             answer.cancel()
         return answer
+
+    def meter_exposure(self) -> None:
+        """Draw a new picture now and meter automatic exposure by it."""
+
+        def meter(stage: Stage) -> None:
+            self._adaptation.meter_anew()
+            self._drawn = None
+
+        self.ask(meter, changes=True)
 
     def stop(self) -> None:
         """Ask the thread to end soon; ENDED is told when it has."""
@@ -110,7 +124,7 @@ class Engine:
         self._awake.set()
 
     def join(self, timeout_s: float | None = None) -> bool:
-        """Wait for the end; whether it came."""
+        """Wait for the end; False after the timeout."""
         self._thread.join(timeout_s)
         return not self._thread.is_alive()
 
@@ -143,7 +157,7 @@ class Engine:
         return stage
 
     def _live(self, stage: Stage) -> None:
-        # Only now: a journal begins before the first input.
+        # After `attend`: a journal must begin before the first input.
         with self._lock:
             self._inject = stage.kernel.inject
             for message in self._early:
@@ -162,14 +176,20 @@ class Engine:
         stage.kernel.on_inject(None)
 
     def _patience_s(self) -> float | None:
-        return None if self._finish_at_s is None else max(0.0, self._finish_at_s - perf_counter())
+        times_s = (self._finish_at_s, self._adaptation.wakes_at_s)
+        due_s = min((time_s for time_s in times_s if time_s is not None), default=None)
+        return None if due_s is None else max(0.0, due_s - self._now_s())
+
+    def exposure_of(self, state: SceneState) -> SetExposure:
+        """The exposure that a finished picture has in the window; on the engine's thread."""
+        return self._adaptation.exposure_of(state)
 
     def _pump(self, stage: Stage) -> None:
         waiting = stage.kernel.waiting
         while True:
             try:
                 stage.kernel.pump(most=waiting)
-            # The host's own error: it costs the one message at which it was raised.
+            # An error in the host itself: the message that raised it is lost, the others go on.
             except BaseException as error:
                 self._trouble(error)
             else:
@@ -190,26 +210,33 @@ class Engine:
                 answer.set_exception(error)
 
     def _draw(self, stage: Stage) -> None:
-        now_s = perf_counter()
+        now_s = self._now_s()
+        wakes_at_s = self._adaptation.wakes_at_s
         if stage.state.missing:
             return
-        if stage.state is not self._drawn:
+        if stage.state is not self._drawn or (wakes_at_s is not None and now_s >= wakes_at_s):
             self._drawn, self._in_vain = stage.state, False
             self._draw_one(stage, self._pacing.quick_scale(), still=False)
-            self._finish_at_s = perf_counter() + self._pacing.rest_s()
+            # A finished picture waits until the exposure has settled.
+            settled = self._adaptation.settled
+            self._finish_at_s = self._now_s() + self._pacing.rest_s() if settled else None
         elif self._awake.is_set():
-            # The answer to a question has injected inputs, as an undo does: they come first.
+            # A question has injected inputs, as an undo does: pump them first.
             return
         elif self._finish_at_s is not None and now_s >= self._finish_at_s:
             self._finish_at_s = None
             self._draw_one(stage, 1.0, still=True)
 
     def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
-        start_s = perf_counter()
+        start_s = self._now_s()
+        adaptation, state = self._adaptation, stage.state
+        exposure = (
+            adaptation.exposure_of(state) if still else adaptation.next_exposure(state, start_s)
+        )
         size = scaled(stage.state.size_px, scale)
         is_given_up = self._ending.is_set if self._in_vain else self._moved_on.is_set
         try:
-            picture = stage.draw(size, still, is_given_up if still else None)
+            picture = stage.draw(size, exposure, still, is_given_up if still else None)
         except GivenUp:
             # If the input changes nothing visible the picture is finished after all, without
             # interruption: a playing clock sends inputs more often than pictures can be drawn.
@@ -218,11 +245,13 @@ class Engine:
         except BaseException as error:
             self._trouble(error)
             return
-        seconds = perf_counter() - start_s
+        seconds = self._now_s() - start_s
+        adaptation.drew(picture, exposure, self._now_s())
         self._pacing.drew(scale, seconds)
-        self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds))
+        self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds, adaptation.held))
 
     def _hear(self, message: Message, sender: str) -> None:
+        self._adaptation.hear(message, self._now_s())
         key = message.key()
         self._tell(
             (HEARD, type(message), next(self._numbers) if key is None else key), (message, sender)

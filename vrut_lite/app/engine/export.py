@@ -1,9 +1,13 @@
 """The picture as a file: PNG as shown, EXR of its radiance."""
 
+from collections.abc import Callable
 from pathlib import Path
 
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.pictures.image_files import check_writable, picture_format, write_exr, write_png
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project
@@ -11,15 +15,21 @@ from vrut_lite.project import Project
 FORMATS = (".png", ".exr")
 
 
-def export_picture(stage: Stage, path: str | Path, project: Project) -> str:
-    """Draw the finished picture and write it, on the engine's thread; a sentence on what it is.
+def export_picture(session: Session, path: str | Path, then: Callable[[str], None]) -> None:
+    """Write the finished picture as the window exposes it; `then` gets a line about it.
 
-    Raises:
-        UserError: the name has another ending, or the file cannot be written.
+    An unknown suffix or a file that cannot be written is reported as the session's `problem`.
     """
+    project = project_of(session)
+    session.ask(
+        lambda stage: _written(stage, session.exposure_of(stage.state), path, project), then
+    )
+
+
+def _written(stage: Stage, exposure: SetExposure, path: str | Path, project: Project) -> str:
     suffix = picture_format(path, FORMATS)
     check_writable(path)
-    picture = stage.draw(stage.state.size_px, still=True)
+    picture = stage.draw(stage.state.size_px, exposure, still=True)
     metadata = {
         **picture_metadata(project, stage.kernel),
         "exposureEv100": picture.ev100,

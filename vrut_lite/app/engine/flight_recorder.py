@@ -35,7 +35,7 @@ _LENGTH = struct.Struct("<I")
 
 
 class Recorded(NamedTuple):
-    """How much was recorded; `ended` tells why recording has ended, if it has."""
+    """How much was recorded; `ended` is the reason why recording stopped, or empty."""
 
     inputs: int = 0
     messages: int = 0
@@ -72,7 +72,7 @@ class FlightRecorder:
         return answer
 
     def close(self) -> None:
-        """Record no more and forget what was recorded."""
+        """Stop recording and delete the temporary file."""
         self._observer.close()
         self._queue.put(None)
         self._thread.join()
@@ -81,7 +81,7 @@ class FlightRecorder:
         try:
             self._observer.check_modules()
             still = as_delivered(message)
-        # For example a message that nests without end: the session goes on.
+        # For example endless nesting in a message: recording ends, the session goes on.
         except Exception as problem:
             error = problem
             self._queue.put(lambda: self._end(message, error))
@@ -104,7 +104,7 @@ class FlightRecorder:
             self._registry.find(type(message).__name__)
             body = msgspec.msgpack.encode(entry_of(kind, message, sender))
             self._packer.write(_LENGTH.pack(len(body)) + body)
-        # For example a full disk: the session goes on.
+        # For example a full disk: recording ends, the session goes on.
         except Exception as error:
             self._end(message, error)
             return

@@ -1,8 +1,7 @@
 """Undo and redo, from the inputs as the kernel admits them.
 
-A step is what one act of the user changed: inputs that were sent together, or those of one control
-that follow each other closely, as those of a slider that is dragged. Taking a step back is an input
-too, so that a journal holds it and a replay repeats it.
+A step holds inputs that were sent together, or inputs of one control in quick succession, as a
+dragged slider sends them. Undo sends inputs too: journals contain it and replays repeat it.
 """
 
 from collections import OrderedDict, deque
@@ -28,7 +27,7 @@ from vrut_lite.kernel.messages import (
 GESTURE_S = 0.6
 _MOST_STEPS = 500
 _MOST_EXPECTED = 1000
-# Inputs of the history's own, and those with which it begins anew.
+# Numbers for inputs that undo or redo sent, and for those after which the history starts anew.
 _OWN, _BEGINNING = 0, -1
 Key = tuple[type[Input], str | None]
 Pair = tuple[Input, Input]
@@ -48,7 +47,7 @@ class _Step:
         self.pairs: dict[Key, Pair] = {}
 
     def add(self, key: Key, forth: Input, back: Input, now_s: float) -> None:
-        """Keep the first inverse and the last input of a key."""
+        """Add an input; a key keeps its first inverse and its last input."""
         first = self.pairs.pop(key, (forth, back))[1]
         self.pairs[key] = (forth, first)
         self.last_s = now_s
@@ -83,7 +82,7 @@ class History:
     def expect(self, inputs: tuple[Input, ...], beginning: bool = False) -> None:
         """Note inputs as one act of the user; a `beginning` and all before it cannot be undone.
 
-        Inputs of which nothing was said here are not the user's.
+        Inputs that were not noted here are not the user's, and no undo covers them.
         """
         self._note(inputs, _BEGINNING if beginning else next(self._acts))
 
@@ -122,7 +121,7 @@ class History:
     def _note(self, inputs: tuple[Input, ...], act: int) -> None:
         for message in inputs:
             self._expected[id(message)] = (message, act, self._now_s())
-        # Inputs that merged with a later one are never admitted.
+        # Forget the oldest: inputs that merged with a later one are never admitted.
         while len(self._expected) > _MOST_EXPECTED:
             self._expected.popitem(last=False)
 
@@ -187,8 +186,8 @@ def title_of(message: Input) -> str:
 def inverse_of(message: Input, kernel: Kernel) -> Input | None:
     """The input that restores the present state; called before the kernel acts on the message.
 
-    None for an input that changes nothing, that will be refused, or of a kind that is not taken
-    back: views, scenes, and whatever is not the user's own.
+    None for an input that changes nothing, that will be refused, or of a kind without undo:
+    views, scenes, and inputs that the user does not make.
     """
     try:
         message.check()

@@ -29,9 +29,9 @@ Fields = tuple[tuple[str, str], ...]
 
 
 class MessageRow(NamedTuple):
-    """One message. `cause` is the number of that which led to it, 0 for an input.
+    """One message. `cause` is the number of the message that caused it, 0 for an input.
 
-    Receivers and milliseconds, those of all their handlers, are known of live messages alone.
+    Receivers, and the milliseconds of all their handlers, are known for live messages only.
     """
 
     number: int
@@ -116,7 +116,7 @@ class OpenJournal(NamedTuple):
 
 
 def open_journal(path: str | Path) -> OpenJournal:
-    """The messages of a journal, numbered from 1; what led to each is its transaction's input.
+    """The messages of a journal, numbered from 1; the cause of each is its transaction's input.
 
     Raises:
         UserError: the file cannot be read, or a list of its messages would take too much memory.

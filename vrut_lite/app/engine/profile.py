@@ -14,7 +14,7 @@ class Profile(NamedTuple):
     """A time span of `span_s`; milliseconds by name.
 
     `modules` and `jobs` are sums over that time, `passes` those of the last frame; `skipped`
-    counts work that was left out, by who left it out and what it is.
+    counts skipped work by the module or frame that skipped it and the kind of work.
     """
 
     span_s: float

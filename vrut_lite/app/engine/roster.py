@@ -1,4 +1,4 @@
-"""The window's one copy of what the kernel knows of its modules: settings and holders of slots."""
+"""The window's one copy of the modules' settings and the holders of slots."""
 
 from typing import NamedTuple
 
@@ -36,7 +36,7 @@ class Roster(NamedTuple):
     renderer: str
 
     def providers(self, slot: str) -> list[ModuleInfo]:
-        """Those that can hold a slot."""
+        """The modules that can hold a slot."""
         return [module for module in self.modules.values() if slot in module.provides]
 
     @property

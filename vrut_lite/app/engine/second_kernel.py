@@ -20,8 +20,8 @@ _SLOTS = {"sun", "sky"}
 class SecondKernel:
     """Holds the modules that can provide the sun or the sky, and nothing that draws.
 
-    Questions are answered one at a time on its own thread; only they use `kernel`, which is made
-    for the first of them, and the methods below `close`.
+    Questions are answered one at a time on its own thread. Only questions may use `kernel`, which
+    the first one makes, and the methods below `close`.
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class SecondKernel:
         try:
             return question(self)
         finally:
-            # In place of the answer, and of what the question raised.
+            # Replaces the answer or the error of the question.
             if self._closed:
                 raise CancelledError
 

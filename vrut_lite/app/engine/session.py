@@ -1,7 +1,7 @@
 """The engine for Qt: takes inputs from Qt's thread, and delivers messages and pictures on it.
 
-What the engine tells waits in a mailbox, the latest of each key, until Qt's event loop takes it:
-however busy either side is, there is one delivery and no backlog.
+News from the engine wait in a mailbox, the latest of each key, until Qt's event loop takes them all
+at once: a busy thread causes no backlog.
 """
 
 from collections import defaultdict
@@ -22,6 +22,8 @@ from vrut_lite.app.engine.roster import Roster, roster_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Fault, Input, Message, ReloadModule
@@ -39,8 +41,8 @@ class Session(QObject):
     Signals, all on Qt's thread: `ready` (a `Roster`) once the host is open, `roster_renewed` when
     a reload may have changed a module's settings, `sent` (an input) whenever something was sent,
     `heard` (message, sender), `picture_shown` (a `Shown`), `camera_moved` (the `MoveCamera` of the
-    view), `steps_changed` (`Steps` to take back and to do again), `problem` (a line for people),
-    `closing` when the end begins, `ended` when nothing runs any more.
+    view), `steps_changed` (`Steps` to take back and to do again), `problem` (a sentence),
+    `closing` when closing starts, `ended` when all threads have ended.
 
     `roster` follows every change of a setting or a slot; listeners find the new value in it.
     """
@@ -80,7 +82,7 @@ class Session(QObject):
     def send(self, *inputs: Input) -> None:
         """Send inputs to the kernel; of waiting ones the latest of each key counts.
 
-        Together they are one step to be taken back.
+        Undo takes them back as one step.
         """
         self.history.expect(inputs)
         self._bring(inputs)
@@ -129,6 +131,14 @@ class Session(QObject):
         """The latest message of a type that was delivered on Qt's thread."""
         return self._last.get(kind)  # type: ignore[return-value]
 
+    def meter_exposure(self) -> None:
+        """Meter automatic exposure by a new picture."""
+        self._engine.meter_exposure()
+
+    def exposure_of(self, state: SceneState) -> SetExposure:
+        """The exposure of the finished picture of a state; on the engine's thread."""
+        return self._engine.exposure_of(state)
+
     def ask(
         self,
         question: Callable[[Stage], T],
@@ -137,7 +147,7 @@ class Session(QObject):
     ) -> None:
         """Call `question` on the engine's thread and `then` with the answer on Qt's.
 
-        What it raises becomes a `problem`, or goes to `failed` as a line.
+        An error becomes a `problem`, or goes to `failed`, as a sentence.
         """
         self.follow(self._engine.ask(question), then, failed)
 
@@ -147,7 +157,7 @@ class Session(QObject):
         then: Callable[[T], None],
         failed: Callable[[str], None] | None = None,
     ) -> None:
-        """As `ask`, of the second kernel; after `close` nothing is looked up or told."""
+        """Like `ask`, but of the second kernel; does nothing after `close`."""
         if not self._is_closing:
             self.follow(self._second.ask(question), then, failed)
 
@@ -157,7 +167,7 @@ class Session(QObject):
         then: Callable[[T], None] | None = None,
         failed: Callable[[str], None] | None = None,
     ) -> None:
-        """As `ask`, with a future that another thread completes."""
+        """Like `ask`, with a future that another thread completes."""
 
         def done(answer: "Future[T]") -> None:
             self._mailbox.put(("answer", next(self._numbers)), (answer, then, failed))
@@ -165,12 +175,12 @@ class Session(QObject):
         answer.add_done_callback(done)
 
     def close(self) -> None:
-        """Begin to end; `ended` is emitted when all threads have."""
+        """Start to close; `ended` is emitted when all threads have ended."""
         self._engine.stop()
         self._begin_to_end()
 
     def join(self, timeout_s: float | None = None) -> bool:
-        """Wait for the engine's end; whether it came. No signal is emitted after it."""
+        """Wait for the engine's end; False after the timeout. No signal comes after it."""
         came = self._engine.join(timeout_s)
         if came:
             self._mailbox.close()
@@ -265,7 +275,7 @@ class Session(QObject):
 
 
 def fault_line(fault: Fault) -> str:
-    """A fault in one line: what the user can mend, or which module failed where."""
+    """A fault in one line: the user's mistake, or the module that failed and where."""
     if fault.for_user:
         return one_line(fault.error)
     fate = "; it is suspended: restart it, or go on without" if fault.suspended else ""

@@ -22,7 +22,7 @@ from vrut_lite.project import (
     view_inputs,
 )
 
-# The scene manager, for whose settings a project file has fields of its own.
+# The scene manager: a project file has fields of its own for its settings.
 _SCENE = "scene"
 
 
@@ -73,10 +73,10 @@ def _view_of(camera: MoveCamera) -> CameraView:
 
 
 def inputs_of(project: Project, kernel: Kernel) -> list[Input]:
-    """Inputs for all that a project says, and defaults elsewhere; the window has its own size.
+    """Inputs for a project, and for the defaults of all settings that it leaves out, except size.
 
     Raises:
-        UserError: it says something wrong.
+        UserError: the project contains an impossible value.
     """
     named = setting_inputs(project, kernel)
     said = {(m.module, m.name) for m in named if isinstance(m, SetSetting)}

@@ -1,10 +1,11 @@
-"""What the engine draws on: a host with OpenGL, or a part of one without."""
+"""The stage that the engine pumps and draws: with OpenGL, or without (`cpu_sky`)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 from typing import Any, Protocol
 
+from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
@@ -16,7 +17,7 @@ from vrut_lite.scene.backend import IsGivenUp
 
 
 class Stage(Protocol):
-    """What the engine needs; all of it on the engine's thread."""
+    """A kernel and a renderer; used on the engine's thread only."""
 
     @property
     def kernel(self) -> Kernel:
@@ -24,11 +25,11 @@ class Stage(Protocol):
 
     @property
     def state(self) -> SceneState:
-        """What a picture shows; another object once anything has changed."""
+        """The state to draw; a new object after each change."""
 
     @property
     def renderer(self) -> str:
-        """What draws."""
+        """The renderer's name."""
 
     @property
     def failures(self) -> list[str]:
@@ -36,25 +37,29 @@ class Stage(Protocol):
 
     @property
     def pass_seconds(self) -> dict[str, float]:
-        """What each pass of the last frame took."""
+        """Seconds of each pass of the last frame."""
 
     @property
     def frame_ledger(self) -> Ledger:
-        """What frames did and what they left out."""
+        """Counts of work that frames did and skipped."""
 
     def draw(
-        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+        self,
+        size: tuple[int, int],
+        exposure: SetExposure,
+        still: bool,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
-        """Draw what is known by now; where that takes long, GivenUp is raised when it is."""
+        """Draw the present state with an exposure; GivenUp is raised when `is_given_up()`."""
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """Lux on what a pixel of the full size shows; None for the sky."""
+        """Lux on the surface at a pixel of the full size; None for the sky."""
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
         """The surface that a pixel of the full size shows; None for the sky."""
 
     def close(self) -> None:
-        """Give everything back."""
+        """Free all resources."""
 
 
 class GlStage:
@@ -79,18 +84,22 @@ class GlStage:
 
     @property
     def frame_ledger(self) -> Ledger:
-        """What frames did and what they left out."""
+        """Counts of work that frames did and skipped."""
         return self._host.frame_ledger
 
     def draw(
-        self, size: tuple[int, int], still: bool, is_given_up: IsGivenUp | None = None
+        self,
+        size: tuple[int, int],
+        exposure: SetExposure,
+        still: bool,
+        is_given_up: IsGivenUp | None = None,
     ) -> Picture:
-        """Draw what is known by now, or raise GivenUp as soon as `is_given_up()`."""
+        """Draw the present state with an exposure; GivenUp is raised when `is_given_up()`."""
         self.pass_seconds = {}
-        return self._host.draw_now(still, is_given_up, size)
+        return self._host.draw_now(still, is_given_up, size, exposure)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """Lux on what a pixel of the full size shows; None for the sky."""
+        """Lux on the surface at a pixel of the full size; None for the sky."""
         return self._host.light_at_pixel(x, y)
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
@@ -103,7 +112,7 @@ class GlStage:
 
     @contextmanager
     def _measured(self, name: str) -> Iterator[Any]:
-        """Time one pass, on the GL thread; work that GL put off belongs to the pass it is of.
+        """Time one pass, on the GL thread, with all its deferred GL work.
 
         Waiting by `glFinish` lets Qt's thread run, where a read of pixels would wait inside GL.
         """

@@ -1,1 +1,1 @@
-"""Panels: each sends inputs to the session and listens to its messages; none knows another."""
+"""Panels: each sends inputs and listens to messages of the session; none imports another."""

@@ -19,7 +19,7 @@ class CauseTree(QTreeWidget):
         super().__init__()
         self._messages = messages
         self.setAccessibleName("what caused this")
-        self.setHeaderLabels(["What caused this, and what came of it", "From"])
+        self.setHeaderLabels(["Causes and effects of the message", "From"])
         self.setUniformRowHeights(True)
         header = self.header()
         header.setStretchLastSection(False)

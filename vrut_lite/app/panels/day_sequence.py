@@ -68,7 +68,7 @@ class DaySequence(QObject):
         self._submit()
 
     def cancel(self) -> None:
-        """Make no more."""
+        """Stop after the picture that is being made."""
         if self._workers is not None:
             self._end()
             self.finished.emit(f"stopped after {self._done} of {len(self._instants)} pictures")

@@ -62,8 +62,7 @@ class ExportPanel(QWidget):
 
     def export(self, path: str) -> None:
         """Write the picture that is shown, in full size."""
-        project = project_of(self._session)
-        self._session.ask(lambda stage: export_picture(stage, path, project), self._tell)
+        export_picture(self._session, path, self._tell)
 
     def start(self, path: str) -> None:
         """Make the pictures of the day, numbered before the suffix of their name."""
@@ -88,7 +87,7 @@ class ExportPanel(QWidget):
         self._show_running(True)
 
     def stop(self) -> None:
-        """Make no more."""
+        """Stop after the picture that is being made."""
         if self.sequence is not None:
             self.sequence.cancel()
 

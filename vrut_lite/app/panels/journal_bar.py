@@ -31,7 +31,7 @@ _COUNT_MS = 500
 
 class JournalBar(QWidget):
     """Signals: `opened` (the rows of a journal), `closed` (back to live messages), `stepped`
-    (the number of the input that is gone to).
+    (the number of the input).
     """
 
     opened = Signal(object)
@@ -56,19 +56,19 @@ class JournalBar(QWidget):
         self.recorded = faint_label(wraps=True)
         self.save = _button(
             "Save journal\N{HORIZONTAL ELLIPSIS}",
-            "All that was done since the window opened, for `vrut-lite replay`",
+            "Write all inputs since the window opened, for `vrut-lite replay`",
             self._ask_to_save,
         )
         self.open = _button(
             "Open journal\N{HORIZONTAL ELLIPSIS}",
-            "Look at what was recorded, message by message",
+            "Show a recorded journal, message by message",
             self._ask_to_open,
         )
         self.name = QLabel()
         self.back = _button("Back", "The input before", partial(self.step, -1))
-        self.next = _button("Step", "The next input and what came of it", partial(self.step, 1))
+        self.next = _button("Step", "The next input and its effects", partial(self.step, 1))
         self.play = QCheckBox("in the window")
-        self.play.setToolTip("Each step is done in this window too")
+        self.play.setToolTip("Also send each input to this window")
         self.close_journal = _button("Close", "Back to live messages", self.leave)
 
     def _lay_out(self) -> None:

@@ -60,9 +60,9 @@ class MessageInspector(QWidget):
         self.filter.setAccessibleName("filter of messages")
         self.pause = QPushButton("Pause")
         self.pause.setCheckable(True)
-        self.pause.setToolTip("Let messages go by unseen")
+        self.pause.setToolTip("Do not show new messages")
         self.clear = QPushButton("Clear")
-        self.clear.setToolTip("Begin with an empty list")
+        self.clear.setToolTip("Empty the list")
         self.table = MessageTable()
         self.causes = CauseTree(self.table.messages)
         self.content = QTreeWidget()
@@ -90,11 +90,11 @@ class MessageInspector(QWidget):
     # --- watching ----------------------------------------------------------------------------
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Watch."""
+        """Start to watch."""
         self._set_watching()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Look away."""
+        """Stop watching."""
         self._set_watching()
 
     @property

@@ -73,9 +73,7 @@ class ModuleManager(QWidget):
     def _make_parts(self) -> None:
         self.safe_mode = QPushButton("Safe mode")
         self.safe_mode.setCheckable(True)
-        self.safe_mode.setToolTip(
-            "Nothing but the host and the default sun and sky runs, until it is left again"
-        )
+        self.safe_mode.setToolTip("Run only the host and the default sun and sky")
         self.list = QTreeWidget()
         self.list.setAccessibleName("modules")
         self.list.setHeaderLabels(["Module", "State", "Holds", "Version"])

@@ -54,7 +54,7 @@ class ModulePanel(QWidget):
 
     @property
     def title(self) -> str:
-        """The module's name for people."""
+        """The module's title."""
         return self._module.title
 
     def choose(self, values: Values) -> None:
@@ -130,7 +130,7 @@ class ModulePanel(QWidget):
         self.remade.emit(self._settings)
 
     def _refused(self, fault: Fault) -> None:
-        """A value that was refused is not the setting's."""
+        """Show the setting's value again after a refused one."""
         if fault.module == self._name:
             for name, row in self.rows.items():
                 row.show_value(self._module.values[name])
@@ -154,7 +154,7 @@ class ModulePanel(QWidget):
                 dropping.addAction(name, partial(self._forget, name))
 
     def keep(self, name: str) -> None:
-        """Keep the present settings by a name."""
+        """Save the present settings under a name."""
         self._guarded(lambda: self._presets.keep(self._name, name, self._module.values))
 
     def _use(self, name: str) -> None:

@@ -101,7 +101,7 @@ class _Slider(QSlider):
 
 class _Spin(QDoubleSpinBox):
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """As the slider's."""
+        """Ignore the wheel without focus: it scrolls the panel."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:

@@ -3,7 +3,7 @@
 from typing import Any, get_args
 
 import msgspec
-from PySide6.QtWidgets import QComboBox, QPushButton, QWidget
+from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton, QWidget
 
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
@@ -20,15 +20,17 @@ _LOWEST_EV, _HIGHEST_EV = -8.0, 24.0
 
 
 class PicturePanel(QWidget):
-    """Edits `SetExposure`; all fields are sent together."""
+    """Edits `SetExposure`; all fields are sent together.
+
+    A lock is manual exposure, which starts at the value of the shown picture.
+    """
 
     def __init__(self, session: Session):
         super().__init__()
         self._session = session
         self._wish = SetExposure()
-        self.mode = QComboBox()
-        self.mode.addItem("automatic", "auto")
-        self.mode.addItem("manual", "manual")
+        self.lock = QCheckBox("locked")
+        self.meter = QPushButton("Meter now")
         self.ev100 = NumberField(_LOWEST_EV, _HIGHEST_EV, "EV", decimals=2)
         self.compensation_ev = NumberField(-5.0, 5.0, "EV", decimals=2)
         self.tone_map = QComboBox()
@@ -47,7 +49,8 @@ class PicturePanel(QWidget):
         form = aligned_form(self)
         form.setContentsMargins(10, 10, 10, 10)
         for title, part, tip in (
-            ("Exposure", self.mode, "Metered from each picture, or fixed"),
+            ("Exposure", self.lock, "Keep EV100 (L). Unlocked, a new scene, hour or view sets "
+             "it; playing time and settings do not"),
             ("EV100", self.ev100, "Fixed exposure value at ISO 100 (ISO 12232, saturation based)"),
             ("Compensation", self.compensation_ev, "Brighter by so many stops"),
             ("Tone map", self.tone_map, "AgX (Sobotka 2022), 1 - exp(-kL) (Bruneton and Neyret "
@@ -59,25 +62,28 @@ class PicturePanel(QWidget):
             part.setToolTip(tip)
             part.setAccessibleName(title)
             form.addRow(title, part)
+        self.meter.setToolTip("Meter the picture that is shown (M)")
         form.addRow("", self.metered)
+        form.addRow("", self.meter)
         form.addRow("", self.reset)
 
     def _connect(self) -> None:
-        self.mode.activated.connect(lambda _: self._choose_mode(self.mode.currentData()))
+        self.lock.clicked.connect(self.set_locked)
+        self.meter.clicked.connect(self._session.meter_exposure)
         self.tone_map.activated.connect(lambda _: self._send(tone_map=self.tone_map.currentData()))
         for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
             field: NumberField = getattr(self, name)
             field.edited.connect(lambda value, name=name: self._send(**{name: value}))
         self.reset.clicked.connect(lambda: self._session.send(SetExposure()))
 
-    def _choose_mode(self, mode: str) -> None:
-        """Choose the mode; manual exposure begins at the automatic value."""
+    def set_locked(self, locked: bool) -> None:
+        """Fix the exposure at the shown picture's, or make it automatic again."""
         shown = self._session.shown
-        if mode == "manual" and shown is not None:
+        if locked and shown is not None:
             ev100 = shown.picture.ev100 + self._wish.compensation_ev
-            self._send(mode=mode, ev100=round(ev100, 2))
+            self._send(mode="manual", ev100=round(ev100, 2))
         else:
-            self._send(mode=mode)
+            self._send(mode="manual" if locked else "auto")
 
     def _send(self, **changes: Any) -> None:
         self._wish = msgspec.structs.replace(self._wish, **changes)
@@ -85,14 +91,17 @@ class PicturePanel(QWidget):
 
     def _show(self, wish: SetExposure) -> None:
         self._wish = wish
-        self.mode.setCurrentIndex(self.mode.findData(wish.mode))
+        locked = wish.mode == "manual"
+        self.lock.setChecked(locked)
+        self.meter.setEnabled(not locked)
+        self.ev100.setEnabled(locked)
         self.tone_map.setCurrentIndex(self.tone_map.findData(wish.tone_map))
-        self.ev100.setEnabled(wish.mode == "manual")
         for name in ("ev100", "compensation_ev", "white_temperature_k", "white_duv"):
             getattr(self, name).show_value(getattr(wish, name))
 
     def _show_metered(self, shown: Shown) -> None:
         ev100 = shown.picture.ev100 + self._wish.compensation_ev
-        self.metered.setText(f"picture exposed for EV100 {ev100:.2f}")
+        held = ", held" if shown.held else ""
+        self.metered.setText(f"picture exposed for EV100 {ev100:.2f}{held}")
         if self._wish.mode == "auto":
             self.ev100.show_value(ev100)

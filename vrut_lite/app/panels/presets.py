@@ -25,7 +25,7 @@ class PresetStore:
         return self._read(module).get(name, {})
 
     def keep(self, module: str, name: str, values: Values) -> None:
-        """Keep settings by a name, in place of older ones.
+        """Save settings under a name; replaces older ones.
 
         Raises:
             UserError: the folder cannot be written to.
@@ -34,7 +34,7 @@ class PresetStore:
         write_object(file, {**read_object(file), name: values})
 
     def forget(self, module: str, name: str) -> None:
-        """Drop a preset."""
+        """Delete a preset."""
         file = self._file(module)
         write_object(file, {k: v for k, v in read_object(file).items() if k != name})
 

@@ -25,7 +25,7 @@ LEFT_OPEN = "as it is"
 class SettingRow(QObject):
     """The widgets of a row, in a grid of four columns: name, editor, reset.
 
-    `edited` tells a new value by the user's hand, none included; `show_value` one that is.
+    `edited` emits a value that the user set, which may be None; `show_value` emits nothing.
     """
 
     edited = Signal(object)

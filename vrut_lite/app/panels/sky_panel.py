@@ -34,7 +34,7 @@ class SkyPanel(QWidget):
         self.tolerance.show_value(100.0 * DEFAULT_TOLERANCE)
         self.tolerance.setAccessibleName("tolerance")
         self.tolerance.setToolTip(
-            "How far radiance may be off, in 99 of 100 directions: sizes, orders of scattering and "
+            "Allowed relative error of radiance in 99 of 100 directions: sizes, orders and "
             "thresholds follow (docs/tolerance.md)"
         )
         self._choices = aligned_form()

@@ -24,7 +24,9 @@ class SunPanel(QWidget):
         super().__init__()
         self._session, self._scout = session, scout
         self.elevation = _angle(-90.0, 90.0, "Type an elevation: the nearest hour that has it")
-        self.azimuth = _angle(0.0, 360.0, "From north, clockwise; type one to go to its hour")
+        self.azimuth = _angle(
+            0.0, 360.0, "From north, clockwise; type an azimuth: the nearest hour that has it"
+        )
         self.phase, self.sunlight, self.skylight = QLabel(), QLabel(), QLabel()
         form = aligned_form(self)
         form.setContentsMargins(10, 10, 10, 10)

@@ -37,7 +37,7 @@ _FIRST_SPEED = "1 s = 10 min"
 
 
 class Player(QObject):
-    """Sends a tick when the one before has moved the clock: ticks grow longer, none are queued."""
+    """Sends a tick once the last one moved the clock: a slow kernel gets longer ticks, no queue."""
 
     playing_changed = Signal(bool)
 
@@ -52,11 +52,11 @@ class Player(QObject):
 
     @property
     def playing(self) -> bool:
-        """Whether time goes by."""
+        """Whether time is playing."""
         return self._timer.isActive()
 
     def play(self) -> None:
-        """Let time go by."""
+        """Start playing."""
         self._last_s = perf_counter()
         self._waiting = False
         self._session.send(SetClockRate(rate=self._rate))
@@ -64,14 +64,14 @@ class Player(QObject):
         self.playing_changed.emit(True)
 
     def pause(self) -> None:
-        """Stand still."""
+        """Stop playing."""
         if self.playing:
             self._timer.stop()
             self._session.send(SetClockRate(rate=0.0))
             self.playing_changed.emit(False)
 
     def set_rate(self, rate: float) -> None:
-        """So many seconds of the clock in one outside; negative goes back."""
+        """Set the clock's seconds per second of real time; negative runs backwards."""
         self._rate = rate
         if self.playing:
             self._session.send(SetClockRate(rate=rate))
@@ -136,12 +136,12 @@ class TimePanel(QWidget):
         self.play.setCheckable(True)
         self.play.clicked.connect(self.toggle_play)
         self.speed = QComboBox()
-        self.speed.setToolTip("How fast time goes by while it plays")
+        self.speed.setToolTip("Speed of playing time")
         for title, rate in SPEEDS.items():
             self.speed.addItem(title, rate)
         self.speed.activated.connect(lambda _: self.player.set_rate(self.speed.currentData()))
         self.speed.setCurrentText(_FIRST_SPEED)
-        self.now = _button("Now", "This very moment")
+        self.now = _button("Now", "Go to the present moment")
         self.now.clicked.connect(self.go_to_now)
         self.before = _button("\N{SINGLE LEFT-POINTING ANGLE QUOTATION MARK}", "A day earlier")
         self.after = _button("\N{SINGLE RIGHT-POINTING ANGLE QUOTATION MARK}", "A day later")

@@ -24,7 +24,7 @@ from vrut_lite.app import theme
 _SEA, _LAND, _COAST = "#17191d", "#3a3d3f", "#505456"
 _PER_DEGREE = 100.0
 _NIGHT_ALPHA = 120
-# The shade is smooth: it need not have the map's pixels.
+# The shade is smooth, so that few pixels are enough.
 _SHADE_SIZE = (180, 90)
 
 

@@ -17,7 +17,7 @@ _STILL_MS = 120
 
 
 class LightProbe(QObject):
-    """`text` tells the luminance in the picture and lux by the light meter; `changed` says so."""
+    """`text` holds the picture's luminance and the surface's lux; `changed` tells a new text."""
 
     changed = Signal()
 

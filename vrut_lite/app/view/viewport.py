@@ -57,7 +57,7 @@ class CameraMode(Enum):
 class Viewport(QWidget):
     """Signals: `scene_dropped` (a file's path), `mode_changed` (a `CameraMode`), `sky_pointed`.
 
-    The last tells the world direction under the pointer where it leads above the horizon.
+    `sky_pointed` emits the world direction under the pointer, if it is above the horizon.
     """
 
     scene_dropped = Signal(str)
@@ -198,7 +198,7 @@ class Viewport(QWidget):
             self.probe.click()
 
     def leaveEvent(self, event: object) -> None:
-        """Nothing is pointed at."""
+        """Clear the read-out."""
         self.probe.leave()
 
     def _drag(self, right: float, up: float, shifting: bool) -> None:

@@ -1,14 +1,15 @@
 """The command palette: every action by a few letters of its name."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QColor, QKeyEvent, QKeySequence
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QDialog,
+    QDockWidget,
     QHeaderView,
     QLineEdit,
     QScrollArea,
@@ -19,9 +20,9 @@ from PySide6.QtWidgets import (
 )
 
 from vrut_lite.app import theme
+from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.setting_row import label_of
-from vrut_lite.app.window.commanded_window import CommandedWindow
 from vrut_lite.kernel.messages import ChooseSlot
 
 _WIDTH_PX, _HEIGHT_PX, _TOP_PX = 520, 380, 70
@@ -39,13 +40,12 @@ class PaletteEntry(NamedTuple):
 class CommandPalette(QDialog):
     """A text field above the matching commands; arrows move, Enter runs one, Escape closes."""
 
-    def __init__(self, window: CommandedWindow):
+    def __init__(self, window: QWidget, entries: list[PaletteEntry]):
         super().__init__(window, Qt.WindowType.Popup)
         self._window = window
-        self._entries = entries_of(window)
-        self.found = self._entries
+        self._entries = self.found = entries
         self.text_field = QLineEdit()
-        self.text_field.setPlaceholderText("What is to be done?")
+        self.text_field.setPlaceholderText("Find a command")
         self.text_field.setAccessibleName("command")
         self.list = QTreeWidget()
         self.list.setAccessibleName("commands")
@@ -102,19 +102,8 @@ class CommandPalette(QDialog):
             QTimer.singleShot(0, self._window, self.found[place].act)
 
 
-def entries_of(window: CommandedWindow) -> list[PaletteEntry]:
-    """The present entries, the most general first."""
-    return [
-        *_actions(window),
-        *_docks(window),
-        *_slots(window),
-        *_settings(window),
-        *_recent(window),
-    ]
-
-
 def matching(entries: list[PaletteEntry], text: str) -> list[PaletteEntry]:
-    """Those that hold all words of a text; titles that begin with the first come first."""
+    """Entries with all words of a text; titles that begin with the first word come first."""
     words = text.lower().split()
     found = [
         entry
@@ -130,50 +119,52 @@ def _rank(title: str, words: list[str]) -> int:
     return 1 if any(part.startswith(words[0]) for part in title.split()) else 2
 
 
-def _actions(window: CommandedWindow) -> Iterator[PaletteEntry]:
-    for action in window.actions_by_name.values():
+def action_entries(actions: Iterable[QAction]) -> Iterator[PaletteEntry]:
+    """The enabled actions, with their keys."""
+    for action in actions:
         if action.isEnabled():
             title = action.text().removesuffix("\N{HORIZONTAL ELLIPSIS}")
             keys = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
             yield PaletteEntry(title, keys, action.trigger)
 
 
-def _docks(window: CommandedWindow) -> Iterator[PaletteEntry]:
-    for name, dock in window.docks.items():
-        yield PaletteEntry(f"{dock.windowTitle()} panel", "panel", partial(window.show_dock, name))
-
-
-def _slots(window: CommandedWindow) -> Iterator[PaletteEntry]:
-    roster = window.session.roster
-    for slot in roster.slots:
-        for module in roster.providers(slot):
-            choice = ChooseSlot(slot=slot, module=module.name)
-            yield PaletteEntry(
-                f"{slot.capitalize()} by {module.title}",
-                f"slot {slot}",
-                partial(window.session.send, choice),
-            )
-
-
-def _settings(window: CommandedWindow) -> Iterator[PaletteEntry]:
-    for name, dock in window.docks.items():
+def dock_entries(
+    docks: Mapping[str, QDockWidget], show_dock: Callable[[str], None]
+) -> Iterator[PaletteEntry]:
+    """Each dock, then each setting in a dock."""
+    for name, dock in docks.items():
+        yield PaletteEntry(f"{dock.windowTitle()} panel", "panel", partial(show_dock, name))
+    for name, dock in docks.items():
         for panel in dock.findChildren(ModulePanel):
             # Of the skies' panels only that of the slot's holder is shown.
             if panel.isHidden():
                 continue
             for row in panel.rows.values():
-                act = partial(_go_to, window, name, row.editor)
+                act = partial(_go_to, dock, row.editor, partial(show_dock, name))
                 yield PaletteEntry(label_of(row.spec), panel.title, act)
 
 
-def _go_to(window: CommandedWindow, dock: str, control: QWidget) -> None:
-    window.show_dock(dock)
+def slot_entries(session: Session) -> Iterator[PaletteEntry]:
+    """Each module that can hold a slot."""
+    roster = session.roster
+    for slot in roster.slots:
+        for module in roster.providers(slot):
+            choice = ChooseSlot(slot=slot, module=module.name)
+            title = f"{slot.capitalize()} by {module.title}"
+            yield PaletteEntry(title, f"slot {slot}", partial(session.send, choice))
+
+
+def recent_entries(
+    paths: Iterable[str], open_path: Callable[[str], None]
+) -> Iterator[PaletteEntry]:
+    """The files that were opened before."""
+    for path in paths:
+        yield PaletteEntry(f"Open {Path(path).name}", path, partial(open_path, path))
+
+
+def _go_to(dock: QDockWidget, control: QWidget, show: Callable[[], None]) -> None:
+    show()
     control.setFocus()
-    area = window.docks[dock].widget()
+    area = dock.widget()
     if isinstance(area, QScrollArea):
         area.ensureWidgetVisible(control)
-
-
-def _recent(window: CommandedWindow) -> Iterator[PaletteEntry]:
-    for path in window.kept.recent:
-        yield PaletteEntry(f"Open {Path(path).name}", path, partial(window.open_path, path))

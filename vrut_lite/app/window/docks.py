@@ -11,7 +11,7 @@ from importlib.metadata import entry_points
 from typing import NamedTuple
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from vrut_lite.app.compare.compare_panel import ComparePanel
 from vrut_lite.app.engine.roster import Roster
@@ -37,7 +37,7 @@ Area = Qt.DockWidgetArea
 class DockSpec(NamedTuple):
     """A dock: docks of one `group` share a place as tabs, in this order.
 
-    A dock that is not `scrolled` is as high as its content. `keys` show it and hide it.
+    A dock that is not `scrolled` is as high as its content. `keys` is its shortcut.
     """
 
     name: str
@@ -107,6 +107,16 @@ def module_docks(roster: Roster) -> ModulePanels:
                 pass_interrupt(error)
                 failures.append(f"the panel of module {point.name} failed: {sentence_of(error)}")
     return ModulePanels(docks, failures)
+
+
+def scrolled(panel: QWidget) -> QScrollArea:
+    """An area that scrolls a panel up and down."""
+    area = QScrollArea()
+    area.setWidgetResizable(True)
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setWidget(panel)
+    return area
 
 
 def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:

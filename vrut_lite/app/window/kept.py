@@ -26,9 +26,9 @@ class WindowShape(NamedTuple):
 
 
 class Kept:
-    """Files in one folder, made when there is something to keep; without a folder nothing is.
+    """Files in one folder, which the first of them makes; without a folder nothing is kept.
 
-    A damaged file counts as one that was never there; what takes its place does not overwrite it.
+    A damaged file counts as missing; it is renamed before a new one is written.
     """
 
     def __init__(self, folder: Path | None):

@@ -1,7 +1,7 @@
 """Decides whether a key goes to the focused control or to the window's shortcuts.
 
-Qt gives shortcuts precedence over what buttons and lists do with a key, and lets a text field keep
-Ctrl+Z even where nothing was typed that it could take back.
+Qt lets shortcuts win over the keys of buttons and lists, and lets a text field take Ctrl+Z even if
+nothing was typed in it.
 """
 
 from PySide6.QtCore import QEvent, QObject, Qt
@@ -22,7 +22,7 @@ _PLAIN = (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.KeypadModifier)
 
 
 class KeyJudge(QObject):
-    """Filters the keys of the controls of panels."""
+    """Filters key events of the controls in panels."""
 
     def watch(self, panel: QWidget) -> None:
         """Filter the keys of all controls in a panel, also of those that are added later."""
@@ -52,7 +52,7 @@ _CONTROLS = (*_CHOOSERS, QAbstractButton, QAbstractSpinBox, QLineEdit)
 
 
 def _uses(control: QObject, event: QKeyEvent) -> bool:
-    """Space presses buttons; lists and choosers go to what begins with a letter."""
+    """Space presses buttons; a letter selects an entry of a list or chooser."""
     if isinstance(control, QAbstractButton):
         return event.key() == Qt.Key.Key_Space
     return isinstance(control, _CHOOSERS) and bool(event.text())

@@ -1,61 +1,63 @@
-"""The window: the picture, the docks around it, the menus, and a line for messages."""
+"""The window: the picture, the docks around it, the menus, and the status line."""
 
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from platformdirs import user_pictures_path
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
     QDockWidget,
-    QFrame,
     QLabel,
-    QScrollArea,
+    QMainWindow,
     QTabWidget,
     QWidget,
 )
 
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.engine import Shown
-from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.roster import Roster
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.engine.session_project import inputs_of, project_of
+from vrut_lite.app.engine.session_project import project_of
+from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
 from vrut_lite.app.window.actions import ActionSpec
-from vrut_lite.app.window.command_palette import CommandPalette
-from vrut_lite.app.window.commanded_window import CommandedWindow
+from vrut_lite.app.window.command_palette import (
+    CommandPalette,
+    action_entries,
+    dock_entries,
+    recent_entries,
+    slot_entries,
+)
 from vrut_lite.app.window.desk import Desk
-from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks
+from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks, scrolled
+from vrut_lite.app.window.files import Files
 from vrut_lite.app.window.kept import Kept, WindowShape
 from vrut_lite.app.window.keys import KeyJudge
 from vrut_lite.app.window.menus import Menus
-from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
-from vrut_lite.daylight.scene import LoadScene, SceneOpened
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
-from vrut_lite.project import PROJECT_SUFFIX, Project, load_project, save_project
 
 TITLE = "vrut_lite"
 _RIGHT_PX = 420
 
 
-class MainWindow(CommandedWindow):
+class MainWindow(QMainWindow):
     """The window of one session; closing it closes the session."""
 
     def __init__(
         self, session: Session, presets: PresetStore | None = None, kept: Kept | None = None
     ):
         super().__init__()
-        self.kept = kept or Kept(None)
         self.setWindowTitle(TITLE)
         self.session = session
         sun_path = SunPath(self)
@@ -66,8 +68,6 @@ class MainWindow(CommandedWindow):
             viewport=Viewport(session, sun_path),
             presets=presets or PresetStore(),
         )
-        # Where screenshots go.
-        self.pictures = user_pictures_path() / TITLE
         self.docks: dict[str, QDockWidget] = {}
         self.panels: dict[str, QWidget] = {}
         self._keys = KeyJudge(self)
@@ -75,7 +75,10 @@ class MainWindow(CommandedWindow):
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
         self.setStatusBar(self._status)
-        self.menus = Menus(self, lambda: self.kept.recent)
+        self.files = Files(self.desk, kept or Kept(None), self._status)
+        self.menus = Menus(
+            self, self._specs(), lambda: self.files.kept.recent, self.files.open_path
+        )
         self.actions_by_name = self.menus.actions
         for spec in DOCKS:
             self.add_dock(spec)
@@ -87,6 +90,13 @@ class MainWindow(CommandedWindow):
         """The time bar's panel."""
         panel = self.panels["time"]
         assert isinstance(panel, TimePanel)
+        return panel
+
+    @property
+    def picture(self) -> PicturePanel:
+        """The panel of exposure and tone map."""
+        panel = self.panels["picture"]
+        assert isinstance(panel, PicturePanel)
         return panel
 
     @property
@@ -102,7 +112,7 @@ class MainWindow(CommandedWindow):
         self._keys.watch(panel)
         dock = QDockWidget(spec.title, self)
         dock.setObjectName(spec.name)
-        dock.setWidget(_scrolled(panel) if spec.scrolled else panel)
+        dock.setWidget(scrolled(panel) if spec.scrolled else panel)
         # The dock's tab shows its title.
         dock.setTitleBarWidget(QWidget())
         group = [dock for dock in self.docks.values() if dock.property("group") == spec.group]
@@ -116,7 +126,7 @@ class MainWindow(CommandedWindow):
         if spec.keys:
             self.menus.add(
                 ActionSpec(spec.name, "View", spec.title, spec.keys,
-                           lambda window, on: window.toggle_dock(spec.name))
+                           partial(self.toggle_dock, spec.name))
             )  # fmt: skip
 
     def _arrange(self) -> None:
@@ -135,49 +145,62 @@ class MainWindow(CommandedWindow):
         desk.scout.day_changed.connect(desk.sun_path.set_day)
         session.listen(SunMoved, desk.sun_path.set_sun)
         session.listen(SceneOpened, self._scene_loaded)
+        session.listen(SetExposure, self.menus.show_exposure)
         session.ready.connect(self._ready)
-        session.problem.connect(self.show_problem)
+        session.problem.connect(self._status.show_problem)
         session.picture_shown.connect(self._show_facts)
         session.steps_changed.connect(self.menus.show_steps)
-        desk.viewport.scene_dropped.connect(self.open_path)
+        desk.viewport.scene_dropped.connect(self.files.open_path)
         desk.viewport.mode_changed.connect(self._mode_changed)
 
     # --- actions -----------------------------------------------------------------------------
 
-    def open_path(self, path: str) -> None:
-        """Open a scene or a project; a file that cannot be opened changes nothing."""
-        if Path(path).suffix.lower() != PROJECT_SUFFIX:
-            self.show_news(f"Opening {path} \N{HORIZONTAL ELLIPSIS}")
-            self.session.send(LoadScene(path=path))
-            return
-        try:
-            self.open_project(load_project(path))
-            self.kept.add_recent(path)
-        except UserError as error:
-            self.show_problem(str(error))
+    def _specs(self) -> list[ActionSpec]:
+        """The actions; they look up panels when triggered, since panels are made later."""
+        files, viewport, dots = self.files, self.desk.viewport, "\N{HORIZONTAL ELLIPSIS}"
 
-    def open_project(self, project: Project) -> None:
-        """Show a project."""
-        self.session.ask(
-            lambda stage: inputs_of(project, stage.kernel),
-            lambda inputs: self.session.begin_with(*inputs),
-        )
+        def camera(name: str, title: str, key: str, mode: CameraMode) -> ActionSpec:
+            def set_mode(on: bool) -> None:
+                viewport.set_mode(mode)
 
-    def save(self, path: str) -> None:
-        """Save the project."""
-        self._guarded(lambda: save_project(path, project_of(self.session)), f"Saved {path}")
+            return ActionSpec(name, "Camera", title, key, set_mode, True, "camera")
 
-    def export(self, path: str) -> None:
-        """Write the picture."""
-        project = project_of(self.session)
-        self.session.ask(lambda stage: export_picture(stage, path, project), self.show_news)
-
-    def save_screenshot(self) -> None:
-        """Write the picture as it looks now into the folder `pictures`."""
-        try:
-            self.show_news(f"Saved {save_screenshot(self.desk, self.pictures)}")
-        except UserError as error:
-            self.show_problem(str(error))
+        return [
+            ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
+            ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
+            ActionSpec("export", "File", f"Export picture (PNG, EXR){dots}", "Ctrl+E",
+                       files.ask_to_export),
+            ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
+                       files.save_screenshot),
+            ActionSpec("quit", "File", "Quit", "Ctrl+Q", self.close_soon),
+            ActionSpec("undo", "Edit", "Undo", "Ctrl+Z", self.undo),
+            ActionSpec("redo", "Edit", "Redo", "Ctrl+Shift+Z", self.redo),
+            camera("orbit", "Turn around the scene", "1", CameraMode.ORBIT),
+            camera("fly", "Fly", "2", CameraMode.FLY),
+            camera("space", "From the ground to space", "3", CameraMode.SPACE),
+            ActionSpec("frame", "Camera", "See the whole scene", "F", viewport.frame_scene),
+            ActionSpec("lock exposure", "Camera", "Lock the exposure", "L",
+                       lambda on: self.picture.set_locked(on), True),
+            ActionSpec("meter exposure", "Camera", "Meter the exposure now", "M",
+                       self.session.meter_exposure),
+            ActionSpec("play", "Time", "Play or pause", "Space", lambda: self.time.toggle_play()),
+            ActionSpec("now", "Time", "Now", "N", lambda: self.time.go_to_now()),
+            ActionSpec("day before", "Time", "A day earlier", "Ctrl+PgUp",
+                       lambda: self.time.step_days(-1)),
+            ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",
+                       lambda: self.time.step_days(1)),
+            ActionSpec("sun path", "View", "Sun path", "P", self.desk.sun_path.show, True),
+            ActionSpec("compare", "View", "Compare two skies", "C",
+                       partial(self.show_dock, "compare")),
+            ActionSpec("profiler", "View", "Profiler", "F3", self.profiler.setVisible, True),
+            ActionSpec("modules", "View", "Module manager", "F4",
+                       partial(self.toggle_dock, "modules")),
+            ActionSpec("messages", "View", "Message inspector", "F5",
+                       partial(self.toggle_dock, "messages")),
+            ActionSpec("palette", "Help", f"Find a command{dots}", "Ctrl+K, Ctrl+Shift+P",
+                       self.show_palette),
+            ActionSpec("keys", "Help", "Keys", "F1", self.show_keys),
+        ]  # fmt: skip
 
     def show_dock(self, name: str) -> None:
         """Show a dock, as the front tab of its group."""
@@ -185,7 +208,7 @@ class MainWindow(CommandedWindow):
         self.docks[name].raise_()
 
     def toggle_dock(self, name: str) -> None:
-        """Hide a dock that is seen; show one that is not."""
+        """Hide a visible dock; show a hidden one."""
         if self.panels[name].visibleRegion().isEmpty():
             self.show_dock(name)
         else:
@@ -193,40 +216,37 @@ class MainWindow(CommandedWindow):
 
     def show_palette(self) -> None:
         """Open the command palette."""
-        palette = CommandPalette(self)
+        palette = self.new_palette()
         palette.show()
         palette.text_field.setFocus()
+
+    def new_palette(self) -> CommandPalette:
+        """A palette of the present commands, the most general first."""
+        entries = [
+            *action_entries(self.actions_by_name.values()),
+            *slot_entries(self.session),
+            *dock_entries(self.docks, self.show_dock),
+            *recent_entries(self.files.kept.recent, self.files.open_path),
+        ]
+        return CommandPalette(self, entries)
 
     def show_keys(self) -> None:
         """Open the list of keys."""
         ShortcutList(self.menus.specs, self).show()
 
-    def _guarded(self, act: Callable[[], None], done: str = "") -> None:
-        try:
-            act()
-        except UserError as error:
-            self.show_problem(str(error))
-        else:
-            if done:
-                self.show_news(done)
-
     def undo(self) -> None:
         """Undo the last change."""
-        self.session.undo(lambda title: self.show_news(f"Taken back: {title}" if title else ""))
+        self.session.undo(
+            lambda title: self._status.show_news(f"Taken back: {title}" if title else "")
+        )
 
     def redo(self) -> None:
         """Redo the change that was undone last."""
-        self.session.redo(lambda title: self.show_news(f"Done again: {title}" if title else ""))
+        self.session.redo(
+            lambda title: self._status.show_news(f"Done again: {title}" if title else "")
+        )
 
     # --- messages ----------------------------------------------------------------------------
-
-    def show_problem(self, line: str) -> None:
-        """One line on what went wrong."""
-        self._status.show_problem(line)
-
-    def show_news(self, line: str) -> None:
-        """One line on what was done."""
-        self._status.show_news(line)
 
     def _ready(self, roster: Roster) -> None:
         docks, failures = module_docks(roster)
@@ -242,19 +262,19 @@ class MainWindow(CommandedWindow):
         for panel in self.panels.values():
             self._keys.watch(panel)
         self._arrange()
-        shape = self.kept.shape()
+        shape = self.files.kept.shape()
         if shape is not None:
             self.restoreGeometry(shape.geometry)
             self.restoreState(shape.docks)
 
     def _scene_loaded(self, scene: SceneOpened) -> None:
         self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
-        self.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
-        self._guarded(lambda: self.kept.add_recent(scene.path))
+        self._status.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
+        self.files.add_recent(scene.path)
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)
-        self.show_news(mode.value)
+        self._status.show_news(mode.value)
 
     def _show_facts(self, shown: Shown) -> None:
         self._status.show_facts(shown, self.session.roster.renderer)
@@ -268,7 +288,7 @@ class MainWindow(CommandedWindow):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Hide at once; threads that still run end without a window."""
         if not self.session.has_ended:
-            self._guarded(self._keep)
+            self._keep()
             self.time.player.pause()
             self.session.close()
         self.hide()
@@ -276,19 +296,14 @@ class MainWindow(CommandedWindow):
 
     def _keep(self) -> None:
         """Keep the project and the window's layout for the next start, if the host was opened."""
-        if self.session.roster.modules:
-            self.kept.keep_session(project_of(self.session))
-            geometry, docks = self.saveGeometry().data(), self.saveState().data()
-            self.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
+        if not self.session.roster.modules:
+            return
+        geometry, docks = self.saveGeometry().data(), self.saveState().data()
+        try:
+            self.files.kept.keep_session(project_of(self.session))
+            self.files.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
+        except UserError as error:
+            self._status.show_problem(str(error))
 
 
 _TABS_ABOVE = QTabWidget.TabPosition.North
-
-
-def _scrolled(panel: QWidget) -> QScrollArea:
-    area = QScrollArea()
-    area.setWidgetResizable(True)
-    area.setFrameShape(QFrame.Shape.NoFrame)
-    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-    area.setWidget(panel)
-    return area

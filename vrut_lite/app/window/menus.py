@@ -1,30 +1,36 @@
-"""The menus, made from the list of actions."""
+"""The menus, made from a list of actions."""
 
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QMainWindow, QMenu
 
 from vrut_lite.app.engine.history import Steps
-from vrut_lite.app.window.actions import ACTIONS, ActionSpec
-from vrut_lite.app.window.commanded_window import CommandedWindow
+from vrut_lite.app.window.actions import ActionSpec
+from vrut_lite.daylight.picture import SetExposure
 
 _RECENT_AFTER = "open"
 
 
 class Menus:
-    """The menus; `actions` by name, and the `specs` that they are made from."""
+    """The menus of a window; `actions` by name, and the `specs` that they are made from."""
 
-    def __init__(self, window: CommandedWindow, recent: Callable[[], list[str]]):
+    def __init__(
+        self,
+        window: QMainWindow,
+        specs: list[ActionSpec],
+        recent: Callable[[], list[str]],
+        open_path: Callable[[str], None],
+    ):
         self.actions: dict[str, QAction] = {}
         self.specs: list[ActionSpec] = []
         self._window = window
-        self._recent = recent
+        self._recent, self._open_path = recent, open_path
         self._menus: dict[str, QMenu] = {}
         self._groups: dict[str, QActionGroup] = {}
-        for spec in ACTIONS:
+        for spec in specs:
             self.add(spec)
             if spec.name == _RECENT_AFTER:
                 self.recent = self._menus[spec.menu].addMenu("Open recent")
@@ -49,13 +55,19 @@ class Menus:
             self.actions[name].setText(f"{verb} {title}".rstrip())
             self.actions[name].setEnabled(bool(title))
 
+    def show_exposure(self, exposure: SetExposure) -> None:
+        """Show whether the exposure is locked."""
+        locked = exposure.mode == "manual"
+        self.actions["lock exposure"].setChecked(locked)
+        self.actions["meter exposure"].setEnabled(not locked)
+
     def fill_recent(self) -> None:
         """List the recent files that exist."""
         self.recent.clear()
         for number, path in enumerate(self._recent(), 1):
             file = Path(path)
             title = f"&{number % 10}  {file.name}   {file.parent}"
-            self.recent.addAction(title, partial(self._window.open_path, path))
+            self.recent.addAction(title, partial(self._open_path, path))
         if self.recent.isEmpty():
             self.recent.addAction("nothing yet").setEnabled(False)
 
@@ -63,6 +75,6 @@ class Menus:
         action = QAction(spec.title, self._window)
         action.setShortcuts([QKeySequence(keys) for keys in spec.keys.split(", ")])
         action.setCheckable(spec.checkable)
-        action.triggered.connect(lambda on: spec.act(self._window, bool(on)))
+        action.triggered.connect(lambda on: spec.act(bool(on)) if spec.checkable else spec.act())
         self.actions[spec.name] = action
         return action

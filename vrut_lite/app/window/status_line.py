@@ -24,11 +24,11 @@ class StatusLine(QStatusBar):
         self._fades = make_timer(self, _NEWS_MS, self.news.clear, once=True)
 
     def show_problem(self, line: str) -> None:
-        """One line on what went wrong."""
+        """Show an error."""
         self._tell(line, theme.ALARM)
 
     def show_news(self, line: str) -> None:
-        """One line on what was done."""
+        """Show a result."""
         self._tell(line, theme.TEXT)
 
     def show_facts(self, shown: Shown, renderer: str) -> None:

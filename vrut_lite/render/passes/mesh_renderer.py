@@ -19,6 +19,7 @@ from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
+from vrut_lite.render.surface_light import SurfaceLightOnGpu
 
 pyrender = import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
@@ -96,6 +97,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         light: Light,
         shadows: Shadows,
         reflection: Reflection,
+        surface_light: SurfaceLightOnGpu,
         defines: Defines,
     ) -> None:
         """Draw meshes of the scene, one after another, with the depth test that is set.
@@ -103,11 +105,13 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         The `defines` say what else the shader does, as air.py has it.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
-        self._program_cache.also = (*defines, "NEAR_SHADOW") if shadows.near else defines
+        defines = (*defines, "NEAR_SHADOW") if shadows.near else defines
         shadow_uniforms = _shadow_uniforms(shadows, view)
         _bind_maps(light, shadows, reflection)
+        surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             primitive = placed.primitive
+            self._program_cache.also = (*defines, *surface_light.defines(placed))
             program = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
             )
@@ -120,6 +124,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program.set_uniform("level_roughness", np.array(LEVEL_ROUGHNESS))
             _set_light(program, light)
             _set_surface(program, primitive.material)
+            if placed.light_corner_px is not None:
+                program.set_uniform("light_corner_px", placed.light_corner_px.astype(np.float32))
             pose = translation(-view.eye_m) @ placed.world_from_model
             self._bind_and_draw_primitive(primitive, pose, program, RenderFlags.NONE)
             self._reset_active_textures()
@@ -135,7 +141,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
-            if not placed.casts_shadow:
+            if placed.is_ground:
                 continue
             primitive = placed.primitive
             program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
@@ -204,7 +210,7 @@ def in_order(
 
 
 def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
-    light.sky.texture.use(location=_SKY_UNIT)
+    light.mirrored.texture.use(location=_SKY_UNIT)
     shadows.scene.texture.use(location=SHADOW_UNIT)
     if shadows.near is not None:
         shadows.near.texture.use(location=_NEAR_SHADOW_UNIT)
@@ -215,7 +221,7 @@ def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
 def _set_light(program: ShaderProgram, light: Light) -> None:
     program.set_uniform("sun_direction", np.asarray(light.sun_direction, dtype=float))
     program.set_uniform("sun_irradiance", np.asarray(light.sun_irradiance, dtype=float))
-    program.set_uniform("sky_scale", float(light.sky.scale))
+    program.set_uniform("sky_scale", float(light.mirrored.scale))
     # pyrender's set_uniform knows no arrays.
     place = GL.glGetUniformLocation(program._program_id, "irradiance_sh")
     harmonics = np.ascontiguousarray(light.irradiance_sh, dtype=np.float32)

@@ -60,7 +60,7 @@ class SkyPass:
         Returns:
             The number of samples that were drawn.
         """
-        seen = None if light.is_none else self._view.screen(defines)
+        seen = self._view.screen(defines)
         screen = seen or self._screen(defines)
         ray_from_clip = np.linalg.inv(view.projection @ view.rotation)
         screen.set("ray_from_clip", ray_from_clip.T.ravel())

@@ -4,6 +4,8 @@
 
 const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
+const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
+const float MOST_BEHIND = 10.0;      // and on the back of a sheet
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 
 struct Material {
@@ -73,6 +75,10 @@ in vec2 second_uv;
 #ifdef COLOR_0_LOC
 centroid in vec4 vertex_color;
 #endif
+#ifdef LIGHT_MAP
+centroid in vec2 place_px;
+uniform vec2 light_corner_px;        // of its rectangle in the light map
+#endif
 
 out vec4 frag_radiance;
 
@@ -95,14 +101,22 @@ vec3 face_normal(vec3 view) {
     return dot(n, view) < 0.0 ? -n : n;
 }
 
-vec3 shading_normal(vec3 face) {
+// The surface's own normal, and whether the surface is seen from behind.
+vec3 smooth_normal(vec3 face, out bool behind) {
     vec3 n = face;
+    behind = false;
 #ifdef NORMAL_LOC
     float length_squared = dot(world_normal, world_normal);
     if (length_squared > 0.0) n = world_normal * inversesqrt(length_squared);
     // The back of a sheet is lit from its own side.
-    if (dot(n, face) < 0.0) n = -n;
+    behind = dot(n, face) < 0.0;
+    if (behind) n = -n;
 #endif
+    return n;
+}
+
+// The normal that its map gives a surface.
+vec3 mapped_normal(vec3 n) {
 #ifdef HAS_NORMAL_TEX
 #ifdef TEXCOORD_0_LOC
     // Tangents from screen derivatives (Schueler, "Normal mapping without precomputed
@@ -150,12 +164,48 @@ vec3 sky_irradiance(vec3 n) {
     return max(e, 0.0);
 }
 
-// The point of this triangle that is shaded, also at its edge. Some rasterisers take 1 / w at
-// the pixel's centre for the centroid too, which moves the point along its ray off the plane.
+// What makes values of the centroid right at the edge of a triangle. Some rasterisers take 1 / w
+// at the pixel's centre for the centroid too, which moves the point along its ray off the plane.
+float centroid_factor(vec3 face) {
+    float reached = dot(face, eye_to_sample);
+    return abs(reached) > 0.0 ? dot(face, eye_to_point) / reached : 1.0;
+}
+
+// The point of this triangle that is shaded, also at its edge.
 vec3 point_in_triangle(vec3 face) {
     float distance_to_plane = dot(face, eye_to_point), reached = dot(face, eye_to_sample);
     return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
 }
+
+#if defined(LIGHT_MAP) || defined(LIGHT_PROBES) || defined(GROUND_LIGHT)
+#define SURFACE_LIGHT
+//!include surface_light.glsl
+
+// Of a surface with this normal, and the one that its map gives it.
+vec4 surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+#if defined(GROUND_LIGHT)
+    return ground_light(eye_to_point);
+#elif defined(LIGHT_MAP)
+#ifdef TWO_SIDED
+    // The map has the light of the front alone.
+    if (behind) {
+#ifdef LIGHT_PROBES
+        if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
+#endif
+        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face));
+        return vec4(front.rgb * tilted(n, -smooth_n, MOST_BEHIND), front.a);
+    }
+#endif
+    vec4 light = map_light(light_corner_px + place_px * centroid_factor(face));
+#ifdef HAS_NORMAL_TEX
+    light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+#endif
+    return light;
+#else
+    return probe_light(eye_to_point, n);
+#endif
+}
+#endif
 
 // Share of the sun at a place in a shadow map: 3 x 3 taps of a linearly filtered comparison.
 float lit_share(sampler2DShadow map, vec3 at) {
@@ -302,7 +352,9 @@ void main() {
 
     vec3 view = normalize(-eye_to_sample);
     vec3 face = face_normal(view);
-    vec3 n = shading_normal(face);
+    bool behind;
+    vec3 smooth_n = smooth_normal(face, behind);
+    vec3 n = mapped_normal(smooth_n);
     float nv = max(dot(n, view), 1e-4);
     float nl = dot(n, sun_direction);
     float cos_face = dot(face, sun_direction);
@@ -312,7 +364,15 @@ void main() {
     // What the coat does not reflect reaches the paint below it (Kelemen and Szirmay-Kalos
     // 2001): reciprocal, and a white surface gives back all of any light.
     float through = 1.0 - coat(share.xy);
+#ifdef SURFACE_LIGHT
+    vec4 reached = surface_light(face, smooth_n, n, behind);
+#ifndef LIGHT_MAP
+    reached *= occlusion;  // of folds that are too fine for the light's own texels or probes
+#endif
+    vec3 diffuse = reached.rgb * through;
+#else
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
+#endif
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
@@ -329,7 +389,16 @@ void main() {
     }
     radiance += albedo * diffuse / PI;
     vec3 once = f0 * share.x + grazing(f0) * share.y;
+#ifdef SURFACE_LIGHT
+    if (dielectric_f0 + metallic > 0.0) {
+        // Of the sky the share that arrives; all else that arrives comes evenly from all around.
+        vec3 mirrored = reached.a * reflected_sky(reflect(-view, n), roughness);
+        mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        radiance += once * more * mirrored;
+    }
+#else
     radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
+#endif
 #ifdef AIR
     radiance = through_air(radiance, -view, length(eye_to_sample));
 #endif

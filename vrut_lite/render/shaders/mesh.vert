@@ -16,6 +16,9 @@ layout(location = TEXCOORD_1_LOC) in vec2 texcoord_1;
 #ifdef COLOR_0_LOC
 layout(location = COLOR_0_LOC) in vec4 color_0;
 #endif
+#ifdef LIGHT_MAP
+layout(location = TANGENT_LOC) in vec4 map_place;  // texels from the corner of its rectangle
+#endif
 layout(location = INST_M_LOC) in mat4 inst_m;
 
 uniform mat4 M;
@@ -35,6 +38,9 @@ out vec2 second_uv;
 #endif
 #ifdef COLOR_0_LOC
 centroid out vec4 vertex_color;
+#endif
+#ifdef LIGHT_MAP
+centroid out vec2 place_px;
 #endif
 
 void main() {
@@ -58,5 +64,8 @@ void main() {
 #endif
 #ifdef COLOR_0_LOC
     vertex_color = color_0;
+#endif
+#ifdef LIGHT_MAP
+    place_px = map_place.xy;
 #endif
 }

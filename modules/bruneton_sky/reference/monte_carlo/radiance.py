@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.geometry import make_ray
+from bruneton_sky.geometry import make_ray, rays_in_air
 from bruneton_sky.reference.monte_carlo.medium import medium_of
 from bruneton_sky.reference.monte_carlo.paths import trace
 from bruneton_sky.single_scattering import optical_depth
@@ -181,23 +181,10 @@ def enter_atmosphere(
 
     NaN where a ray from above misses the atmosphere; unchanged where it starts inside.
     """
-    top, ground = atmosphere.top_altitude_m, atmosphere.ground_radius_m
-    radius, outer = ground + altitude_m, ground + top
-    along = radius * mu
-    excess = (altitude_m - top) * (radius + outer)
-    discriminant = along * along - excess
-    meets = (along < 0) & (discriminant > 0)
-    root = np.sqrt(np.maximum(discriminant, 0.0))
-    distance = excess / np.where(meets, root - along, 1.0)
-    above = altitude_m > top
-    entered = (
-        np.where(meets, top, np.nan),
-        np.where(meets, -root / outer, np.nan),
-        np.where(meets, np.clip((radius * mu_s + distance * nu) / outer, -1.0, 1.0), np.nan),
-    )
-    inside = altitude_m, np.clip(mu, -1.0, 1.0), np.clip(mu_s, -1.0, 1.0)
-    a, b, c = (np.where(above, e, i) for e, i in zip(entered, inside, strict=True))
-    return a, b, c
+    planet = atmosphere.ground_radius_m, atmosphere.top_altitude_m
+    rays = rays_in_air(*planet, altitude_m, np.clip(mu, -1.0, 1.0), mu_s, nu)
+    altitude, view, sun = (np.where(rays.misses, np.nan, part) for part in rays[:3])
+    return altitude, view, np.clip(sun, -1.0, 1.0)
 
 
 class _Tracer:

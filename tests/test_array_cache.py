@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.tables.cache import TableCache
+
+from vrut_lite.array_cache import ArrayCache
 
 RECIPE = (Atmosphere.earth(), 4)
 
@@ -18,12 +19,12 @@ def _arrays(value: float = 1.0) -> dict[str, np.ndarray]:
 
 def _put_often(folder: Path) -> None:
     for _ in range(40):
-        TableCache(folder).put(RECIPE, _arrays())
+        ArrayCache(folder).put(RECIPE, _arrays())
 
 
 def test_what_was_put_comes_back_to_the_bit(tmp_path):
     """A cache that changed a digit would make a second run differ from the first."""
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     cache.put(RECIPE, _arrays())
     found = cache.get(RECIPE)
     assert found is not None
@@ -34,7 +35,7 @@ def test_what_was_put_comes_back_to_the_bit(tmp_path):
 
 def test_another_atmosphere_is_another_entry(tmp_path):
     """The key is the content: a last digit of one coefficient makes other tables."""
-    cache = TableCache(tmp_path)
+    cache = ArrayCache(tmp_path)
     cache.put(RECIPE, _arrays())
     hazier = Atmosphere.earth().with_aerosol(0.0053 * (1 + 1e-15))
     assert cache.get((hazier, 4)) is None
@@ -45,10 +46,10 @@ def test_another_atmosphere_is_another_entry(tmp_path):
     "damage", ["truncated", "a bit", "empty", "foreign", "older version", "no arrays"]
 )
 def test_a_damaged_entry_is_no_entry(tmp_path, caplog, damage):
-    """Damaged tables would make a wrong sky: they are refused, with one line, and made again."""
-    cache = TableCache(tmp_path)
+    """Damaged arrays would make a wrong sky: they are refused, with one line, and made again."""
+    cache = ArrayCache(tmp_path)
     cache.put(RECIPE, _arrays())
-    (path,) = tmp_path.glob("*.tables")
+    (path,) = tmp_path.glob("*.arrays")
     content = bytearray(path.read_bytes())
     middle = len(content) // 2
     content[middle] ^= 1 if damage == "a bit" else 0
@@ -57,7 +58,7 @@ def test_a_damaged_entry_is_no_entry(tmp_path, caplog, damage):
         "a bit": content,
         "empty": b"",
         "foreign": b"PK\x03\x04" + bytes(100),
-        "older version": content.replace(b"tables 2", b"tables 1", 1),
+        "older version": content.replace(b"arrays 3", b"arrays 2", 1),
         # With a digest that is right for it.
         "no arrays": content[: content.index(b"\n") + 1]
         + blake2b(b"PK", digest_size=32).digest()
@@ -76,7 +77,7 @@ def test_a_folder_that_cannot_be_written_costs_no_tables(tmp_path, caplog):
     """The tables are the user's purpose, the cache only saves time: one line, no exception."""
     blocked = tmp_path / "file"
     blocked.write_text("in the way")
-    cache = TableCache(blocked / "cache")
+    cache = ArrayCache(blocked / "cache")
     with caplog.at_level(logging.WARNING):
         cache.put(RECIPE, _arrays())
     assert len(caplog.records) == 1
@@ -92,7 +93,7 @@ def test_a_full_disk_leaves_no_part_of_a_file(tmp_path, monkeypatch, caplog):
 
     monkeypatch.setattr(os, "replace", fail)
     with caplog.at_level(logging.WARNING):
-        TableCache(tmp_path).put(RECIPE, _arrays())
+        ArrayCache(tmp_path).put(RECIPE, _arrays())
     assert "No space left on device" in caplog.text
     assert list(tmp_path.iterdir()) == []
 
@@ -100,7 +101,7 @@ def test_a_full_disk_leaves_no_part_of_a_file(tmp_path, monkeypatch, caplog):
 def test_the_least_recently_used_goes_first(tmp_path):
     """The folder stays below its limit, and what was read last is kept."""
     size = 3000
-    cache = TableCache(tmp_path, limit_bytes=3 * size)
+    cache = ArrayCache(tmp_path, limit_bytes=3 * size)
     content = {"a": np.zeros(size // 4 // 2, np.float32)}
     for k in range(3):
         cache.put(k, content)
@@ -119,11 +120,12 @@ def test_what_a_killed_process_left_is_swept_up(tmp_path):
     for part in (old, new):
         part.write_bytes(b"half")
     os.utime(old, (0, 0))
-    TableCache(tmp_path).put(RECIPE, _arrays())
+    ArrayCache(tmp_path).put(RECIPE, _arrays())
     assert not old.exists()
     assert new.exists()
 
 
+@pytest.mark.long
 def test_two_processes_may_write_the_same_entry(tmp_path):
     """Whoever reads meanwhile finds a whole entry or none."""
     context = multiprocessing.get_context("spawn")
@@ -131,10 +133,10 @@ def test_two_processes_may_write_the_same_entry(tmp_path):
     for writer in writers:
         writer.start()
     while any(writer.is_alive() for writer in writers):
-        found = TableCache(tmp_path).get(RECIPE)
+        found = ArrayCache(tmp_path).get(RECIPE)
         if found is not None:
             np.testing.assert_array_equal(found["transmittance"], _arrays()["transmittance"])
     for writer in writers:
         writer.join()
         assert writer.exitcode == 0
-    assert [path.suffix for path in tmp_path.iterdir()] == [".tables"]
+    assert [path.suffix for path in tmp_path.iterdir()] == [".arrays"]

@@ -1,4 +1,4 @@
-"""Light of zero: stands for light that was never computed, in a closed room."""
+"""Light of zero, as messages: for pictures of one light without the others."""
 
 import numpy as np
 

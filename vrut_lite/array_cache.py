@@ -1,9 +1,9 @@
-"""Tables kept on disk, found by the recipe that they were made from.
+"""Arrays kept on disk, found by the recipe that they were made from.
 
 A file's name is the digest of its recipe; inside, a digest of the contents stands before them.
-A file whose digest does not match is ignored, and the tables are made again. Files are written
+A file whose digest does not match is ignored, and the arrays are made again. Files are written
 under another name and renamed, so that neither a crash nor a second process leaves a half-written
-one. If the folder cannot be written, that is logged, and the tables are returned all the same.
+one. If the folder cannot be written, that is logged, and nothing is kept.
 """
 
 import hashlib
@@ -16,23 +16,24 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.npz_arrays import read_npz
 
-# Changes whenever the same recipe gives other numbers or the file another layout.
-VERSION = 2
-_MAGIC = f"vrut_lite tables {VERSION}\n".encode()
+# Changes whenever a file gets another layout; that of the contents is part of the recipe.
+VERSION = 3
+_MAGIC = f"vrut_lite arrays {VERSION}\n".encode()
 _DIGEST_BYTES = 32
 _FORGOTTEN_S = 86_400.0
 _log = logging.getLogger(__name__)
 
-Arrays = Mapping[str, NDArray[np.floating]]
+Arrays = Mapping[str, NDArray[Any]]
 
 
-class TableCache:
+class ArrayCache:
     """Arrays by recipe in a folder, the least recently used dropped above `limit_bytes`."""
 
     def __init__(self, folder: Path, limit_bytes: int = 1 << 30):
@@ -40,13 +41,13 @@ class TableCache:
         self.limit_bytes = limit_bytes
 
     @classmethod
-    def of_user(cls) -> "TableCache":
-        """The cache in the user's own cache folder."""
+    def of_user(cls, name: str, limit_bytes: int = 1 << 30) -> "ArrayCache":
+        """A cache of this name in the user's own cache folder."""
         from platformdirs import user_cache_path
 
-        return cls(user_cache_path("vrut_lite") / "tables")
+        return cls(user_cache_path("vrut_lite") / name, limit_bytes)
 
-    def get(self, recipe: object) -> dict[str, NDArray[np.floating]] | None:
+    def get(self, recipe: object) -> dict[str, NDArray[Any]] | None:
         """The arrays made from a recipe; None if there is no file or it is damaged.
 
         Args:
@@ -66,7 +67,7 @@ class TableCache:
         whole = content[:start] == _MAGIC + _digest(payload)
         arrays = _arrays(payload) if whole else None
         if arrays is None:
-            _log.warning("the table cache %s is damaged: its tables are made again", path)
+            _log.warning("the cached file %s is damaged: its arrays are made again", path)
         return arrays
 
     def put(self, recipe: object, arrays: Arrays) -> None:
@@ -79,11 +80,11 @@ class TableCache:
             self._write(path, _MAGIC + _digest(payload) + payload)
             self._drop_oldest(path)
         except OSError as error:
-            _log.warning("tables are not kept in %s: %s", self.folder, error.strerror or error)
+            _log.warning("arrays are not kept in %s: %s", self.folder, error.strerror or error)
 
     def _path(self, recipe: object) -> Path:
         text = repr((VERSION, recipe)).encode()
-        return self.folder / f"{hashlib.blake2b(text, digest_size=16).hexdigest()}.tables"
+        return self.folder / f"{hashlib.blake2b(text, digest_size=16).hexdigest()}.arrays"
 
     def _write(self, path: Path, content: bytes) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -104,7 +105,7 @@ class TableCache:
         for part, state in self._files("*.part"):
             if state.st_mtime < time.time() - _FORGOTTEN_S:
                 part.unlink(missing_ok=True)
-        used = sorted(self._files("*.tables"), key=lambda entry: entry[1].st_mtime_ns)
+        used = sorted(self._files("*.arrays"), key=lambda entry: entry[1].st_mtime_ns)
         total = sum(state.st_size for _, state in used)
         for path, state in used:
             if total <= self.limit_bytes:
@@ -120,14 +121,14 @@ class TableCache:
                 yield path, path.stat()
 
 
-def _arrays(payload: bytes) -> dict[str, NDArray[np.floating]] | None:
-    """The arrays in a file; None if it is no archive of finite arrays, even with a right digest."""
+def _arrays(payload: bytes) -> dict[str, NDArray[Any]] | None:
+    """The arrays in a file; None if it is no archive of finite numbers, whatever its digest."""
     try:
         # The archive is not compressed: arrays are no larger than it.
         arrays = read_npz(io.BytesIO(payload), len(payload))
     except ValueError:
         return None
-    sound = all(a.dtype.kind == "f" and np.isfinite(a).all() for a in arrays.values())
+    sound = all(a.dtype.kind in "fiu" and np.isfinite(a).all() for a in arrays.values())
     return arrays if sound else None
 
 

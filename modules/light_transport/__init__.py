@@ -1,0 +1,5 @@
+"""Light between the surfaces of a scene, baked once and relit by the hour.
+
+From places on all surfaces rays are traced once; where they end is kept as counts. The light of an
+hour is then a few sparse products: daylight coefficients (Tregenza and Waters 1983) and radiosity.
+"""

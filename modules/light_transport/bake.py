@@ -1,0 +1,231 @@
+"""The bake: a table of rays over a scene's surfaces, and the light of any hour from it.
+
+Daylight coefficients (Tregenza and Waters 1983) carry the sky to texels, radiosity between patches
+all bounces; docs and sources of each step stand in its file.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.exchange import Exchange, direct_sky, exchange_of, radiosity
+from light_transport.filling import takes_light_of
+from light_transport.gather import gathered
+from light_transport.groups import groups_of
+from light_transport.hour import Hour, HourLight
+from light_transport.key_light import lit_shares
+from light_transport.layout import Layout
+from light_transport.links import links_of
+from light_transport.map_texels import map_geometry, texels_of
+from light_transport.openness import open_luminance, orientation_of
+from light_transport.patches import Patches, patches_of
+from light_transport.probe_places import probe_places_m
+from light_transport.ray_starts import Receivers, no_probes, probe_planes, scratch
+from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
+from light_transport.sheets import sheets_of
+from light_transport.sky_nodes import NODES, node_radiances
+from light_transport.smoothing import STEPS, Smoothing, smoothed_rows, smoothing_of
+from light_transport.surfaces import Surfaces
+from light_transport.tree import tree_over
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.numeric_types import BoolArray, Float32Array
+
+# Rows of which fewer rays count lie inside bodies.
+_LEAST_FREE = 0.1
+_BLOCK_ROWS = 2048
+_Made = TypeVar("_Made")
+_GROUP_TEXELS = 4.0
+_SMALLEST_GROUP = 1.0 / 200.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Finished:
+    """What follows from the table as it stands."""
+
+    good: BoolArray
+    exchange: Exchange
+    smoothing: Smoothing
+    source: NDArray[np.int32]
+
+
+class Bake:
+    """Rays between the surfaces of a scene.
+
+    Rows of the table are texels, row by row of the map, then six planes for each probe (+x, -x,
+    +y, -y, +z, -z), then groups of triangles without texels and backs of sheets.
+    """
+
+    def __init__(self, surfaces: Surfaces, layout: Layout, threads: int = 1):
+        self.surfaces = surfaces
+        self.layout = layout
+        self.threads = threads
+        self.rays = 0
+        """How many each row has."""
+        geometry = map_geometry(surfaces, layout)
+        self.texels = texels_of(geometry)
+        self.tree = tree_over(surfaces.corners_m / surfaces.radius_m, surfaces.opacity)
+        grid = layout.message.probes
+        probes = no_probes()
+        if grid is not None:
+            probes = probe_planes(probe_places_m(grid), surfaces.centre_m, surfaces.radius_m)
+        edge = _SMALLEST_GROUP
+        if len(self.texels.width):
+            edge = max(edge, _GROUP_TEXELS * float(np.median(self.texels.width)))
+        groups = groups_of(geometry, sheets_of(surfaces), edge)
+        self.receivers = Receivers(geometry, self.texels, probes, groups)
+        self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
+        self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
+        self.table: Rows = empty_rows(0, self.rows)
+        self.patches: Patches | None = None
+        self._orientation = orientation_of(np.concatenate([self.texels.normal, probes.normal]))
+        self._finished: _Finished | None = None
+
+    @property
+    def memory_bytes(self) -> int:
+        """What the arrays of this take."""
+        parts = [*self.tree, *self.texels, *self.table[1:], self.links, *self.receivers.geometry]
+        parts += [] if self.patches is None else [*self.patches]
+        if self._finished is not None:
+            parts += [*self._finished.exchange, *self._finished.smoothing]
+        return sum(part.nbytes for part in parts)
+
+    def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
+        """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
+        column_of = np.arange(NODES + self.rows, dtype=np.int32)
+        if self.patches is not None:
+            column_of = self.patches.column_of
+
+        def block(first: int) -> Rows | None:
+            if is_cancelled():
+                return None
+            rows = slice_of(self.table, first, min(first + _BLOCK_ROWS, self.rows))
+            return with_rays(self.tree, self.receivers, rows, column_of, self.rays, count)
+
+        blocks = self._in_threads(block, range(0, self.rows, _BLOCK_ROWS))
+        done = [rows for rows in blocks if rows is not None]
+        if len(done) < len(blocks):
+            return False
+        table = joined(done) if done else self.table
+        if self.patches is None:
+            self.patches = self._patches_by(table, count)
+            table = with_columns(table, self.patches.column_of)
+        self.take_rays(table, count)
+        return True
+
+    def take_rays(self, table: Rows, count: int) -> None:
+        """Go on from the table of an equal bake that has so many more rays."""
+        if self.patches is None:
+            self.patches = self._patches_by(table, count)
+        self.rays += count
+        self.table = table
+        self._finished = None
+
+    def _patches_by(self, table: Rows, rays: int) -> Patches:
+        return patches_of(self.surfaces, self.receivers, self.links, _are_good(table, rays))
+
+    def light(self, hour: Hour) -> HourLight:
+        """The light of an hour; some rays must have been added."""
+        assert self.patches is not None
+        finished = self._finish()
+        node_light = np.zeros((NODES, 4), np.float32)
+        radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
+        node_light[:, :3], node_light[:, 3] = radiances, luminance(radiances)
+        column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
+        column_light[:NODES] = node_light
+        column_light[NODES:-1, :3] = self._radiosity(hour, node_light, finished)
+        rows = len(self._orientation)
+        light = np.empty((rows, 4), np.float32)
+        self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
+        texels = len(self.texels.pixel)
+        light[:texels] = self._smoothed(light[:texels], finished.smoothing)
+        light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
+        return HourLight(self._as_map(light[:texels], finished), self._as_probes(light[texels:]))
+
+    def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
+        other = np.empty_like(light)
+        for _ in range(STEPS):
+            self._over_rows(len(light), partial(smoothed_rows, light, other, smoothing))
+            light, other = other, light
+        return light
+
+    def _radiosity(self, hour: Hour, node_light: Float32Array, finished: _Finished) -> Float32Array:
+        """What patches (M, 3) send, W m^-2."""
+        assert self.patches is not None
+        patches = self.patches
+        direct = np.empty((len(patches.area), 3), np.float32)
+        direct_sky(finished.exchange, node_light, direct)
+        irradiance = np.asarray(hour.key_irradiance_rgb, np.float32)
+        if np.any(irradiance > 0.0):
+            share = np.empty(self.rows, np.float32)
+            towards = np.asarray(hour.key_direction, np.float64)
+            self._over_rows(
+                self.rows,
+                lambda a, b: lit_shares(
+                    self.tree, self.receivers, self.table.free, towards, scratch(), a, b, share
+                ),
+            )
+            direct += _of_patches(patches, share)[:, None] * irradiance
+        reflectance = patches.reflectance_rgb.copy()
+        reflectance[patches.on_ground] = hour.ground_albedo_rgb
+        return radiosity(finished.exchange, direct, patches.emitted_rgb, reflectance)
+
+    def _finish(self) -> _Finished:
+        if self._finished is None:
+            assert self.patches is not None
+            good = _are_good(self.table, self.rays)
+            texels = len(self.texels.pixel)
+            nearness = self.table.nearness[:texels]
+            valid = self.table.valid[:texels]
+            room = (valid / np.maximum(nearness, np.float32(1e-9))).astype(np.float32)
+            self._finished = _Finished(
+                good,
+                exchange_of(self.table, self.patches),
+                smoothing_of(self.texels, self.links, good[:texels], room),
+                takes_light_of(self.links, good, valid.astype(np.float32)),
+            )
+        return self._finished
+
+    def _as_map(self, light: Float32Array, finished: _Finished) -> Float32Array:
+        """Rows' light (N, 4) where each texel of the map (height, width, 4) finds it."""
+        row = self.texels.row_of
+        source = np.append(finished.source, -1)[row]
+        padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
+        return padded[source]
+
+    def _as_probes(self, light: Float32Array) -> Float32Array | None:
+        grid = self.layout.message.probes
+        if grid is None:
+            return None
+        nx, ny, nz = grid.counts
+        return light.reshape(nz, ny, nx, 6, 4)
+
+    def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
+        """Do work on ranges of rows, which fill arrays apart from each other."""
+        step = max(_BLOCK_ROWS, -(-rows // max(4 * self.threads, 1))) if self.threads > 1 else rows
+        self._in_threads(
+            lambda first: work(first, min(first + step, rows)), range(0, rows, max(step, 1))
+        )
+
+    def _in_threads(self, work: Callable[[int], _Made], firsts: range) -> list[_Made]:
+        if self.threads == 1:
+            return [work(first) for first in firsts]
+        with ThreadPoolExecutor(self.threads) as pool:
+            return list(pool.map(work, firsts))
+
+
+def _are_good(table: Rows, rays: int) -> BoolArray:
+    """Which rows (N,) do not lie inside bodies."""
+    return np.asarray(table.valid > _LEAST_FREE * rays)
+
+
+def _of_patches(patches: Patches, values: Float32Array) -> Float32Array:
+    """Means (M,) of rows' values (N,) over patches."""
+    total = len(patches.area)
+    of_member = np.repeat(np.arange(total), np.diff(patches.start))
+    weighted = patches.weight * values[patches.member]
+    return np.bincount(of_member, weighted, total).astype(np.float32)

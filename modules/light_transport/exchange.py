@@ -1,0 +1,169 @@
+"""What patches get of the sky and of each other, and the bounces of an hour between them."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import hot, kernel
+from light_transport.patches import Patches
+from light_transport.ray_table import Rows
+from light_transport.sky_nodes import NODES
+from vrut_lite.numeric_types import Float32Array, IntArray
+
+# Bounces end when what is still to come is below this share of each patch's light.
+TOLERANCE = 1e-3
+# Patches darker than this share of the mean are held to it: a shut room has no light at all.
+_DARKEST = 1e-5
+_MOST_SWEEPS = 400
+
+
+class Exchange(NamedTuple):
+    """Shares of light (M patches): of nodes of the sky, and of other patches.
+
+    Row i of each has the entries `start[i]` to `start[i + 1]`; columns of `patch_column` count
+    patches from 0. Shares are of pi L from a node, and of radiosity from a patch.
+    """
+
+    node_start: IntArray
+    node_column: NDArray[np.int32]
+    node_share: Float32Array
+    patch_start: IntArray
+    patch_column: NDArray[np.int32]
+    patch_share: Float32Array
+
+
+def exchange_of(table: Rows, patches: Patches) -> Exchange:
+    """Means of the table's rows over patches (P D and P F of the note)."""
+    total = len(patches.area)
+    node_number, patch_number = _sizes(table, patches, NODES + total + 1)
+    node_start = np.concatenate([[0], np.cumsum(node_number)])
+    patch_start = np.concatenate([[0], np.cumsum(patch_number)])
+    made = Exchange(
+        node_start,
+        np.empty(node_start[-1], np.int32),
+        np.empty(node_start[-1], np.float32),
+        patch_start,
+        np.empty(patch_start[-1], np.int32),
+        np.empty(patch_start[-1], np.float32),
+    )
+    _fill(table, patches, NODES + total + 1, made)
+    return made
+
+
+@kernel
+def _sizes(table, patches, columns):  # type: ignore[no-untyped-def]
+    """How many nodes, and how many patches, each patch gets light of."""
+    total = len(patches.area)
+    nodes, others = np.zeros(total, np.int64), np.zeros(total, np.int64)
+    seen = np.full(columns, -1, np.int32)
+    for p in range(total):
+        for m in range(patches.start[p], patches.start[p + 1]):
+            row = patches.member[m]
+            for e in range(table.start[row], table.start[row + 1]):
+                c = np.int64(table.column[e])
+                if seen[c] != p:
+                    seen[c] = p
+                    if c < NODES:
+                        nodes[p] += 1
+                    else:
+                        others[p] += c < columns - 1
+    return nodes, others
+
+
+@kernel
+def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
+    total = len(patches.area)
+    amount = np.zeros(columns)
+    touched = np.empty(columns, np.int64)
+    for p in range(total):
+        met, weight = 0, 0.0
+        for m in range(patches.start[p], patches.start[p + 1]):
+            if table.valid[patches.member[m]] > 0:
+                weight += patches.weight[m]
+        for m in range(patches.start[p], patches.start[p + 1]):
+            row = patches.member[m]
+            if table.valid[row] == 0:
+                continue
+            share = patches.weight[m] / (weight * table.valid[row])
+            for e in range(table.start[row], table.start[row + 1]):
+                c = np.int64(table.column[e])
+                if amount[c] == 0.0:
+                    touched[met] = c
+                    met += 1
+                amount[c] += share * table.rays[e]
+        node, other = made.node_start[p], made.patch_start[p]
+        for c in np.sort(touched[:met]):
+            if c < NODES:
+                made.node_column[node], made.node_share[node] = c, amount[c]
+                node += 1
+            elif c < columns - 1:
+                made.patch_column[other], made.patch_share[other] = c - NODES, amount[c]
+                other += 1
+            amount[c] = 0.0
+
+
+def radiosity(
+    exchange: Exchange,
+    direct_rgb: Float32Array,
+    emitted_rgb: Float32Array,
+    reflectance_rgb: Float32Array,
+) -> Float32Array:
+    """What patches (M, 3) send, W m^-2, after all bounces of the direct light on them (M, 3)."""
+    sent = np.zeros((len(direct_rgb), 3), np.float32)
+    _bounce(exchange, direct_rgb, emitted_rgb, reflectance_rgb, sent)
+    return sent
+
+
+@hot
+def direct_sky(exchange, node_light, out):  # type: ignore[no-untyped-def]
+    """Irradiance (M, 3) of patches by pi times the radiance (NODES, 4) of nodes."""
+    for p in range(len(out)):
+        r, g, b = np.float32(0.0), np.float32(0.0), np.float32(0.0)
+        for e in range(exchange.node_start[p], exchange.node_start[p + 1]):
+            c, w = exchange.node_column[e], exchange.node_share[e]
+            r += w * node_light[c, 0]
+            g += w * node_light[c, 1]
+            b += w * node_light[c, 2]
+        out[p, 0], out[p, 1], out[p, 2] = r, g, b
+
+
+@hot
+def _bounce(exchange, direct, emitted, reflectance, sent):  # type: ignore[no-untyped-def]
+    """Gauss and Seidel's sweeps until what is still to come does not matter.
+
+    A sweep's gains shrink by a factor q or better in the next: gain q / (1 - q) is to come, of
+    which the largest share of any patch's light decides. q is measured, and at most what the
+    surfaces send back.
+    """
+    start, column, share = exchange.patch_start, exchange.patch_column, exchange.patch_share
+    patches = len(direct)
+    brightest, mean = np.float32(0.0), np.float32(0.0)
+    for p in range(patches):
+        for k in range(3):
+            sent[p, k] = emitted[p, k] + reflectance[p, k] * direct[p, k]
+            brightest = max(brightest, reflectance[p, k])
+            mean += sent[p, k]
+    mean /= max(3 * patches, 1)
+    largest = min(brightest, np.float32(0.999))
+    last_gain = np.float32(0.0)
+    for sweep in range(_MOST_SWEEPS):
+        gain = np.float32(0.0)
+        for p in range(patches):
+            r, g, b = direct[p, 0], direct[p, 1], direct[p, 2]
+            for e in range(start[p], start[p + 1]):
+                c, w = column[e], share[e]
+                r += w * sent[c, 0]
+                g += w * sent[c, 1]
+                b += w * sent[c, 2]
+            for k in range(3):
+                light = (r, g, b)[k]
+                new = emitted[p, k] + reflectance[p, k] * light
+                gain = max(gain, (new - sent[p, k]) / max(new, mean * np.float32(_DARKEST)))
+                sent[p, k] = new
+        quotient = largest
+        if sweep > 1 and last_gain > 0.0:
+            quotient = min(largest, gain / last_gain)
+        last_gain = gain
+        if gain * quotient <= np.float32(TOLERANCE) * (np.float32(1.0) - quotient):
+            break

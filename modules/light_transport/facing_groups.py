@@ -1,0 +1,278 @@
+"""Smooth surfaces, cut into groups of triangles that face one direction.
+
+A surface whose normals stay within a cone is one group and faces its mean normal: a wall, a slope,
+a landscape. A rounder one is cut along the six directions of a frame of its own, which its most
+frequent normals make, so that a turned box with rounded edges is cut like an upright one.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import agree, dot, kernel
+from vrut_lite.numeric_types import FloatArray
+
+# Least cosine between two triangles' normals in a smooth surface; a crease (40 degrees) ends it,
+# unless the shading normals of both agree.
+_CREASE = 0.766
+# A triangle is stretched by the reciprocal of the cosine between its normal and its chart's: most
+# of a single group stays below 1.7, and all of it below 5.
+_COMMON, _LEAST, _STEEP_SHARE = 0.6, 0.2, 0.03
+# A triangle whose two best directions are this close in cosine follows its neighbours, unless that
+# costs more than `_YIELD` of cosine: near 45 degrees noise does not shatter a surface.
+_UNDECIDED, _YIELD = 0.12, 0.1
+# Cells of the square that normals are counted in, and of the quarter turn about the first.
+_CELLS, _TURNS = 16, 36
+
+
+class Groups(NamedTuple):
+    """Connected groups of triangles.
+
+    `of` (F,) int32: the group of each triangle; `direction` (G, 3): what they face.
+    """
+
+    of: NDArray[np.int32]
+    direction: FloatArray
+
+
+def facing_groups(
+    normals: FloatArray, areas: FloatArray, opposite: NDArray[np.int32], shading: FloatArray
+) -> Groups:
+    """Groups of triangles, all of which face their group's direction within 70 degrees or so.
+
+    Args:
+        normals: (F, 3), unit, of the triangles' planes; zero where one has no area.
+        areas: (F,), in any unit.
+        opposite: see `welding.opposite_edges`.
+        shading: (F, 3, 3), unit normals of the corners.
+    """
+    # Triangles without an area take a neighbour's normal.
+    normals = normals.copy()
+    surface = _smooth_surfaces(normals, areas, opposite, shading)
+    label, directions = _labels(normals, areas, surface, opposite)
+    group, first = connected(surface, label, opposite)
+    return Groups(group, _group_directions(normals, areas, group, directions[label[first]]))
+
+
+@kernel
+def _smooth_surfaces(normals, areas, opposite, shading):  # type: ignore[no-untyped-def]
+    """Numbers (F,) of surfaces that creases and open edges end."""
+    count = len(areas)
+    surface = np.full(count, -1, np.int32)
+    queue = np.empty(count, np.int32)
+    surfaces = 0
+    # In the second round those without an area that touch no other.
+    for allowed in range(2):
+        for seed in range(count):
+            if surface[seed] >= 0 or (allowed == 0 and areas[seed] == 0.0):
+                continue
+            surface[seed], queue[0], head, tail = surfaces, seed, 0, 1
+            while head < tail:
+                f = queue[head]
+                head += 1
+                for e in range(3):
+                    if opposite[f, e] < 0:
+                        continue
+                    g = opposite[f, e] // 3
+                    if surface[g] >= 0:
+                        continue
+                    if areas[g] == 0.0:
+                        normals[g] = normals[f]
+                    elif dot(normals[f], normals[g]) < _CREASE and not agree(
+                        shading, f, e, g, opposite[f, e] % 3
+                    ):
+                        continue
+                    surface[g] = surfaces
+                    queue[tail] = g
+                    tail += 1
+            surfaces += 1
+    return surface
+
+
+@kernel
+def _labels(normals, areas, surface, opposite):  # type: ignore[no-untyped-def]
+    """What each triangle faces, as a row of the directions that come with it."""
+    count = len(areas)
+    surfaces = surface.max() + 1
+    first = np.zeros(surfaces + 1, np.int64)
+    for f in range(count):
+        first[surface[f] + 1] += 1
+    first = np.cumsum(first)
+    members = np.empty(count, np.int32)
+    filled = first.copy()
+    for f in range(count):
+        members[filled[surface[f]]] = f
+        filled[surface[f]] += 1
+    directions = np.zeros((6 * surfaces, 3))
+    label = np.empty(count, np.int32)
+    for s in range(surfaces):
+        own = members[first[s] : first[s + 1]]
+        if _faces_one(normals, areas, own, directions[6 * s]):
+            label[own] = 6 * s
+        else:
+            _frame(normals, areas, own, directions[6 * s : 6 * s + 6])
+            _decide(normals, surface, own, opposite, directions, label)
+    return label, directions
+
+
+@kernel
+def _faces_one(normals, areas, own, direction):  # type: ignore[no-untyped-def]
+    """Whether triangles stay about their mean normal, which is put into `direction`."""
+    whole = 0.0
+    direction[:] = 0.0
+    for f in own:
+        whole += areas[f]
+        direction += areas[f] * normals[f]
+    length = np.sqrt(dot(direction, direction))
+    if length <= 1e-9 * whole:
+        return whole == 0.0
+    direction /= length
+    steep = 0.0
+    for f in own:
+        cosine = dot(normals[f], direction)
+        if cosine < _LEAST:
+            return False
+        if cosine < _COMMON:
+            steep += areas[f]
+    return steep <= _STEEP_SHARE * whole
+
+
+@kernel
+def _frame(normals, areas, own, directions):  # type: ignore[no-untyped-def]
+    """Six directions: the most frequent normal, the most frequent one across it, and so on."""
+    counts = np.zeros((_CELLS, _CELLS, 4))
+    for f in own:
+        n = normals[f]
+        size = max(abs(n[0]) + abs(n[1]) + abs(n[2]), 1e-300)
+        # A normal and its reverse count together, in an octahedron's half unfolded on a square.
+        side = 1.0 if n[1] >= 0.0 else -1.0
+        i = int(min(max((0.5 + 0.5 * side * n[0] / size) * _CELLS, 0.0), _CELLS - 1.0))
+        j = int(min(max((0.5 + 0.5 * side * n[2] / size) * _CELLS, 0.0), _CELLS - 1.0))
+        counts[i, j, 0] += areas[f]
+        counts[i, j, 1:] += side * areas[f] * n
+    best = np.argmax(counts[:, :, 0])
+    x = counts[best // _CELLS, best % _CELLS, 1:].copy()
+    x /= max(np.sqrt(dot(x, x)), 1e-300)
+    y = np.zeros(3)
+    y[np.argmin(np.abs(x))] = 1.0
+    y -= dot(x, y) * x
+    y /= np.sqrt(dot(y, y))
+    z = np.cross(x, y)
+    turns = np.zeros((_TURNS, 3))
+    for f in own:
+        p, q = dot(normals[f], y), dot(normals[f], z)
+        if p * p + q * q < 0.5:
+            continue
+        # Four times the angle: quarter turns count together.
+        angle = 4.0 * np.arctan2(q, p)
+        turn = int(angle / (2.0 * np.pi) % 1.0 * _TURNS) % _TURNS
+        turns[turn, 0] += areas[f]
+        turns[turn, 1] += areas[f] * np.cos(angle)
+        turns[turn, 2] += areas[f] * np.sin(angle)
+    common = turns[np.argmax(turns[:, 0])]
+    angle = 0.25 * np.arctan2(common[2], common[1])
+    across = np.cos(angle) * y + np.sin(angle) * z
+    directions[0], directions[1] = x, -x
+    directions[2], directions[3] = across, -across
+    directions[4] = np.cross(x, across)
+    directions[5] = -directions[4]
+
+
+@kernel
+def _decide(normals, surface, own, opposite, directions, label):  # type: ignore[no-untyped-def]
+    """Label triangles by their direction, undecided ones as their neighbours."""
+    base = 6 * surface[own[0]]
+    queue = np.empty(len(own), np.int32)
+    head, tail = 0, 0
+    for f in own:
+        best, lead = _best(normals[f], directions[base : base + 6])
+        label[f] = -1
+        if lead >= _UNDECIDED:
+            label[f] = base + best
+            queue[tail] = f
+            tail += 1
+    while head < tail:
+        f = queue[head]
+        head += 1
+        for e in range(3):
+            g = opposite[f, e] // 3
+            if opposite[f, e] < 0 or surface[g] != surface[f] or label[g] >= 0:
+                continue
+            best, _ = _best(normals[g], directions[base : base + 6])
+            most = dot(normals[g], directions[base + best])
+            if dot(normals[g], directions[label[f]]) >= most - _YIELD:
+                label[g] = label[f]
+                queue[tail] = g
+                tail += 1
+    for f in own:
+        if label[f] < 0:
+            label[f] = base + _best(normals[f], directions[base : base + 6])[0]
+
+
+@kernel
+def _best(normal, directions):  # type: ignore[no-untyped-def]
+    """The direction that a normal is nearest to, and its lead in cosine over the next."""
+    best, most, second = 0, -2.0, -2.0
+    for k in range(len(directions)):
+        cosine = dot(normal, directions[k])
+        if cosine > most:
+            best, most, second = k, cosine, most
+        elif cosine > second:
+            second = cosine
+    return best, most - second
+
+
+@kernel
+def connected(surface, label, opposite):  # type: ignore[no-untyped-def]
+    """Numbers (F,) of connected groups of one label in one surface, and the first triangle of each.
+
+    Connected by `opposite` (see `welding.opposite_edges`); `surface` and `label` are (F,) int32.
+    """
+    count = len(label)
+    group = np.full(count, -1, np.int32)
+    first = np.empty(count, np.int32)
+    queue = np.empty(count, np.int32)
+    groups = 0
+    for seed in range(count):
+        if group[seed] >= 0:
+            continue
+        group[seed], first[groups], queue[0], head, tail = groups, seed, seed, 0, 1
+        while head < tail:
+            f = queue[head]
+            head += 1
+            for e in range(3):
+                g = opposite[f, e] // 3
+                if (
+                    opposite[f, e] >= 0
+                    and group[g] < 0
+                    and surface[g] == surface[f]
+                    and label[g] == label[f]
+                ):
+                    group[g] = groups
+                    queue[tail] = g
+                    tail += 1
+        groups += 1
+    return group, first[:groups].copy()
+
+
+@kernel
+def _group_directions(normals, areas, group, fallback):  # type: ignore[no-untyped-def]
+    """Mean normals of groups, where they lie nearer to all their triangles than `fallback`."""
+    groups = len(fallback)
+    mean = np.zeros((groups, 3))
+    for f in range(len(areas)):
+        mean[group[f]] += areas[f] * normals[f]
+    least = np.full((groups, 2), 2.0)
+    for g in range(groups):
+        mean[g] /= max(np.sqrt(dot(mean[g], mean[g])), 1e-300)
+    for f in range(len(areas)):
+        g = group[f]
+        least[g, 0] = min(least[g, 0], dot(normals[f], mean[g]))
+        least[g, 1] = min(least[g, 1], dot(normals[f], fallback[g]))
+    for g in range(groups):
+        if least[g, 0] < least[g, 1]:
+            mean[g] = fallback[g]
+        if dot(mean[g], mean[g]) < 0.5:
+            mean[g, 1] = 1.0
+    return mean

@@ -1,0 +1,40 @@
+"""What an hour brings to a scene, and the light that it makes there."""
+
+from dataclasses import dataclass
+
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Hour:
+    """The light that falls on a scene; linear sRGB, world axes.
+
+    Attributes:
+        sky: (6, n, n, 3) float32, radiance in W m^-2 sr^-1; see `geometry.cube_map`. What lies
+            below the horizon is not used.
+        ground_radiance_rgb: of open ground, W m^-2 sr^-1.
+        ground_albedo_rgb: of the ground disc.
+        key_direction: unit vector towards the key light.
+        key_irradiance_rgb: on a plane that faces it, W m^-2.
+        open_sky: (25, 3), harmonics of the irradiance where nothing hides the sky; see
+            `geometry.spherical_harmonics`.
+    """
+
+    sky: Float32Array
+    ground_radiance_rgb: Vector
+    ground_albedo_rgb: Vector
+    key_direction: Vector
+    key_irradiance_rgb: Vector
+    open_sky: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class HourLight:
+    """Irradiance without the key light's own, and the share of the open sky's that arrives.
+
+    `texels` (height, width, 4) float32: RGB in W m^-2, and openness in [0, 1]; `probes`
+    (nz, ny, nx, 6, 4) float32 or None: the same on planes that face +x, -x, +y, -y, +z and -z.
+    """
+
+    texels: Float32Array
+    probes: Float32Array | None

@@ -1,0 +1,127 @@
+"""The background jobs: a layout, a round of rays, an hour. Plain functions of their arguments.
+
+numba is imported where work begins: who wants no light map does not wait for it.
+"""
+
+import os
+from copy import copy
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.messages import NAME
+from light_transport.unseen_hours import HourMessages
+from vrut_lite.array import Array
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene_state import ground_albedo
+from vrut_lite.geometry.encoding import decode_float16, float16_scale
+from vrut_lite.kernel.job import JobControl
+from vrut_lite.numeric_types import Float32Array
+
+if TYPE_CHECKING:
+    from light_transport.bake import Bake
+    from light_transport.hour import Hour
+
+T = TypeVar("T")
+_MOST_THREADS = 4
+
+
+class Unwritten(Generic[T]):
+    """What a journal knows by name only: a replay computes it anew."""
+
+    def __init__(self, value: T):
+        self.value = value
+
+
+class Plan(NamedTuple):
+    """Sizes of a light map.
+
+    Texels have the edge `texel_m`, or, where it is None, are about so many; patches are
+    `patch_texels` of them wide.
+    """
+
+    texel_m: float | None
+    texels: int
+    patch_texels: float
+    bounces_left: float
+
+
+class Laid(NamedTuple):
+    """A layout, and the bake that begins with it."""
+
+    message: LightMapLaid
+    bake: "Unwritten[Bake]"
+
+
+class Round(NamedTuple):
+    """A bake after a round: rays of each texel, texels, memory of the table."""
+
+    rays: int
+    texels: int
+    table_bytes: int
+    bake: "Unwritten[Bake]"
+
+
+def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
+    """Lay out a scene."""
+    from light_transport.bake import Bake
+    from light_transport.layout import lay_out
+    from light_transport.surfaces import surfaces_of
+
+    surfaces = surfaces_of(scene)
+    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
+    return Laid(layout.message, Unwritten(Bake(surfaces, layout, _threads())))
+
+
+def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:
+    """A bake with so many more rays of each texel; None if nobody waits for it any more."""
+    from light_transport.kept_rays import add_kept_rays
+
+    # Light is made of the rays before, meanwhile.
+    grown = copy(bake.value)
+    if not add_kept_rays(grown, count, control.cancelled):
+        return None
+    texels = len(grown.texels.pixel)
+    return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
+
+
+def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:
+    """The light of an hour, by the rays that there are."""
+    light = bake.value.light(hour_of(messages))
+    arrays = [light.texels] if light.probes is None else [light.texels, light.probes]
+    scale = float16_scale(max(float(array[..., :3].max()) for array in arrays))
+    texels, *probes = [Array(_encoded(array, scale)) for array in arrays]
+    return SurfaceLightChanged(
+        layout_key=layout_key,
+        texels=texels,
+        probes=probes[0] if probes else None,
+        radiance_scale=scale,
+        rays=bake.value.rays,
+        source=NAME,
+    )
+
+
+def hour_of(messages: HourMessages) -> "Hour":
+    """An hour in plain arrays."""
+    from light_transport.hour import Hour
+
+    sky, key_light, ambient = messages
+    return Hour(
+        sky=decode_float16(sky.cube.values, sky.radiance_scale),
+        ground_radiance_rgb=sky.ground_radiance_rgb,
+        ground_albedo_rgb=ground_albedo(sky, key_light, ambient),
+        key_direction=key_light.direction,
+        key_irradiance_rgb=key_light.irradiance_rgb,
+        open_sky=np.asarray(ambient.irradiance_sh_rgb.values, np.float64),
+    )
+
+
+def _threads() -> int:
+    return min(os.cpu_count() or 1, _MOST_THREADS)
+
+
+def _encoded(light: Float32Array, scale: float) -> NDArray[np.float16]:
+    """Irradiance over the scale, and the share of the open sky's as it is."""
+    return (light * np.array([1.0 / scale] * 3 + [1.0], np.float32)).astype(np.float16)

@@ -1,0 +1,39 @@
+"""How the kernels of this package are compiled.
+
+They sum in order, run beside other threads and keep IEEE comparisons, so that a layout does not
+depend on the machine's vector width.
+"""
+
+from typing import Any
+
+from vrut_lite.njit import SUMS_IN_ORDER, njit
+
+# Least cosine between the shading normals on both sides of an edge that is smooth (10 degrees).
+_SMOOTH = 0.985
+
+kernel = njit(cache=True, nogil=True, error_model="numpy")
+# For what is called for each ray. These make no arrays, and count no references to those that they
+# get: counting took ten times as long as finding where a ray begins.
+_WITHOUT_COUNTS: dict[str, Any] = {"_nrt": False}
+hot: Any = njit(
+    cache=True, nogil=True, error_model="numpy", fastmath=SUMS_IN_ORDER, **_WITHOUT_COUNTS
+)
+inlined = njit(cache=True, nogil=True, error_model="numpy", inline="always")
+
+
+@kernel
+def dot(a, b):  # type: ignore[no-untyped-def]
+    """The product of two vectors of three."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def agree(normals, f, e, g, d):  # type: ignore[no-untyped-def]
+    """Whether the normals (F, 3, 3) of two triangles' corners agree along an edge.
+
+    Edge `e` of triangle `f` is edge `d` of `g`, in the other direction.
+    """
+    return (
+        dot(normals[f, e], normals[g, (d + 1) % 3]) >= _SMOOTH
+        and dot(normals[f, (e + 1) % 3], normals[g, d]) >= _SMOOTH
+    )

@@ -1,0 +1,328 @@
+"""The texels of a map that rays begin at: where they lie in the scene, and whom others copy."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import inlined, kernel
+from light_transport.layout import Layout
+from light_transport.surfaces import GROUND, Surfaces
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+NOBODY = -1
+# A texel is cut into so many pieces an edge, to see how much of it a triangle covers.
+_PIECES = 4
+_LEAST_COVERED = 1.0 / 32.0
+# Padding looks so far around for a texel to copy.
+_REACH_PX = 2
+# Rays begin at least so far inside their triangle, of its height: not on an edge.
+_INSIDE = 2e-4
+
+
+class MapGeometry(NamedTuple):
+    """Triangles in space and in the map, for kernels; lengths in radii of the scene.
+
+    `corners`, `normals` (F, 3, 3) and `faces` (F, 3) float32; `uv` (F, 3, 2) float32; `owner`
+    (height, width); `on_ground` (F,) bool; `ground` (8,): corner of the ground's chart in the map
+    (2), texels an edge less one, half width, warp, middle (2) and height.
+    """
+
+    corners: Float32Array
+    normals: Float32Array
+    faces: Float32Array
+    uv: Float32Array
+    owner: NDArray[np.int32]
+    on_ground: NDArray[np.bool_]
+    ground: FloatArray
+
+
+class Texels(NamedTuple):
+    """Texels (N) that have rays, row by row.
+
+    Attributes:
+        pixel: (N, 2) int32, column and row in the map.
+        triangle: (N,) int32, their owners.
+        place: (N, 3) float32, in radii; normal: (N, 3) float32, the shading normal there.
+        area: (N,) float32, of the surface in them; width: (N,) float32, of a whole texel; radii.
+        row_of: (height, width) int32, the number of each texel, for padding that of the texel
+            that it copies, or NOBODY.
+    """
+
+    pixel: NDArray[np.int32]
+    triangle: NDArray[np.int32]
+    place: Float32Array
+    normal: Float32Array
+    area: Float32Array
+    width: Float32Array
+    row_of: NDArray[np.int32]
+
+
+def map_geometry(surfaces: Surfaces, layout: Layout) -> MapGeometry:
+    """The arrays of surfaces and layout in the form and unit that kernels take."""
+    radius = surfaces.radius_m
+    chart = layout.message.ground
+    ground = np.zeros(8)
+    on_ground = surfaces.part == GROUND
+    if chart is not None and np.any(on_ground):
+        corners = surfaces.corners_m[on_ground]
+        middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / radius
+        half_width = chart.half_width_m / radius
+        ground[:5] = *chart.corner_px, chart.edge_px - 1, half_width, chart.warp
+        ground[5:] = middle[0], middle[2], middle[1]
+    return MapGeometry(
+        (surfaces.corners_m / radius).astype(np.float32),
+        surfaces.normals,
+        surfaces.face_normals().astype(np.float32),
+        np.ascontiguousarray(layout.uv_px, np.float32),
+        np.ascontiguousarray(layout.owner),
+        on_ground,
+        ground,
+    )
+
+
+def texels_of(geometry: MapGeometry) -> Texels:
+    """The texels that a triangle reaches into, and whom the others beside them copy."""
+    height, width = geometry.owner.shape
+    covered, nearest = _coverage(geometry)
+    rows, columns = np.nonzero(covered > 0.0)
+    pixel = np.ascontiguousarray(np.stack([columns, rows], axis=1), np.int32)
+    place, normal, area = _places(geometry, pixel)
+    row_of = np.full((height, width), NOBODY, np.int32)
+    row_of[rows, columns] = np.arange(len(rows))
+    _copied(geometry, nearest, place, normal, np.sqrt(area), row_of)
+    return Texels(
+        pixel,
+        geometry.owner[rows, columns],
+        place,
+        normal,
+        (area * np.maximum(covered[rows, columns], _LEAST_COVERED)).astype(np.float32),
+        np.sqrt(area).astype(np.float32),
+        row_of,
+    )
+
+
+@inlined
+def weights_at(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
+    """Barycentric coordinates of a place in the map; whether it lies in triangle t."""
+    ax, ay = uv[t, 0, 0], uv[t, 0, 1]
+    bx, by = uv[t, 1, 0] - ax, uv[t, 1, 1] - ay
+    cx, cy = uv[t, 2, 0] - ax, uv[t, 2, 1] - ay
+    area = bx * cy - by * cx
+    if area == 0.0:
+        weights[:] = 1.0 / 3.0
+        return False
+    px, py = x - ax, y - ay
+    weights[1] = (px * cy - py * cx) / area
+    weights[2] = (bx * py - by * px) / area
+    weights[0] = 1.0 - weights[1] - weights[2]
+    return weights[0] >= 0.0 and weights[1] >= 0.0 and weights[2] >= 0.0
+
+
+@inlined
+def keep_inside(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
+    """Barycentric coordinates of the point of triangle t that is nearest to a place in the map."""
+    least = np.inf
+    for e in range(3):
+        f = (e + 1) % 3
+        ax, ay = uv[t, e, 0], uv[t, e, 1]
+        dx, dy = uv[t, f, 0] - ax, uv[t, f, 1] - ay
+        length2 = dx * dx + dy * dy
+        s = ((x - ax) * dx + (y - ay) * dy) / length2 if length2 > 0.0 else 0.0
+        s = min(max(s, 0.0), 1.0)
+        away2 = (ax + s * dx - x) ** 2 + (ay + s * dy - y) ** 2
+        if away2 < least:
+            least = away2
+            weights[e], weights[f], weights[(e + 2) % 3] = 1.0 - s, s, 0.0
+
+
+@inlined
+def keep_off_edges(weights):  # type: ignore[no-untyped-def]
+    """Move barycentric coordinates just inside their triangle."""
+    for k in range(3):
+        weights[k] = max(weights[k], _INSIDE)
+    total = weights[0] + weights[1] + weights[2]
+    for k in range(3):
+        weights[k] /= total
+
+
+@inlined
+def triangle_at(geometry, column, row, x, y, weights):  # type: ignore[no-untyped-def]
+    """A triangle at a place in a texel and barycentric coordinates there, inside it.
+
+    The texel's owner, one of the texels' beside it, or the owner's point that is nearest.
+    """
+    uv, owner = geometry.uv, geometry.owner
+    height, width = owner.shape
+    own = owner[row, column]
+    found = own if weights_at(uv, own, x, y, weights) else NOBODY
+    last = own
+    for k in range(9):
+        if found >= 0:
+            break
+        r, c = row + k // 3 - 1, column + k % 3 - 1
+        if 0 <= r < height and 0 <= c < width:
+            t = owner[r, c]
+            if t >= 0 and t != own and t != last:
+                last = t
+                if weights_at(uv, t, x, y, weights):
+                    found = t
+    if found < 0:
+        found = own
+        keep_inside(uv, own, x, y, weights)
+    keep_off_edges(weights)
+    return found
+
+
+@inlined
+def ground_place(ground, x, y, place):  # type: ignore[no-untyped-def]
+    """The point of the ground at a place in the map; see `GroundChart`."""
+    for axis in range(2):
+        at = ((x if axis == 0 else y) - ground[axis] - 0.5) / ground[2] * 2.0 - 1.0
+        away = math.sinh(ground[4] * at) / math.sinh(ground[4])
+        away = min(max(away, -1.0), 1.0) * 0.999
+        place[2 * axis] = ground[5 + axis] + ground[3] * away
+    place[1] = ground[7]
+
+
+@inlined
+def ground_pixel(ground, place_x, place_z, pixel):  # type: ignore[no-untyped-def]
+    """Column and row of the texel at a point of the ground."""
+    for axis in range(2):
+        away = ((place_x if axis == 0 else place_z) - ground[5 + axis]) / ground[3]
+        away = math.asinh(math.sinh(ground[4]) * min(max(away, -1.0), 1.0)) / ground[4]
+        pixel[axis] = int(ground[axis] + 0.5 + 0.5 * (1.0 + away) * ground[2])
+
+
+@inlined
+def surface_place(geometry, t, weights, place, normal):  # type: ignore[no-untyped-def]
+    """The point of triangle t at barycentric coordinates, and the shading normal there."""
+    corners, normals = geometry.corners, geometry.normals
+    for k in range(3):
+        place[k] = (
+            weights[0] * corners[t, 0, k]
+            + weights[1] * corners[t, 1, k]
+            + weights[2] * corners[t, 2, k]
+        )
+        normal[k] = (
+            weights[0] * normals[t, 0, k]
+            + weights[1] * normals[t, 1, k]
+            + weights[2] * normals[t, 2, k]
+        )
+    length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    for k in range(3):
+        normal[k] = normal[k] / length if length > 1e-6 else geometry.faces[t, k]
+
+
+@kernel
+def _coverage(geometry):  # type: ignore[no-untyped-def]
+    """Share of each texel that triangles cover, and the place (2) in the map that it stands for."""
+    owner, uv = geometry.owner, geometry.uv
+    height, width = owner.shape
+    covered = np.zeros((height, width), np.float32)
+    nearest = np.zeros((height, width, 2), np.float32)
+    weights = np.empty(3)
+    for row in range(height):
+        for column in range(width):
+            t = owner[row, column]
+            if t < 0:
+                continue
+            x, y = column + 0.5, row + 0.5
+            nearest[row, column] = x, y
+            if geometry.on_ground[t]:
+                covered[row, column] = 1.0
+                continue
+            if not weights_at(uv, t, x, y, weights):
+                keep_inside(uv, t, x, y, weights)
+                for k in range(2):
+                    nearest[row, column, k] = (
+                        weights[0] * uv[t, 0, k]
+                        + weights[1] * uv[t, 1, k]
+                        + weights[2] * uv[t, 2, k]
+                    )
+            away_x, away_y = nearest[row, column, 0] - x, nearest[row, column, 1] - y
+            if max(abs(away_x), abs(away_y)) > 0.5:
+                continue
+            pieces = 0
+            for k in range(_PIECES * _PIECES):
+                px = column + (k % _PIECES + 0.5) / _PIECES
+                py = row + (k // _PIECES + 0.5) / _PIECES
+                if weights_at(uv, t, px, py, weights):
+                    pieces += 1
+                    continue
+                for side in range(9):
+                    r, c = row + side // 3 - 1, column + side % 3 - 1
+                    if r < 0 or c < 0 or r >= height or c >= width:
+                        continue
+                    other = owner[r, c]
+                    if other >= 0 and other != t and weights_at(uv, other, px, py, weights):
+                        pieces += 1
+                        break
+            covered[row, column] = max(pieces / (_PIECES * _PIECES), 1e-3)
+    return covered, nearest
+
+
+@kernel
+def _places(geometry, pixel):  # type: ignore[no-untyped-def]
+    """Point, normal and area of whole texels."""
+    count = len(pixel)
+    place, normal = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
+    area = np.empty(count, np.float32)
+    weights, beside = np.empty(3), np.empty(3)
+    uv, corners = geometry.uv, geometry.corners
+    for i in range(count):
+        column, row = pixel[i]
+        t = geometry.owner[row, column]
+        if geometry.on_ground[t]:
+            size = 1.0
+            for axis in range(2):
+                at = (column, row)[axis] + 0.5
+                ground_place(geometry.ground, at - 0.5, at - 0.5, beside)
+                low = beside[2 * axis]
+                ground_place(geometry.ground, at + 0.5, at + 0.5, beside)
+                size *= max(beside[2 * axis] - low, 1e-9)
+            ground_place(geometry.ground, column + 0.5, row + 0.5, beside)
+            place[i] = beside
+            normal[i] = geometry.faces[t]
+            area[i] = size
+            continue
+        t = triangle_at(geometry, column, row, column + 0.5, row + 0.5, weights)
+        surface_place(geometry, t, weights, place[i], normal[i])
+        b, c = corners[t, 1] - corners[t, 0], corners[t, 2] - corners[t, 0]
+        u, v = uv[t, 1] - uv[t, 0], uv[t, 2] - uv[t, 0]
+        x, y, z = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
+        flat = abs(u[0] * v[1] - u[1] * v[0])
+        area[i] = math.sqrt(x * x + y * y + z * z) / flat if flat > 0.0 else 0.0
+    return place, normal, area
+
+
+@kernel
+def _copied(geometry, nearest, place, normal, texel_width, row_of):  # type: ignore[no-untyped-def]
+    """Fill in whom padding copies: the texel around it, nearest in space, that faces its way."""
+    owner = geometry.owner
+    height, width = owner.shape
+    own = row_of.copy()
+    weights, here, facing = np.empty(3), np.empty(3), np.empty(3)
+    for row in range(height):
+        for column in range(width):
+            t = owner[row, column]
+            if t < 0 or own[row, column] >= 0:
+                continue
+            x, y = nearest[row, column]
+            keep_inside(geometry.uv, t, x, y, weights)
+            surface_place(geometry, t, weights, here, facing)
+            best = np.inf
+            for r in range(max(row - _REACH_PX, 0), min(row + _REACH_PX + 1, height)):
+                for c in range(max(column - _REACH_PX, 0), min(column + _REACH_PX + 1, width)):
+                    other = own[r, c]
+                    if other < 0:
+                        continue
+                    away2, alike = 0.0, 0.0
+                    for k in range(3):
+                        away2 += (place[other, k] - here[k]) ** 2
+                        alike += normal[other, k] * facing[k]
+                    away2 += (1.0 - alike) * texel_width[other] ** 2
+                    if away2 < best:
+                        best = away2
+                        row_of[row, column] = other

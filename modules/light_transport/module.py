@@ -1,0 +1,235 @@
+"""Light transport on the bus: a light map that grows finer while nothing changes.
+
+It hears the opened scene and what lights it. Nothing is done unless somebody demands
+`SurfaceLightChanged`. A scene is laid out and baked in background jobs, in rounds of rays that
+double; each hour is a job of its own, beside the rounds, by the rays that are there.
+"""
+
+from typing import NamedTuple
+
+from light_transport.jobs import Laid, Plan, Round, laid_out, lit, with_rays
+from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
+from light_transport.settings import LightTransportSettings
+from light_transport.tolerance import Quality, quality_for
+from light_transport.unseen_hours import HourMessages, looks_like
+from vrut_lite.array import Array
+from vrut_lite.daylight.light_map import SurfaceLightChanged
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
+from vrut_lite.kernel.messages import Demand, Derived, JobResult
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+
+LAYOUT, RAYS, HOUR = "layout", "rays", "hour"
+# Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
+SKY_SIZE = 64
+_FIRST_RAYS = 64
+# Of the clear sky; the sum of it and layers has what they leave of these.
+_CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
+_HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
+
+
+class _Asked(NamedTuple):
+    """What light was made from, or is being made from."""
+
+    hour: HourMessages
+    rays: int
+
+
+class LightTransport(Module):
+    """Posts `LightMapLaid` once a scene and `SurfaceLightChanged` after each round and hour.
+
+    Switched off, it posts a layout of no scene, and the frame is lit by the open sky.
+
+    The ledger counts "layout", "round" and "hour", and skips: what is unwanted or switched off, an
+    hour that looks like the one before, one that a newer overtook, rays that were kept on disk.
+    """
+
+    manifest = Manifest(name=NAME, title="Light transport", version="0.1.0")
+    speaks = (HourOutdated, BakeGrown)
+    settings_type = LightTransportSettings
+    settings: LightTransportSettings
+
+    def __init__(self, link: Link, settings: LightTransportSettings):
+        super().__init__(link, settings)
+        self._works = False
+        # What the layout was made by, and what came of it.
+        self._planned: Plan | None = None
+        self._laid: Laid | None = None
+        self._round: Round | None = None
+        self._asked: _Asked | None = None
+        self._hours_under_way = 0
+
+    # --- whether there is anything to do --------------------------------------------------
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Begin when the first asks for light on surfaces, and end when the last no longer does."""
+        if message.message == SurfaceLightChanged.__name__:
+            self._consider()
+
+    def settings_changed(self, name: str) -> None:
+        """Switch on or off, or begin anew in other sizes."""
+        if name == "on":
+            self._consider()
+        else:
+            self._sizes_changed()
+
+    @handles(SetTolerance)
+    def on_tolerance(self, message: SetTolerance) -> None:
+        """Other sizes, unless they are named."""
+        self._sizes_changed()
+
+    @handles(SceneOpened)
+    def on_scene(self, message: SceneOpened) -> None:
+        """Another scene."""
+        self._begin()
+
+    def _consider(self) -> None:
+        works = self.settings.on and self.link.wanted(SurfaceLightChanged) is not None
+        if works == self._works:
+            return
+        self._works = works
+        for kind in _HEARD:
+            size = SKY_SIZE if kind is SkyRadianceChanged else None
+            self.link.demand(kind, size if works else 0)
+        if not works and self._laid is not None:
+            self.link.post(no_light_map())
+        self._begin()
+
+    def _sizes_changed(self) -> None:
+        """Begin anew where the layout is another, else trace the rays that are missing."""
+        if self._laid is None or self._plan != self._planned:
+            self._begin()
+        else:
+            self._next_round()
+
+    @property
+    def _plan(self) -> Plan:
+        quality, texel_m = self._quality, self.settings.texel_m
+        texels = quality.texels if texel_m is None else 0
+        return Plan(texel_m, texels, quality.patch_texels, quality.bounces_left)
+
+    @property
+    def _quality(self) -> Quality:
+        return quality_for(tolerance_of(self.link), self.settings.quality)
+
+    # --- the bake -------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        """Give up what is there and under way, and lay out the scene."""
+        for job in (LAYOUT, RAYS, HOUR):
+            self.link.cancel_job(job)
+        self._planned = self._laid = self._round = self._asked = None
+        self._hours_under_way = 0
+        scene = self.link.last(SceneOpened)
+        if not self._works:
+            self.ledger.skip("light map: unwanted or switched off")
+        elif scene is not None and not scene.triangles and scene.ground is None:
+            self.ledger.skip("light map: a scene without surfaces")
+        elif scene is not None:
+            self._planned = self._plan
+            self.link.start_job(LAYOUT, laid_out, scene, self._planned)
+
+    @handles(JobResult)
+    def job_done(self, result: JobResult) -> None:
+        """A layout, a round or an hour; what failed is told by the kernel."""
+        if result.job == HOUR:
+            self._hours_under_way -= 1
+        if result.error:
+            if result.job == HOUR:
+                self._asked = None
+        elif result.job == LAYOUT:
+            self._take_layout(result.value)
+        elif result.job == RAYS:
+            self._take_round(result.value)
+        else:
+            self.link.post(result.value)
+            self.ledger.did("hour")
+
+    def _take_layout(self, laid: Laid) -> None:
+        self._laid = laid
+        self.link.post(laid.message)
+        self.ledger.did("layout")
+        self._next_round()
+
+    def _next_round(self) -> None:
+        """Trace as many rays as there are, until there are enough."""
+        if self._laid is None:
+            return
+        rays = self._round.rays if self._round is not None else 0
+        count = min(max(rays, _FIRST_RAYS), self._quality.rays - rays)
+        if count > 0:
+            bake = self._laid.bake if self._round is None else self._round.bake
+            self.link.start_job(RAYS, with_rays, bake, count)
+
+    def _take_round(self, done: Round) -> None:
+        assert self._laid is not None
+        self._round = done
+        self.ledger.did("round")
+        self.link.post(
+            BakeGrown(
+                layout_key=self._laid.message.layout_key,
+                texels=done.texels,
+                rays=done.rays,
+                rays_wanted=self._quality.rays,
+                table_bytes=done.table_bytes,
+            )
+        )
+        self._light()
+        self._next_round()
+
+    # --- the hour -------------------------------------------------------------------------
+
+    @handles(SkyRadianceChanged)
+    @handles(KeyLightChanged)
+    @handles(AmbientChanged)
+    @handles(SkyLightChanged)
+    def on_light(self, message: Derived) -> None:
+        """Another hour, when all of it was told."""
+        if self._works:
+            self.link.post(HourOutdated())
+
+    @handles(HourOutdated)
+    def on_hour(self, message: HourOutdated) -> None:
+        """Light the scene with what there is now."""
+        self._light()
+
+    def _light(self) -> None:
+        hour = self._present_hour()
+        if self._laid is None or self._round is None or hour is None:
+            return
+        if self._asked is not None and self._round.rays == self._asked.rays:
+            quality = self._quality
+            if looks_like(hour, self._asked.hour, quality.hour_change, quality.sun_rad):
+                self.ledger.skip("hour: it looks like the one before")
+                return
+        self._asked = _Asked(hour, self._round.rays)
+        if self._hours_under_way == 2:
+            self.ledger.skip("hour: a newer one overtook it")
+        else:
+            self._hours_under_way += 1
+        self.link.start_job(HOUR, lit, self._round.bake, self._laid.message.layout_key, hour)
+
+    def _present_hour(self) -> HourMessages | None:
+        summed = self.link.last(SkyLightChanged)
+        if summed is not None and summed.layers:
+            return HourMessages(_radiance(summed), summed.key_light, summed.ambient)
+        sky, key_light, ambient = (self.link.last(kind) for kind in _CLEAR_LIGHT)
+        if sky is None or key_light is None or ambient is None:
+            return None
+        return HourMessages(sky, key_light, ambient)  # type: ignore[arg-type]
+
+
+def _radiance(summed: SkyLightChanged) -> SkyRadianceChanged:
+    """The radiance of the sky with its layers, whose cube is an array."""
+    background = summed.background
+    assert isinstance(background.cube, Array)
+    return SkyRadianceChanged(
+        cube=background.cube,
+        radiance_scale=background.radiance_scale,
+        ground_radiance_rgb=background.ground_radiance_rgb,
+        source=summed.source,
+    )

@@ -1,0 +1,142 @@
+"""Charts whose projection would cover a texel twice, taken apart into layers."""
+
+import numpy as np
+
+from light_transport.kernels import kernel
+from light_transport.nearest_place import REACH_PX, nearest, signed_area
+
+# Places beside each other in a chart, whose heights differ by more texels than this and slopes
+# explain, are not beside each other on the surface: light of one would reach the other.
+_STEP_PX = 4.0
+
+
+@kernel
+def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
+    """A number (F,) for each triangle, such that those of one number and chart share no texel.
+
+    A texel's middle lies in one triangle, or on borders; look-ups on a triangle (`REACH_PX`) meet
+    none from far above or below it. Triangles of one number need not be connected.
+
+    Triangles are taken in the order of a walk from neighbour to neighbour, each into the layer of
+    the one before if its texels are free there, else into the newest or a new one: a turn of a
+    winding stair becomes a chart. Claims of a texel are a linked list, one a layer.
+
+    Args:
+        chart: (F,).
+        uv: (F, 3, 2), in texels from the corner of the chart's rectangle.
+        heights: (F, 3), in texels above the chart's plane.
+        sizes: (C, 2), of the rectangles.
+        opposite: see `welding.opposite_edges`.
+    """
+    count = len(chart)
+    first = np.zeros(len(sizes) + 1, np.int64)
+    for c in range(len(sizes)):
+        first[c + 1] = first[c] + sizes[c, 0] * sizes[c, 1]
+    head = np.full(first[-1], -1, np.int32)
+    follows, claimed = np.empty(1024, np.int32), np.empty(1024, np.int32)
+    # Of a claim: whether a triangle covers the middle, the lowest and the highest place.
+    covered, lowest, highest = np.empty(1024, np.bool_), np.empty(1024), np.empty(1024)
+    claims = 0
+    layer = np.full(count, -1, np.int32)
+    newest = np.zeros(len(sizes), np.int32)
+    queue = np.empty(count, np.int32)
+    for seed in range(count):
+        if layer[seed] >= 0:
+            continue
+        c = chart[seed]
+        layer[seed], queue[0], begin, end = newest[c], seed, 0, 1
+        while begin < end:
+            f = queue[begin]
+            begin += 1
+            slack = _STEP_PX + 2.0 * REACH_PX * _slope(uv[f], heights[f])
+            texels, inside, height = _met(uv[f], heights[f], sizes[c])
+            # If not into its own layer, into the newest, where its neighbours may be already.
+            for _ in range(2):
+                free = True
+                for k in range(len(texels)):
+                    claim = head[first[c] + texels[k]]
+                    while claim >= 0 and claimed[claim] != layer[f]:
+                        claim = follows[claim]
+                    if claim >= 0 and (
+                        (inside[k] and covered[claim])
+                        or height[k] > lowest[claim] + slack
+                        or height[k] < highest[claim] - slack
+                    ):
+                        free = False
+                        break
+                if free or layer[f] == newest[c]:
+                    break
+                layer[f] = newest[c]
+            if not free:
+                newest[c] += 1
+                layer[f] = newest[c]
+            for k in range(len(texels)):
+                at = first[c] + texels[k]
+                claim = head[at]
+                while claim >= 0 and claimed[claim] != layer[f]:
+                    claim = follows[claim]
+                if claim < 0:
+                    if claims == len(claimed):
+                        follows = np.concatenate((follows, follows))
+                        claimed = np.concatenate((claimed, claimed))
+                        covered = np.concatenate((covered, covered))
+                        lowest = np.concatenate((lowest, lowest))
+                        highest = np.concatenate((highest, highest))
+                    claim = claims
+                    claims += 1
+                    follows[claim], claimed[claim], head[at] = head[at], layer[f], claim
+                    covered[claim], lowest[claim], highest[claim] = False, np.inf, -np.inf
+                covered[claim] = covered[claim] or inside[k]
+                lowest[claim] = min(lowest[claim], height[k])
+                highest[claim] = max(highest[claim], height[k])
+            for e in range(3):
+                g = opposite[f, e] // 3
+                if opposite[f, e] >= 0 and chart[g] == c and layer[g] < 0:
+                    layer[g] = layer[f]
+                    queue[end] = g
+                    end += 1
+    return layer
+
+
+@kernel
+def _slope(corners, heights):  # type: ignore[no-untyped-def]
+    """Rise over run of a triangle, 0 without area."""
+    a, b, c = corners
+    area = signed_area(a, b, c[0], c[1])
+    p, q = heights[1] - heights[0], heights[2] - heights[0]
+    if area == 0.0:
+        return 0.0
+    across = (p * (c[1] - a[1]) - q * (b[1] - a[1])) / area
+    down = (q * (b[0] - a[0]) - p * (c[0] - a[0])) / area
+    # The sliver of a slope says little: no chart's triangle is steeper than five.
+    return min(np.hypot(across, down), 5.0)
+
+
+@kernel
+def _met(corners, heights, size):  # type: ignore[no-untyped-def]
+    """Texels (n,) of a rectangle that look-ups on a triangle meet, row by row.
+
+    With them whether their middles lie inside it, not on its border, and the height of its
+    nearest place.
+    """
+    left = max(int(np.floor(corners[:, 0].min() - REACH_PX)), 0)
+    right = min(int(np.ceil(corners[:, 0].max() + REACH_PX)), size[0])
+    top = max(int(np.floor(corners[:, 1].min() - REACH_PX)), 0)
+    bottom = min(int(np.ceil(corners[:, 1].max() + REACH_PX)), size[1])
+    most = max(right - left, 0) * max(bottom - top, 0)
+    texels = np.empty(most, np.int64)
+    inside, height = np.empty(most, np.bool_), np.empty(most)
+    count = 0
+    area = signed_area(corners[0], corners[1], corners[2, 0], corners[2, 1])
+    for y in range(top, bottom):
+        for x in range(left, right):
+            distance2, above = nearest(corners, heights, x + 0.5, y + 0.5)
+            if distance2 > REACH_PX * REACH_PX:
+                continue
+            covers = distance2 == 0.0
+            for e in range(3):
+                side = signed_area(corners[e], corners[(e + 1) % 3], x + 0.5, y + 0.5)
+                covers = covers and side * area > 0.0
+            texels[count], inside[count], height[count] = y * size[0] + x, covers, above
+            count += 1
+    return texels[:count], inside[:count], height[:count]

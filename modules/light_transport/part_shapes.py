@@ -1,0 +1,171 @@
+"""Which of a scene's parts get texels, of what size, and which parts share a shape."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
+from light_transport.texel_owners import UNUSED
+from vrut_lite.daylight.light_map import NOT_MAPPED
+from vrut_lite.daylight.scene_content import SceneGeometry
+from vrut_lite.numeric_types import BoolArray, FloatArray
+
+# However small texels are asked for, the map has no more of them.
+MOST_TEXELS = 400_000
+# Texels are right when this share of those that are wanted is used; their size is sought so often.
+_LEAST_USED, _MOST_USED, _ROUNDS = 0.8, 1.05, 6
+# How many times too many texels the first trial may have.
+_FIRST_TRIAL = 4.0
+# A part may go without texels if its area is less than this share of them, and goes when texels
+# beside borders would be more than this share of the budget.
+_SPARSE, _MOST_BESIDE = 0.25, 0.6
+# It goes anyway, foliage for one, if it is thinner than this share and takes more than this share
+# of the budget.
+_THIN, _TRIFLE = 0.02, 1e-3
+# Surfaces of so many triangles a group are modelled finely where they are to be seen finely; this
+# share of the budget is theirs for a texel a triangle.
+_TRIANGLES_A_GROUP, _FINE = 8, 0.6
+# Linear maps that agree to this share of their largest element make one shape.
+_SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class PartShapes:
+    """Shapes (S) of parts (P).
+
+    Attributes:
+        of: (P,) int32, each part's shape; NOT_MAPPED where it has no texels.
+        shapes, meshes: the shapes, and of which mesh each is.
+        needs_probes: (P,) bool, no texels, but some area.
+        texel_m: edge of a texel.
+    """
+
+    of: NDArray[np.int32]
+    shapes: list[MeshShape]
+    meshes: list[int]
+    needs_probes: BoolArray
+    texel_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Kind:
+    """A mesh as it stands in `count` places, apart from how it is turned there."""
+
+    mesh: int
+    surface: Surface
+    area_m2: float
+    count: int
+
+
+def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> PartShapes:
+    """Shapes for all parts of a scene, as `layout.lay_out` explains."""
+    kinds, of = _kinds(geometry)
+    whole_m2 = sum(kind.area_m2 * kind.count for kind in kinds)
+    if whole_m2 == 0.0:
+        nothing = np.full(len(of), NOT_MAPPED, np.int32)
+        return PartShapes(nothing, [], [], np.zeros(len(of), bool), texel_m or 1.0)
+    most = MOST_TEXELS if texel_m else min(texels, MOST_TEXELS)
+    # With those beside borders there are some 1.4 times as many as the surface is large.
+    size_m = texel_m or float(np.sqrt(1.4 * whole_m2 / most))
+    # Nobody should have to hold the map of a slip of the pen.
+    size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
+    for last in reversed(range(_ROUNDS)):
+        shapes = _cut(kinds, size_m, most)
+        used = sum(
+            kind.count * int(np.count_nonzero(shape.owner != UNUSED))
+            for kind, shape in zip(kinds, shapes, strict=True)
+            if shape is not None
+        )
+        enough = texel_m is not None or used >= _LEAST_USED * most
+        if last == 0 or (enough and used <= _MOST_USED * most):
+            break
+        size_m *= float(np.sqrt(max(used, 1) / (0.95 * most)))
+    has_area = np.array([kind.area_m2 > 0.0 for kind in kinds])
+    mapped = np.array([shape is not None for shape in shapes])
+    number = np.where(mapped, np.cumsum(mapped) - 1, NOT_MAPPED).astype(np.int32)
+    return PartShapes(
+        of=number[of],
+        shapes=[shape for shape in shapes if shape is not None],
+        meshes=[kind.mesh for kind, shape in zip(kinds, shapes, strict=True) if shape is not None],
+        needs_probes=(has_area & ~mapped)[of],
+        texel_m=size_m,
+    )
+
+
+def _cut(kinds: list[_Kind], texel_m: float, budget: int) -> list[MeshShape | None]:
+    """A shape for each kind; None for those that do without texels."""
+    sizes_m = _texel_sizes_m(kinds, texel_m, budget)
+    charts = [
+        charts_of(kind.surface, size_m) if kind.area_m2 > 0.0 else None
+        for kind, size_m in zip(kinds, sizes_m.tolist(), strict=True)
+    ]
+    cost = np.array([0.0 if each is None else each.texels for each in charts])
+    within = np.array([kind.area_m2 for kind in kinds]) / sizes_m**2
+    count = np.array([kind.count for kind in kinds])
+    beside = np.maximum(cost - within, 0.0) * count
+    full = np.divide(within, cost, out=np.ones_like(within), where=cost > 0.0)
+    thin = (full < _THIN) & (cost * count > _TRIFLE * budget)
+    excess = beside[~thin].sum() - _MOST_BESIDE * budget
+    for kind in np.argsort(full, kind="stable"):
+        if thin[kind]:
+            charts[kind] = None
+        elif excess > 0.0 and full[kind] < _SPARSE:
+            charts[kind] = None
+            excess -= beside[kind]
+    return [
+        None if each is None else shape_of(kind.surface, each, size_m)
+        for kind, each, size_m in zip(kinds, charts, sizes_m.tolist(), strict=True)
+    ]
+
+
+def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArray:
+    """The edge of a texel on each kind: smaller where a surface has finer triangles.
+
+    A landscape's tiles, and what is round, are as fine in the map as they were modelled, if the
+    budget allows. What falls into pieces tells nothing by its triangles' size.
+    """
+    count = np.array([kind.count for kind in kinds])
+    triangles = np.array([len(kind.surface.areas_m2) for kind in kinds])
+    groups = np.array([len(kind.surface.groups.direction) for kind in kinds])
+    fine = np.where(groups * _TRIANGLES_A_GROUP <= triangles, triangles, 0)
+    share = min(1.0, _FINE * budget / max(int((fine * count).sum()), 1))
+    least_m = [
+        np.sqrt(kind.area_m2 / (share * each)) if each else texel_m
+        for kind, each in zip(kinds, fine.tolist(), strict=True)
+    ]
+    long_m = np.array([kind.surface.least_texel_m for kind in kinds])
+    return np.maximum(np.minimum(texel_m, least_m), np.maximum(long_m, 1e-3 * texel_m))
+
+
+def _kinds(geometry: SceneGeometry) -> tuple[list[_Kind], NDArray[np.int64]]:
+    """Meshes as they are stretched, and which of them each part (P,) is."""
+    numbers: dict[tuple[int, ...], int] = {}
+    stretches: list[tuple[int, FloatArray]] = []
+    of = np.empty(len(geometry.part_mesh.values), np.int64)
+    for part, mesh in enumerate(geometry.part_mesh.values.tolist()):
+        stretch = _stretch(geometry.world_from_part.values[part, :3, :3])
+        exponent = int(np.ceil(np.log2(max(np.abs(stretch).max(), 1e-300))))
+        steps = np.round(stretch / (2.0**exponent * _SAME)).astype(np.int64)
+        key = (mesh, exponent, *steps.reshape(-1).tolist())
+        of[part] = numbers.setdefault(key, len(stretches))
+        if of[part] == len(stretches):
+            stretches.append((mesh, stretch))
+    counts = np.bincount(of, minlength=len(stretches))
+    kinds = []
+    for (mesh, stretch), count in zip(stretches, counts.tolist(), strict=True):
+        surface = stretched(geometry.mesh(mesh), stretch)
+        kinds.append(_Kind(mesh, surface, float(surface.areas_m2.sum()), count))
+    return kinds, of
+
+
+def _stretch(matrix: FloatArray) -> FloatArray:
+    """What a linear map does to lengths: its polar decomposition's symmetric factor.
+
+    Parts that are only turned otherwise, or mirrored, share a shape.
+    """
+    squares = matrix.T @ matrix
+    values, vectors = np.linalg.eigh(squares)
+    if np.ptp(values) <= _SAME * values.max():
+        return np.asarray(np.sqrt(values.mean()) * np.eye(3))
+    return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)

@@ -1,0 +1,232 @@
+"""Where the rays of each row end, as counts that rounds of rays add to.
+
+A row's entries are pairs of a column and a count. Columns are nodes of the sky and of open ground,
+then whoever the rays met: at first other rows, later patches of them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.groups import NO_GROUP
+from light_transport.kernels import hot, inlined, kernel
+from light_transport.map_texels import NOBODY, ground_pixel
+from light_transport.ray_starts import Receivers, aim, begin, scratch, shift
+from light_transport.sky_nodes import NODES, node_of
+from light_transport.trace import MISS, mixed, nearest
+from light_transport.tree import Tree
+from vrut_lite.numeric_types import Float32Array, IntArray
+
+_DROPPED = -1
+_MOST_A_COUNT = 255
+# So many first rays of a row may begin inside a body before the row is held to have no free one.
+TRIED = 8
+# Columns of 16 bits name this many.
+_SMALL = 65_536
+
+
+class Rows(NamedTuple):
+    """Entries of rows `first` and following.
+
+    Attributes:
+        first: number of the first row.
+        start: (R + 1,) int64, where each row's entries begin.
+        column: (E,) uint16 or int32; rays: (E,) uint8, how many; more than 255 are cut into
+            several entries.
+        valid: (R,) int32, rays that count: those that did not begin inside a body.
+        nearness: (R,) float32, sum of 1 / distance over rays that met something, in 1 / radius.
+        free: (R,) uint8, the first ray that counts, or TRIED.
+    """
+
+    first: int
+    start: IntArray
+    column: NDArray[np.uint16] | NDArray[np.int32]
+    rays: NDArray[np.uint8]
+    valid: NDArray[np.int32]
+    nearness: Float32Array
+    free: NDArray[np.uint8]
+
+
+def empty_rows(first: int, number: int) -> Rows:
+    """Rows without rays."""
+    return Rows(
+        first,
+        np.zeros(number + 1, np.int64),
+        np.empty(0, np.int32),
+        np.empty(0, np.uint8),
+        np.zeros(number, np.int32),
+        np.zeros(number, np.float32),
+        np.full(number, TRIED, np.uint8),
+    )
+
+
+def slice_of(rows: Rows, first: int, last: int) -> Rows:
+    """Some of the rows, counted from the first."""
+    here = slice(int(rows.start[first]), int(rows.start[last]))
+    return Rows(
+        rows.first + first,
+        rows.start[first : last + 1] - rows.start[first],
+        rows.column[here],
+        rows.rays[here],
+        rows.valid[first:last],
+        rows.nearness[first:last],
+        rows.free[first:last],
+    )
+
+
+def joined(blocks: list[Rows]) -> Rows:
+    """Rows of several blocks that follow each other."""
+    sizes = [len(block.column) for block in blocks]
+    offsets = np.concatenate([[0], np.cumsum(sizes)])
+    starts = [block.start[:-1] + offset for block, offset in zip(blocks, offsets, strict=False)]
+    return Rows(
+        blocks[0].first,
+        np.concatenate([*starts, offsets[-1:]]),
+        np.concatenate([block.column for block in blocks]),
+        np.concatenate([block.rays for block in blocks]),
+        np.concatenate([block.valid for block in blocks]),
+        np.concatenate([block.nearness for block in blocks]),
+        np.concatenate([block.free for block in blocks]),
+    )
+
+
+def with_rays(
+    tree: Tree,
+    receivers: Receivers,
+    rows: Rows,
+    column_of: NDArray[np.int32],
+    first: int,
+    count: int,
+) -> Rows:
+    """These rows with rays `first` to `first + count` added.
+
+    `column_of` (NODES + row count,): the column for what a ray met.
+    """
+    targets = np.empty((len(rows.valid), count), np.int32)
+    distances = np.zeros(targets.shape, np.float32)
+    _trace(tree, receivers, rows.first, first, scratch(), targets, distances)
+    columns = int(column_of.max(initial=0)) + 1
+    small = np.uint16 if columns <= _SMALL else np.int32
+    made = _counted(rows, column_of, targets, distances, columns, np.empty(0, small))
+    return Rows(rows.first, *made)
+
+
+def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
+    """These rows with other columns; several may have become one."""
+    columns = int(new_column.max(initial=0)) + 1
+    named = rows._replace(column=new_column[rows.column])
+    small = np.uint16 if columns <= _SMALL else np.int32
+    nothing = np.empty((len(rows.valid), 0), np.int32)
+    distances = np.empty(nothing.shape, np.float32)
+    made = _counted(named, new_column, nothing, distances, columns, np.empty(0, small))
+    return Rows(rows.first, *made)
+
+
+@hot
+def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # type: ignore[no-untyped-def]
+    """Fill in what rays (rows, count) end at: a node, NODES + a row, or _DROPPED; and how far."""
+    geometry, texels, probes, groups = receivers
+    stack, far_stack, pixel, shifts, weights, place, normal, face, ray = scratch
+    first_group = len(texels.pixel) + len(probes.place)
+    rows, count = targets.shape
+    for i in range(rows):
+        row = first_row + i
+        shift(row, shifts)
+        for s in range(count):
+            number = first + s
+            begin(
+                geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
+            )
+            aim(number, shifts, normal, face, ray)
+            distance, hit, u, v = nearest(
+                tree,
+                np.float32(place[0]),
+                np.float32(place[1]),
+                np.float32(place[2]),
+                np.float32(ray[0]),
+                np.float32(ray[1]),
+                np.float32(ray[2]),
+                mixed(row, number + 64),
+                stack,
+                far_stack,
+            )
+            if hit == MISS:
+                targets[i, s] = node_of(ray[0], ray[1], ray[2])
+                continue
+            distances[i, s] = distance
+            for k in range(3):
+                place[k] += distance * ray[k]
+            met = _met(
+                geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray, pixel
+            )
+            targets[i, s] = NODES + met if met >= 0 else _DROPPED
+
+
+@inlined
+def _met(geometry, texels, groups, first_group, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
+    """The row of whom a ray met, or NOBODY where it met a body's back."""
+    group = groups.front[t]
+    faces = geometry.faces
+    if faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2] > 0.0:
+        group = groups.back[t]
+        return first_group + group if group != NO_GROUP else NOBODY
+    if group != NO_GROUP:
+        return first_group + group
+    height, width = texels.row_of.shape
+    if geometry.on_ground[t]:
+        ground_pixel(geometry.ground, place[0], place[2], pixel)
+    else:
+        w = 1.0 - u - v
+        for k in range(2):
+            pixel[k] = int(
+                w * geometry.uv[t, 0, k] + u * geometry.uv[t, 1, k] + v * geometry.uv[t, 2, k]
+            )
+    column, line = min(max(pixel[0], 0), width - 1), min(max(pixel[1], 0), height - 1)
+    return texels.row_of[line, column]
+
+
+@kernel
+def _counted(rows, column_of, targets, distances, columns, like):  # type: ignore[no-untyped-def]
+    """Entries of rows and new rays together."""
+    number, count = targets.shape
+    most = len(rows.column) + number * count
+    start = np.zeros(number + 1, np.int64)
+    column, share = np.empty(most, like.dtype), np.empty(most, np.uint8)
+    valid, nearness, free = rows.valid.copy(), rows.nearness.copy(), rows.free.copy()
+    amount = np.zeros(columns, np.int32)
+    touched = np.empty(columns, np.int32)
+    used = 0
+    for i in range(number):
+        met = 0
+        for e in range(rows.start[i], rows.start[i + 1]):
+            c = np.int64(rows.column[e])
+            if amount[c] == 0:
+                touched[met] = c
+                met += 1
+            amount[c] += rows.rays[e]
+        for s in range(count):
+            if targets[i, s] == _DROPPED:
+                continue
+            # In the first round alone rays are numbered from 0, and none is known.
+            if free[i] == TRIED and valid[i] == 0 and s < TRIED:
+                free[i] = s
+            c = np.int64(column_of[targets[i, s]])
+            if amount[c] == 0:
+                touched[met] = c
+                met += 1
+            amount[c] += 1
+            valid[i] += 1
+            if distances[i, s] > 0.0:
+                nearness[i] += 1.0 / max(distances[i, s], np.float32(1e-6))
+        for k in range(met):
+            c = touched[k]
+            left = amount[c]
+            amount[c] = 0
+            while left > 0:
+                column[used] = c
+                share[used] = min(left, _MOST_A_COUNT)
+                left -= _MOST_A_COUNT
+                used += 1
+        start[i + 1] = used
+    return start, column[:used].copy(), share[:used].copy(), valid, nearness, free

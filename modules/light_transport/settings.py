@@ -1,0 +1,33 @@
+"""Settings of light transport."""
+
+from typing import Annotated
+
+import msgspec
+
+from light_transport.tolerance import Rung
+from vrut_lite.kernel.settings import setting
+
+
+class LightTransportSettings(msgspec.Struct, frozen=True):
+    """The settings of the module; what is left open follows the tolerance."""
+
+    on: Annotated[
+        bool,
+        setting(
+            "Whether things hide the sky and send light to each other; off, all are lit by the "
+            "open sky"
+        ),
+    ] = True
+    texel_m: Annotated[
+        float | None,
+        setting(
+            "Edge of the light map's texels; none: as many texels as the tolerance asks for",
+            1e-4,
+            1e4,
+            unit="m",
+        ),
+    ] = None
+    quality: Annotated[
+        Rung | None,
+        setting("Texels, rays, patches and bounces together; none: each by the tolerance"),
+    ] = None

@@ -1,0 +1,108 @@
+"""The sky as numbers: cells of equal solid angle, and one for open ground below the horizon.
+
+The cells are those of a square that Shirley and Chiu's concentric map (1997) lays on the upper
+hemisphere, by way of the disc of radius sqrt(1 - y): 2 pi / 576 sr each.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from light_transport.kernels import kernel
+from vrut_lite.geometry.cube_map import (
+    FACE_NORMALS,
+    FACE_S_AXES,
+    FACE_T_AXES,
+    reduce_cube,
+    texel_solid_angles,
+)
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+EDGE = 24
+GROUND_NODE = EDGE * EDGE
+NODES = EDGE * EDGE + 1
+# A cube map is averaged to about this many texels an edge before.
+_CUBE_TEXELS = 64
+# Texels are cut into so many pieces an edge, each of which lies in one cell.
+_PIECES = 6
+
+
+@kernel
+def node_of(x, y, z):  # type: ignore[no-untyped-def]
+    """The cell of a unit vector; below the horizon that of open ground."""
+    if y < 0.0:
+        return GROUND_NODE
+    radius = math.sqrt(max(0.0, 1.0 - y))
+    quarter = 0.25 * math.pi
+    angle = math.atan2(z, x)
+    if angle < -quarter:
+        angle += 2.0 * math.pi
+    if angle < quarter:
+        a = radius
+        b = angle * a / quarter
+    elif angle < 3.0 * quarter:
+        b = radius
+        a = -(angle - 2.0 * quarter) * b / quarter
+    elif angle < 5.0 * quarter:
+        a = -radius
+        b = (angle - 4.0 * quarter) * a / quarter
+    else:
+        b = -radius
+        a = -(angle - 6.0 * quarter) * b / quarter
+    row = min(int(0.5 * (a + 1.0) * EDGE), EDGE - 1)
+    column = min(int(0.5 * (b + 1.0) * EDGE), EDGE - 1)
+    return row * EDGE + column
+
+
+def node_radiances(sky: NDArray[np.floating], ground_radiance_rgb: ArrayLike) -> FloatArray:
+    """Mean radiance (NODES, 3) of each cell of a cube map (6, n, n, 3), open ground last."""
+    cube = reduce_cube(sky, _CUBE_TEXELS)
+    node, texel, weight = _shares(cube.shape[1])
+    flat = cube.reshape(-1, 3)
+    means = np.empty((NODES, 3))
+    for channel in range(3):
+        total = np.bincount(node, weight * flat[texel, channel], GROUND_NODE)
+        means[:GROUND_NODE, channel] = total
+    means[GROUND_NODE] = ground_radiance_rgb
+    return means
+
+
+@lru_cache(maxsize=2)
+def _shares(size: int) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray]:
+    """Cells, texels of a cube map and weights (K,): a cell's mean is the weighted sum of texels."""
+    fine = size * _PIECES
+    c = (2.0 * np.arange(fine) + 1.0) / fine - 1.0
+    a, b = c[None, None, :, None], c[None, :, None, None]
+    d = (
+        FACE_NORMALS[:, None, None]
+        + a * FACE_S_AXES[:, None, None]
+        + b * FACE_T_AXES[:, None, None]
+    )
+    d /= np.linalg.norm(d, axis=-1, keepdims=True)
+    solid_angle = np.broadcast_to(texel_solid_angles(fine), d.shape[:3]).ravel()
+    row, column = np.indices((fine, fine)) // _PIECES
+    texel = (np.arange(6)[:, None, None] * size * size + row * size + column).ravel()
+    node = _nodes_of(d.reshape(-1, 3))
+    above = node != GROUND_NODE
+    # Pieces of one texel in one cell are one.
+    key = node[above] * np.int64(6 * size * size) + texel[above]
+    keys, where = np.unique(key, return_inverse=True)
+    weight = np.bincount(where.ravel(), solid_angle[above])
+    node, texel = keys // (6 * size * size), keys % (6 * size * size)
+    share = weight / np.bincount(node, weight, GROUND_NODE)[node]
+    return node.astype(np.int64), texel.astype(np.int64), share
+
+
+@kernel
+def _nodes_of(directions):  # type: ignore[no-untyped-def]
+    node = np.empty(len(directions), np.int64)
+    for i in range(len(directions)):
+        node[i] = node_of(directions[i, 0], directions[i, 1], directions[i, 2])
+    return node
+
+
+def as_float32(values: FloatArray) -> Float32Array:
+    """Contiguous single precision, as kernels take it."""
+    return np.ascontiguousarray(values, np.float32)

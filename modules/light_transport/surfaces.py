@@ -1,0 +1,227 @@
+"""A scene's triangles as light transport sees them: places, reflectance, emission."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.map_means import linear, triangle_means
+from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene_content import MapName, Material, Mesh
+from vrut_lite.geometry.colour import LUMENS_PER_WATT
+from vrut_lite.geometry.reflection import reflectance_table
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
+
+GROUND = -1
+# Half the width of the ground's square, in radii of the scene; what lies beyond is open ground.
+_GROUND_RADII = 4.0
+_SMALLEST_RADIUS_M = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """The triangles (F) of a scene, part after part, the ground's last.
+
+    Triangle k of a part is triangle k of its mesh. All surfaces are taken for Lambert's.
+
+    Attributes:
+        corners_m: (F, 3, 3) float64, world axes, counted from `centre_m`.
+        normals: (F, 3, 3) float32, unit shading normals of the corners, world axes.
+        part: (F,) int32, the scene's part, or GROUND.
+        reflectance_rgb: (F, 3) float32, share of diffuse light that is sent back, coat included;
+            0 for the ground, whose albedo comes with the hour.
+        emitted_rgb: (F, 3) float32, radiosity in W m^-2.
+        opacity: (F,) float32, share of light that does not pass straight through.
+        double_sided: (F,) bool.
+        centre_m: (3,) float64, the middle of the scene's bounds.
+        radius_m: half the diagonal of the scene's bounds.
+    """
+
+    corners_m: FloatArray
+    normals: Float32Array
+    part: NDArray[np.int32]
+    reflectance_rgb: Float32Array
+    emitted_rgb: Float32Array
+    opacity: Float32Array
+    double_sided: BoolArray
+    centre_m: FloatArray
+    radius_m: float
+
+    def face_normals(self) -> FloatArray:
+        """Unit normals (F, 3) of the triangles, on the side of their shading normals.
+
+        The frame has it so too; it makes mirrored parts right. 0 where a triangle has no area.
+        """
+        a, b, c = np.moveaxis(self.corners_m, 1, 0)
+        normal = np.cross(b - a, c - a)
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        unit = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
+        turned = np.einsum("fi,fi->f", unit, self.normals.sum(axis=1, dtype=np.float64)) < 0.0
+        unit[turned] *= -1.0
+        return unit
+
+
+def surfaces_of(scene: SceneOpened) -> Surfaces:
+    """All triangles of a scene, and the middle of the ground disc that it stands on."""
+    geometry, materials = scene.geometry, scene.materials.all()
+    lower_m, upper_m = np.asarray(scene.lower_m), np.asarray(scene.upper_m)
+    centre_m = 0.5 * (lower_m + upper_m)
+    radius_m = max(0.5 * float(np.linalg.norm(upper_m - lower_m)), _SMALLEST_RADIUS_M)
+    skins = [_skin(geometry.mesh(number), materials) for number in range(geometry.mesh_count)]
+    pieces = [
+        _Piece(
+            geometry.world_triangles(part) - centre_m,
+            _moved_normals(skins[mesh].corner_normals, geometry.world_from_part.values[part]),
+            part,
+            skins[mesh],
+        )
+        for part, mesh in enumerate(geometry.part_mesh.values.tolist())
+    ]
+    if scene.ground is not None:
+        pieces.append(_ground(scene.ground, centre_m, radius_m))
+    return _joined(pieces, centre_m, radius_m)
+
+
+@dataclass(frozen=True, eq=False)
+class _Skin:
+    """What all parts of one mesh share: arrays of its triangles, as in `Surfaces`."""
+
+    corner_normals: FloatArray
+    reflectance_rgb: Float32Array
+    emitted_rgb: Float32Array
+    opacity: Float32Array
+    double_sided: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    corners_m: FloatArray
+    normals: Float32Array
+    part: int
+    skin: _Skin
+
+
+def _skin(mesh: Mesh, materials: list[Material]) -> _Skin:
+    material = materials[mesh.material]
+    vertex_rgba = _of_triangles(mesh)
+    return _Skin(
+        mesh.normals[mesh.triangles],
+        _reflectance_rgb(mesh, material, vertex_rgba[:, :3]),
+        _emitted_rgb(mesh, material),
+        _opacity(mesh, material, vertex_rgba[:, 3]),
+        material.double_sided,
+    )
+
+
+def _of_triangles(mesh: Mesh) -> Float32Array:
+    """The mean colour (F, 4) of each triangle's vertices, 1 where they have none."""
+    if mesh.colours_rgba is None:
+        return np.ones((len(mesh.triangles), 4), np.float32)
+    return np.asarray(mesh.colours_rgba[mesh.triangles].mean(axis=1), np.float32)
+
+
+def _map_means(mesh: Mesh, material: Material, name: MapName) -> Float32Array | None:
+    """Means (F, 3) of a map's colour, linear where it is a colour."""
+    found = material.maps.get(name)
+    if found is None:
+        return None
+    is_colour = name in ("base_colour", "emission")
+    return triangle_means(
+        found, mesh, lambda texels: linear(texels[..., :3]) if is_colour else texels[..., :3]
+    )
+
+
+def _reflectance_rgb(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> Float32Array:
+    """Paint under a coat that reflects the share c of diffuse light, or metal."""
+    colour = vertex_rgb * np.asarray(material.base_colour_rgba[:3], np.float32)
+    texels = _map_means(mesh, material, "base_colour")
+    if texels is not None:
+        colour = colour * texels
+    roughness = np.full((len(colour), 1), material.roughness)
+    metallic = np.full((len(colour), 1), material.metallic)
+    both = _map_means(mesh, material, "metallic_roughness")
+    if both is not None:
+        roughness, metallic = roughness * both[:, 1:2], metallic * both[:, 2:3]
+    table = reflectance_table()
+    coat = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
+    sent_back = metallic * colour + (1.0 - metallic) * (colour * (1.0 - coat) + coat)
+    return np.asarray(np.clip(sent_back, 0.0, 1.0), np.float32)
+
+
+def _emitted_rgb(mesh: Mesh, material: Material) -> Float32Array:
+    """pi L of glTF's cd m^-2, in W m^-2."""
+    emitted = np.pi * material.emission_rgb / LUMENS_PER_WATT
+    texels = _map_means(mesh, material, "emission") if np.any(emitted) else None
+    by_triangle = np.ones((len(mesh.triangles), 3)) if texels is None else texels
+    return np.asarray(emitted * by_triangle, np.float32)
+
+
+def _opacity(mesh: Mesh, material: Material, vertex_alpha: Float32Array) -> Float32Array:
+    if material.alpha_mode == "OPAQUE":
+        return np.ones(len(mesh.triangles), np.float32)
+    is_cut = material.alpha_mode == "MASK"
+    alpha = np.float32(material.base_colour_rgba[3])
+
+    def decode(texels: Float32Array) -> Float32Array:
+        own = texels[..., 3:] * alpha
+        return np.asarray(own >= material.alpha_cutoff, np.float32) if is_cut else own
+
+    found = material.maps.get("base_colour")
+    means = None
+    if found is not None and found.texels.shape[2] == 4:
+        means = triangle_means(found, mesh, decode)
+    if means is not None:
+        # Vertices' alpha seldom goes with a cut-out map; it then scales what is left.
+        return np.asarray(np.clip(means[:, 0] * vertex_alpha, 0.0, 1.0), np.float32)
+    own = alpha * vertex_alpha
+    return np.asarray(
+        own >= material.alpha_cutoff if is_cut else np.clip(own, 0.0, 1.0), np.float32
+    )
+
+
+def _moved_normals(normals: FloatArray, matrix: NDArray[np.float64]) -> Float32Array:
+    """Unit normals (F, 3, 3) in the world: by the cofactors, which exist for flat matrices too."""
+    a, b, c = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
+    cofactors = np.column_stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    if np.linalg.det(matrix[:3, :3]) < 0.0:
+        cofactors = -cofactors
+    moved = normals @ (cofactors / max(np.abs(cofactors).max(), 1e-300)).T
+    length = np.linalg.norm(moved, axis=-1, keepdims=True)
+    return np.asarray(moved / np.maximum(length, 1e-30), np.float32)
+
+
+def _ground(ground: GroundDisc, centre_m: FloatArray, radius_m: float) -> _Piece:
+    """A level square, turned up."""
+    half_m = min(_GROUND_RADII * radius_m, ground.radius_m)
+    x, z = ground.centre_xz_m
+    west, east, north, south = x - half_m, x + half_m, z - half_m, z + half_m
+    y = ground.height_m
+    square = np.array([[west, y, north], [west, y, south], [east, y, south], [east, y, north]])
+    up = np.tile([0.0, 1.0, 0.0], (2, 3, 1))
+    black = np.zeros((2, 3), np.float32)
+    skin = _Skin(up, black, black, np.ones(2, np.float32), False)
+    corners_m = square[np.array([[0, 1, 2], [0, 2, 3]])] - centre_m
+    return _Piece(corners_m, up.astype(np.float32), GROUND, skin)
+
+
+def _joined(pieces: list[_Piece], centre_m: FloatArray, radius_m: float) -> Surfaces:
+    counts = [len(piece.corners_m) for piece in pieces]
+    skins = [piece.skin for piece in pieces]
+    return Surfaces(
+        corners_m=np.concatenate([np.empty((0, 3, 3)), *(piece.corners_m for piece in pieces)]),
+        normals=np.concatenate(
+            [np.empty((0, 3, 3), np.float32), *(piece.normals for piece in pieces)]
+        ),
+        part=np.repeat(np.array([piece.part for piece in pieces], np.int32), counts),
+        reflectance_rgb=np.concatenate(
+            [np.empty((0, 3), np.float32), *(skin.reflectance_rgb for skin in skins)]
+        ),
+        emitted_rgb=np.concatenate(
+            [np.empty((0, 3), np.float32), *(skin.emitted_rgb for skin in skins)]
+        ),
+        opacity=np.concatenate([np.empty(0, np.float32), *(skin.opacity for skin in skins)]),
+        double_sided=np.repeat(np.array([skin.double_sided for skin in skins], bool), counts),
+        centre_m=centre_m,
+        radius_m=radius_m,
+    )

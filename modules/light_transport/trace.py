@@ -1,0 +1,169 @@
+"""Where a ray ends: the nearest triangle of a tree, or whether any triangle is in its way."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.kernels import hot, inlined, kernel
+from light_transport.tree import LEAF_BITS, STACK, Tree
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+# Farther than anything in a scene of unit radius.
+FAR = np.float32(1e6)
+MISS = -1
+_LEAF_MASK = (1 << LEAF_BITS) - 1
+# Directions whose components are smaller are taken for so large.
+_TINY = np.float32(1e-12)
+_ONE, _ZERO = np.float32(1.0), np.float32(0.0)
+# Triangles reach so far beyond their edges (barycentric): no ray slips between two neighbours.
+_BEYOND = np.float32(2e-6)
+
+
+@inlined
+def mixed(a: int, b: int) -> int:
+    """A 32-bit hash of two numbers (finaliser of Murmur 3)."""
+    h = (a * 0x9E3779B1 ^ b * 0x85EBCA77) & 0xFFFFFFFF
+    h = ((h ^ (h >> 16)) * 0x7FEB352D) & 0xFFFFFFFF
+    h = ((h ^ (h >> 15)) * 0x846CA68B) & 0xFFFFFFFF
+    return h ^ (h >> 16)
+
+
+@inlined
+def _enters(boxes, node, side, ox, oy, oz, ix, iy, iz, far):  # type: ignore[no-untyped-def]
+    """Distance at which a ray enters a child's box, FAR if it does not before `far`."""
+    ax, bx = (boxes[node, side] - ox) * ix, (boxes[node, side + 3] - ox) * ix
+    ay, by = (boxes[node, side + 1] - oy) * iy, (boxes[node, side + 4] - oy) * iy
+    az, bz = (boxes[node, side + 2] - oz) * iz, (boxes[node, side + 5] - oz) * iz
+    near = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), _ZERO))
+    out = min(min(max(ax, bx), max(ay, by)), min(max(az, bz), far))
+    return near if near <= out else FAR
+
+
+@inlined
+def _crossed(triangle, t, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """Distance to a triangle and barycentric u, v there; distance -1 where it is missed.
+
+    Moeller and Trumbore 1997.
+    """
+    e1x, e1y, e1z = triangle[t, 3], triangle[t, 4], triangle[t, 5]
+    e2x, e2y, e2z = triangle[t, 6], triangle[t, 7], triangle[t, 8]
+    px, py, pz = dy * e2z - dz * e2y, dz * e2x - dx * e2z, dx * e2y - dy * e2x
+    det = e1x * px + e1y * py + e1z * pz
+    if abs(det) < np.float32(1e-30):
+        return -_ONE, _ZERO, _ZERO
+    inverse = _ONE / det
+    sx, sy, sz = ox - triangle[t, 0], oy - triangle[t, 1], oz - triangle[t, 2]
+    u = (sx * px + sy * py + sz * pz) * inverse
+    if u < -_BEYOND or u > _ONE + _BEYOND:
+        return -_ONE, _ZERO, _ZERO
+    qx, qy, qz = sy * e1z - sz * e1y, sz * e1x - sx * e1z, sx * e1y - sy * e1x
+    v = (dx * qx + dy * qy + dz * qz) * inverse
+    if v < -_BEYOND or u + v > _ONE + _BEYOND:
+        return -_ONE, _ZERO, _ZERO
+    return (e2x * qx + e2y * qy + e2z * qz) * inverse, u, v
+
+
+@inlined
+def _lets_pass(opacity, t, ray):  # type: ignore[no-untyped-def]
+    """Whether a triangle that is not opaque lets this ray through: the same for ever."""
+    return opacity[t] < _ONE and mixed(ray, t) >= opacity[t] * np.float32(4294967296.0)
+
+
+@hot
+def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignore[no-untyped-def]
+    """The nearest triangle on a ray: distance, place in the tree's order (MISS), u, v.
+
+    `ray` numbers the ray, for triangles that let a share of rays pass; the stacks hold STACK
+    int32 and float32 numbers and are overwritten.
+    """
+    boxes, child, triangle, opacity = tree.boxes, tree.child, tree.triangle, tree.opacity
+    ix = _ONE / (dx if abs(dx) > _TINY else _TINY)
+    iy = _ONE / (dy if abs(dy) > _TINY else _TINY)
+    iz = _ONE / (dz if abs(dz) > _TINY else _TINY)
+    far, hit, hit_u, hit_v = FAR, MISS, _ZERO, _ZERO
+    top, node = 0, 0
+    while True:
+        if node >= 0:
+            a = _enters(boxes, node, 0, ox, oy, oz, ix, iy, iz, far)
+            b = _enters(boxes, node, 6, ox, oy, oz, ix, iy, iz, far)
+            if a < FAR and b < FAR:
+                near_side = 0 if a <= b else 1
+                stack[top] = child[node, 1 - near_side]
+                far_stack[top] = max(a, b)
+                top += 1
+                node = child[node, near_side]
+                continue
+            if a < FAR:
+                node = child[node, 0]
+                continue
+            if b < FAR:
+                node = child[node, 1]
+                continue
+        else:
+            code = -1 - node
+            first = code >> LEAF_BITS
+            for t in range(first, first + (code & _LEAF_MASK)):
+                distance, u, v = _crossed(triangle, t, ox, oy, oz, dx, dy, dz)
+                if distance > _ZERO and distance < far and not _lets_pass(opacity, t, ray):
+                    far, hit, hit_u, hit_v = distance, t, u, v
+        while top > 0 and far_stack[top - 1] >= far:
+            top -= 1
+        if top == 0:
+            return far, hit, hit_u, hit_v
+        top -= 1
+        node = stack[top]
+
+
+@hot
+def blocker(tree, ox, oy, oz, dx, dy, dz, ray, stack, likely):  # type: ignore[no-untyped-def]
+    """Some triangle that is in a ray's way, in the tree's order, or MISS.
+
+    `likely` is tried first: neighbours are often in one shadow.
+    """
+    boxes, child, triangle, opacity = tree.boxes, tree.child, tree.triangle, tree.opacity
+    if likely != MISS:
+        distance, _, _ = _crossed(triangle, likely, ox, oy, oz, dx, dy, dz)
+        if distance > _ZERO and not _lets_pass(opacity, likely, ray):
+            return likely
+    ix = _ONE / (dx if abs(dx) > _TINY else _TINY)
+    iy = _ONE / (dy if abs(dy) > _TINY else _TINY)
+    iz = _ONE / (dz if abs(dz) > _TINY else _TINY)
+    top, node = 0, 0
+    while True:
+        if node >= 0:
+            a = _enters(boxes, node, 0, ox, oy, oz, ix, iy, iz, FAR)
+            b = _enters(boxes, node, 6, ox, oy, oz, ix, iy, iz, FAR)
+            if a < FAR and b < FAR:
+                stack[top] = child[node, 1]
+                top += 1
+            if a < FAR or b < FAR:
+                node = child[node, 0 if a < FAR else 1]
+                continue
+        else:
+            code = -1 - node
+            first = code >> LEAF_BITS
+            for t in range(first, first + (code & _LEAF_MASK)):
+                distance, _, _ = _crossed(triangle, t, ox, oy, oz, dx, dy, dz)
+                if distance > _ZERO and not _lets_pass(opacity, t, ray):
+                    return t
+        if top == 0:
+            return MISS
+        top -= 1
+        node = stack[top]
+
+
+@kernel
+def first_hits(
+    tree: Tree, origin: FloatArray, direction: FloatArray
+) -> tuple[NDArray[np.int32], Float32Array]:
+    """Triangles (R,) of the scene, MISS for none, and distances (R,) along many rays (R, 3)."""
+    hits = np.full(len(origin), MISS, np.int32)
+    distances = np.full(len(origin), FAR, np.float32)
+    stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+    o, d = origin.astype(np.float32), direction.astype(np.float32)
+    for i in range(len(o)):
+        distance, hit, _, _ = nearest(
+            tree, o[i, 0], o[i, 1], o[i, 2], d[i, 0], d[i, 1], d[i, 2], i, stack, far_stack
+        )
+        if hit != MISS:
+            hits[i], distances[i] = tree.order[hit], distance
+    return hits, distances

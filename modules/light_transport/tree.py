@@ -1,0 +1,197 @@
+"""A bounding volume hierarchy over triangles: binned surface-area heuristic, two boxes a node.
+
+Wald 2007, "On fast construction of SAH-based bounding volume hierarchies". Single precision
+suffices: a scene is scaled to unit radius around its middle before.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.njit import njit
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+_BINS = 12
+_LEAF = 4
+# Deeper than this, nodes are halved by number: bounds the stack, whatever the triangles are.
+_DEEPEST_BY_AREA = 40
+STACK = 80
+# A leaf's code keeps its number of triangles in these bits.
+LEAF_BITS = 3
+# Boxes are so much larger than their triangles, in radii: more than single precision loses.
+_MARGIN = 1e-6
+
+
+class Tree(NamedTuple):
+    """Nodes (K) over triangles (F) that lie in the order of the leaves.
+
+    `boxes` (K, 12) float32: lower and upper corner of both children's boxes. `child` (K, 2) int32:
+    a node, or -1 - code of a leaf, whose code is first triangle << LEAF_BITS | number. `triangle`
+    (F, 9) float32: a corner and the two edges that begin there. `order` (F,) int32: which
+    triangle of the scene it is. `opacity` (F,) float32.
+    """
+
+    boxes: Float32Array
+    child: NDArray[np.int32]
+    triangle: Float32Array
+    order: NDArray[np.int32]
+    opacity: Float32Array
+
+
+def tree_over(corners: FloatArray, opacity: Float32Array) -> Tree:
+    """The tree over triangles (F, 3, 3) in units of the scene's radius; F may be 0."""
+    corners = np.asarray(corners, np.float64)
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    boxes, child, order = _nodes(
+        (lower - _MARGIN).astype(np.float32),
+        (upper + _MARGIN).astype(np.float32),
+        (0.5 * (lower + upper)).astype(np.float32),
+    )
+    first = corners[order]
+    edges = (first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+    triangle = np.concatenate([first[:, 0], *edges], axis=1).astype(np.float32)
+    return Tree(boxes, child, triangle, order, np.asarray(opacity[order], np.float32))
+
+
+@njit(cache=True, nogil=True)
+def _nodes(
+    lower: Float32Array, upper: Float32Array, centre: Float32Array
+) -> tuple[Float32Array, NDArray[np.int32], NDArray[np.int32]]:
+    count = len(lower)
+    order = np.arange(count).astype(np.int32)
+    boxes = np.zeros((max(count, 1), 12), np.float32)
+    # -1: a leaf of no triangles.
+    child = np.full((max(count, 1), 2), -1, np.int32)
+    # What is still to be split: first and last triangle, depth, and which child of whom it is.
+    todo = np.empty((STACK, 5), np.int64)
+    top, used = 0, 0
+    todo[0] = 0, count, 0, -1, 0
+    top = 1 if count > 0 else 0
+    used = 1 if count == 0 else 0
+    while top > 0:
+        top -= 1
+        first, last, depth, parent, side = todo[top]
+        bounds = np.empty(6, np.float32)
+        _bounds(lower, upper, order, first, last, bounds)
+        number = last - first
+        if number <= _LEAF and parent >= 0:
+            code = -1 - ((first << LEAF_BITS) | number)
+        elif number <= _LEAF:
+            boxes[0, :6] = bounds
+            child[0, 0] = -1 - ((first << LEAF_BITS) | number)
+            used = 1
+            continue
+        else:
+            middle = first
+            if depth < _DEEPEST_BY_AREA:
+                middle = _split(lower, upper, centre, order, first, last)
+            if middle <= first or middle >= last:
+                middle = (first + last) // 2
+            code = used
+            used += 1
+            # The larger half waits, so that few wait at once.
+            halves = (first, middle), (middle, last)
+            larger = 0 if middle - first > last - middle else 1
+            for which in (larger, 1 - larger):
+                todo[top] = halves[which][0], halves[which][1], depth + 1, code, which
+                top += 1
+        if parent >= 0:
+            boxes[parent, 6 * side : 6 * side + 6] = bounds
+            child[parent, side] = code
+    return boxes[:used].copy(), child[:used].copy(), order
+
+
+@njit(cache=True, nogil=True)
+def _bounds(
+    lower: Float32Array,
+    upper: Float32Array,
+    order: NDArray[np.int32],
+    first: int,
+    last: int,
+    bounds: Float32Array,
+) -> None:
+    bounds[:3], bounds[3:] = lower[order[first]], upper[order[first]]
+    for i in range(first + 1, last):
+        t = order[i]
+        for a in range(3):
+            bounds[a] = min(bounds[a], lower[t, a])
+            bounds[3 + a] = max(bounds[3 + a], upper[t, a])
+
+
+@njit(cache=True, nogil=True)
+def _half_area(bounds: Float32Array) -> float:
+    x, y, z = bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]
+    return x * y + y * z + z * x
+
+
+@njit(cache=True, nogil=True)
+def _grow(bounds: Float32Array, lower: Float32Array, upper: Float32Array) -> None:
+    for a in range(3):
+        bounds[a] = min(bounds[a], lower[a])
+        bounds[3 + a] = max(bounds[3 + a], upper[a])
+
+
+@njit(cache=True, nogil=True)
+def _split(
+    lower: Float32Array,
+    upper: Float32Array,
+    centre: Float32Array,
+    order: NDArray[np.int32],
+    first: int,
+    last: int,
+) -> int:
+    """Order triangles by the cheapest plane between bins; the first one behind it, or `first`."""
+    least, most = centre[order[first]].copy(), centre[order[first]].copy()
+    for i in range(first + 1, last):
+        t = order[i]
+        for a in range(3):
+            least[a] = min(least[a], centre[t, a])
+            most[a] = max(most[a], centre[t, a])
+    scale = np.zeros(3, np.float32)
+    for a in range(3):
+        if most[a] > least[a]:
+            scale[a] = _BINS / (most[a] - least[a])
+    bin_count = np.zeros((3, _BINS), np.int64)
+    bin_box = np.empty((3, _BINS, 6), np.float32)
+    bin_box[:, :, :3], bin_box[:, :, 3:] = 3e38, -3e38
+    for i in range(first, last):
+        t = order[i]
+        for a in range(3):
+            b = min(_BINS - 1, int((centre[t, a] - least[a]) * scale[a]))
+            bin_count[a, b] += 1
+            _grow(bin_box[a, b], lower[t], upper[t])
+    best, axis, cut = 3e38, -1, 0
+    right_cost = np.empty(_BINS)
+    box = np.empty(6, np.float32)
+    for a in range(3):
+        if scale[a] == 0.0:
+            continue
+        box[:3], box[3:] = 3e38, -3e38
+        number = 0
+        for b in range(_BINS - 1, 0, -1):
+            if bin_count[a, b]:
+                number += bin_count[a, b]
+                _grow(box, bin_box[a, b, :3], bin_box[a, b, 3:])
+            right_cost[b] = number * _half_area(box) if number else 0.0
+        box[:3], box[3:] = 3e38, -3e38
+        number = 0
+        for b in range(_BINS - 1):
+            if bin_count[a, b]:
+                number += bin_count[a, b]
+                _grow(box, bin_box[a, b, :3], bin_box[a, b, 3:])
+            if number == 0 or number == last - first:
+                continue
+            cost = number * _half_area(box) + right_cost[b + 1]
+            if cost < best:
+                best, axis, cut = cost, a, b
+    if axis < 0:
+        return first
+    i, j = first, last - 1
+    while i <= j:
+        if min(_BINS - 1, int((centre[order[i], axis] - least[axis]) * scale[axis])) <= cut:
+            i += 1
+        else:
+            order[i], order[j] = order[j], order[i]
+            j -= 1
+    return i

@@ -1,0 +1,46 @@
+"""When an hour lights the scene as the one before did, to the eye."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+
+
+class HourMessages(NamedTuple):
+    """All that lights a scene in an hour."""
+
+    sky: SkyRadianceChanged
+    key_light: KeyLightChanged
+    ambient: AmbientChanged
+
+
+def looks_like(now: HourMessages, before: HourMessages, change: float, sun_rad: float) -> bool:
+    """Whether light on surfaces differs from that of another hour by less than is seen.
+
+    Args:
+        now: an hour.
+        before: another.
+        change: share of the brightest irradiance by sky and key light that may change.
+        sun_rad: how far the key light may move.
+    """
+    if now == before:
+        return True
+    if (now.sky.source, now.key_light.body) != (before.sky.source, before.key_light.body):
+        return False
+    moved = np.linalg.norm(np.subtract(now.key_light.direction, before.key_light.direction))
+    return bool(moved <= sun_rad and _largest_change(now, before) <= change)
+
+
+def _largest_change(now: HourMessages, before: HourMessages) -> float:
+    """Of any harmonic, the key light or the ground, over the larger irradiance of the two."""
+    one, other = _irradiances(now), _irradiances(before)
+    brightest = max(np.abs(one).max(), np.abs(other).max())
+    return float(np.abs(one - other).max() / brightest) if brightest > 0.0 else 0.0
+
+
+def _irradiances(hour: HourMessages) -> np.ndarray:
+    ground = np.pi * np.asarray(hour.sky.ground_radiance_rgb)
+    key_light = np.asarray(hour.key_light.irradiance_rgb)
+    return np.vstack([hour.ambient.irradiance_sh_rgb.values, ground, key_light])

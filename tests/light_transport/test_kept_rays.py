@@ -1,0 +1,82 @@
+"""Rays kept on disk: the same light, sooner."""
+
+import pytest
+from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file, lights
+from light_transport.bake import Bake
+
+NOON = Shine(radiance=1.0, irradiance=3.0)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    return Show(path=str(box_file(tmp_path)))
+
+
+def light_of(*inputs):
+    stage = LightStage()
+    said = stage.tell(*COARSE, WANT, NOON, *inputs)
+    stage.kernel.close()
+    assert stage.kernel.last_fault("light_transport") is None
+    return lights(said)
+
+
+@pytest.fixture
+def traced(monkeypatch):
+    """How many rays of each texel were traced, round by round."""
+    counts, add_rays = [], Bake.add_rays
+
+    def noted(self, count, *arguments):
+        counts.append(count)
+        return add_rays(self, count, *arguments)
+
+    monkeypatch.setattr(Bake, "add_rays", noted)
+    return counts
+
+
+def test_a_scene_opened_again_traces_no_rays(scene, traced):
+    """Another session finds the rays of the first, and the very same light."""
+    first = light_of(scene)
+    assert traced == [64, 64]
+    again = light_of(scene)
+    assert traced == [64, 64]
+    assert [light.rays for light in again[-1:]] == [128]
+    assert again[-1] == first[-1]
+
+
+def test_other_colours_need_no_other_rays(scene, traced, tmp_path):
+    """What surfaces send back is no part of where rays end; the light is another."""
+    grey = light_of(scene)[-1]
+    white = light_of(Show(path=str(box_file(tmp_path, colour=0.9))))[-1]
+    assert traced == [64, 64]
+    assert white != grey
+
+
+def test_another_shape_needs_its_own_rays(scene, traced, tmp_path):
+    """A box of another size is another scene."""
+    light_of(scene)
+    light_of(Show(path=str(box_file(tmp_path, "larger.obj", boxes=((0.0, 2.5),)))))
+    assert traced == [64, 64, 64, 64]
+
+
+def test_damaged_files_are_traced_again(scene, traced, tmp_path):
+    """Half a file, or one that a foreign program wrote, is as good as none."""
+    first = light_of(scene)
+    kept = sorted((tmp_path / "cache").rglob("*.arrays"))
+    assert len(kept) == 2
+    kept[0].write_bytes(kept[0].read_bytes()[:-100])
+    kept[1].write_bytes(b"no rays")
+    assert light_of(scene)[-1] == first[-1]
+    assert traced == [64] * 4
+    assert light_of(scene)[-1] == first[-1]
+    assert traced == [64] * 4
+
+
+def test_a_folder_that_cannot_be_written_costs_nothing_but_time(scene, traced, tmp_path):
+    """Light comes all the same."""
+    first = light_of(scene)
+    for path in (tmp_path / "cache").rglob("*.arrays"):
+        path.unlink()
+    folder = next((tmp_path / "cache").rglob("light_maps"))
+    folder.rmdir()
+    folder.write_bytes(b"a file in its place")
+    assert light_of(scene)[-1] == first[-1]

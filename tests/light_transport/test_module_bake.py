@@ -1,0 +1,175 @@
+"""The module on the bus: what it does when, and what it leaves alone."""
+
+import math
+
+import numpy as np
+import pytest
+from light_stage import (
+    COARSE,
+    NO_MORE,
+    WANT,
+    LightStage,
+    Shine,
+    Show,
+    box_file,
+    layouts,
+    lights,
+    of_kind,
+)
+from light_transport.messages import BakeGrown
+from light_transport.tolerance import quality_for
+
+from vrut_lite.daylight.light_map import SurfaceLightChanged
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.kernel.messages import RestartModule
+
+NOON = Shine(radiance=1.0, irradiance=3.0)
+
+
+@pytest.fixture
+def stage(tmp_path):
+    stage = LightStage()
+    stage.tell(*COARSE)
+    yield stage
+    stage.kernel.close()
+    assert stage.kernel.last_fault("light_transport") is None
+
+
+@pytest.fixture
+def scene(tmp_path):
+    return Show(path=str(box_file(tmp_path)))
+
+
+def irradiance(light: SurfaceLightChanged):
+    return light.texels.values[..., :3].astype(float) * light.radiance_scale
+
+
+def test_nothing_is_done_without_demand(stage, scene):
+    """Who wants no light on surfaces pays nothing: no layout, no rays, no demand on the sky."""
+    said = stage.tell(scene, NOON)
+    assert said == []
+    assert not stage.ledger.done
+    assert stage.ledger.skipped["light map: unwanted or switched off"] >= 1
+    assert stage.kernel.wanted(SurfaceLightChanged) is None
+
+
+def test_light_grows_in_rounds_that_double(stage, scene):
+    """The first light comes by few rays; each round is told, and at the end all rays are there."""
+    said = stage.tell(NOON, WANT, scene)
+    (laid,) = layouts(said)
+    assert laid.content_key == stage.kernel.last(SceneOpened).content_key
+    assert [m.rays for m in of_kind(said, BakeGrown)] == [64, 128]
+    light = lights(said)
+    assert light[0].rays == 64
+    assert light[-1].rays == quality_for(0.1, "draft").rays
+    for message in (laid, *light):
+        message.check()
+        message.check_arrays()
+    assert {m.layout_key for m in light} == {laid.layout_key}
+    width, height = laid.size_px
+    assert light[-1].texels.shape == (height, width, 4)
+    assert irradiance(light[-1]).max() <= 1.01 * math.pi * 1.0 + 3.0
+    assert irradiance(light[-1]).max() > 0.5 * math.pi
+
+
+def test_an_hour_lights_the_same_map(stage, scene):
+    """A new sky costs no layout and no rays, and twice the sky is twice the light."""
+    before = irradiance(lights(stage.tell(WANT, scene, Shine(radiance=1.0)))[-1])
+    rounds = stage.ledger.done["round"]
+    (light,) = stage.tell(Shine(radiance=2.0))[-1:]
+    np.testing.assert_allclose(irradiance(light), 2.0 * before, rtol=2e-3, atol=1e-3)
+    assert stage.ledger.done["round"] == rounds
+    assert stage.ledger.done["layout"] == 1
+
+
+def test_an_hour_that_nobody_would_tell_apart_is_left_out(stage, scene):
+    """A sun that creeps by a hundredth of a degree lights the scene as before."""
+    stage.tell(WANT, scene, NOON)
+    done = stage.ledger.done["hour"]
+    angle = math.radians(0.01)
+    said = stage.tell(
+        Shine(radiance=1.0, irradiance=3.0, sun=(math.sin(angle), math.cos(angle), 0.0))
+    )
+    assert lights(said) == []
+    assert stage.ledger.done["hour"] == done
+    assert stage.ledger.skipped["hour: it looks like the one before"] >= 1
+    assert lights(stage.tell(Shine(radiance=1.0, irradiance=3.0, sun=(1.0, 0.0, 0.0))))
+
+
+def test_another_scene_begins_anew(stage, scene, tmp_path):
+    """Rays of a scene that was closed meanwhile bring nothing, and the new one is laid out."""
+    other = Show(path=str(box_file(tmp_path, "two.obj", boxes=((0.0, 2.0), (5.0, 1.0)))))
+    stage.tell(WANT, NOON)
+    stage.said.clear()
+    for message in (scene, other):
+        stage.kernel.inject(message)
+    stage.kernel.pump_until_idle()
+    (laid,) = layouts(stage.said)
+    assert laid.content_key == stage.kernel.last(SceneOpened).content_key
+    assert {m.layout_key for m in lights(stage.said)} == {laid.layout_key}
+    assert layouts(stage.tell(scene))[0].layout_key != laid.layout_key
+
+
+def test_switched_off_the_map_is_taken_back(stage, scene):
+    """A layout of no scene says so; switched on again the same light comes again."""
+    on = stage.tell(WANT, NOON, scene)
+    off = stage.set("on", False)
+    (nothing,) = layouts(off)
+    nothing.check()
+    nothing.check_arrays()
+    assert nothing.content_key == ""
+    assert stage.tell(Shine(radiance=5.0)) == []
+    stage.tell(NOON)
+    again = stage.set("on", True)
+    assert layouts(again) == layouts(on)
+    assert lights(again)[-1] == lights(on)[-1]
+
+
+def test_light_ends_with_the_demand(stage, scene):
+    """When the last consumer leaves, nothing goes on."""
+    stage.tell(WANT, NOON, scene)
+    stage.tell(NO_MORE)
+    done = stage.ledger.done.copy()
+    assert stage.tell(Shine(radiance=5.0), scene) == []
+    assert stage.ledger.done == done
+
+
+def test_settings_begin_anew_only_where_the_map_changes(stage, scene):
+    """Other texels need another layout; more rays alone go on from those that are there."""
+    stage.tell(WANT, NOON, scene)
+    (laid,) = layouts(stage.set("texel_m", 0.25))
+    assert laid.size_px[0] * laid.size_px[1] > 400
+    assert stage.set("texel_m", 0.25) == []
+
+
+def test_a_restarted_module_goes_on(stage, scene):
+    """The demand outlives the instance."""
+    before = stage.tell(WANT, NOON, scene)
+    again = stage.tell(RestartModule(module="light_transport"))
+    assert lights(again)[-1] == lights(before)[-1]
+
+
+def test_without_light_there_are_rays_and_no_message(stage, scene):
+    """Before the sky has spoken the bake goes on; its first word is enough for an hour."""
+    said = stage.tell(WANT, scene)
+    assert len(layouts(said)) == 1
+    assert lights(said) == []
+    assert lights(stage.tell(NOON))[-1].rays == quality_for(0.1, "draft").rays
+
+
+def test_a_scene_without_surfaces_is_no_fault(stage, scene):
+    """Nothing but sky has nothing to light."""
+    said = stage.tell(WANT, NOON, Show(path=scene.path, with_parts=False))
+    assert layouts(said) == lights(said) == []
+    assert stage.ledger.skipped["light map: a scene without surfaces"] == 1
+
+
+def test_the_ground_is_lit_too(stage, scene):
+    """The disc that a scene stands on is darker beside the box than far away from it."""
+    said = stage.tell(WANT, Shine(radiance=1.0), Show(path=scene.path, with_ground=True))
+    (laid,) = layouts(said)
+    x, y = laid.ground.corner_px
+    edge = laid.ground.edge_px
+    open_share = lights(said)[-1].texels.values[y : y + edge, x : x + edge, 3].astype(float)
+    assert open_share[0, 0] > 0.97
+    assert open_share.min() < 0.3

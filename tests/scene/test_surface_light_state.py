@@ -1,0 +1,141 @@
+"""The scene manager and the light map: it asks for one, and takes what belongs to its scene."""
+
+import msgspec
+import numpy as np
+import pytest
+import trimesh
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import RestartModule, Tick
+from vrut_lite.kernel.module import Manifest, Module, handles
+from vrut_lite.scene.backend import SceneView
+from vrut_lite.scene.manager import SceneManager
+
+
+class Transport(Module):
+    """Posts what a test gives it."""
+
+    manifest = Manifest(name="transport", title="Transport", version="1")
+    given: tuple = ()
+
+    @handles(Tick)
+    def on_tick(self, message: Tick) -> None:
+        for post in type(self).given:
+            self.link.post(post)
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """A kernel with a manager, its view, a way to post, and two scenes of one part."""
+    files = []
+    for number in (1, 2):
+        files.append(str(tmp_path / f"{number}.glb"))
+        trimesh.creation.box((number, 2, 2)).export(files[-1])
+    kernel, view = Kernel(), SceneView()
+    kernel.add_module(Transport)
+    kernel.add_module(SceneManager, view=view)
+    kernel.pump()
+
+    def post(*messages):
+        Transport.given = messages
+        kernel.inject(Tick(elapsed_s=0.1))
+        kernel.pump_until_idle()
+        return view.state
+
+    def load(number):
+        kernel.inject(LoadScene(path=files[number]))
+        kernel.pump_until_idle()
+        return view.state.scene
+
+    return kernel, view, post, load
+
+
+def laid(scene, key="layout", parts=1):
+    return LightMapLaid(
+        content_key=scene.content_key, layout_key=key, size_px=(4, 4),
+        shapes=Array(np.zeros((0, 5), np.int64)), source_vertex=Array(np.zeros(0, np.int32)),
+        uv=Array(np.zeros((0, 2), np.float32)), triangles=Array(np.zeros((0, 3), np.int32)),
+        part_shape=Array(np.full(parts, -1, np.int32)),
+        part_corner_px=Array(np.zeros((parts, 2), np.int32)),
+        ground=None, probes=None, source="test",
+    )  # fmt: skip
+
+
+def lit(layout):
+    return SurfaceLightChanged(
+        layout_key=layout.layout_key, texels=Array(np.ones((4, 4, 4), np.float16)), probes=None,
+        radiance_scale=1.0, rays=1, source="test",
+    )  # fmt: skip
+
+
+def test_light_on_surfaces_is_asked_for_where_there_are_surfaces(stage):
+    """Without a scene nobody is to bake anything."""
+    kernel, _, _, load = stage
+    kinds = (LightMapLaid, SurfaceLightChanged)
+    assert [kernel.wanted(kind) for kind in kinds] == [None, None]
+    load(0)
+    assert all(kernel.wanted(kind) is not None for kind in kinds)
+
+
+def test_where_no_backend_draws_a_light_map_none_is_baked(stage, tmp_path):
+    """A path tracer finds the light between surfaces by itself."""
+    load_file = LoadScene(path=str(tmp_path / "1.glb"))
+    kernel = Kernel()
+    kernel.add_module(SceneManager, light_map=False)
+    kernel.inject(load_file)
+    kernel.pump_until_idle()
+    assert kernel.wanted(CloudsChanged) is not None
+    assert kernel.wanted(SurfaceLightChanged) is None
+
+
+def test_map_and_light_of_the_open_scene_are_kept(stage):
+    """Each as it was posted, also where the light comes again by itself."""
+    _, _, post, load = stage
+    layout = laid(load(0))
+    state = post(layout)
+    assert (state.light_map, state.surface_light) == (layout, None)
+    for light in (lit(layout), msgspec.structs.replace(lit(layout), rays=2)):
+        state = post(light)
+        assert state.light_map is layout
+        assert state.surface_light is light
+
+
+def test_what_is_of_another_scene_or_layout_is_left_out(stage):
+    """Texels of other surfaces would show as nonsense."""
+    _, _, post, load = stage
+    scene = load(0)
+    layout = laid(scene)
+    assert post(laid(scene, parts=2)).light_map is None
+    assert post(msgspec.structs.replace(layout, content_key="other")).light_map is None
+    state = post(layout, lit(laid(scene, "later")))
+    assert (state.light_map, state.surface_light) == (layout, None)
+    assert post(lit(layout)).surface_light is not None
+    # A finer layout: the light of the last one no longer lies where it says.
+    assert post(laid(scene, "finer")).surface_light is None
+
+
+def test_another_scene_drops_the_light_and_the_same_again_keeps_it(stage):
+    """By its content, whatever its file is called."""
+    _, view, post, load = stage
+    layout = laid(load(0))
+    light = lit(layout)
+    post(layout, light)
+    load(0)
+    assert view.state.surface_light is light
+    load(1)
+    assert (view.state.light_map, view.state.surface_light) == (None, None)
+
+
+def test_a_restarted_manager_shows_the_same_light(stage):
+    """The picture must not change because a module began anew."""
+    kernel, view, post, load = stage
+    layout = laid(load(0))
+    light = lit(layout)
+    post(layout, light)
+    kernel.inject(RestartModule(module="scene"))
+    kernel.pump_until_idle()
+    assert view.state.surface_light is light

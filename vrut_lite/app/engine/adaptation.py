@@ -1,0 +1,139 @@
+"""Automatic exposure in the window: metered at once, adapting to a moved camera, or held.
+
+The first picture of a new scene, a chosen hour or a chosen place is metered. A moved camera adapts
+the exposure over a second. The exposure then follows the picture, for example when a light map
+comes late, until playing or dragged time or a setting changes the light: from then on it is held,
+so that dusk darkens. Times are seconds of the engine's clock.
+"""
+
+from math import exp
+
+import msgspec
+
+from vrut_lite.app.engine.history import GESTURE_S
+from vrut_lite.daylight.light_map import SurfaceLightChanged
+from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    EnableModule,
+    Message,
+    SetClock,
+    SetSetting,
+    Tick,
+)
+from vrut_lite.pictures.exposure import automatic_ev100
+from vrut_lite.pictures.picture import Picture
+
+# 95 % of the difference in stops is gone after a second.
+_TIME_CONSTANT_S = 1.0 / 3.0
+_ADAPTED_S = 1.5
+_SETTLED_EV = 0.02
+# Time between two pictures of an adaptation; a longer pause counts as the second value.
+_STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
+
+
+class Adaptation:
+    """Says how the next picture is exposed, and learns from each picture; one thread only.
+
+    `wakes_at_s` is when the next picture is due although the scene's state has not changed.
+    """
+
+    def __init__(self) -> None:
+        self.wakes_at_s: float | None = None
+        # EV100 without compensation; None: the next picture is metered by itself.
+        self._ev100: float | None = None
+        self._seen_ev100 = 0.0
+        self._stepped_s = 0.0
+        # Whether the exposure follows the picture, and until when only the camera decides that.
+        self._follows = True
+        self._follows_until_s = 0.0
+        # Hours that are set before this time belong to one drag; whether that drag is still held.
+        self._drag_ends_s = 0.0
+        self._dragged = False
+        # The layout of the light map whose first light was adapted to.
+        self._lit_layout = ""
+        self._state = SceneState()
+
+    @property
+    def settled(self) -> bool:
+        """Whether a finished picture would have the exposure of the last one."""
+        return self._arrived and self.wakes_at_s is None
+
+    @property
+    def held(self) -> bool:
+        """Whether automatic exposure stays as it is, whatever the picture shows."""
+        return not self._follows
+
+    @property
+    def _arrived(self) -> bool:
+        if self._ev100 is None or not self._follows:
+            return True
+        return abs(self._seen_ev100 - self._ev100) < _SETTLED_EV
+
+    def meter_anew(self) -> None:
+        """Meter the next picture by itself."""
+        self._ev100, self._follows, self._dragged = None, True, False
+
+    def hear(self, message: Message, now_s: float) -> None:
+        """Note a message that the kernel delivers."""
+        if isinstance(message, (SetClock, SetPlace)):
+            # The first hour of a drag is metered; the next ones show how the light changes.
+            if now_s >= self._drag_ends_s and self._arrived:
+                self.meter_anew()
+            else:
+                self._hold(now_s)
+                self._dragged = True
+            self._drag_ends_s = now_s + GESTURE_S
+        elif isinstance(message, (Tick, SetSetting, SetTolerance, ChooseSlot, EnableModule)):
+            self._hold(now_s)
+        elif isinstance(message, SurfaceLightChanged) and message.layout_key != self._lit_layout:
+            self._lit_layout = message.layout_key
+            self._follow(now_s)
+
+    def exposure_of(self, state: SceneState) -> SetExposure:
+        """The exposure of a finished picture: metered by itself unless it is held."""
+        wish = state.exposure
+        if wish.mode == "manual" or self._follows or self._ev100 is None:
+            return wish
+        return msgspec.structs.replace(wish, mode="manual", ev100=self._ev100)
+
+    def next_exposure(self, state: SceneState, now_s: float) -> SetExposure:
+        """The exposure of the next quick picture, a step nearer to what is seen."""
+        if state.scene is not self._state.scene or state.exposure.mode == "manual":
+            self.meter_anew()
+        elif state.camera != self._state.camera or (self._dragged and now_s >= self._drag_ends_s):
+            self._follow(now_s)
+        self._state, self.wakes_at_s = state, None
+        if self._ev100 is None:
+            return state.exposure
+        if self._follows:
+            step_s = min(now_s - self._stepped_s, _LONGEST_STEP_S)
+            way_ev = self._seen_ev100 - self._ev100
+            self._ev100 += way_ev * (1.0 - exp(-step_s / _TIME_CONSTANT_S))
+        return msgspec.structs.replace(state.exposure, mode="manual", ev100=self._ev100)
+
+    def drew(self, picture: Picture, exposure: SetExposure, now_s: float) -> None:
+        """Meter a picture that was drawn with `exposure`, which this object chose."""
+        if self._state.exposure.mode == "manual":
+            return
+        if exposure.mode == "auto":
+            self._ev100 = self._seen_ev100 = picture.ev100 + exposure.compensation_ev
+        elif self._follows:
+            self._seen_ev100 = automatic_ev100(picture.radiance)
+        self._stepped_s = now_s
+        if not self._arrived:
+            self.wakes_at_s = now_s + _STEP_S
+        elif self._dragged:
+            self.wakes_at_s = self._drag_ends_s
+
+    def _follow(self, now_s: float) -> None:
+        if not self._follows and self._ev100 is not None:
+            self._seen_ev100 = self._ev100
+        self._follows, self._dragged = True, False
+        self._follows_until_s = now_s + _ADAPTED_S
+
+    def _hold(self, now_s: float) -> None:
+        self._follows = now_s < self._follows_until_s

@@ -1,0 +1,103 @@
+"""The commands of the File menu: open, save, export, screenshot, and their file dialogs."""
+
+from pathlib import Path
+
+from platformdirs import user_pictures_path
+from PySide6.QtWidgets import QFileDialog
+
+from vrut_lite.app.engine.export import export_picture
+from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
+from vrut_lite.app.window.desk import Desk
+from vrut_lite.app.window.kept import Kept
+from vrut_lite.app.window.screenshot import save_screenshot
+from vrut_lite.app.window.status_line import StatusLine
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.errors import UserError
+from vrut_lite.project import PROJECT_SUFFIX, Project, load_project, save_project
+
+_TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
+
+
+class Files:
+    """Files of one window; the status line shows results and errors.
+
+    Screenshots go to the folder `pictures`.
+    """
+
+    def __init__(self, desk: Desk, kept: Kept, status: StatusLine):
+        self._desk, self._session, self._status = desk, desk.session, status
+        self.kept = kept
+        self.pictures = user_pictures_path() / "vrut_lite"
+
+    def open_path(self, path: str) -> None:
+        """Open a scene or a project; a file that cannot be opened changes nothing."""
+        if Path(path).suffix.lower() != PROJECT_SUFFIX:
+            self._status.show_news(f"Opening {path} \N{HORIZONTAL ELLIPSIS}")
+            self._session.send(LoadScene(path=path))
+            return
+        try:
+            self.open_project(load_project(path))
+        except UserError as error:
+            self._status.show_problem(str(error))
+        else:
+            self.add_recent(path)
+
+    def add_recent(self, path: str) -> None:
+        """Note an opened file for the list of recent ones."""
+        try:
+            self.kept.add_recent(path)
+        except UserError as error:
+            self._status.show_problem(str(error))
+
+    def open_project(self, project: Project) -> None:
+        """Show a project."""
+        self._session.ask(
+            lambda stage: inputs_of(project, stage.kernel),
+            lambda inputs: self._session.begin_with(*inputs),
+        )
+
+    def save(self, path: str) -> None:
+        """Save the project."""
+        try:
+            save_project(path, project_of(self._session))
+        except UserError as error:
+            self._status.show_problem(str(error))
+        else:
+            self._status.show_news(f"Saved {path}")
+
+    def export(self, path: str) -> None:
+        """Write the picture."""
+        export_picture(self._session, path, self._status.show_news)
+
+    def save_screenshot(self) -> None:
+        """Write the picture with its overlays into the folder `pictures`."""
+        try:
+            self._status.show_news(f"Saved {save_screenshot(self._desk, self.pictures)}")
+        except UserError as error:
+            self._status.show_problem(str(error))
+
+    # --- with a dialog for the name ----------------------------------------------------------
+
+    def ask_to_open(self) -> None:
+        """Let a file be chosen, and open it."""
+        path, _ = QFileDialog.getOpenFileName(
+            self._desk.viewport, "Open", folder_of(self._session), _TO_OPEN
+        )
+        if path:
+            self.open_path(path)
+
+    def ask_to_save(self) -> None:
+        """Let a name be chosen, and save the project."""
+        path = self._new_name("Save project", "Projects (*.toml)")
+        if path:
+            self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
+
+    def ask_to_export(self) -> None:
+        """Let a name be chosen, and write the picture."""
+        path = self._new_name("Export picture", "Pictures (*.png *.exr)")
+        if path:
+            self.export(path)
+
+    def _new_name(self, title: str, kinds: str) -> str:
+        viewport, folder = self._desk.viewport, folder_of(self._session)
+        return QFileDialog.getSaveFileName(viewport, title, folder, kinds)[0]

@@ -1,0 +1,72 @@
+// The light that reaches a surface by all ways but straight from the sun: RGB irradiance in W m^-2,
+// and the share of the open sky's that arrives, in alpha. render/surface_light.py uploads it.
+
+layout(binding = 5) uniform sampler2D light_map;
+layout(binding = 6) uniform sampler3D light_probes;  // its layers: six faces, each all of z
+layout(binding = 7) uniform sampler2D open_sky;      // open_irradiance.py's table
+//!include surface_light_block.glsl
+
+const float GROUND_FADE = 0.7;  // of the half width, where the map goes over into open ground
+
+vec4 map_light(vec2 at_px) {
+    vec4 light = textureLod(light_map, at_px * surface.texel, 0.0);
+    return vec4(light.rgb * surface.radiance_scale, light.a);
+}
+
+// Irradiance of a plane with normal n under the open sky, where sky_irradiance costs more.
+vec3 open_irradiance(vec3 n) {
+    vec3 on_faces = n / (abs(n.x) + abs(n.y) + abs(n.z));
+    vec2 at = on_faces.xz;
+    if (n.y < 0.0) at = (1.0 - abs(at.yx)) * vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0);
+    float nodes = float(textureSize(open_sky, 0).x);
+    vec2 texel = (0.5 + 0.5 * at) * (nodes - 1.0) + 0.5;
+    return textureLod(open_sky, texel / nodes, 0.0).rgb;
+}
+
+#ifdef GROUND_LIGHT
+// At a point relative to the eye: daylight/light_map.py says where it lies in the map.
+vec4 ground_light(vec3 point) {
+    vec2 away_m = surface.ground_eye_m + point.xz;
+    vec2 reach = away_m / surface.ground_half_width_m;
+    vec2 x = abs(reach) * surface.ground_slope;
+    vec2 along = sign(reach) * log(x + sqrt(x * x + 1.0)) / surface.ground_warp;  // asinh
+    vec2 at_px = surface.ground_first + clamp(0.5 + 0.5 * along, 0.0, 1.0) * surface.ground_steps;
+    float far = smoothstep(GROUND_FADE, 1.0, max(abs(reach.x), abs(reach.y)));
+    return mix(map_light(at_px), vec4(surface.open_ground, 1.0), far);
+}
+#endif
+
+#ifdef LIGHT_PROBES
+vec3 among_probes(vec3 point) {
+    return surface.probes_eye + point * surface.probes_per_m;
+}
+
+// Whether probes stand around a point, or at least beside it.
+bool has_probes(vec3 point) {
+    vec3 at = among_probes(point);
+    return all(greaterThan(at, vec3(-1.0))) && all(lessThan(at, surface.probe_counts));
+}
+
+// Of a plane with normal n: each of the six planes by its squared cosine, so that shares sum up
+// to one (McTaggart 2004, "Half-Life 2 / Valve Source shading").
+vec4 probe_light(vec3 point, vec3 n) {
+    // Half a step off the surface: the nearest probes are else behind it.
+    vec3 at = among_probes(point) + 0.5 * n;
+    at = clamp(at, vec3(0.0), surface.probe_counts - 1.0) + 0.5;
+    vec3 size = vec3(surface.probe_counts.xy, 6.0 * surface.probe_counts.z);
+    vec3 weight = n * n / dot(n, n);
+    vec4 light = vec4(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        float face = 2.0 * axis + (n[axis] < 0.0 ? 1.0 : 0.0);
+        float layer = at.z + face * surface.probe_counts.z;
+        light += weight[axis] * textureLod(light_probes, vec3(at.xy, layer) / size, 0.0);
+    }
+    return vec4(light.rgb * surface.radiance_scale, light.a);
+}
+#endif
+
+// How much more or less light a plane has with normal n than with another, by the open sky.
+vec3 tilted(vec3 n, vec3 from, float most) {
+    vec3 wanted = open_irradiance(n), had = open_irradiance(from);
+    return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
+}

@@ -1,0 +1,157 @@
+"""The light map and the probes of a frame on the GPU, and the block of numbers beside them.
+
+Which light a mesh is drawn with is compiled into its program: texels of its own, the chart of the
+ground, probes, or the open sky where none of these is there.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+from vrut_lite.render.light import Light
+from vrut_lite.render.open_irradiance import open_irradiance
+from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
+from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
+
+# As surface_light.glsl binds them.
+_MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT = 5, 6, 7
+_UP = np.array([0.0, 1.0, 0.0])
+
+
+class SurfaceLightOnGpu:
+    """The textures of one hour's light; made and used on the GL thread only."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._block = context.buffer(reserve=SURFACE_LIGHT.size_bytes)
+        self._laid: LightMapLaid | None = None
+        self._light: SurfaceLightChanged | None = None
+        self._open_sky: Any = None
+        self._harmonics: NDArray | None = None
+        self._map: Any = None
+        self._probes: Any = None
+        self._sees_sky: dict[PlacedPrimitive, bool] = {}
+
+    def lay_out(self, laid: LightMapLaid | None) -> None:
+        """Take the layout of the light that comes next."""
+        self._laid = laid
+
+    def show(self, light: SurfaceLightChanged | None) -> None:
+        """Upload the light of an hour in place of the last; None where there is none."""
+        self._light = light
+        self._sees_sky.clear()
+        if light is None:
+            self._free()
+            return
+        self._map = self._written(self._map, light.texels.values, light.texels.shape[1::-1])
+        if light.probes is not None:
+            # The six faces one behind the other, each with all its slices.
+            faces = np.moveaxis(light.probes.values, 3, 0)
+            layers, rows, columns = faces.shape[0] * faces.shape[1], *faces.shape[2:4]
+            self._probes = self._written(self._probes, faces, (columns, rows, layers))
+
+    def defines(self, placed: PlacedPrimitive) -> Defines:
+        """What the program of a mesh is compiled with, by where its light comes from."""
+        if self._light is None or self._laid is None:
+            return ()
+        if placed.is_ground:
+            return () if self._laid.ground is None else ("GROUND_LIGHT",)
+        probes: Defines = () if self._laid.probes is None else ("LIGHT_PROBES",)
+        if placed.light_corner_px is None:
+            return probes
+        two_sided = placed.primitive.material.doubleSided
+        return ("LIGHT_MAP", *(("TWO_SIDED", *probes) if two_sided else ()))
+
+    def sees_sky(self, placed: PlacedPrimitive) -> bool:
+        """Whether a mesh gets light from the sky itself, so that it may mirror it."""
+        if placed not in self._sees_sky:
+            self._sees_sky[placed] = self._gets_light_of_sky(placed)
+        return self._sees_sky[placed]
+
+    def bind(self, scene: PyrenderScene, light: Light, eye_m: NDArray[np.float64]) -> None:
+        """Hand light and layout to all meshes that are drawn next, as an eye (3,) sees them."""
+        if self._light is None or self._laid is None:
+            return
+        ground, probes = self._laid.ground or _NO_GROUND, self._laid.probes or _NO_PROBES
+        self._block.write(
+            SURFACE_LIGHT.packed(
+                texel=1.0 / np.array(self._laid.size_px),
+                radiance_scale=self._light.radiance_scale,
+                ground_warp=ground.warp,
+                ground_slope=np.sinh(ground.warp),
+                ground_first=np.array(ground.corner_px) + 0.5,
+                ground_eye_m=eye_m[[0, 2]] - scene.ground_centre_xz_m,
+                ground_half_width_m=ground.half_width_m,
+                ground_steps=ground.edge_px - 1,
+                open_ground=evaluate_irradiance(light.irradiance_sh, _UP),
+                probes_eye=(eye_m - probes.lower_m) / np.array(probes.step_m),
+                probes_per_m=1.0 / np.array(probes.step_m),
+                probe_counts=probes.counts,
+            )
+        )
+        self._block.bind_to_uniform_block(SURFACE_LIGHT.binding)
+        self._map.use(location=_MAP_UNIT)
+        self._open_sky_of(light.irradiance_sh).use(location=_OPEN_SKY_UNIT)
+        if self._laid.probes is not None:
+            self._probes.use(location=_PROBE_UNIT)
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        self._free()
+        self._release(self._open_sky)
+        self._block.release()
+
+    def _open_sky_of(self, harmonics: NDArray) -> Any:
+        """The table of `open_irradiance` of these harmonics (25, 3)."""
+        if self._harmonics is None or not np.array_equal(harmonics, self._harmonics):
+            self._harmonics = np.array(harmonics)
+            table = open_irradiance(self._harmonics)
+            self._open_sky = self._written(self._open_sky, table, table.shape[1::-1])
+        return self._open_sky
+
+    def _gets_light_of_sky(self, placed: PlacedPrimitive) -> bool:
+        lit = self.defines(placed)
+        if "LIGHT_MAP" not in lit or "TWO_SIDED" in lit:
+            return True
+        assert self._light is not None
+        assert placed.light_corner_px is not None
+        # Between the texels that a triangle lies in: one more on each side.
+        reached = placed.primitive.tangents[:, :2]
+        first = np.floor(reached.min(axis=0) - 0.5).astype(int) + placed.light_corner_px
+        last = np.floor(reached.max(axis=0) + 0.5).astype(int) + placed.light_corner_px
+        (left, top), (right, bottom) = np.maximum(first, 0), last
+        share = self._light.texels.values[top : bottom + 1, left : right + 1, 3]
+        return bool(share.any())
+
+    def _written(self, texture: Any, values: NDArray[Any], size: tuple[int, ...]) -> Any:
+        """Values in a texture of that size: the one given, or a new one in its place."""
+        if texture is None or texture.size != size:
+            self._release(texture)
+            make = self._context.texture3d if len(size) == 3 else self._context.texture
+            texture = make(size, values.shape[-1], dtype=f"f{values.itemsize}", alignment=1)
+            texture.filter = (self._context.LINEAR, self._context.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
+            if len(size) == 3:
+                texture.repeat_z = False
+        texture.write(np.ascontiguousarray(values).tobytes(), alignment=1)
+        return texture
+
+    def _free(self) -> None:
+        self._release(self._map)
+        self._release(self._probes)
+        self._map = self._probes = None
+
+    def _release(self, texture: Any) -> None:
+        if texture is not None:
+            bind_permanent_framebuffer(self._context)
+            texture.release()
+
+
+# Numbers for what no program reads.
+_NO_GROUND = GroundChart(corner_px=(0, 0), edge_px=2, half_width_m=1.0, warp=1.0)
+_NO_PROBES = ProbeGrid(lower_m=(0.0,) * 3, step_m=(1.0,) * 3, counts=(2, 2, 2))
