@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from vrut_lite.errors import UserError
 
-Variant = Literal["scalar", "llvm"]
+Variant = Literal["auto", "scalar", "llvm"]
 EXTRA = "ref"
 # What mitsuba's wheel loads and does not bring.
 SYSTEM_PACKAGE = "libatomic1"
@@ -26,7 +26,7 @@ _VERSIONS = ("20", "19", "18", "17", "16")
 
 
 def load_mitsuba(variant: Variant = "scalar") -> Any:
-    """The package, set to a variant.
+    """The package, set to a variant; `auto` is llvm where it runs.
 
     Raises:
         UserError: it is not installed, or lacks a library, or this variant does not run here.
@@ -43,11 +43,24 @@ def load_mitsuba(variant: Variant = "scalar") -> Any:
             f"mitsuba cannot be loaded ({error.__context__ or error}): install the system's "
             f"package {SYSTEM_PACKAGE}, or its like"
         ) from None
-    if variant == "llvm":
-        os.environ[LIBRARY_VARIABLE] = safe_library()
-    mitsuba.set_variant("scalar_rgb" if variant == "scalar" else "llvm_ad_rgb")
+    library = _library_for(variant)
+    if library:
+        os.environ[LIBRARY_VARIABLE] = library
+    mitsuba.set_variant("llvm_ad_rgb" if library else "scalar_rgb")
     mitsuba.set_log_level(mitsuba.LogLevel.Error)
     return mitsuba
+
+
+def _library_for(variant: Variant) -> str:
+    """The LLVM to use; empty for none."""
+    if variant == "scalar":
+        return ""
+    try:
+        return safe_library()
+    except UserError:
+        if variant == "llvm":
+            raise
+        return ""
 
 
 @lru_cache(maxsize=1)

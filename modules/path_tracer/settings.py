@@ -6,8 +6,8 @@ import msgspec
 
 from vrut_lite.kernel.settings import setting
 
-# What stands for what is no metal: see `PathTracerSettings.surfaces`.
-SurfaceModel = Literal["gltf", "bare", "principled"]
+# What stands for a material: see `PathTracerSettings.surfaces`.
+SurfaceModel = Literal["layered", "gltf", "bare", "principled"]
 
 
 class PathTracerSettings(msgspec.Struct, frozen=True):
@@ -26,13 +26,16 @@ class PathTracerSettings(msgspec.Struct, frozen=True):
         ),
     ] = "disc"
     surfaces: Annotated[
-        SurfaceModel,
+        Literal["auto", "layered", "gltf", "bare", "principled"],
         setting(
-            "What is no metal: Lambert's surface under a coat, as glTF has it, bare "
-            "of its coat, or a principled BSDF",
-            source="glTF 2.0, appendix B; Burley 2012",
+            "The GL frame's own surfaces, layered, which take sixty times as long in scalar; or by "
+            "mitsuba's plugins Lambert's surface under a coat of even strength, gltf, or bare of "
+            "its coat, or a principled BSDF; auto: layered in llvm, gltf in scalar",
+            source="Kelemen and Szirmay-Kalos 2001; Turquin 2019; glTF 2.0, appendix B; "
+            "Burley 2012",
         ),
-    ] = "gltf"
+    ] = "auto"
     variant: Annotated[
-        Literal["scalar", "llvm"], setting("Of mitsuba: scalar_rgb, or llvm_ad_rgb where it runs")
-    ] = "scalar"
+        Literal["auto", "scalar", "llvm"],
+        setting("Of mitsuba: scalar_rgb, or llvm_ad_rgb; auto: llvm where it runs"),
+    ] = "auto"

@@ -36,19 +36,20 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
     skins = _skins(subject)
     times = Counter(geometry.part_mesh.values.tolist())
     groups: dict[int, Any] = {}
+    bsdfs = _Bsdfs(mitsuba, model)
     result: dict[str, Any] = {}
     for part, (number, world_from_mesh) in enumerate(_places(subject)):
         matrix = subject.units_from_world() @ world_from_mesh
         name, skin = f"shape_{part}", skins[number]
         if times[number] == 1 or skin.glows or skin.is_painted or _is_flat(matrix):
-            result[name] = _mesh(mitsuba, skin, matrix, model)
+            result[name] = _mesh(mitsuba, skin, matrix, model, bsdfs)
             continue
         centre = _centre(skin.mesh)
         if number not in groups:
             back = np.eye(4)
             back[:3, 3] = -centre
             groups[number] = mitsuba.load_dict(
-                {"type": "shapegroup", "mesh": _mesh(mitsuba, skin, back, model)}
+                {"type": "shapegroup", "mesh": _mesh(mitsuba, skin, back, model, bsdfs)}
             )
             result[f"{name}_group"] = groups[number]
         place = matrix.copy()
@@ -66,9 +67,9 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
     """The shapes that shine, under the names that they have in `shapes`."""
     units = subject.units_from_world()
-    skins = _skins(subject)
+    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model)
     return {
-        f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, glowing=True)
+        f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, bsdfs, glowing=True)
         for part, (number, matrix) in enumerate(_places(subject))
         if skins[number].glows
     }
@@ -92,6 +93,35 @@ class _Skin(NamedTuple):
         return colours is not None and colours_vary(colours)
 
 
+class _Bsdfs:
+    """One BSDF for all meshes of a material, so that llvm kernels compile in seconds."""
+
+    def __init__(self, mitsuba: Any, model: SurfaceModel):
+        self._mitsuba, self._model = mitsuba, model
+        self._made: dict[tuple[int, bytes], Any] = {}
+
+    def of(self, skin: _Skin) -> Any:
+        """The mesh's BSDF."""
+        colours = skin.mesh.colours_rgba
+        # Vertices' colours are the mesh's attribute, or one factor of all its colours.
+        own = b"" if colours is None else colours[: None if skin.is_painted else 1].tobytes()
+        if skin.is_painted and self._model == "layered":
+            own = b"attribute"
+        key = (skin.mesh.material, own)
+        if key not in self._made:
+            made = surface(
+                self._mitsuba, skin.material, _layer(skin.material), colours, self._model
+            )
+            self._made[key] = self._mitsuba.load_dict(made)
+        return self._made[key]
+
+
+def _layer(material: Material) -> int:
+    """The layer of texture coordinates that a material's maps lie on."""
+    base_colour = material.maps.get("base_colour")
+    return 0 if base_colour is None else base_colour.uv_layer
+
+
 def _skins(subject: Subject) -> list[_Skin]:
     geometry, materials = subject.scene.geometry, subject.scene.materials.all()
     meshes = map(geometry.mesh, range(geometry.mesh_count))
@@ -110,12 +140,12 @@ def _mesh(
     skin: _Skin,
     matrix: NDArray[np.float64],
     model: SurfaceModel,
+    bsdfs: _Bsdfs,
     glowing: bool = False,
 ) -> Any:
     """A shape whose vertices are moved by the matrix (4, 4) in double precision."""
     mesh, material = skin
-    base_colour = material.maps.get("base_colour")
-    layer = 0 if base_colour is None else base_colour.uv_layer
+    layer = _layer(material)
     uv = _coordinates(mesh, layer)
     colours = mesh.colours_rgba
     made = _new_mesh(
@@ -124,11 +154,11 @@ def _mesh(
         normals=_moved_normals(mesh.normals, matrix),
         faces=mesh.triangles,
         uv=uv,
-        bsdf=surface(mitsuba, material, layer, colours, model),
+        bsdf=bsdfs.of(skin),
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
     if colours is not None:
-        painted = painted_vertices(material, layer, colours)
+        painted = painted_vertices(material, layer, colours, model)
         made.add_attribute(VERTEX_COLOUR, painted.shape[1], painted.ravel())
     return made
 
@@ -145,7 +175,7 @@ def _ground(mitsuba: Any, subject: Subject, ground: GroundDisc) -> Any:
         normals=np.tile([0.0, 1.0, 0.0], (len(vertices), 1)),
         faces=triangles,
         uv=None,
-        bsdf=matte(np.asarray(subject.state.ground_albedo_rgb)),
+        bsdf=mitsuba.load_dict(matte(np.asarray(subject.state.ground_albedo_rgb))),
         emitter=None,
     )
 
@@ -156,11 +186,11 @@ def _new_mesh(
     normals: NDArray[np.float64],
     faces: NDArray[Any],
     uv: NDArray[np.float64] | None,
-    bsdf: Plugin,
+    bsdf: Any,
     emitter: Plugin | None,
 ) -> Any:
     properties = mitsuba.Properties()
-    properties["mesh_bsdf"] = mitsuba.load_dict(bsdf)
+    properties["mesh_bsdf"] = bsdf
     if emitter is not None:
         properties["emitter"] = mitsuba.load_dict(emitter)
     made = mitsuba.Mesh(

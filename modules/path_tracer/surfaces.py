@@ -1,11 +1,13 @@
-"""glTF's metallic-roughness materials as BSDFs of mitsuba.
+"""glTF's metallic-roughness materials as BSDFs of mitsuba, by one of four models.
 
-Metals are principled BSDFs (Burley 2012), whose Fresnel term and GGX width, roughness squared,
-are glTF's own. What is no metal is Lambert's surface and the reflection of a rough dielectric
-(index 1.5, so 4 % at normal incidence), as glTF and the GL frame have it; the paint has what the
-coat leaves on average. The principled BSDF can stand for these too: its diffuse lobe sends more
-light back to where it came from, a fifth more from rough surfaces. Mitsuba's `roughplastic`
-cannot: it loses half of the light at a roughness of 0.7. Back sides are lit like front sides.
+`layered` is the GL frame's own surface (layered.py). The others are of mitsuba's plugins. Their
+metals are principled BSDFs (Burley 2012), whose Fresnel term and GGX width, roughness squared, are
+glTF's own; light that bounces between facets is lost. What is no metal is in `gltf` Lambert's
+surface and the reflection of a rough dielectric (index 1.5, so 4 % at normal incidence), the paint
+having what the coat leaves on average; in `bare` Lambert's surface alone; in `principled` Burley's,
+whose diffuse lobe sends more light back to where it came from, a fifth more from rough surfaces.
+Mitsuba's `roughplastic` cannot stand for any: it loses half of the light at a roughness of 0.7.
+Back sides are lit like front sides.
 """
 
 from collections.abc import Callable
@@ -14,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from path_tracer.settings import SurfaceModel
+from path_tracer.layered import PLUGIN, register
+from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.textures import Maps, maps_of
 from vrut_lite.daylight.scene_content import Material
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
@@ -34,6 +37,13 @@ _SAME_COLOUR = 0.002
 _SAME_HUE = 0.02
 
 
+def model_of(settings: PathTracerSettings, mitsuba: Any) -> SurfaceModel:
+    """The model that the settings mean in the variant of mitsuba that is set."""
+    if settings.surfaces != "auto":
+        return settings.surfaces
+    return "gltf" if mitsuba.variant().startswith("scalar") else "layered"
+
+
 def matte(albedo_rgb: NDArray[np.float64]) -> Plugin:
     """Lambert's surface, seen from both sides."""
     return _both_sides({"type": "diffuse", "reflectance": _rgb(np.clip(albedo_rgb, 0.0, 1.0))})
@@ -49,11 +59,13 @@ def surface(
     """The BSDF of a material whose maps lie on this layer of texture coordinates.
 
     `vertex_colours` (V, 4) multiply the base colour; the mesh has `painted_vertices` of them as
-    its attribute. The `model` is of what is no metal.
+    its attribute.
     """
     maps = maps_of(material, layer)
     metallic = _number_or_map(mitsuba, material.metallic, maps.metallic)
-    if model == "principled" or metallic == 1.0:
+    if model == "layered":
+        paint = _layered(mitsuba, material, maps, vertex_colours, metallic)
+    elif model == "principled" or metallic == 1.0:
         paint = _burleys(mitsuba, material, maps, vertex_colours, metallic)
     else:
         painted = _coated if model == "gltf" else _bare
@@ -84,13 +96,15 @@ def emission(mitsuba: Any, material: Material, layer: int, repeats: bool) -> Plu
 
 
 def painted_vertices(
-    material: Material, layer: int, vertex_colours: NDArray
+    material: Material, layer: int, vertex_colours: NDArray, model: SurfaceModel = "gltf"
 ) -> NDArray[np.float32]:
     """The mesh's attribute for `surface` from vertices' colours (V, 4): colours (V, 3) or weights.
 
     Under a map, colours of one hue are weights (V, 1). To colours of many hues it lends its mean
     hue; where it has many itself, no channel of the product goes beyond 1.
     """
+    if model == "layered":
+        return np.asarray(vertex_colours[:, :3], np.float32)
     texels = maps_of(material, layer).base_colour
     if texels is None:
         return np.asarray(vertex_colours[:, :3] * material.base_colour_rgba[:3], np.float32)
@@ -104,6 +118,30 @@ def painted_vertices(
 def colours_vary(vertex_colours: NDArray) -> bool:
     """Whether colours (V, 4) of a mesh's vertices are more than one."""
     return bool(np.any(np.ptp(vertex_colours[:, :3], axis=0) > _SAME_COLOUR))
+
+
+def _layered(
+    mitsuba: Any,
+    material: Material,
+    maps: Maps,
+    vertex_colours: NDArray | None,
+    metallic: Any,
+) -> Plugin:
+    """The GL frame's own surface: vertices' colours multiply the base colour, map or not."""
+    register(mitsuba)
+    tint = np.ones(3) if vertex_colours is None else vertex_colours[0, :3]
+    varies = vertex_colours is not None and colours_vary(vertex_colours)
+    texels = maps.base_colour
+    if texels is None:
+        texels = np.asarray(material.base_colour_rgba[:3], np.float32)[None, None]
+    colour = texels if varies else np.asarray(texels * tint, np.float32)
+    made = {
+        "type": PLUGIN,
+        "base_color": _bitmap(mitsuba, colour),
+        "roughness": _number_or_map(mitsuba, material.roughness, maps.roughness),
+        "metallic": metallic,
+    }
+    return {**made, "tint": {"type": "mesh_attribute", "name": VERTEX_COLOUR}} if varies else made
 
 
 def _burleys(

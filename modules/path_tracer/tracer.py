@@ -17,6 +17,7 @@ from path_tracer.shapes import glowing_shapes, shapes
 from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
 from path_tracer.subject import Subject
 from path_tracer.sun import sun_emitter
+from path_tracer.surfaces import model_of
 
 # Between two questions whether to go on: a second or less on one core.
 _PATHS_A_BATCH = 2**18
@@ -70,7 +71,8 @@ class Tracer:
 
 def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
     """One scene lit by the sun and one by all else, without those that are dark."""
-    matter = shapes(mitsuba, subject, settings.surfaces)
+    model = model_of(settings, mitsuba)
+    matter = shapes(mitsuba, subject, model)
     farthest = subject.reach_units()
     scenes = []
     if any(subject.sun.irradiance_rgb):
@@ -79,7 +81,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
     cube = radiance_cube(subject.background)
     bright = bool(np.any(cube > 0.0))
-    lamps = glowing_shapes(mitsuba, subject, settings.surfaces)
+    lamps = glowing_shapes(mitsuba, subject, model)
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))

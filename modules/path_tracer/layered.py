@@ -1,0 +1,185 @@
+"""The GL frame's own surface as a BSDF of mitsuba: metal, or paint under a coat that keeps energy.
+
+GGX with height-correlated Smith shadowing (Heitz 2014) and Schlick's Fresnel term, and what bounces
+between facets (Turquin 2019); what the coat does not reflect reaches the paint below it (Kelemen
+and Szirmay-Kalos 2001). The coat's shares are `geometry.reflection.reflectance_table`, looked up as
+mesh.frag looks them up. Mitsuba's plugins have none of the four: their Smith terms are products,
+their Fresnel terms exact, and rough surfaces lose what bounces.
+
+One text serves all variants: drjit's functions take numbers in scalar ones and arrays in llvm.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
+
+PLUGIN = "vrut_lite_layered"
+# As in mesh.frag: the sun's own radius blurs a mirror image about so much.
+_SMALLEST_ALPHA = 0.005
+_SMALLEST_COSINE, _SMALLEST_DENSITY = 1e-4, 1e-20
+# What is darker than 2 % at normal incidence reflects less at grazing angles too.
+_GRAZING_SLOPE = 50.0
+_COAT_F90 = min(1.0, _GRAZING_SLOPE * DIELECTRIC_F0)
+# Of the samples, for the coat as for the paint: neither's light is left to few that weigh much.
+_LEAST_SHARE = 0.1
+_registered: set[str] = set()
+
+
+class _Seen(NamedTuple):
+    """What of a surface the view alone decides; `paint` is without the light's way in.
+
+    `more` is the factor for bounces between facets, `glossy_share` that of samples for the coat.
+    """
+
+    cosine: Any
+    roughness: Any
+    alpha: Any
+    f0: Any
+    f90: Any
+    more: Any
+    paint: Any
+    glossy_share: Any
+
+
+def register(mitsuba: Any) -> None:
+    """Make the plugin known to the variant of mitsuba that is set.
+
+    Its textures: `base_color`; `tint`, a factor of it that may be missing; `roughness`; `metallic`.
+    """
+    variant = mitsuba.variant()
+    if variant not in _registered:
+        mitsuba.register_bsdf(PLUGIN, _layered(mitsuba))
+        _registered.add(variant)
+
+
+def _coat(a: Any, b: Any) -> Any:
+    """Share of the light that the coat of a dielectric reflects, all bounces."""
+    once = DIELECTRIC_F0 * a + _COAT_F90 * b
+    return once * (1.0 + DIELECTRIC_F0 * (1.0 / (a + b) - 1.0))
+
+
+def _layered(mi: Any) -> Any:
+    """The BSDF's class, which must descend from the variant's own."""
+    import drjit
+
+    dr: Any = drjit
+    table = np.asarray(reflectance_table())
+    last = table.shape[0] - 1
+    glossy, diffuse = +mi.BSDFFlags.GlossyReflection, +mi.BSDFFlags.DiffuseReflection
+
+    class Layered(mi.BSDF):
+        """A metallic-roughness surface; black from behind."""
+
+        def __init__(self, properties: Any):
+            super().__init__(properties)
+            self.base_color = properties.get_texture("base_color", 1.0)
+            self.tint = properties.get_texture("tint") if "tint" in properties else None
+            self.roughness = properties.get_texture("roughness", 1.0)
+            self.metallic = properties.get_texture("metallic", 0.0)
+            self.table = mi.Texture2f(mi.TensorXf(table))
+            front = +mi.BSDFFlags.FrontSide
+            self.m_components = [glossy | front, diffuse | front]
+            self.m_flags = glossy | diffuse | front
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self._value_and_density(si, wo, self._seen(si, active))
+
+        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
+            return self._sampled(si, self._seen(si, active), sample1, sample2, active)
+
+        def eval_pdf_sample(
+            self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
+        ) -> Any:
+            seen = self._seen(si, active)
+            value, density = self._value_and_density(si, wo, seen)
+            return value, density, *self._sampled(si, seen, sample1, sample2, active)
+
+        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+            # What guides a denoiser: of metals their colour too.
+            return self._colour(si, active)
+
+        def _colour(self, si: Any, active: Any) -> Any:
+            base = self.base_color.eval(si, active)
+            return base if self.tint is None else base * self.tint.eval(si, active)
+
+        def _shares(self, mu: Any, roughness: Any) -> Any:
+            """Of a uniform white sky, and a dielectric's mean: `reflectance_table`."""
+            at = mi.Point2f(dr.sqrt(dr.clip(mu, 0.0, 1.0)), roughness) * last + 0.5
+            return self.table.eval(at / (last + 1.0))
+
+        def _seen(self, si: Any, active: Any) -> _Seen:
+            base = self._colour(si, active)
+            roughness = dr.clip(self.roughness.eval_1(si, active), 0.0, 1.0)
+            metallic = self.metallic.eval_1(si, active)
+            cosine = dr.maximum(mi.Frame3f.cos_theta(si.wi), _SMALLEST_COSINE)
+            a, b, mean = self._shares(cosine, roughness)
+            f0 = DIELECTRIC_F0 + (base - DIELECTRIC_F0) * metallic
+            f90 = dr.clip(_GRAZING_SLOPE * dr.max(f0), 0.0, 1.0)
+            more = 1.0 + f0 * (1.0 / (a + b) - 1.0)
+            below = base * (1.0 - metallic) * (1.0 - _coat(a, b))
+            reflected = mi.luminance((f0 * a + f90 * b) * more)
+            share = reflected / dr.maximum(reflected + mi.luminance(below), _SMALLEST_DENSITY)
+            share = dr.clip(share, _LEAST_SHARE, 1.0 - _LEAST_SHARE)
+            return _Seen(
+                cosine=cosine,
+                roughness=roughness,
+                alpha=dr.maximum(roughness * roughness, _SMALLEST_ALPHA),
+                f0=f0,
+                f90=f90,
+                more=more,
+                paint=below * dr.inv_pi / (1.0 - mean),
+                glossy_share=dr.select(dr.max(below) > 0.0, share, 1.0),
+            )
+
+        def _value_and_density(self, si: Any, wo: Any, seen: _Seen) -> Any:
+            """The BRDF times the light's cosine, and the density of `_sampled`."""
+            nl, nv = mi.Frame3f.cos_theta(wo), seen.cosine
+            above = (mi.Frame3f.cos_theta(si.wi) > 0.0) & (nl > 0.0)
+            nl = dr.maximum(nl, _SMALLEST_COSINE**2)
+            half = dr.normalize(si.wi + wo)
+            vh = dr.clip(dr.dot(si.wi, half), 0.0, 1.0)
+            a2 = seen.alpha * seen.alpha
+            # (n.h)^2 (alpha^2 - 1) + 1 without cancellation.
+            spread = half.x * half.x + half.y * half.y + half.z * half.z * a2
+            distribution = a2 / (dr.pi * spread * spread)
+            root_v = dr.sqrt(nv * nv * (1.0 - a2) + a2)
+            root_l = dr.sqrt(nl * nl * (1.0 - a2) + a2)
+            visibility = 0.5 / (nl * root_v + nv * root_l)
+            fresnel = seen.f0 + (seen.f90 - seen.f0) * (1.0 - vh) ** 5
+            a, b, _ = self._shares(nl, seen.roughness)
+            reflected = seen.more * fresnel * (distribution * visibility)
+            value = (reflected + seen.paint * (1.0 - _coat(a, b))) * nl
+            # The mirror directions of visible facets: G1 D / (4 n.v).
+            facets = 0.5 * distribution / (nv + root_v)
+            density = dr.lerp(nl * dr.inv_pi, facets, seen.glossy_share)
+            return dr.select(above, value, 0.0), dr.select(above, density, 0.0)
+
+        def _sampled(self, si: Any, seen: _Seen, sample1: Any, sample2: Any, active: Any) -> Any:
+            """A direction by visible facets or by the cosine, and its weight."""
+            is_glossy = sample1 < seen.glossy_share
+            facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, seen.alpha, True)
+            mirrored = mi.reflect(si.wi, facets.sample(si.wi, sample2)[0])
+            scattered = mi.warp.square_to_cosine_hemisphere(sample2)
+            drawn = dr.zeros(mi.BSDFSample3f)
+            drawn.wo = dr.select(is_glossy, mirrored, scattered)
+            value, density = self._value_and_density(si, drawn.wo, seen)
+            drawn.pdf = density
+            drawn.eta = 1.0
+            drawn.sampled_type = dr.select(is_glossy, mi.UInt32(glossy), mi.UInt32(diffuse))
+            drawn.sampled_component = dr.select(is_glossy, mi.UInt32(0), mi.UInt32(1))
+            weight = value / dr.maximum(density, _SMALLEST_DENSITY)
+            return drawn, dr.select(active & (density > 0.0), weight, 0.0)
+
+        def traverse(self, callback: Any) -> None:
+            for name in ("base_color", "roughness", "metallic"):
+                callback.put(name, getattr(self, name), mi.ParamFlags.Differentiable)
+
+    return Layered
