@@ -159,7 +159,13 @@ def _fill_break_points(planet, ray, mu_s, nu, fog_top, breaks):  # type: ignore[
                 d = along + s
                 crossing = d / math.sqrt(max(p + math.sqrt(p * p + d * d), 1e-300))
                 breaks[0, 2 + k] = min(max(crossing, start), end)
-    breaks[0].sort()
+    # numba takes two seconds to compile its own sort, which is made for long arrays.
+    for k in range(1, breaks.shape[1]):
+        y, before = breaks[0, k], k
+        while before > 0 and breaks[0, before - 1] > y:
+            breaks[0, before] = breaks[0, before - 1]
+            before -= 1
+        breaks[0, before] = y
     for k in range(breaks.shape[1]):
         breaks[1, k] = perigee + breaks[0, k] ** 2
         if breaks[0, k] == start:

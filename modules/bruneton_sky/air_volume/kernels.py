@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from bruneton_sky.solver.bin_kernels import Bins
-from bruneton_sky.solver.cell_kernels import ZERO, empty_cells, fast, inner
+from bruneton_sky.solver.cell_kernels import ZERO, empty_cells, fast, inner, set_suns
 from bruneton_sky.solver.first_order_kernels import gather_first
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later
 from bruneton_sky.solver.ray_kernels import (
@@ -55,7 +55,8 @@ def slice_rows(air, altitude, mu, distance, steps, centre, weight, passed):  # t
                 count = 1 if level < math.inf else steps
                 _march(air, altitude[i], mu[i], middle, stop, count, light, here, matter)
             _place_centre(air, altitude[i], mu[i], 0.5 * (start + stop), here)
-            passed[i, k] = light
+            for c in range(light.size):
+                passed[i, k, c] = light[c]
 
 
 @inner
@@ -126,8 +127,7 @@ def light_rows(  # type: ignore[no-untyped-def]
     row = np.empty(transmittance.shape[1], _f4)
     some, light = np.empty((2, 4 * columns), _f4), np.empty((3, 4 * columns), _f4)
     for i in range(mu.size):
-        cells.mu_s[:] = mu_s[i]
-        cells.nu[:] = nu[i]
+        set_suns(cells, mu_s[i], nu[i])
         light[:] = ZERO
         mass = 0.0
         for k in range(centre.shape[1]):
@@ -137,7 +137,9 @@ def light_rows(  # type: ignore[no-untyped-def]
                 gather_first(
                     air, altitude[i], mu[i], bins, cells, transmittance, row, some[0], some[1]
                 )
-                light[1:] += some
+                for m in range(some.shape[1]):
+                    light[1, m] += some[0, m]
+                    light[2, m] += some[1, m]
                 gather_later(air, altitude[i], bins, cells, source, slab, light[0])
             _add_colours(light, colour[i, k], out[:, k, i])
 

@@ -57,7 +57,9 @@ def fill_faces(  # type: ignore[no-untyped-def]
     for face in range(6):
         for i in range(size):
             if shape[1] == 0 and axes[face, 0, 1] + centres[i] * axes[face, 2, 1] < 0.0:
-                cube[face, i, :, :] = ground
+                for j in range(size):
+                    for c in range(3):
+                        cube[face, i, j, c] = ground[c]
                 continue
             if horizon[1] <= _ONE and _depth(axes[face], _ZERO, centres[i]) >= horizon[1]:
                 # An observer above the air sees no light above the air's edge. A row looks down

@@ -14,7 +14,15 @@ from bruneton_sky.solver.bin_kernels import (
     fill_steps,
     merge_steps,
 )
-from bruneton_sky.solver.cell_kernels import ONE, ZERO, add_four, empty_cells, fast, inner
+from bruneton_sky.solver.cell_kernels import (
+    ONE,
+    ZERO,
+    add_four,
+    empty_cells,
+    fast,
+    inner,
+    set_suns,
+)
 from bruneton_sky.solver.first_order_kernels import gather_first
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later, sun_place
 
@@ -41,8 +49,7 @@ def add_rows(  # type: ignore[no-untyped-def]
     light = np.empty((3, 4 * mu_s.shape[1]), _f4)
     end = np.empty(5)
     for i in range(mu.size):
-        cells.mu_s[:] = mu_s[i]
-        cells.nu[:] = nu[i]
+        set_suns(cells, mu_s[i], nu[i])
         fill_steps(air, altitude[i], mu[i], hits[i], steps, end)
         merge_steps(air, altitude[i], mu[i], steps, fine)
         gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, light[0], light[1])

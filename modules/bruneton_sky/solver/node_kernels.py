@@ -30,7 +30,8 @@ def bin_nodes(air, altitude, mu, downward, steps, bins, higher):  # type: ignore
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
             fill_steps(air, altitude[i], mu[i, q], downward[q], scratch, bins.end[i, q])
-            higher.end[i, q] = bins.end[i, q]
+            for c in range(bins.end.shape[2]):
+                higher.end[i, q, c] = bins.end[i, q, c]
             share = _share_crossed(air, altitude[i], mu[i, q], downward[q])
             for some in (bins, higher):
                 most = some.centre.shape[2]

@@ -37,7 +37,9 @@ def trace_view(air, altitude, mu, mu_s, nu, source, sizes, out):  # type: ignore
     """
     bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     slab, all_cells = empty_slab(source), empty_cells(mu.size)
-    all_cells.mu_s[:], all_cells.nu[:] = mu_s, nu
+    all_cells.mu_s[:] = mu_s
+    for k in range(nu.size):
+        all_cells.nu[k] = nu[k]
     out[:] = ZERO
     start = 0
     while start < mu.size:
@@ -57,7 +59,9 @@ def trace_first(air, altitude, mu, mu_s, nu, table, sizes, rayleigh, mie):  # ty
     """
     bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     row, all_cells = np.empty(table.shape[1], _f4), empty_cells(mu.size)
-    all_cells.mu_s[:], all_cells.nu[:] = mu_s, nu
+    all_cells.mu_s[:] = mu_s
+    for k in range(nu.size):
+        all_cells.nu[k] = nu[k]
     start = 0
     while start < mu.size:
         stop = _end_of_run(mu, start)

@@ -1,5 +1,5 @@
-// What the air before a point lets through and adds: the twin of daylight/air_volume.py, which
-// says where the nodes of its tables lie.
+// Transmittance and radiance of the air between the eye and a point; the float32 twin of
+// daylight/air_volume.py, which defines where the tables' nodes lie.
 
 //!include air_block.glsl
 layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice
@@ -12,17 +12,17 @@ struct AirRay {
     float row;
     float column;
     vec2 phase;     // of molecules and aerosol, sr^-1
-    float entry_m;  // how far from the eye the air begins
-    float span_m;   // how much of it the slices share out
+    float entry_m;  // distance from the eye to the air
+    float span_m;   // length of the ray that the slices cover
 };
 
 struct AirLight {
     vec3 transmittance;
     vec3 shaded;
-    vec3 sunlit;    // what a shadow would take away
+    vec3 sunlit;    // sunlight scattered once, which shadows remove
 };
 
-// Where the ray enters the air, from the eye, and its start radius times its mu there.
+// Distance from the eye to where the ray enters the air, and radius times mu there.
 vec2 air_entry(vec3 d) {
     if (air.above_top_m <= 0.0) return vec2(0.0, air.observer_radius_m * d.y);
     float perigee_m = air.observer_radius_m * length(d.xz);
@@ -45,7 +45,7 @@ float air_span_m(float along, bool below) {
     return clamp(span, air.shortest_span_m, air.reach_m);
 }
 
-// Place of a row below the horizon, by the share of the way in mu from there to the nadir.
+// Row coordinate below the horizon; `down` is 0 at the horizon, 1 at the nadir, linear in mu.
 float row_below(float down) {
     float c = air.rows_down.x, moved_x = air.rows_down.y, moved_place = air.rows_down.z;
     float x = sqrt(down / (c + (1.0 - c) * down));
@@ -54,10 +54,10 @@ float row_below(float down) {
 }
 
 AirRay air_ray(vec3 d) {
-    // 1 + mu without cancellation near the nadir, where a far observer has all of the planet.
+    // 1 + mu without cancellation near the nadir: a distant observer sees the planet only there.
     float one_plus = d.y < 0.0 ? dot(d.xz, d.xz) / (1.0 - d.y) : 1.0 + d.y;
     float above = one_plus - air.horizon_depth;
-    // Rows above and below the horizon are two blocks: no filter reaches from one into the other.
+    // Rows above and below the horizon are separate blocks; filtering must not mix them.
     float row = above >= 0.0
         ? sqrt(min(above / air.depth_above_horizon, 1.0)) * (air.rows_above - 1.0)
         : air.rows_above + row_below(min(-above / air.horizon_depth, 1.0)) * (air.rows_below - 1.0);
@@ -124,8 +124,8 @@ AirLight air_before(AirRay ray, float metres) {
 //!include light_shafts.glsl
 #endif
 
-// Radiance that comes from so far in a unit direction, as the eye gets it, where a share of the
-// light in open air is in the air between; shafts know by themselves where the sun is.
+// Radiance at the eye of a surface at distance `metres` in the unit direction d. The air between gets
+// this share of the light in open air; light shafts know by themselves where the sun is.
 vec3 through_air(vec3 radiance, vec3 d, float metres, float share) {
     AirRay ray = air_ray(d);
     AirLight light = air_before(ray, metres);
@@ -137,12 +137,12 @@ vec3 through_air(vec3 radiance, vec3 d, float metres, float share) {
     return radiance * light.transmittance + light.shaded * share + light.sunlit;
 }
 
-// To the ground behind the scene, a sphere; past its horizon, to where the horizon is.
+// Distance to the spherical ground behind the scene; above its horizon, distance to the horizon.
 float ground_distance_m(vec3 d) {
     float radius_m = air.ground_radius_m + air.above_ground_m;
     float down = -radius_m * d.y, perigee_m = radius_m * length(d.xz);
     float tangent = air.above_ground_m * (radius_m + air.ground_radius_m);
-    // Of two forms of one square, that which cancels less.
+    // Two equal forms; each branch uses the one with less cancellation.
     float squared = d.y > -0.7 ? down * down - tangent
         : (air.ground_radius_m - perigee_m) * (air.ground_radius_m + perigee_m);
     return tangent / max(down + sqrt(max(squared, 0.0)), 1e-6);

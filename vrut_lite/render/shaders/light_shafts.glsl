@@ -23,7 +23,7 @@ bool is_lit(vec3 at) {
     return textureLod(shaft_shadow_map, place, 0.0) > 0.5;
 }
 
-// Between two places of which one is lit: where it changes.
+// Bisects the distance at which light and shadow meet, between a lit and a shaded place.
 float edge_between(vec3 start, vec3 along, float before_m, float after_m, bool lit_before) {
     for (int k = 0; k < SHAFT_HALVINGS; ++k) {
         float middle = 0.5 * (before_m + after_m);
@@ -39,14 +39,14 @@ vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
     float last_m = min(metres, ray.entry_m + ray.span_m);
     vec2 range = shaded_range(start, along, ray.entry_m, last_m);
     if (!(range.y > range.x)) return vec3(0.0);
-    // Offset by a pattern fixed to the picture (Jimenez 2014, "interleaved gradient noise"): what
-    // is thinner than a step becomes grain, never bands.
+    // Dither by pixel (Jimenez 2014, "interleaved gradient noise"): details thinner than a step
+    // become grain instead of bands.
     float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     float step_m = (range.y - range.x) / float(SHAFT_STEPS);
     bool lit = is_lit(start + along * range.x);
     float before_m = range.x;
     vec3 missing = vec3(0.0), since = lit ? vec3(0.0) : sunlit_before(ray, before_m);
-    // The last look is a little before the surface: on it, the map's texels shade it in part.
+    // The last sample lies before the surface, which the map's texels shade in part.
     for (int i = 0; i <= SHAFT_STEPS; ++i) {
         float now_m = min(range.x + (float(i) + dither) * step_m, range.y - 0.06 * step_m);
         bool lit_now = is_lit(start + along * now_m);
@@ -68,7 +68,7 @@ vec3 shaded_by_scene(AirRay ray, vec3 d, float metres) {
 vec3 shadowed_light(AirRay ray, vec3 d, float metres) {
     vec3 missing = shaded_by_scene(ray, d, metres);
 #ifdef CLOUD_SHADOWS
-    // Of what the scene leaves, clouds take the same share everywhere.
+    // Approximation: clouds remove the same share of what the scene leaves lit everywhere.
     vec3 whole = sunlit_before(ray, metres);
     vec3 left = clamp(1.0 - missing / max(whole, 1e-30), 0.0, 1.0);
     missing += left * shaded_by_clouds(ray, d, metres);

@@ -60,7 +60,7 @@ void main() {
 #endif
     if (air.ground_is_bare > 0.5) lower = through_air(lower, d, ground_m, 1.0);
 #ifdef LIGHT_SHAFTS
-    // What has its air already lacks what the scene shades of it.
+    // A background that includes its air still contains light that the scene shades: remove it.
     AirRay shaded = air_ray(d);
     upper = max(upper - shadowed_light(shaded, d, MISSES_AIR), 0.0);
     if (air.ground_is_bare < 0.5)

@@ -62,7 +62,8 @@ def trace(medium, altitudes, points, directions, sun, numbers, seed, may_land, s
     edges, cumulative = np.empty(bins + 1), np.empty((2, bins))
     for path in range(altitudes.size):
         point, direction, altitude = points[path].copy(), directions[path].copy(), altitudes[path]
-        weight[:] = medium.importance
+        for c in range(count):
+            weight[c] = medium.importance[c]
         event, faint = 0, 0.0
         while _goes_on(weight, faint):
             u, v, w = _three_numbers(numbers[path], event)
