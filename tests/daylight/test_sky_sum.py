@@ -107,7 +107,7 @@ def test_clouds_come_into_the_sum_and_go(stage):
     stage.say(Say(radiance=4.0), Say(clouds=rough_layer(base_m=900.0)))
     assert stage.kernel.wanted(BackgroundChanged).encoding == "float16"
     light = stage.sums[-1]
-    assert light.layers == ("clouds",)
+    assert light.layers == ("cloud layer",)
     assert light.background.cube.shape == (6, 16, 16, 3)
     assert light.key_light.irradiance_rgb[0] <= 90.0
     brighter = stage.kernel.last(AmbientChanged).irradiance_sh_rgb.values
@@ -152,7 +152,7 @@ def test_the_real_clouds_darken_the_real_sky():
     assert kernel.last(SkyLightChanged) is under
     kernel.close()
     assert clear.layers == ()
-    assert under.layers == ("clouds",)
+    assert under.layers == ("cloud layer",)
     assert max(under.key_light.irradiance_rgb) < 0.01 * max(clear.key_light.irradiance_rgb)
     share = np.divide(under.background.ground_radiance_rgb, clear.background.ground_radiance_rgb)
     assert np.all((share > 0.1) & (share < 0.4))

@@ -109,7 +109,7 @@ def light_under_clouds(
             irradiance_sh_rgb=Array(on_ground.harmonics.astype(np.float32)), source=source
         ),
         radiance=radiance,
-        layers=("clouds",),
+        layers=("cloud layer",),
         source=source,
     )
 

@@ -19,6 +19,7 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.panorama import sample_sky
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.numeric_types import Vector
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.light_meter import Illuminance
@@ -52,6 +53,10 @@ class CpuSkyBackend:
         assert camera is not None
         assert background is not None
         assert sun is not None
+        irradiance: Vector | None = sun.irradiance_rgb
+        if state.sky_light is not None:
+            background = state.sky_light.background
+            irradiance = background.seen_sun_irradiance_rgb
         assert isinstance(background.cube, Array)
         directions = pixel_rays(camera, size_px, *np.meshgrid(*map(np.arange, size_px)))
         cube = decode_float16(background.cube.values, background.radiance_scale)
@@ -59,7 +64,7 @@ class CpuSkyBackend:
         cosine = directions @ np.asarray(sun.direction)
         solid_angle = 2.0 * np.pi * (1.0 - np.cos(sun.angular_radius_rad))
         inside = (cosine >= np.cos(sun.angular_radius_rad)) & (directions[..., 1] > 0.0)
-        radiance[inside] += np.asarray(sun.irradiance_rgb) / solid_angle
+        radiance[inside] += np.asarray(irradiance) / solid_angle
         return radiance.astype(np.float32)
 
 
