@@ -70,8 +70,10 @@ def test_pictures_stay_while_work_goes(plays, name):
 @pytest.mark.parametrize(
     ("skip", "name", "work"),
     [
-        ("sky", "small indoor scene", "sky sample"),
-        ("reflection", "small indoor scene", "reflection slice"),
+        pytest.param("sky", "small indoor scene", "sky sample", marks=pytest.mark.long),
+        pytest.param(
+            "reflection", "small indoor scene", "reflection slice", marks=pytest.mark.long
+        ),
         ("unlit", "closed room", "reflection slice"),
     ],
 )
