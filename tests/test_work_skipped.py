@@ -70,7 +70,7 @@ def test_pictures_stay_while_work_goes(plays, name):
 @pytest.mark.parametrize(
     ("skip", "name", "work"),
     [
-        ("sky", "small indoor scene", "sky sample"),
+        pytest.param("sky", "small indoor scene", "sky sample", marks=pytest.mark.long),
         ("reflection", "small indoor scene", "reflection slice"),
     ],
 )
