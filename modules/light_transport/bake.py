@@ -35,8 +35,9 @@ from light_transport.tree import tree_over
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
-# Rows of which fewer rays count lie inside bodies.
-_LEAST_FREE = 0.1
+# Rows of which a smaller share of rays counts lie inside bodies. A tenth is too little: what gets
+# out between the pieces of a wall then shines at its edge.
+_LEAST_FREE = 0.25
 _BLOCK_ROWS = 2048
 _Made = TypeVar("_Made")
 _GROUP_TEXELS = 4.0

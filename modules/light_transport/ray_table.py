@@ -125,7 +125,10 @@ def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
 
 @hot
 def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # type: ignore[no-untyped-def]
-    """Fill in what rays (rows, count) end at: a node, NODES + a row, or _DROPPED; and how far."""
+    """Fill in what rays (rows, count) end at, and how far away: at least half a texel.
+
+    They end at a node, at NODES + a row, or are _DROPPED.
+    """
     geometry, texels, probes, groups = receivers
     stack, far_stack, pixel, shifts, weights, place, normal, face, ray = scratch
     first_group = len(texels.pixel) + len(probes.place)
@@ -133,6 +136,10 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
     for i in range(rows):
         row = first_row + i
         shift(row, shifts)
+        # Beside a wall some rays are as short as one likes: their mean would be noise.
+        least = np.float32(0.0)
+        if row < len(texels.pixel):
+            least = np.float32(0.5) * texels.width[row]
         for s in range(count):
             number = first + s
             begin(
@@ -154,7 +161,7 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
             if hit == MISS:
                 targets[i, s] = node_of(ray[0], ray[1], ray[2])
                 continue
-            distances[i, s] = distance
+            distances[i, s] = max(distance, least)
             for k in range(3):
                 place[k] += distance * ray[k]
             met = _met(

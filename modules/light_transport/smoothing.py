@@ -2,7 +2,8 @@
 
 How fast it can is told by the harmonic mean distance R to what a texel sees (Ward and Heckbert
 1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel. What one
-gives the other takes, so that no light is lost.
+gives the other takes, so that no light is lost. Along an edge, where R is small and the same, light
+changes slowly too.
 
 """
 
@@ -20,6 +21,8 @@ _SHARE_OF_ROOM = 0.3
 # With four neighbours the texel itself keeps as much as each of them gives.
 _MOST = 0.2
 _ALIKE_POWER = 8
+# Neighbours with the same room mix at least so much; with a third of it hardly.
+_SAME_ROOM, _ROOM_POWER = 0.5, 4
 
 
 class Smoothing(NamedTuple):
@@ -45,13 +48,13 @@ def smoothing_of(
     """Weights for good texels (N,) around which there is so much room (N,), in radii."""
     gate = np.minimum(1.0, _SHARE_OF_ROOM * room / np.maximum(texels.width, 1e-12)) ** 2
     gate = gate.astype(np.float32)
-    weights = _weights(links, texels.normal, texels.area, gate, good)
+    weights = _weights(links, texels.normal, texels.area, gate, room, good)
     across = np.zeros(seams.shape, np.float32)
     if len(seams):
         # All seams of a texel together give it as much as one neighbour does.
         meeting = np.bincount(seams.ravel(), minlength=len(good))[seams].max(axis=1)
         for end in range(2):
-            shared = _exchange(texels, gate, good, seams[:, end], seams[:, 1 - end])
+            shared = _exchange(texels, gate, room, good, seams[:, end], seams[:, 1 - end])
             across[:, end] = shared / meeting
     # A link of no weight leads to the texel itself: kernels need not ask.
     own = np.arange(len(links), dtype=np.int32)[:, None]
@@ -61,6 +64,7 @@ def smoothing_of(
 def _exchange(
     texels: Texels,
     gate: Float32Array,
+    room: Float32Array,
     good: BoolArray,
     here: NDArray[np.int32],
     there: NDArray[np.int32],
@@ -68,12 +72,14 @@ def _exchange(
     """What texels (K,) take of others (K,), as in `_weights`."""
     alike = np.maximum(np.einsum("ki,ki->k", texels.normal[here], texels.normal[there]), 0.0)
     area = np.minimum(texels.area[here], texels.area[there]) / np.maximum(texels.area[here], 1e-30)
-    shared = np.minimum(gate[here], gate[there]) * alike**_ALIKE_POWER * area
+    nearer, farther = np.minimum(room[here], room[there]), np.maximum(room[here], room[there])
+    same = _SAME_ROOM * (nearer / np.maximum(farther, 1e-30)) ** _ROOM_POWER
+    shared = np.maximum(np.minimum(gate[here], gate[there]), same) * alike**_ALIKE_POWER * area
     return np.where(good[here] & good[there], _MOST * shared, 0.0).astype(np.float32)
 
 
 @kernel
-def _weights(links, normal, area, gate, good):  # type: ignore[no-untyped-def]
+def _weights(links, normal, area, gate, room, good):  # type: ignore[no-untyped-def]
     weights = np.zeros(links.shape, np.float32)
     for i in range(len(links)):
         for k in range(links.shape[1]):
@@ -84,7 +90,9 @@ def _weights(links, normal, area, gate, good):  # type: ignore[no-untyped-def]
             for axis in range(3):
                 alike += normal[i, axis] * normal[j, axis]
             if alike > 0.0 and area[i] > 0.0:
-                exchange = min(gate[i], gate[j]) * alike**_ALIKE_POWER * min(area[i], area[j])
+                nearness = min(room[i], room[j]) / max(room[i], room[j], np.float32(1e-30))
+                mixing = max(min(gate[i], gate[j]), _SAME_ROOM * nearness**_ROOM_POWER)
+                exchange = mixing * alike**_ALIKE_POWER * min(area[i], area[j])
                 weights[i, k] = _MOST * exchange / area[i]
     return weights
 
