@@ -3,9 +3,10 @@
     python -m tools.light_map_times [SCENE ...] [--quality usual] [--hours 5]
 
 Each scene is opened in a kernel with a sky and without a window, its light demanded, and the bake
-waited for; nothing is read from the cache of rays. "First light" is wall time from the scene opened
-to the first message of light, "bake" CPU time of all threads until the last round's light, "hour"
-that of a new hour in the middle of the day, the least of some. Kernels are compiled before.
+waited for; nothing is read from the cache of rays. All times are CPU time of all threads: "layout"
+until the layout is told, "first light" until the first message of light, "bake" until that of the
+last round, "hour" that of a new hour in the middle of the day, the least of some. Kernels must have
+been compiled before: the first scene is played twice.
 """
 
 import argparse
@@ -50,15 +51,14 @@ class Costs(NamedTuple):
 
 
 class _Clock:
-    """When a kernel said what, by wall time and CPU time."""
+    """When a kernel said what, by CPU time."""
 
     def __init__(self, kernel: Kernel):
-        self.told: dict[type[Message], list[tuple[float, float]]] = {}
+        self.told: dict[type[Message], list[float]] = {}
         kernel.tap(self._note)
 
     def _note(self, message: Message, _sender: str) -> None:
-        now = time.perf_counter(), time.process_time()
-        self.told.setdefault(type(message), []).append(now)
+        self.told.setdefault(type(message), []).append(time.process_time())
 
 
 def costs_of(scene: Path, quality: str | None, hours: int) -> Costs:
@@ -76,6 +76,7 @@ def costs_of(scene: Path, quality: str | None, hours: int) -> Costs:
     kernel.inject(LoadScene(path=str(scene)))
     kernel.pump_until_idle()
     opened, light = clock.told[SceneOpened][0], clock.told[SurfaceLightChanged]
+    rounds = len(light)
     spent = []
     for hour in range(1, hours + 1):
         kernel.inject(SetClock(instant=_NOON + timedelta(minutes=20 * hour)))
@@ -92,9 +93,9 @@ def costs_of(scene: Path, quality: str | None, hours: int) -> Costs:
         grown.texels,
         laid.size_px,
         scene_opened.triangles,
-        clock.told[LightMapLaid][0][0] - opened[0],
-        light[0][0] - opened[0],
-        light[-1 - hours][1] - opened[1] if len(light) > hours else light[-1][1] - opened[1],
+        clock.told[LightMapLaid][0] - opened,
+        light[0] - opened,
+        light[rounds - 1] - opened,
         min(spent),
         grown.table_bytes / 1e6,
         grown.rays,
@@ -112,6 +113,8 @@ def main() -> None:
           "| hour CPU ms | MB |")  # fmt: skip
     print("|---|---:|---:|---|---:|---:|---:|---:|---:|---:|")
     with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CACHE_HOME"] = str(Path(folder) / "compiled")
+        costs_of(SCENES / asked.scenes[0], asked.quality, 1)
         for name in asked.scenes:
             os.environ["XDG_CACHE_HOME"] = str(Path(folder) / Path(name).stem)
             costs = costs_of(SCENES / name, asked.quality, asked.hours)

@@ -281,6 +281,14 @@ class SkyContract:
         assert on_gpu.taken() == []
         assert on_gpu.faults == []
 
+    def test_radiance_on_the_ground_is_the_cpus(self, on_gpu: SkyOnBus) -> None:
+        """Who adds up light reads it, wherever the background is made."""
+        on_gpu.taken()
+        on_gpu.want(SkyRadianceChanged, size=SIZE)
+        (ground,) = on_gpu.taken()
+        assert isinstance(ground, SkyRadianceChanged)
+        assert ground.cube.shape == (6, SIZE, SIZE, 3)
+
     def test_the_cpu_serves_when_the_gpu_fails(self, on_gpu: SkyOnBus) -> None:
         """One sentence tells the user what to set; this sky and the next are the CPU's."""
         (job,) = on_gpu.taken()
