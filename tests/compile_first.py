@@ -29,10 +29,15 @@ from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
 from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings
 from dynamic_skylight import HosekWilkieSky
+from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 half = np.array([0.5])
 monte_carlo_radiance(Atmosphere.earth(), 0.0, half, half, half, paths=2, max_order=2)
 fast_scattered_without_phase(Atmosphere.earth(), 0.0, half, 0.5, half, 4)
-cloud_layer(CloudSettings(coverage=0.5))
+layer = cloud_layer(CloudSettings(coverage=0.5))
+up = np.array([0.0, 1.0, 0.0])
+clouds_seen(layer, ClearLight(up, up, np.zeros((25, 3))), np.zeros(3), up[None], 0.01)
+sun_share(layer, up, np.zeros(3), 0.0)
 HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.8).cube_map(size=16)
 # pytest rewrites each file of tests, which takes 10 s, and keeps it beside the file.
 import pytest

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry import spherical_harmonics
 
@@ -28,4 +28,14 @@ def light_messages(cube, sun_direction=(0.0, 1.0, 0.0), sun_irradiance=(0.0, 0.0
             source="test",
         ),
         AmbientChanged(irradiance_sh_rgb=Array(harmonics), source="test"),
+    )
+
+
+def radiance_of(background):
+    """The same sky as it lights the scene."""
+    return SkyRadianceChanged(
+        cube=background.cube,
+        radiance_scale=background.radiance_scale,
+        ground_radiance_rgb=background.ground_radiance_rgb,
+        source=background.source,
     )

@@ -18,12 +18,12 @@ from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.daylight_kernel import LIGHT
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.job import JobControl
@@ -84,7 +84,7 @@ class PathTracer(Module):
         if message.message != PathTracedPicture.__name__ or wanted == self._wanted:
             return
         self._wanted = wanted
-        for kind in LIGHT:
+        for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, SKY_SIZE if wanted else 0, "float16" if wanted else "")
         if wanted:
             self._outdated()
@@ -133,6 +133,13 @@ class PathTracer(Module):
     def on_ambient(self, message: AmbientChanged) -> None:
         """Other light on the ground, of which its albedo is known."""
         self._see(self._state.with_light(ambient=message))
+
+    @handles(SkyLightChanged)
+    def on_sky_light(self, message: SkyLightChanged) -> None:
+        """Other layers before the sky; without any its own messages have told all."""
+        summed = message if message.layers else None
+        if summed is not self._state.sky_light:
+            self._see(replace(self._state, sky_light=summed))
 
     def settings_changed(self, name: str) -> None:
         """Begin anew as they say now."""

@@ -31,13 +31,17 @@ class Subject:
 
     @property
     def background(self) -> BackgroundChanged:
-        """Its sky."""
+        """Its sky, with the layers before it."""
+        if self.state.sky_light is not None:
+            return self.state.sky_light.background
         assert self.state.background is not None
         return self.state.background
 
     @property
     def sun(self) -> KeyLightChanged:
-        """Its key light."""
+        """Its key light, behind the layers."""
+        if self.state.sky_light is not None:
+            return self.state.sky_light.key_light
         assert self.state.key_light is not None
         return self.state.key_light
 

@@ -37,6 +37,7 @@ from vrut_lite.daylight.sky import (
     SpectrumSeen,
     ViewShader,
 )
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
@@ -165,6 +166,18 @@ SOUND = [
     GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
     LAID,
     SURFACE_LIGHT,
+    SkyLightChanged(
+        background=BackgroundChanged(
+            cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"
+        ),
+        key_light=KeyLightChanged(
+            direction=UP, irradiance_rgb=(1.0, 1.0, 1.0), angular_radius_rad=0.005,
+            limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
+        ),
+        ambient=AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+        layers=("clouds",),
+        source="s",
+    ),
 ]  # fmt: skip
 # Only the kernel posts these.
 NEVER_POSTED = (SlotChanged, SettingChanged)

@@ -4,23 +4,19 @@ import msgspec
 import numpy as np
 import pytest
 from air_stage import volume_of
-from cloud_stage import rough_layer, slab
-from light_messages import light_messages
+from cloud_stage import rough_layer, slab, slab_irradiance, slab_radiance
+from light_messages import light_messages, radiance_of
 from long_parameters import mostly_long
 from scene_stage import light, look, square, surface
 from stateful_backend import opened
 
-from vrut_lite.daylight.cloud_density import density, distance_up_m
-from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
+from vrut_lite.daylight.cloud_density import distance_up_m
 from vrut_lite.daylight.ground_disc import GroundDisc
-from vrut_lite.daylight.sun_aloft import sun_aloft
-from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
 
 pytestmark = pytest.mark.gl
 EYE = (0.0, 2.0, 0.0)
 BLACK = np.zeros((6, 16, 16, 3))
-# As cloud_light.glsl has them.
-OCTAVES = ((2.0, 1.0), (0.8, 0.03), (0.28, 0.0066))
 
 
 @pytest.fixture
@@ -34,35 +30,6 @@ def stage(backend, tmp_path):
     backend.change(scene=opened(square(tmp_path, surface(1.0, 1.0)), GroundDisc((0, 0), 0, 600)))
     light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     return backend
-
-
-def henyey_greenstein(nu, g):
-    return (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * nu) ** 1.5)
-
-
-def slab_radiance(layer, view, sun, order_terms=OCTAVES):
-    """Radiance and transmittance of the slab from below: source and depths in fine steps.
-
-    The source's terms are those of the shader; single scattering, the first, is exact.
-    """
-    near = distance_up_m(EYE[1], layer.base_m, view[1])
-    far = distance_up_m(EYE[1], layer.base_m + layer.thickness_m, view[1])
-    steps = 4000
-    t = near + (np.arange(steps) + 0.5) / steps * (far - near)
-    points = np.array(EYE) + t[:, None] * view
-    extinction = layer.extinction_per_m * density(layer, points, EYE)
-    depth = (np.cumsum(extinction) - 0.5 * extinction) * (far - near) / steps
-    height = points[:, 1] - layer.base_m
-    to_sun = layer.extinction_per_m * (layer.thickness_m - height) / sun[1]
-    g1, g2, share = layer.phase
-    nu = float(np.dot(view, sun))
-    phase = share * henyey_greenstein(nu, g1) + (1 - share) * henyey_greenstein(nu, g2)
-    scattered = phase * np.exp(-to_sun)
-    for weight, slower in order_terms:
-        scattered += weight * np.exp(-slower * to_sun) / (4 * np.pi)
-    suns = sun_aloft(layer.base_m + height, sun[1])
-    weight = extinction * np.exp(-depth) * (far - near) / steps
-    return (suns * (scattered * weight)[:, None]).sum(axis=0), np.exp(-depth[-1])
 
 
 @pytest.mark.parametrize("extinction_per_m", [2e-4, 1e-3, 5e-3])
@@ -79,7 +46,7 @@ def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
     target = np.array(EYE) + np.array(towards)
     picture = look(stage, EYE, target, 0.01)
     view = np.array(towards) / np.linalg.norm(towards)
-    expected, _ = slab_radiance(layer, view, np.array([0.6, 0.8, 0.0]))
+    expected = slab_radiance(layer, EYE, view, np.array([0.6, 0.8, 0.0]))[0]
     # What the sky gives the clouds is nothing; what the ground gives, its harmonics hold: none.
     np.testing.assert_allclose(picture.radiance.mean(axis=(0, 1)), expected, rtol=0.01)
 
@@ -93,32 +60,36 @@ def test_a_slab_lets_the_sky_through(stage):
     stage.change(clouds=layer)
     view = np.array([0.0, 0.8, 0.6])
     picture = look(stage, EYE, np.array(EYE) + view, 0.01)
-    _, transmittance = slab_radiance(layer, view, np.array([0.6, 0.8, 0.0]))
+    transmittance = slab_radiance(layer, EYE, view, np.array([0.6, 0.8, 0.0]))[1]
     assert picture.radiance.mean() == pytest.approx(1000.0 * transmittance, rel=0.005)
     np.testing.assert_allclose(picture.radiance, 1000.0 * transmittance, rtol=0.015)
 
 
 def test_ground_under_an_overcast_slab(stage):
-    """albedo / pi (E mu exp(-k d / mu) + what the bases send): within 1 %; the meter says the same.
+    """albedo / pi (E mu exp(-k d / mu) + what the slab sends): within 1.5 %, as the meter says.
+
+    25 harmonics of a slab that is brightest around the sun err by one percent.
 
     The square is white and matte enough: a rough metal gives back all that falls on it.
     """
     layer = slab(extinction_per_m=1e-3)
-    stage.change(clouds=layer)
+    clear = light_messages(np.zeros((6, 32, 32, 3)), (0.6, 0.8, 0.0), (90.0, 80.0, 70.0))
+    sky = ClearSky(*clear, radiance_of(clear[0]))
+    view = Viewpoint(EYE, (0.0, 0.0, 0.0), 0.0)
+    stage.change(clouds=layer, sky_light=light_under_clouds(layer, sky, view, 32, "test"))
     stage.change(ground_albedo_rgb=(0.5,) * 3)
     sun = np.array([0.6, 0.8, 0.0])
     irradiance = np.array([90.0, 80.0, 70.0])
     picture = look(stage, (0.0, 30.0, 60.0), (0.0, 0.0, 40.0), 0.05)
-    clear = ClearLight(tuple(sun), tuple(irradiance), np.zeros((25, 3)))
-    bases = evaluate_irradiance(under_clouds(layer, clear), (0.0, 1.0, 0.0))
+    bases = slab_irradiance(layer, sun)
     direct = irradiance * 0.8 * np.exp(-1e-3 * 1000.0 * 0.985 / 0.8)
     np.testing.assert_allclose(
-        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.01
+        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.015
     )
     lux = stage.backend.illuminance(stage.state, (0.0, 0.0, 40.0), (0.0, 1.0, 0.0))
     weights = np.array([0.2126, 0.7152, 0.0722]) * 683.0
     assert lux.sun_lux == pytest.approx(direct @ weights, rel=0.01)
-    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.01)
+    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.015)
 
 
 def test_a_cloud_is_seen_through_the_air(stage):

@@ -1,6 +1,7 @@
 """The host's own modules for sessions without a window: a scene that is opened, never drawn."""
 
 from vrut_lite.commands.open_kernel import tell
+from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Module
@@ -20,7 +21,7 @@ def modules_for(setup: Setup) -> list[type[Module]]:
     """
     modules, failures = discover()
     tell(failures)
-    modules.append(GpuStandIn)
+    modules += [SkySum, GpuStandIn]
     if all(wanted.name != "scene" for wanted in setup.modules):
         return modules
     return [*modules, _scene_manager()]

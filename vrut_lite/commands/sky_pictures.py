@@ -18,6 +18,7 @@ from vrut_lite.commands.picture_metadata import json_values, picture_metadata, v
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import FaultCollector, demand_light
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.geometry.encoding import decode_float16
@@ -129,13 +130,14 @@ class SkyStudio:
             self._move_clock(other_side(instant))
         self._used = True
         self._move_clock(instant)
-        background = require_sky(self._kernel)
+        require_sky(self._kernel)
+        light = self._kernel.last(SkyLightChanged)
+        if light is None:
+            raise ModuleFailed("no module makes sunlight: see `vrut-lite modules`")
+        background, sun = light.background, light.key_light
         # Without GL no GPU job runs, so the cube is an array.
         assert isinstance(background.cube, Array)
         cube = decode_float16(background.cube.values, background.radiance_scale)
-        sun = self._kernel.last(KeyLightChanged)
-        if sun is None:
-            raise ModuleFailed("no module makes sunlight: see `vrut-lite modules`")
         plan = self._plan
         directions, solid_angle = plan.sky_map.directions(), plan.sky_map.solid_angles()
         if plan.projection == "cube":

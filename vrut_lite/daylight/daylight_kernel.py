@@ -1,17 +1,20 @@
 """A kernel with the installed modules, and light demanded of it: all that needs no GL."""
 
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
-from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
+from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.discovery import discover
 from vrut_lite.errors import ModuleFailed, UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Fault, Input, Message
 
-LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
+__all__ = ["LIGHT", "FaultCollector", "daylight_kernel", "demand_light"]
 
 
 def daylight_kernel() -> tuple[Kernel, list[str]]:
-    """A kernel with every installed module, and a sentence for each that failed to load."""
+    """A kernel with every installed module and the sum of sky and layers.
+
+    With it comes a sentence for each module that failed to load.
+    """
     kernel = Kernel()
     modules, failures = discover()
     for module in modules:
@@ -20,13 +23,14 @@ def daylight_kernel() -> tuple[Kernel, list[str]]:
             kernel.add_module(module, **services)
         except UserError as error:
             failures.append(f"module {module.__name__} failed to load: {error}")
+    kernel.add_module(SkySum)
     kernel.pump()
     return kernel, failures
 
 
 def demand_light(kernel: Kernel, consumer: str, cube_size: int | None = None) -> None:
-    """Ask for background, key light and ambient light; without a size the sky chooses one."""
-    for message_type in LIGHT:
+    """Ask for the clear sky's light and for the sum; without a size they choose one."""
+    for message_type in (*LIGHT, SkyLightChanged):
         kernel.inject(Demand(consumer=consumer, message=message_type.__name__, size=cube_size))
 
 

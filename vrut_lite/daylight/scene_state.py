@@ -13,6 +13,7 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -51,7 +52,8 @@ class SceneState:
     A part is replaced, never changed: a part that is the same object needs no work.
 
     Attributes:
-        background, key_light, ambient: None before the sky has spoken.
+        background, key_light, ambient: of the clear sky; None before the sky has spoken.
+        sky_light: the sum of sky and layers; None without layers, where it is the clear sky's.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
@@ -67,6 +69,7 @@ class SceneState:
     background: BackgroundChanged | None = None
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
+    sky_light: SkyLightChanged | None = None
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)

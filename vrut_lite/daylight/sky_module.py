@@ -5,8 +5,8 @@ background, key light, ambient light, radiance on the ground and air, in this or
 demand, else the tolerance; moves of sun and eye that nobody sees cost nothing; when the slot
 returns, all is posted again; a sky that needs a long computation first has it done by a background
 job, and shows the one before until then. With a setting `cube_device` on "gpu" the GPU makes cube
-map and air; the CPU does where nobody runs GPU jobs, where one has failed, and where the sky says
-so.
+map and air; the CPU does where a demand names the cube's encoding, where nobody runs GPU jobs,
+where one has failed, and where the sky says so.
 
 The ledger counts, by the messages' type names, what was posted ("BackgroundChanged") and what was
 not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
@@ -183,8 +183,7 @@ class SkyModule(Module):
             return
         assert self._hour is not None
         for kind, demand in wanted.items():
-            usual = LIGHT_SIZE if kind is SkyRadianceChanged else self._quality.cube_size
-            self._post_if_new(kind, sky, self._hour, demand.size or usual)
+            self._post_if_new(kind, sky, self._hour, demand)
 
     @property
     def _quality(self) -> Quality:
@@ -251,12 +250,16 @@ class SkyModule(Module):
             self._refused = ()
             self._preparation.ask(work)
 
-    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, size: int) -> None:
+    def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, demand: Demand) -> None:
         """Post what is made from other things than the last of its kind."""
+        usual = LIGHT_SIZE if kind is SkyRadianceChanged else self._quality.cube_size
+        size = demand.size or usual
         name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
         made_from: tuple[object, ...] = sky.on_scene(), direction
         if kind is BackgroundChanged:
-            on_gpu = self._gpu_serves(type(sky).gpu_background is not Sky.gpu_background)
+            # Who names an encoding reads the texels.
+            able = type(sky).gpu_background is not Sky.gpu_background and not demand.encoding
+            on_gpu = self._gpu_serves(able)
             made_from = sky, size, on_gpu
         elif kind is SkyRadianceChanged:
             made_from = *made_from, size

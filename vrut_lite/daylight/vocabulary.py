@@ -15,6 +15,7 @@ from vrut_lite.daylight.sky import (
     SkyRadianceChanged,
     SpectrumSeen,
 )
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.messages import Derived, Input, Message
@@ -40,6 +41,7 @@ DERIVED: tuple[type[Derived], ...] = (
     CloudsChanged,
     AmbientChanged,
     SkyRadianceChanged,
+    SkyLightChanged,
     GpuJob,
     LightMapLaid,
     SurfaceLightChanged,

@@ -129,7 +129,7 @@ class Frame:
             shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
-            light, air = self._clouds.prepare(scene, view, light, air, state.size_px)
+            air = self._clouds.prepare(scene, view, light, air, state.size_px)
         self._patience.check()
         targets.multisampled.use()
         targets.multisampled.clear()
@@ -240,13 +240,13 @@ class Frame:
             self.ledger.skip("reflection: no sky reaches what is seen")
         elif glossy or not self._skips.reflection:
             slices = None if still else SLICES_A_FRAME
-            self._filter.update(light.sky, slices, not self._skips.reflection)
+            self._filter.update(light.mirrored, slices, not self._skips.reflection)
         else:
             self.ledger.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture
         if filtered is None:
             # Something must be bound; nobody looks at it.
-            return Reflection(light.sky.texture, light.sky.scale, self._reflectance)
+            return Reflection(light.mirrored.texture, light.mirrored.scale, self._reflectance)
         return Reflection(filtered, self._filter.scale, self._reflectance)
 
 

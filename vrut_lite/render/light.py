@@ -22,13 +22,17 @@ class Sky(NamedTuple):
 class Light:
     """Sun and sky of one frame; world axes, linear sRGB, W m^-2 (sr^-1).
 
-    `sun_irradiance` is that of a plane that faces the sun; `irradiance_sh` is (25, 3).
+    `sun_irradiance` is that of a plane that faces the sun, before clouds; `irradiance_sh` (25, 3)
+    is that of sky and clouds together, `clear_sh` of the clear sky. `sky` is seen behind the scene,
+    before clouds are drawn; `mirrored` has them in it.
     """
 
     sun_direction: tuple[float, float, float]
     sun_irradiance: tuple[float, float, float]
     irradiance_sh: NDArray
+    clear_sh: NDArray
     sky: Sky
+    mirrored: Sky
 
 
 class Shadow(NamedTuple):

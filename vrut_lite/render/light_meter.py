@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.cloud_density import sun_transmittance
-from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -40,23 +39,25 @@ def illuminance(
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
     The scene shades the sun, with a sharp edge, and clouds do. All other light is as in the
-    picture: the light map's on a surface that it knows, else that of the whole sky.
+    picture: the light map's on a surface that it knows, else that of the whole sky with the clouds
+    in it.
+
+    Args:
+        sun: before clouds.
+        ambient: of sky and clouds together.
     """
     n = np.asarray(normal, dtype=float)
     n = n / np.linalg.norm(n)
     direction = np.asarray(sun.direction)
     cosine = max(0.0, float(n @ direction))
     sunlit = cosine > 0.0 and rays.is_free(point_m, n, direction)
-    harmonics = ambient.irradiance_sh_rgb.values
     through = float(sunlit)
-    if clouds is not None:
-        clear = ClearLight(sun.direction, sun.irradiance_rgb, harmonics)
-        harmonics = under_clouds(clouds, clear)
-        through = sun_transmittance(clouds, point_m, direction) if sunlit else 0.0
-    sky = evaluate_irradiance(harmonics, n)
+    if sunlit and clouds is not None:
+        through = sun_transmittance(clouds, point_m, direction)
+    sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
     hit = None if lit is None else rays.surface_at(point_m, n)
     if lit is not None and hit is not None:
-        reached = reached_irradiance(lit._replace(open_sky=harmonics), hit)
+        reached = reached_irradiance(lit, hit)
         sky = sky if reached is None else reached
     return Illuminance(
         sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,

@@ -14,7 +14,8 @@ from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.frame import Frame, Measure
@@ -39,13 +40,14 @@ class PyrenderBackend:
     def __init__(self, owner: GlOwner):
         self._owner = owner
         self._frame: Frame = owner.call(Frame)
-        # The background last: of them all, its shader alone may be refused.
+        # The background last: of them, its shader alone may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
             "light_map": self._upload_light_map,
             "surface_light": self._upload_surface_light,
             "air": self._upload_air,
             "clouds": self._upload_clouds,
+            "sky_light": self._upload_sky_light,
             "background": self._upload_background,
         }
         # What was uploaded last: a texture that stays on the GPU is ours for as long as the
@@ -53,7 +55,10 @@ class PyrenderBackend:
         self._uploaded: dict[str, Any] = dict.fromkeys(self._uploads)
         self._scene: PyrenderScene | None = None
         self._sky_texture: Any = None
-        self._own_cube: Any = None
+        self._own_cube = _OwnCube()
+        # The sky with its layers, where it has any.
+        self._summed_cube = _OwnCube()
+        self._mirrored: Sky | None = None
         self._rays: tuple[SceneOpened, SceneRays] | None = None
 
     def prepare(self, state: SceneState) -> None:
@@ -78,16 +83,18 @@ class PyrenderBackend:
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:
         """Lux on a plane with this normal (3,) at a point (3,), world axes."""
-        if state.key_light is None or state.ambient is None:
+        sky = state.sky_light
+        ambient = state.ambient if sky is None else sky.ambient
+        if state.key_light is None or ambient is None:
             raise RuntimeError("nothing to measure yet: no light")
         return illuminance(
             self._scene_rays(state),
             state.key_light,
-            state.ambient,
+            ambient,
             point_m,
             normal,
             state.clouds,
-            _lit_scene(state),
+            _lit_scene(state, ambient),
         )
 
     def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:
@@ -119,7 +126,8 @@ class PyrenderBackend:
 
     def _release(self) -> None:
         self._frame.release()
-        self._release_own_cube()
+        self._own_cube.release()
+        self._summed_cube.release()
 
     # --- on the GL thread ----------------------------------------------------------------
 
@@ -157,26 +165,24 @@ class PyrenderBackend:
     def _upload_background(self, context: Any, background: BackgroundChanged) -> None:
         """Upload the cube map, or take the texture that has never left the GPU as it is."""
         cube = background.cube
-        texture = cube.opaque if isinstance(cube, GpuTexture) else self._upload_cube(context, cube)
+        if isinstance(cube, GpuTexture):
+            texture = cube.opaque
+        else:
+            texture = self._own_cube.holding(context, cube)
         texture.filter = (context.LINEAR, context.LINEAR)
         self._sky_texture = texture
         self._frame.show_view(background.view)
 
-    def _upload_cube(self, context: Any, cube: Array) -> Any:
-        size = cube.shape[1]
-        if self._own_cube is None or self._own_cube.size != (size, size):
-            self._release_own_cube()
-            self._own_cube = context.texture_cube((size, size), 4, dtype="f2")
-        rgba = np.ones((size, size, 4), np.float16)
-        for index, face in enumerate(cube.values):
-            rgba[..., :3] = face
-            self._own_cube.write(index, rgba.tobytes())
-        return self._own_cube
-
-    def _release_own_cube(self) -> None:
-        if self._own_cube is not None:
-            self._own_cube.release()
-        self._own_cube = self._sky_texture = None
+    def _upload_sky_light(self, context: Any, light: SkyLightChanged | None) -> None:
+        """Upload the sky with its layers, for what mirrors it."""
+        if light is None:
+            self._mirrored = None
+            return
+        radiance = light.radiance
+        assert radiance is not None
+        texture = self._summed_cube.holding(context, radiance.cube)
+        texture.filter = (context.LINEAR, context.LINEAR)
+        self._mirrored = Sky(texture, radiance.radiance_scale, radiance)
 
     def _draw(
         self, context: Any, state: SceneState, still: bool, is_given_up: IsGivenUp | None
@@ -200,16 +206,45 @@ class PyrenderBackend:
             background,
             background.ground_through_air,
         )
-        return Light(sun.direction, sun.irradiance_rgb, ambient.irradiance_sh_rgb.values, sky)
+        clear = ambient.irradiance_sh_rgb.values
+        summed = clear
+        if state.sky_light is not None:
+            summed = state.sky_light.ambient.irradiance_sh_rgb.values
+        mirrored = self._mirrored or sky
+        return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored)
 
 
-def _lit_scene(state: SceneState) -> LitScene | None:
+def _lit_scene(state: SceneState, ambient: AmbientChanged) -> LitScene | None:
     if state.light_map is None or state.surface_light is None:
         return None
     assert state.scene is not None
-    assert state.ambient is not None
-    harmonics = state.ambient.irradiance_sh_rgb.values
+    harmonics = ambient.irradiance_sh_rgb.values
     return LitScene(state.scene, state.light_map, state.surface_light, harmonics)
+
+
+class _OwnCube:
+    """A texture for cube maps that come as arrays."""
+
+    def __init__(self) -> None:
+        self._texture: Any = None
+
+    def holding(self, context: Any, cube: Array) -> Any:
+        """The texture, with these texels (6, n, n, 3)."""
+        size = cube.shape[1]
+        if self._texture is None or self._texture.size != (size, size):
+            self.release()
+            self._texture = context.texture_cube((size, size), 4, dtype="f2")
+        rgba = np.ones((size, size, 4), np.float16)
+        for index, face in enumerate(cube.values):
+            rgba[..., :3] = face
+            self._texture.write(index, rgba.tobytes())
+        return self._texture
+
+    def release(self) -> None:
+        """Free the texture."""
+        if self._texture is not None:
+            self._texture.release()
+        self._texture = None
 
 
 def _view(camera: MoveCamera, scene_radius_m: float, aspect: float) -> View:

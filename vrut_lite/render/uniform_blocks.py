@@ -117,7 +117,6 @@ CLOUDS = UniformBlock(
         "ground_squares_m2": ("float", "the same of the ground"),
         "eye_altitude_m": ("float", "the eye's y"),
         "light_from_above": ("vec3", "mean radiance of the upper hemisphere"),
-        "scattered_share": ("float", "of light from above, that reaches the ground through clouds"),
         "light_from_below": ("vec3", "radiance of the ground"),
         "covered_share": ("float", "of the sky's zenith that is cloud"),
         "shadow_origin_m": ("vec2", "the eye on the shadow map's plane"),

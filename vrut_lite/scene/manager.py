@@ -9,12 +9,12 @@ from vrut_lite import __version__
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
-from vrut_lite.daylight.daylight_kernel import LIGHT
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.kernel.messages import SlotChanged
@@ -65,7 +65,7 @@ class SceneManager(Module):
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
         )
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
-        for kind in LIGHT:
+        for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
 
     @property
@@ -134,6 +134,11 @@ class SceneManager(Module):
     def on_ambient(self, message: AmbientChanged) -> None:
         """Light with this sky."""
         self._view.state = self.state.with_light(ambient=message)
+
+    @handles(SkyLightChanged)
+    def on_sky_light(self, message: SkyLightChanged) -> None:
+        """Light with the sum of sky and layers, and mirror it, where there are layers."""
+        self._change(sky_light=message if message.layers else None)
 
     @handles(AirChanged)
     def on_air(self, message: AirChanged) -> None:

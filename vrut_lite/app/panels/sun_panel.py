@@ -8,8 +8,8 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import aligned_form
-from vrut_lite.daylight.sky import AmbientChanged
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.kernel.messages import ClockMoved, SetClock
 
@@ -36,8 +36,7 @@ class SunPanel(QWidget):
         self.elevation.valueChanged.connect(lambda _: self._go_to_elevation())
         self.azimuth.valueChanged.connect(lambda _: self._go_to_azimuth())
         session.listen(SunMoved, self._show_sun)
-        session.listen(KeyLightChanged, self._show_sunlight)
-        session.listen(AmbientChanged, self._show_skylight)
+        session.listen(SkyLightChanged, self._show_light)
 
     def _go_to_elevation(self) -> None:
         day, now = self._scout.day, self._now()
@@ -80,14 +79,12 @@ class SunPanel(QWidget):
         _show(self.azimuth, degrees(sun.azimuth_rad) % 360.0)
         self.phase.setText(phase_of(sun))
 
-    def _show_sunlight(self, light: KeyLightChanged) -> None:
-        lux = float(luminance(light.irradiance_rgb)) * LUMENS_PER_WATT
-        self.sunlight.setText(lux_text(lux))
-
-    def _show_skylight(self, light: AmbientChanged) -> None:
+    def _show_light(self, light: SkyLightChanged) -> None:
         from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 
-        up = evaluate_irradiance(light.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
+        lux = float(luminance(light.key_light.irradiance_rgb)) * LUMENS_PER_WATT
+        self.sunlight.setText(lux_text(lux))
+        up = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
         self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
 
 

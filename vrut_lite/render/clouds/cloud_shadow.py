@@ -48,20 +48,29 @@ class CloudShadowMap:
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
 
-    def bind(self, clouds: CloudsOnGpu, light: ClearLight, around: CloudSurroundings) -> bool:
-        """Bind clouds and shadows of this frame; whether there is a sun that casts any."""
+    def bind(
+        self,
+        clouds: CloudsOnGpu,
+        light: ClearLight,
+        sky_irradiance: NDArray[np.float64],
+        around: CloudSurroundings,
+    ) -> bool:
+        """Bind clouds and shadows of this frame; whether there is a sun that casts any.
+
+        `sky_irradiance` (3,): of level ground by sky and clouds.
+        """
         layer, eye_m = clouds.layer, around.eye_m[[0, 2]]
         assert layer is not None
         if not any(light.sun_irradiance):
             self._ledger.skip("cloud shadow map: no sun to cast one")
-            clouds.bind(light, around, _plane(eye_m))
+            clouds.bind(light, sky_irradiance, around, _plane(eye_m))
             return False
         blown_m = np.zeros(2) if self._layer is None else _difference(layer, self._layer)
         if self._holds(layer, light.sun_direction, eye_m - blown_m):
             self._ledger.skip("cloud shadow map: it still holds")
-            clouds.bind(light, around, _plane(self._centre_m + blown_m))
+            clouds.bind(light, sky_irradiance, around, _plane(self._centre_m + blown_m))
         else:
-            clouds.bind(light, around, _plane(eye_m))
+            clouds.bind(light, sky_irradiance, around, _plane(eye_m))
             self._draw(clouds)
             self._layer, self._sun, self._centre_m = layer, light.sun_direction, eye_m
         self._texture.use(location=UNIT)

@@ -1,14 +1,12 @@
-"""The clouds of a frame: uploading, shadows, light under them, and drawing."""
+"""The clouds of a frame: uploading, shadows, and drawing."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from vrut_lite.daylight.cloud_light import ClearLight, under_clouds
+from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
 from vrut_lite.render.clouds.cloud_pass import COARSER, CloudPass
@@ -53,12 +51,12 @@ class FrameClouds:
 
     def prepare(
         self, scene: PyrenderScene, view: View, light: Light, air: FrameAir, size: tuple[int, int]
-    ) -> tuple[Light, FrameAir]:
-        """Bind the clouds of this frame; returns the light under them and the shaders' defines."""
+    ) -> FrameAir:
+        """Bind the clouds of this frame; returns the shaders' defines."""
         self._drawn = False
         if self._clouds is None or self._clouds.layer is None:
             self._ledger.skip("clouds: none")
-            return light, air
+            return air
         self._drawn = True
         around = CloudSurroundings(
             eye_m=view.eye_m,
@@ -66,11 +64,10 @@ class FrameClouds:
             pixel_rad=2.0 / (float(view.projection[1, 1]) * size[1]),
         )
         assert self._shadow is not None
-        clear = ClearLight(light.sun_direction, light.sun_irradiance, light.irradiance_sh)
-        casts = self._shadow.bind(self._clouds, clear, around)
-        beneath = under_clouds(self._clouds.layer, clear)
-        dimmed = replace(light, irradiance_sh=beneath.astype(np.float32))
-        return dimmed, with_cloud_shadows(air) if casts else air
+        clear = ClearLight(light.sun_direction, light.sun_irradiance, light.clear_sh)
+        beneath = evaluate_irradiance(light.irradiance_sh, (0.0, 1.0, 0.0))
+        casts = self._shadow.bind(self._clouds, clear, beneath, around)
+        return with_cloud_shadows(air) if casts else air
 
     def draw(
         self, scene: PyrenderScene, targets: Targets, view: View, air: FrameAir, still: bool

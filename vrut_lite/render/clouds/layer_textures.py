@@ -14,10 +14,9 @@ from vrut_lite.daylight.cloud_density import (
     WEATHER_TURN_RAD,
     turned,
 )
-from vrut_lite.daylight.cloud_light import ClearLight, sky_beneath
+from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
-from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.uniform_blocks import CLOUDS
@@ -29,7 +28,6 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 # As cloud_density.glsl and cloud_light.glsl bind them.
 _WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 0, 1, 2, 3
 _SUNS, _LOWEST_SUN = 256, -0.1
-_UP = np.array([0.0, 1.0, 0.0])
 
 
 class CloudSurroundings(NamedTuple):
@@ -86,10 +84,19 @@ class CloudsOnGpu:
             self._light(levels_m)
             self._levels_m = levels_m
 
-    def bind(self, light: ClearLight, around: CloudSurroundings, plane: ShadowPlane) -> None:
-        """Hand layer, light and surroundings to all shaders that are drawn with next."""
+    def bind(
+        self,
+        light: ClearLight,
+        sky_irradiance: NDArray[np.float64],
+        around: CloudSurroundings,
+        plane: ShadowPlane,
+    ) -> None:
+        """Hand layer, light and surroundings to all shaders that are drawn with next.
+
+        `sky_irradiance` (3,): of level ground by sky and clouds.
+        """
         assert self.layer is not None
-        self._block.write(_packed(self.layer, light, around, plane))
+        self._block.write(_packed(self.layer, light, sky_irradiance, around, plane))
         self._block.bind_to_uniform_block(CLOUDS.binding)
 
     def bind_noises(self) -> None:
@@ -143,13 +150,16 @@ class CloudsOnGpu:
 
 
 def _packed(
-    layer: CloudLayer, light: ClearLight, around: CloudSurroundings, plane: ShadowPlane
+    layer: CloudLayer,
+    light: ClearLight,
+    sky_irradiance: NDArray[np.float64],
+    around: CloudSurroundings,
+    plane: ShadowPlane,
 ) -> bytes:
     """The uniform block `CLOUDS`."""
     eye = around.eye_m
     level = eye[[0, 2]]
     base, top = layer.base_m, layer.base_m + layer.thickness_m
-    beneath = sky_beneath(layer, light)
     ground = min(around.ground_level_m, float(eye[1]))
     eye_altitude_m = float(eye[1])
     return CLOUDS.packed(
@@ -167,16 +177,15 @@ def _packed(
         base_squares_m2=_squares_m2(base, eye_altitude_m),
         ground_squares_m2=_squares_m2(ground, eye_altitude_m),
         eye_altitude_m=eye_altitude_m,
-        light_from_above=evaluate_irradiance(light.irradiance_sh, _UP) / np.pi,
-        scattered_share=beneath.scattered_share,
-        light_from_below=beneath.light_from_below,
+        light_from_above=light.by_sky / np.pi,
+        light_from_below=light_from_below(layer, light),
         covered_share=layer.coverage,
         shadow_origin_m=level - plane.centre_m,
         shadow_near_m=plane.near_m,
         shadow_growth=plane.growth,
-        ground_by_sun=beneath.ground_by_sun,
+        ground_by_sun=light.by_sun / light.on_ground,
         sun_slope=plane.least_sine,
-        ground_by_sky=beneath.ground_by_sky,
+        ground_by_sky=sky_irradiance / light.on_ground,
         shadow_texels=plane.texels,
     )
 

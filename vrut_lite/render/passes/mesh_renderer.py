@@ -210,7 +210,7 @@ def in_order(
 
 
 def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
-    light.sky.texture.use(location=_SKY_UNIT)
+    light.mirrored.texture.use(location=_SKY_UNIT)
     shadows.scene.texture.use(location=SHADOW_UNIT)
     if shadows.near is not None:
         shadows.near.texture.use(location=_NEAR_SHADOW_UNIT)
@@ -221,7 +221,7 @@ def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
 def _set_light(program: ShaderProgram, light: Light) -> None:
     program.set_uniform("sun_direction", np.asarray(light.sun_direction, dtype=float))
     program.set_uniform("sun_irradiance", np.asarray(light.sun_irradiance, dtype=float))
-    program.set_uniform("sky_scale", float(light.sky.scale))
+    program.set_uniform("sky_scale", float(light.mirrored.scale))
     # pyrender's set_uniform knows no arrays.
     place = GL.glGetUniformLocation(program._program_id, "irradiance_sh")
     harmonics = np.ascontiguousarray(light.irradiance_sh, dtype=np.float32)

@@ -1,0 +1,216 @@
+"""The module that sums the clear sky and the layers before it, for all who light with the sky."""
+
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from vrut_lite import __version__
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.daylight.scene import SceneNeeds, SceneOpened
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.kernel.messages import Demand, JobResult, SlotChanged
+from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.numeric_types import Vector
+
+NAME = "sky_sum"
+JOB = "sum"
+# Edge of the summed cube map, in texels, where the consumer names none.
+CUBE_SIZE = 64
+# Clouds that have drifted, or are seen from a place that has risen, by less than this share of
+# their distance look the same.
+_UNSEEN_SHARE = 0.02
+_LEAST_DISTANCE_M = 50.0
+
+
+class SkySum(Module):
+    """Posts `SkyLightChanged` where it is wanted.
+
+    Without clouds it hands on the clear sky's own messages in the same transaction; with clouds a
+    background job sums. The ledger counts "sum" posted, and skips "sum: no layers", "sum:
+    unwanted" and "sum: no change to be seen".
+    """
+
+    manifest = Manifest(
+        name=NAME, title="Sum of the sky and its layers", version=__version__, auxiliary=True
+    )
+
+    def __init__(self, link: Link, settings: Any):
+        super().__init__(link, settings)
+        self._wanted: Demand | None = None
+        # What the latest sum, posted or under way, was made from.
+        self._made_from: tuple[Any, ...] = ()
+        self._layer: CloudLayer | None = None
+        self._height_m = 0.0
+
+    # --- what it is made from ------------------------------------------------------------
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Want of the sky and of the clouds what others want of the sum."""
+        if message.message != SkyLightChanged.__name__:
+            return
+        self._wanted = self.link.wanted(SkyLightChanged)
+        self.link.demand(CloudsChanged, 0 if self._wanted is None else None)
+        self._want_sky()
+        self._update()
+
+    @handles(CloudsChanged)
+    def on_clouds(self, message: CloudsChanged) -> None:
+        """With clouds the sky is needed as an array."""
+        self._want_sky()
+        self._update()
+
+    @handles(BackgroundChanged)
+    @handles(KeyLightChanged)
+    @handles(AmbientChanged)
+    @handles(SkyRadianceChanged)
+    @handles(SlotChanged)
+    @handles(SceneOpened)
+    @handles(SceneNeeds)
+    @handles(MoveCamera)
+    def parts_changed(self, _message: Any) -> None:
+        """Sum anew what is new."""
+        self._update()
+
+    @handles(JobResult)
+    def summed(self, result: JobResult) -> None:
+        """Post a sum; what failed is told by the kernel."""
+        if result.error:
+            self._made_from = ()
+        else:
+            self._post(result.value)
+
+    # --- summing -------------------------------------------------------------------------
+
+    def _want_sky(self) -> None:
+        """Demand the clear sky; nothing is read back from the GPU, so it is made as an array."""
+        wanted, exact = self._wanted, self._clouds() is not None
+        for kind in LIGHT:
+            size = 0 if wanted is None else wanted.size
+            self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
+        self.link.demand(SkyRadianceChanged, None if exact and wanted is not None else 0)
+
+    def _clouds(self) -> CloudLayer | None:
+        last = self.link.last(CloudsChanged)
+        return None if last is None else last.layer
+
+    def _update(self) -> None:
+        if self._wanted is None:
+            self.ledger.skip("sum: unwanted")
+            self._forget()
+            return
+        background = self.link.last(BackgroundChanged)
+        key_light, ambient = self.link.last(KeyLightChanged), self.link.last(AmbientChanged)
+        if background is None or key_light is None or ambient is None:
+            return
+        parts = (background, key_light, ambient)
+        layer = self._clouds()
+        if layer is None:
+            self._hand_on(parts)
+            return
+        radiance = self.link.last(SkyRadianceChanged)
+        if radiance is not None and not isinstance(background.cube, GpuTexture):
+            self._start(layer, (*parts, radiance))
+
+    def _forget(self) -> None:
+        self.link.cancel_job(JOB)
+        self._made_from = ()
+
+    def _hand_on(self, parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged]) -> None:
+        """Without layers the sum is the clear sky."""
+        if _same(parts, self._made_from):
+            return
+        self.ledger.skip("sum: no layers")
+        self._forget()
+        self._made_from = parts
+        background, key_light, ambient = parts
+        self._post(
+            SkyLightChanged(
+                background=background, key_light=key_light, ambient=ambient, source=NAME
+            )
+        )
+
+    def _start(
+        self,
+        layer: CloudLayer,
+        parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged],
+    ) -> None:
+        """Sum in the background, unless nobody would see that it is new."""
+        assert self._wanted is not None
+        layer, scene = self._unless_unseen(layer), self.link.last(SceneOpened)
+        self._height_m = self._seen_from(layer)
+        size = self._wanted.size or CUBE_SIZE
+        made_from = (*parts, layer, scene, self._height_m, size)
+        if _same(made_from, self._made_from):
+            self.ledger.skip("sum: no change to be seen")
+            return
+        self._made_from, self._layer = made_from, layer
+        middle_m, half_width_m = _square(scene)
+        eye_m = (middle_m[0], self._height_m, middle_m[2])
+        self.link.start_job(JOB, sum_up, layer, *parts, eye_m, middle_m, half_width_m, size)
+
+    def _unless_unseen(self, layer: CloudLayer) -> CloudLayer:
+        """The layer, or the one before where the wind alone has moved it, and little."""
+        before = self._layer
+        if before is None or msgspec.structs.replace(layer, drift_m=before.drift_m) != before:
+            return layer
+        drifted_m = float(np.hypot(*np.subtract(layer.drift_m, before.drift_m)))
+        distance_m = max(layer.base_m - self._height_m, _LEAST_DISTANCE_M)
+        return before if drifted_m < _UNSEEN_SHARE * distance_m else layer
+
+    def _seen_from(self, layer: CloudLayer) -> float:
+        """The eye's height, at least 0, or the one before where nobody sees the difference."""
+        needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
+        height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
+        height_m = max(height_m, 0.0)
+        levels_m = layer.base_m, layer.base_m + layer.thickness_m
+        distance_m = max(min(abs(level - height_m) for level in levels_m), _LEAST_DISTANCE_M)
+        risen_m = abs(height_m - self._height_m)
+        return self._height_m if risen_m < _UNSEEN_SHARE * distance_m else height_m
+
+    def _post(self, message: SkyLightChanged) -> None:
+        self.link.post(message)
+        self.ledger.did("sum")
+
+
+def sum_up(
+    layer: CloudLayer,
+    background: BackgroundChanged,
+    key_light: KeyLightChanged,
+    ambient: AmbientChanged,
+    radiance: SkyRadianceChanged,
+    eye_m: Vector,
+    middle_m: Vector,
+    half_width_m: float,
+    size: int,
+) -> SkyLightChanged:
+    """The background job."""
+    # Imported here because it imports numba, which is needed only if there are clouds.
+    from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+
+    clear = ClearSky(background, key_light, ambient, radiance)
+    view = Viewpoint(eye_m, middle_m, half_width_m)
+    return light_under_clouds(layer, clear, view, size, NAME)
+
+
+def _square(scene: SceneOpened | None) -> tuple[Vector, float]:
+    """Middle, on the ground, and half the width (m) of the square that the scene stands in."""
+    if scene is None:
+        return (0.0, 0.0, 0.0), 0.0
+    x, _, z = (0.5 * (low + high) for low, high in zip(scene.lower_m, scene.upper_m, strict=True))
+    ground_m = scene.lower_m[1] if scene.ground is None else scene.ground.height_m
+    half_width_m = 0.5 * max(scene.upper_m[i] - scene.lower_m[i] for i in (0, 2))
+    return (x, max(ground_m, 0.0), z), half_width_m
+
+
+def _same(made_from: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
+    """Whether all parts are the same objects, or equal numbers."""
+    return len(made_from) == len(before) and all(
+        new is old or (isinstance(new, float | int) and new == old)
+        for new, old in zip(made_from, before, strict=True)
+    )

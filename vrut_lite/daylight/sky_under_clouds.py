@@ -1,0 +1,203 @@
+"""The light of a clear sky and of the clouds before it, summed.
+
+Radiance along a ray: clear sky x (T + (1 - T) a) + clouds x t. T is the clouds' transmittance, t
+that of the air before them, and a the share of the clear sky's light that this air sends. The air
+is that of molecules alone. Importing this module imports numba.
+"""
+
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
+from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.geometry.cube_map import reduce_cube, texel_directions
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.spherical_harmonics import (
+    horizontal_irradiance,
+    irradiance_coefficients,
+)
+from vrut_lite.numeric_types import FloatArray, Vector
+
+# Rayleigh scattering at sea level at 635, 550 and 465 nm, where linear sRGB has its weight.
+_RAYLEIGH_PER_M = np.array([6.6e-6, 1.19e-5, 2.36e-5])
+_SCALE_HEIGHT_M = 8000.0
+# An eye higher than this share of the clouds' base sees them otherwise than the ground does.
+_NEAR_GROUND = 0.1
+
+
+class ClearSky(NamedTuple):
+    """A clear sky's own messages."""
+
+    background: BackgroundChanged
+    key_light: KeyLightChanged
+    ambient: AmbientChanged
+    radiance: SkyRadianceChanged
+
+
+class Viewpoint(NamedTuple):
+    """From where the sum is seen, and where its light falls: a level square around the middle.
+
+    `eye_m` lies over the scene's `middle_m`, which is on the ground.
+    """
+
+    eye_m: Vector
+    middle_m: Vector
+    half_width_m: float
+
+
+class _OnGround(NamedTuple):
+    """The summed sky (6, n, n, 3) from the ground, its harmonics (25, 3), and the ground's share.
+
+    `share` (3,): light on level ground, relative to a clear sky's.
+    """
+
+    cube: FloatArray
+    harmonics: FloatArray
+    share: FloatArray
+
+
+def light_under_clouds(
+    layer: CloudLayer, clear: ClearSky, view: Viewpoint, size: int, source: str
+) -> SkyLightChanged:
+    """The sum of a clear sky and a layer of clouds; its background has about `size` texels an edge.
+
+    Raises:
+        ValueError: the clear sky's background has never left the GPU.
+    """
+    sun = clear.key_light
+    light = ClearLight(sun.direction, sun.irradiance_rgb, clear.ambient.irradiance_sh_rgb.values)
+    share = sun_share(layer, sun.direction, view.middle_m, view.half_width_m)
+    on_ground = _on_ground(layer, light, clear.radiance, view.middle_m, share)
+    texels, scale = encode_float16(on_ground.cube)
+    radiance = SkyRadianceChanged(
+        cube=Array(texels),
+        radiance_scale=scale,
+        ground_radiance_rgb=_vector(on_ground.share * clear.radiance.ground_radiance_rgb),
+        source=source,
+    )
+    near_ground = view.eye_m[1] - view.middle_m[1] <= _NEAR_GROUND * layer.base_m
+    if near_ground and size <= len(texels[0]):
+        cube, scale = radiance.cube, radiance.radiance_scale
+    else:
+        seen, scale = encode_float16(_from_eye(layer, light, clear, on_ground.share, view, size))
+        cube = Array(seen)
+    through_to_eye = sun_share(layer, sun.direction, view.eye_m, 0.0)
+    seen_rgb = clear.background.seen_sun_irradiance_rgb or sun.irradiance_rgb
+    return SkyLightChanged(
+        background=msgspec.structs.replace(
+            clear.background,
+            cube=cube,
+            radiance_scale=scale,
+            ground_radiance_rgb=_vector(on_ground.share * clear.background.ground_radiance_rgb),
+            view=None,
+            seen_sun_irradiance_rgb=_vector(through_to_eye * np.asarray(seen_rgb)),
+            source=source,
+        ),
+        key_light=msgspec.structs.replace(
+            sun, irradiance_rgb=_vector(share * np.asarray(sun.irradiance_rgb)), source=source
+        ),
+        ambient=AmbientChanged(
+            irradiance_sh_rgb=Array(on_ground.harmonics.astype(np.float32)), source=source
+        ),
+        radiance=radiance,
+        layers=("cloud layer",),
+        source=source,
+    )
+
+
+def _on_ground(
+    layer: CloudLayer,
+    light: ClearLight,
+    radiance: SkyRadianceChanged,
+    place_m: Vector,
+    sun_share: float,
+) -> _OnGround:
+    clear = _radiance(radiance.cube, radiance.radiance_scale)
+    upper = texel_directions(clear.shape[1])[..., 1] > 0.0
+    added = np.zeros(clear.shape)
+    added[upper] = _seen(layer, light, clear, upper, place_m) - clear[upper]
+    sky = np.maximum(light.by_sky + horizontal_irradiance(added), 0.0)
+    share = (sun_share * light.by_sun + sky) / light.on_ground
+    added[~upper] = clear[~upper] * (share - 1.0)
+    return _OnGround(clear + added, light.irradiance_sh + irradiance_coefficients(added), share)
+
+
+def _from_eye(
+    layer: CloudLayer,
+    light: ClearLight,
+    clear: ClearSky,
+    ground_share: FloatArray,
+    view: Viewpoint,
+    size: int,
+) -> FloatArray:
+    """Radiance (6, n, n, 3) of the background with the clouds in it."""
+    if not isinstance(clear.background.cube, Array):
+        raise ValueError("the sum of sky and clouds needs the sky as an array")
+    cube = _radiance(clear.background.cube, clear.background.radiance_scale)
+    if cube.shape[1] > size:
+        cube = reduce_cube(cube, size)
+    lower = texel_directions(cube.shape[1])[..., 1] <= 0.0
+    cube[lower] *= ground_share
+    everywhere = np.ones(lower.shape, bool)
+    return _seen(layer, light, cube, everywhere, view.eye_m).reshape(cube.shape)
+
+
+def _radiance(cube: Array, scale: float) -> FloatArray:
+    return np.asarray(cube.values, dtype=float) * scale
+
+
+def _seen(
+    layer: CloudLayer,
+    light: ClearLight,
+    clear: NDArray[np.floating],
+    part: NDArray[np.bool_],
+    eye_m: Vector,
+) -> FloatArray:
+    """Radiance (n, 3) of a clear sky (6, size, size, 3) behind clouds, of those texels."""
+    size = clear.shape[1]
+    directions = texel_directions(size)[part]
+    seen = clouds_seen(layer, light, eye_m, directions, 0.5 * np.pi / size)
+    before, all_of_it = _air_depths(eye_m[1], directions[:, 1], seen.distance_m)
+    air_share = -np.expm1(-before) / np.maximum(-np.expm1(-all_of_it), 1e-9)
+    transmittance = seen.transmittance[:, None]
+    kept = transmittance + (1.0 - transmittance) * np.clip(air_share, 0.0, 1.0)
+    return np.asarray(clear[part] * kept + seen.radiance * np.exp(-before))
+
+
+def _air_depths(
+    eye_altitude_m: float, mu: FloatArray, distance_m: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Optical depths (n, 3) of molecules up to clouds (n,), and up to ground or space.
+
+    mu (n,): the rays' zenith cosines.
+    """
+    horizontal_m = distance_m * np.sqrt(np.maximum(1.0 - mu * mu, 0.0))
+    far_altitude_m = eye_altitude_m + distance_m * mu + horizontal_m**2 / (2.0 * PLANET_RADIUS_M)
+    before = distance_m * _mean_density(eye_altitude_m, far_altitude_m)
+    # Along the horizon there is as much air as along 38 scale heights.
+    upward = _SCALE_HEIGHT_M * np.exp(-eye_altitude_m / _SCALE_HEIGHT_M)
+    downward = _SCALE_HEIGHT_M * -np.expm1(-eye_altitude_m / _SCALE_HEIGHT_M)
+    whole = np.where(mu > 0.0, upward, downward) / np.maximum(np.abs(mu), 1.0 / 38.0)
+    return before[:, None] * _RAYLEIGH_PER_M, whole[:, None] * _RAYLEIGH_PER_M
+
+
+def _mean_density(from_m: float, to_m: FloatArray) -> FloatArray:
+    """Mean density (n,) of air between altitudes, relative to sea level."""
+    rise = (np.maximum(to_m, 0.0) - from_m) / _SCALE_HEIGHT_M
+    level = np.abs(rise) < 1e-6
+    mean = np.where(level, 1.0, -np.expm1(-rise) / np.where(level, 1.0, rise))
+    return np.asarray(np.exp(-from_m / _SCALE_HEIGHT_M) * mean)
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
