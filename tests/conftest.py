@@ -95,3 +95,14 @@ def compute(gl_owner):
         return results[-1].value.values[..., :3].astype(float)
 
     return run
+
+
+@pytest.fixture(autouse=True)
+def _lit_by_the_open_sky(request, monkeypatch):
+    """A light map takes seconds: scenes go without it, but for tests that are of it."""
+    if "light_transport" in request.path.parts:
+        return
+    from light_transport.module import LightTransport
+    from open_sky import OpenSkySettings
+
+    monkeypatch.setattr(LightTransport, "settings_type", OpenSkySettings)

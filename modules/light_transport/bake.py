@@ -25,7 +25,7 @@ from light_transport.map_texels import map_geometry, texels_of
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
 from light_transport.probe_places import probe_places_m, without_buried
-from light_transport.ray_starts import Receivers, no_probes, probe_planes, scratch
+from light_transport.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
 from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
 from light_transport.sheets import sheets_of
 from light_transport.sky_nodes import NODES, node_radiances
@@ -33,7 +33,7 @@ from light_transport.smoothing import STEPS, Smoothing, mix_at_seams, smoothed_r
 from light_transport.surfaces import Surfaces
 from light_transport.tree import tree_over
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.numeric_types import BoolArray, Float32Array
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Rows of which fewer rays count lie inside bodies.
 _LEAST_FREE = 0.1
@@ -156,12 +156,7 @@ class Bake:
         """The light of an hour; some rays must have been added."""
         assert self.patches is not None
         finished = self._finish()
-        node_light = np.zeros((NODES, 4), np.float32)
-        radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
-        node_light[:, :3], node_light[:, 3] = radiances, luminance(radiances)
-        column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
-        column_light[:NODES] = node_light
-        column_light[NODES:-1, :3] = self._radiosity(hour, node_light, finished)
+        column_light = self._column_light(hour, finished)
         rows = len(self._orientation)
         light = np.empty((rows, 4), np.float32)
         self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
@@ -171,6 +166,41 @@ class Bake:
         return HourLight(
             self._as_map(light[:texels], finished), self._as_probes(light[texels:], finished)
         )
+
+    def irradiance_at(
+        self, places_m: FloatArray, normals: FloatArray, hour: Hour, rays: int
+    ) -> Float32Array:
+        """Irradiance (P, 3), W m^-2, at free points by rays of their own, as `light` has it.
+
+        `places_m` (P, 3) and unit `normals` (P, 3): world axes.
+        """
+        assert self.patches is not None
+        places = (places_m - self.surfaces.centre_m) / self.surfaces.radius_m
+        probes = Probes(places.astype(np.float32), normals.astype(np.float32))
+        first, own = len(self.texels.pixel), len(self.receivers.probes.place)
+        columns = self.patches.column_of
+        nothing = np.full(len(places), NODES + len(self.patches.area), np.int32)
+        before, after = columns[: NODES + first], columns[NODES + first + own :]
+        rows = with_rays(
+            self.tree,
+            self.receivers._replace(probes=probes),
+            empty_rows(first, len(places)),
+            np.concatenate([before, nothing, after]),
+            0,
+            rays,
+        )
+        light = np.empty((len(places), 4), np.float32)
+        gathered(rows, self._column_light(hour, self._finish()), 0, len(places), light)
+        return light[:, :3]
+
+    def _column_light(self, hour: Hour, finished: _Finished) -> Float32Array:
+        """What a ray brings from each column (C, 4): pi L, and luminance of the sky's alone."""
+        assert self.patches is not None
+        column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
+        radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
+        column_light[:NODES, :3], column_light[:NODES, 3] = radiances, luminance(radiances)
+        column_light[NODES:-1, :3] = self._radiosity(hour, column_light[:NODES], finished)
+        return column_light
 
     def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
         other = np.empty_like(light)

@@ -1,5 +1,6 @@
 """What patches get of the sky and of each other, and the bounces of an hour between them."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,8 @@ _RELAXATION = 1.2
 # Patches darker than this share of the mean are held to it: a shut room has no light at all.
 _DARKEST = 1e-4
 _MOST_SWEEPS = 400
+# A patch gets light from so many others at most.
+_MOST_PARTNERS = 192
 # Numbers of 16 bits name so many patches.
 _SMALL = 65_536
 
@@ -38,28 +41,30 @@ class Exchange(NamedTuple):
 def exchange_of(table: Rows, patches: Patches) -> Exchange:
     """Means of the table's rows over patches (P D and P F of the note)."""
     total = len(patches.area)
-    node_number, patch_number = _sizes(table, patches, NODES + total + 1)
-    node_start = np.concatenate([[0], np.cumsum(node_number)])
-    patch_start = np.concatenate([[0], np.cumsum(patch_number)])
+    nodes, others = _most_entries(table, patches, NODES + total + 1)
     made = Exchange(
-        node_start,
-        np.empty(node_start[-1], np.uint16),
-        np.empty(node_start[-1], np.float32),
-        patch_start,
-        np.empty(patch_start[-1], np.uint16 if total <= _SMALL else np.int32),
-        np.empty(patch_start[-1], np.float32),
+        np.zeros(total + 1, np.int64),
+        np.empty(nodes, np.uint16),
+        np.empty(nodes, np.float32),
+        np.zeros(total + 1, np.int64),
+        np.empty(others, np.uint16 if total <= _SMALL else np.int32),
+        np.empty(others, np.float32),
     )
     _fill(table, patches, NODES + total + 1, made)
-    return made
+    entries = int(made.patch_start[-1])
+    return made._replace(
+        patch_column=made.patch_column[:entries].copy(),
+        patch_share=made.patch_share[:entries].copy(),
+    )
 
 
 @kernel
-def _sizes(table, patches, columns):  # type: ignore[no-untyped-def]
-    """How many nodes, and how many patches, each patch gets light of."""
-    total = len(patches.area)
-    nodes, others = np.zeros(total, np.int64), np.zeros(total, np.int64)
+def _most_entries(table, patches, columns):  # type: ignore[no-untyped-def]
+    """How many entries of nodes there are, and of patches at most."""
+    nodes, others = 0, 0
     seen = np.full(columns, -1, np.int32)
-    for p in range(total):
+    for p in range(len(patches.area)):
+        here = 0
         for m in range(patches.start[p], patches.start[p + 1]):
             row = patches.member[m]
             for e in range(table.start[row], table.start[row + 1]):
@@ -67,18 +72,19 @@ def _sizes(table, patches, columns):  # type: ignore[no-untyped-def]
                 if seen[c] != p:
                     seen[c] = p
                     if c < NODES:
-                        nodes[p] += 1
+                        nodes += 1
                     else:
-                        others[p] += c < columns - 1
+                        here += c < columns - 1
+        others += min(here, _MOST_PARTNERS)
     return nodes, others
 
 
 @kernel
 def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
-    total = len(patches.area)
     amount = np.zeros(columns)
     touched = np.empty(columns, np.int64)
-    for p in range(total):
+    node, other = 0, 0
+    for p in range(len(patches.area)):
         met, weight = 0, 0.0
         for m in range(patches.start[p], patches.start[p + 1]):
             if table.valid[patches.member[m]] > 0:
@@ -94,15 +100,30 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
                     touched[met] = c
                     met += 1
                 amount[c] += share * table.rays[e]
-        node, other = made.node_start[p], made.patch_start[p]
-        for c in np.sort(touched[:met]):
+        in_order = np.sort(touched[:met])
+        partners, total = 0, 0.0
+        for c in in_order:
+            if NODES <= c < columns - 1:
+                partners += 1
+                total += amount[c]
+        # Of many partners an even sample stands for all: neighbours have neighbouring numbers.
+        portion = total / _MOST_PARTNERS if partners > _MOST_PARTNERS else 0.0
+        left = 0.5 * portion
+        for c in in_order:
             if c < NODES:
                 made.node_column[node], made.node_share[node] = c, amount[c]
                 node += 1
             elif c < columns - 1:
-                made.patch_column[other], made.patch_share[other] = c - NODES, amount[c]
-                other += 1
+                share = amount[c]
+                if portion > 0.0:
+                    times = math.floor((left + share) / portion)
+                    left += share - times * portion
+                    share = times * portion
+                if share > 0.0 and other < len(made.patch_column):
+                    made.patch_column[other], made.patch_share[other] = c - NODES, share
+                    other += 1
             amount[c] = 0.0
+        made.node_start[p + 1], made.patch_start[p + 1] = node, other
 
 
 def radiosity(

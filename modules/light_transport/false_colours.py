@@ -17,6 +17,7 @@ _STOPS = np.array(
 _UNUSED = (24, 24, 24)
 # Of the values that are shown: what is darker or brighter has the colour of the end.
 _LOW, _HIGH = 0.01, 0.99
+_WIDEST = 1e3
 _SAMPLES_A_TEXEL = 4.0
 
 
@@ -98,6 +99,7 @@ def _coloured(values: FloatArray) -> FalseColours:
         pixels = np.broadcast_to(np.array(_UNUSED, np.uint8), (*values.shape, 3))
         return FalseColours(np.ascontiguousarray(pixels), 0.0, 0.0)
     low, high = (float(value) for value in np.quantile(values[used], (_LOW, _HIGH)))
+    low = max(low, high / _WIDEST)
     span = max(np.log(high / low), 1e-9)
     at = np.clip(np.log(np.maximum(values, low) / low) / span, 0.0, 1.0) * (len(_STOPS) - 1)
     rgb = np.stack([np.interp(at, range(len(_STOPS)), stops) for stops in _STOPS.T], axis=-1)

@@ -75,7 +75,7 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
 
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
-    bake = Bake(surfaces, layout, _threads(), plan.patch_texels, plan.bounces_left)
+    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
     return Laid(layout.message, first_rays(bake.rows), Unwritten(bake))
 
 
@@ -90,8 +90,11 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
 
     # Light is made of the rays before, meanwhile.
     grown = copy(bake.value)
+    grown.threads = min(os.cpu_count() or 1, _MOST_THREADS)
     if not add_kept_rays(grown, count, control.cancelled):
         return None
+    # Hours follow each other while time plays: they leave the other cores to the frame.
+    grown.threads = 1
     texels = len(grown.texels.pixel)
     return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
 
@@ -125,10 +128,6 @@ def hour_of(messages: HourMessages) -> "Hour":
         key_irradiance_rgb=key_light.irradiance_rgb,
         open_sky=np.asarray(ambient.irradiance_sh_rgb.values, np.float64),
     )
-
-
-def _threads() -> int:
-    return min(os.cpu_count() or 1, _MOST_THREADS)
 
 
 def _encoded(light: Float32Array, scale: float) -> NDArray[np.float16]:

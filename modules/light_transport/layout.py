@@ -129,20 +129,23 @@ def _message(
         [shapes.meshes, _starts(vertices), vertices, _starts(triangles), triangles], axis=1
     )
     content_key = scene.content_key
-    key = f"{_VERSION} {content_key} {shapes.texel_m.hex()} {shapes.of.tolist()}"
+    arrays = {
+        "shapes": Array(table.astype(np.int64).reshape(-1, 5)),
+        "source_vertex": Array(_joined(shapes.shapes, "source_vertex", np.int32, ())),
+        "uv": Array(_joined(shapes.shapes, "vertex_uv", np.float32, (2,))),
+        "triangles": Array(_joined(shapes.shapes, "triangles", np.int32, (3,))),
+        "part_shape": Array(shapes.of.astype(np.int32)),
+        "part_corner_px": Array(corners),
+    }
+    key = " ".join([str(_VERSION), content_key, *(array.digest for array in arrays.values())])
     return LightMapLaid(
         content_key=content_key,
         layout_key=hashlib.blake2b(key.encode(), digest_size=16).hexdigest(),
         size_px=(owner.shape[1], owner.shape[0]),
-        shapes=Array(table.astype(np.int64).reshape(-1, 5)),
-        source_vertex=Array(_joined(shapes.shapes, "source_vertex", np.int32, ())),
-        uv=Array(_joined(shapes.shapes, "vertex_uv", np.float32, (2,))),
-        triangles=Array(_joined(shapes.shapes, "triangles", np.int32, (3,))),
-        part_shape=Array(shapes.of.astype(np.int32)),
-        part_corner_px=Array(corners),
         ground=ground,
         probes=_probes(surfaces, shapes),
         source=SOURCE,
+        **arrays,
     )
 
 

@@ -42,7 +42,8 @@ class LightTransport(Module):
     hour that looks like the one before, one that a newer overtook, rays that were kept on disk.
     """
 
-    manifest = Manifest(name=NAME, title="Light transport", version="0.1.0")
+    # Its settings are no options of commands: `--on` would say nothing.
+    manifest = Manifest(name=NAME, title="Light transport", version="0.1.0", auxiliary=True)
     speaks = (HourOutdated, BakeGrown)
     settings_type = LightTransportSettings
     settings: LightTransportSettings

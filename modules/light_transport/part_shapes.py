@@ -159,7 +159,8 @@ def _kinds(geometry: SceneGeometry) -> tuple[list[_Kind], NDArray[np.int64]]:
     of = np.empty(len(geometry.part_mesh.values), np.int64)
     for part, mesh in enumerate(geometry.part_mesh.values.tolist()):
         stretch = _stretch(geometry.world_from_part.values[part, :3, :3])
-        exponent = int(np.ceil(np.log2(max(np.abs(stretch).max(), 1e-300))))
+        # Round numbers, which scales often are, lie far from where this steps.
+        exponent = round(float(np.log2(max(np.abs(stretch).max(), 1e-300))))
         steps = np.round(stretch / (2.0**exponent * _SAME)).astype(np.int64)
         key = (mesh, exponent, *steps.reshape(-1).tolist())
         of[part] = numbers.setdefault(key, len(stretches))

@@ -24,7 +24,8 @@ def seam_texels(
 
     Beside each place of the edge, half a texel apart, both charts have a texel within the border
     and one beyond it. The texels within are a pair, and so is each texel beyond with the other
-    chart's within, which lies at about the same place.
+    chart's within, which lies at about the same place: a texel that no triangle covers may take
+    that one's light.
 
     Args:
         corners_m, normals: (F, 3, 3), of triangles in one frame.

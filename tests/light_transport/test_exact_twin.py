@@ -61,3 +61,4 @@ def test_kernels_agree_with_matrices_in_double_precision():
     good = bake._finish().good[: len(column)]
     found = bake.light(now).texels[row, column, :3]
     np.testing.assert_allclose(found[good], expected[good], rtol=2e-3)
+    assert len(bake.patches.area) < 192

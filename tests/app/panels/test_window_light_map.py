@@ -32,6 +32,7 @@ def panel(qtbot, tmp_path, monkeypatch):
     session.start()
     panel.show()
     session.send(
+        SetSetting(module=NAME, name="on", value=True),
         SetSetting(module=NAME, name="quality", value="draft"),
         SetSetting(module=NAME, name="texel_m", value=1.0),
         SetPlace(latitude_deg=50.0, longitude_deg=14.0),

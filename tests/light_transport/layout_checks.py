@@ -1,0 +1,107 @@
+"""What must hold of any layout, checked by other rules than those that made it."""
+
+import numpy as np
+from light_transport.layout import lay_out
+from light_transport.surfaces import surfaces_of
+from light_transport.texel_owners import UNUSED
+
+
+def laid(scene, **size):
+    surfaces = surfaces_of(scene)
+    layout = lay_out(scene, surfaces, **size)
+    layout.message.check()
+    layout.message.check_arrays()
+    return surfaces, layout
+
+
+def shares(triangle, points):
+    """Barycentric coordinates (n, 3) of points (n, 2); None for a triangle without area."""
+    a, b, c = np.asarray(triangle, float)
+    matrix = np.stack([b - a, c - a], axis=1)
+    if abs(np.linalg.det(matrix)) < 1e-7:
+        return None
+    uv = np.linalg.solve(matrix, (points - a).T).T
+    return np.column_stack([1.0 - uv.sum(axis=1), uv])
+
+
+def middles(layout):
+    height, width = layout.owner.shape
+    row, column = np.indices((height, width))
+    return np.stack([column, row], axis=-1) + 0.5
+
+
+def check_each_texel_lies_in_one_triangle(layout):
+    """By barycentric coordinates of all middles about each triangle."""
+    claims = np.zeros(layout.owner.shape, int)
+    middle = middles(layout)
+    for number, corners in enumerate(layout.uv_px):
+        if np.isnan(corners).any():
+            continue
+        left, top = np.floor(corners.min(axis=0)).astype(int)
+        right, bottom = np.ceil(corners.max(axis=0)).astype(int)
+        area = (slice(top, bottom), slice(left, right))
+        found = shares(corners, middle[area].reshape(-1, 2))
+        if found is None:
+            continue
+        inside = (found > 1e-6).all(axis=1).reshape(bottom - top, right - left)
+        claims[area] += inside
+        assert (layout.owner[area][inside] == number).all()
+    assert claims.max() <= 1
+
+
+def check_bilinear_look_ups_stay_at_home(surfaces, layout, stretch=5.0, seed=0):
+    """The four texels about any place of a triangle are of surfaces close to that place.
+
+    The nearest point of each texel's owner lies within 2.9 texels of the map.
+    """
+    rng = np.random.default_rng(seed)
+    for number, corners in enumerate(layout.uv_px.astype(float)):
+        if np.isnan(corners).any():
+            continue
+        share = np.vstack([np.eye(3), rng.dirichlet(np.ones(3), 4)])
+        first = np.floor(share @ corners - 0.5).astype(int)
+        column, row = (first[:, None] + [[0, 0], [0, 1], [1, 0], [1, 1]]).reshape(-1, 2).T
+        assert min(column.min(), row.min()) >= 0
+        owner = layout.owner[row, column]
+        assert (owner != UNUSED).all()
+        part = surfaces.part[number]
+        assert (surfaces.part[owner] == part).all()
+        place = np.repeat(share @ surfaces.corners_m[number], 4, axis=0)
+        away = np.linalg.norm(surfaces.corners_m[owner] - place[:, None], axis=2).min(axis=1)
+        width = np.linalg.norm(np.ptp(surfaces.corners_m[owner], axis=1), axis=1)
+        assert (away <= width + 2.95 * stretch * layout.part_texel_m[part]).all()
+
+
+def check_uv_leads_back(scene, surfaces, layout, stretch=5.0):
+    """Vertices of the message stand where the mesh has them; lengths are the texels' own."""
+    message, geometry = layout.message, scene.geometry
+    first = 0
+    for part, mesh_number in enumerate(geometry.part_mesh.values):
+        mesh = geometry.mesh(mesh_number)
+        rows = slice(first, first + len(mesh.triangles))
+        first = rows.stop
+        if message.part_shape.values[part] < 0:
+            assert np.isnan(layout.uv_px[rows]).all()
+            continue
+        shape = message.shape(message.part_shape.values[part])
+        assert shape.mesh == mesh_number
+        np.testing.assert_array_equal(shape.source_vertex[shape.triangles], mesh.triangles)
+        uv = shape.uv[shape.triangles] + message.part_corner_px.values[part]
+        np.testing.assert_array_equal(uv, layout.uv_px[rows])
+        for corners, place in zip(surfaces.corners_m[rows], uv.astype(float), strict=True):
+            flat = place[1:] - place[0]
+            # Of what is thinner than a tenth of a texel the 1024ths tell no shape.
+            if abs(np.linalg.det(flat)) <= 0.1 * max(np.linalg.norm(flat, axis=1).max(), 0.1):
+                continue
+            lengths = (corners[1:] - corners[0]) / layout.part_texel_m[part]
+            widths = np.linalg.svd(np.linalg.solve(flat, lengths), compute_uv=False)
+            assert 0.95 < widths[1] < 1.05
+            assert 0.95 < widths[0] < stretch
+
+
+def check(scene, stretch=5.0, **size):
+    surfaces, layout = laid(scene, **size)
+    check_each_texel_lies_in_one_triangle(layout)
+    check_bilinear_look_ups_stay_at_home(surfaces, layout, stretch)
+    check_uv_leads_back(scene, surfaces, layout, stretch)
+    return layout
