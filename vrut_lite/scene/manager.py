@@ -65,7 +65,7 @@ class SceneManager(Module):
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
         )
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
-        for kind in LIGHT:
+        for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
         self.link.demand(SkyLightChanged, cube_size)
 
