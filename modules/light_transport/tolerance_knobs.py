@@ -28,7 +28,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 
 TEXELS = (15_000, 30_000, 60_000, 120_000)
 RAYS = (64, 128, 256, 512)
-PATCH_TEXELS = (8, 6, 4, 3, 2)
+PATCH_TEXELS = (6, 4, 3, 2)
 # With what the other knobs are measured, and what the truth of each is.
 _SIZE, _RAYS, _PATCH = 20_000, 128, 6.0
 _TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 160_000, 256, 3.0
