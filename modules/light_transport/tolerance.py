@@ -25,7 +25,7 @@ FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 Rung = Literal["draft", "usual", "fine", "finest"]
 RUNGS: tuple[Rung, ...] = get_args(Rung)
 # At the default tolerance, and shares of a tight one; these errors add up by squares.
-_TEXELS, _RAYS, _PATCHES = 0.04, 0.01, 0.035
+_TEXELS, _RAYS, _PATCHES = 0.045, 0.006, 0.035
 _SHARE = 0.6
 _BOUNCES_SHARE = 0.03
 
@@ -44,9 +44,9 @@ class Quality(NamedTuple):
 _OF_RUNG: Mapping[Rung, Quality] = MappingProxyType(
     {
         "draft": Quality(30_000, 128, 6.0, 0.01, 0.01, radians(0.2)),
-        "usual": Quality(120_000, 128, 6.0, 0.003, 0.005, radians(0.1)),
-        "fine": Quality(200_000, 256, 4.0, 0.001, 0.002, radians(0.05)),
-        "finest": Quality(300_000, 512, 3.0, 0.0005, 0.001, radians(0.02)),
+        "usual": Quality(60_000, 256, 6.0, 0.003, 0.005, radians(0.1)),
+        "fine": Quality(120_000, 512, 4.0, 0.001, 0.002, radians(0.05)),
+        "finest": Quality(240_000, 1024, 3.0, 0.0005, 0.001, radians(0.02)),
     }
 )
 

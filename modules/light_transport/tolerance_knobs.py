@@ -26,7 +26,7 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
-TEXELS = (15_000, 30_000, 60_000, 120_000)
+TEXELS = (15_000, 60_000, 120_000)
 RAYS = (64, 128, 256, 512)
 PATCH_TEXELS = (6, 4, 3, 2)
 # With what the other knobs are measured, and what the truth of each is.
