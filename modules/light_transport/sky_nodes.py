@@ -18,7 +18,7 @@ from vrut_lite.geometry.cube_map import (
     reduce_cube,
     texel_solid_angles,
 )
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import FloatArray
 
 EDGE = 24
 GROUND_NODE = EDGE * EDGE
@@ -101,8 +101,3 @@ def _nodes_of(directions):  # type: ignore[no-untyped-def]
     for i in range(len(directions)):
         node[i] = node_of(directions[i, 0], directions[i, 1], directions[i, 2])
     return node
-
-
-def as_float32(values: FloatArray) -> Float32Array:
-    """Contiguous single precision, as kernels take it."""
-    return np.ascontiguousarray(values, np.float32)
