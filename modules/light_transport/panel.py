@@ -41,7 +41,7 @@ class LightMapPanel(QWidget):
     """Shows the latest map while it is visible; the pictures are made off Qt's thread."""
 
     title = "Light map"
-    keys = "L"
+    keys = "B"
 
     def __init__(self, session: Session):
         super().__init__()

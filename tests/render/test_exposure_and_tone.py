@@ -76,7 +76,7 @@ def wall_stops(share, ratio):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.05, 0.12, 0.2, 0.3])
-@pytest.mark.parametrize("ratio", [100.0, 1000.0])
+@pytest.mark.parametrize("ratio", [100.0, 300.0])
 def test_a_room_is_exposed_for_its_walls_and_not_for_its_windows(share, ratio):
     """Within 0.6 stops of middle grey, whatever is outside."""
     assert abs(wall_stops(share, ratio)) < 0.6

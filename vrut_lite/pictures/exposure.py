@@ -21,8 +21,8 @@ _DARKNESS_KEPT = 0.3
 _BRIGHTEST_SHARE = 0.002
 _ENOUGH_PIXELS = 2**17
 _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
-# So far below the brighter parts only space is, or what no light reaches.
-_UNLIT_STOPS = 16.0
+# So far below the brighter parts only space is, black ground behind air, or what no light reaches.
+_UNLIT_STOPS = 10.5
 # The darker half of a picture, without its darkest tenth: where a room has windows, its walls.
 _WALLS = (0.1, 0.6)
 # Stops above these between which light ceases to count: outdoors hardly anything lies there, and

@@ -280,7 +280,7 @@ def test_the_engine_holds_the_exposure_while_time_plays_and_after(running):
 def test_the_engine_meters_a_chosen_hour_and_a_new_scene_at_once(running):
     """Neither waits for a second to pass."""
     for message in (
-        SetClock(instant=NOON),
+        SetClock(instant=NOON.replace(hour=10)),
         SetClock(instant=NOON.replace(hour=18)),
         LoadScene(path=str(SCENES / "sundial.glb")),
     ):
