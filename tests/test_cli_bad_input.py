@@ -173,7 +173,19 @@ def test_an_impossible_place(refused, good_scene, place):
 def test_an_impossible_turbidity(refused, good_scene, turbidity):
     """Turbidity outside 1 to 10 is refused."""
     arguments = ["render", good_scene, *GOOD_TIME, "--turbidity", turbidity]
-    refused(*arguments, says=f"must be between 1 and 10, or none, not {turbidity}")
+    refused(*arguments, says="'--turbidity'")
+
+
+@pytest.mark.parametrize("depth", ["-0.1", "0.91", "nan", "hazy"])
+def test_an_impossible_haze(refused, good_scene, depth):
+    """An optical depth is from 0 to that of turbidity 10, the haziest that both skies know."""
+    refused("render", good_scene, *GOOD_TIME, "--haze", depth, says="'--haze'")
+
+
+def test_haze_in_two_words(refused, good_scene):
+    """Turbidity is an alias of the optical depth: nobody can say which of two was meant."""
+    arguments = ["render", good_scene, *GOOD_TIME, "--haze", "0.2", "--turbidity", "3"]
+    refused(*arguments, says="--haze and --turbidity name the same thing")
 
 
 def test_an_unknown_sky_module(refused, good_scene):
@@ -212,6 +224,9 @@ def test_an_unknown_picture_format(monkeypatch, capsys, good_scene, tmp_path):
         ('scene = "good.glb"\nhour = 12', "hour"),
         ('scene = "good.glb"\nplace = "95,14"', "latitude"),
         ('scene = "good.glb"\n[settings.dynamic_skylight]\nturbidity = 12', "between 1 and 10"),
+        ('scene = "good.glb"\n[haze]\noptical_depth_550 = 2', "haze.optical_depth_550"),
+        ('scene = "good.glb"\n[haze]\naerosol = "one-lobe"', "optical_depth_550"),
+        ('scene = "good.glb"\n[haze]\noptical_depth_550 = 0.1\naerosol = "x"', "haze.aerosol"),
         ('scene = "good.glb"\n[slots]\nsky = "moon"', "no module 'moon'"),
         ('scene = "good.glb"\nsize = [4, 4]', "size"),
     ],
@@ -382,7 +397,8 @@ def test_names_that_no_system_accepts(name, tmp_path):
     ("command", "option"),
     [
         ("sky", "--size"), ("sky", "--height"), ("sky", "--rotate"), ("sky", "--jobs"),
-        ("sky", "--north-offset"), ("sky", "--turbidity"), ("sky", "--tolerance"),
+        ("sky", "--north-offset"), ("sky", "--turbidity"), ("sky", "--haze"),
+        ("sky", "--tolerance"),
         ("sky", "--place"), ("record", "--size"), ("record", "--step"), ("render", "--fov"),
         ("render", "--compensation"), ("render", "--exposure"), ("render", "--size"),
         ("render", "--eye"), ("render", "--white"),

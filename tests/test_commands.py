@@ -45,8 +45,8 @@ def test_help_shows_every_command_with_an_example(vrut_lite):
 def test_settings_of_modules_are_options(vrut_lite):
     """The modules' settings are options, with bounds and units."""
     text = " ".join(vrut_lite("render", "--help").split())
-    assert "--turbidity" in text
-    assert "between 1 and 10" in text
+    assert "--albedo" in text
+    assert "between 0 and 1" in text
 
 
 def test_modules_lists_slots_and_settings(vrut_lite):
@@ -54,7 +54,7 @@ def test_modules_lists_slots_and_settings(vrut_lite):
     listing = vrut_lite("modules")
     assert "sky (holds it)" in listing
     assert "bruneton_sky" in listing
-    assert "turbidity = 3.0" in listing
+    assert "albedo = 0.1" in listing
 
 
 @pytest.mark.parametrize("sky", ["dynamic_skylight", "bruneton_sky"])
@@ -104,8 +104,8 @@ def test_a_fisheye_is_black_outside_its_circle(vrut_lite, tmp_path):
     assert (picture[32, 32] > 0).all()
 
 
-def test_turbidity_changes_the_sky_of_both_modules_alike(vrut_lite, tmp_path):
-    """--turbidity applies to every module that has the setting, --set to one of them."""
+def test_haze_is_followed_and_a_skys_own_is_set_by_name(vrut_lite, tmp_path):
+    """--turbidity is the haze of every sky, --set that of one: the same sky to the digit."""
     skies = {}
     for turbidity in ("2", "6"):
         path = tmp_path / f"{turbidity}.npz"
@@ -119,12 +119,12 @@ def test_turbidity_changes_the_sky_of_both_modules_alike(vrut_lite, tmp_path):
 
 @pytest.mark.gl
 def test_none_is_given_only_to_settings_that_allow_it(vrut_lite, tmp_path):
-    """Bruneton's sky accepts "none" (the preset's value), the other module does not."""
+    """Bruneton's sky accepts an albedo "none" (the preset's), the other module does not."""
     said = ["--at", "2026-06-21T12:00Z", "--place", "50,14", "--size", "16"]
     open_ = tmp_path / "open.npz"
     plain = tmp_path / "plain.npz"
     said += ["--sky", "bruneton_sky"]
-    vrut_lite("sky", *said, "--turbidity", "none", "--albedo", "none", "-o", open_)
+    vrut_lite("sky", *said, "--albedo", "none", "-o", open_)
     vrut_lite("sky", *said, "-o", plain)
     with np.load(open_) as one, np.load(plain) as other:
         np.testing.assert_array_equal(one["radiance"], other["radiance"])

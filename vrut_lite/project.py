@@ -12,7 +12,9 @@ import msgspec
 import numpy as np
 import tomli_w
 
+from vrut_lite.daylight.aerosol import AerosolType
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.haze import MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
@@ -51,10 +53,18 @@ class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     white_duv: Annotated[float, msgspec.Meta(ge=-0.05, le=0.05)] = 0.0
 
 
+class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The aerosol above the place: the fields of `SetHaze`, with their bounds."""
+
+    optical_depth_550: Annotated[float, msgspec.Meta(ge=0, le=MOST_OPTICAL_DEPTH)]
+    aerosol: AerosolType = "one-lobe"
+
+
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
 
-    `tolerance`: how far radiance may be off, as a share; none leaves it as it is.
+    `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
+    missing `haze`.
     """
 
     scene: str = ""
@@ -67,6 +77,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     exposure: Exposure = Exposure()
     size: tuple[Pixels, Pixels] = (960, 540)
     tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
+    haze: Haze | None = None
     air: bool = True
     light_shafts: bool = False
 
@@ -158,10 +169,12 @@ def in_words(error: msgspec.ValidationError) -> str:
 
 
 def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
-    """Tolerance, settings and slots as inputs, checked against the modules that are installed."""
+    """Tolerance, haze, settings and slots as inputs, checked against the installed modules."""
     inputs: list[Input] = []
     if project.tolerance is not None:
         inputs.append(SetTolerance(tolerance=project.tolerance))
+    if project.haze is not None:
+        inputs.append(SetHaze(**msgspec.structs.asdict(project.haze)))
     for module, values in project.settings.items():
         kernel.check_module(module)
         for name, value in values.items():

@@ -8,6 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.arguments import as_flag, as_number, as_numbers, check_choice
+from vrut_lite.daylight.aerosol import (
+    ANGSTROM_EXPONENT,
+    ASYMMETRY,
+    SCALE_HEIGHT_M,
+    SINGLE_SCATTERING_ALBEDO,
+)
 
 _FOG = ("fog_scattering", "fog_extinction")
 _SPECTRAL = (
@@ -118,8 +124,8 @@ class Atmosphere:
             rayleigh_scale_height_m=8000.0,
             mie_scattering=(3.996e-6,) * 3,
             mie_extinction=(4.44e-6,) * 3,
-            mie_scale_height_m=1200.0,
-            mie_g=0.8,
+            mie_scale_height_m=SCALE_HEIGHT_M,
+            mie_g=ASYMMETRY,
             absorption_extinction=(6.497e-7, 1.8809e-6, 8.502e-8) if ozone else (0.0,) * 3,
             absorber_altitude_m=(10_000.0, 25_000.0, 40_000.0),
             absorber_density=(0.0, 1.0, 0.0),
@@ -129,7 +135,10 @@ class Atmosphere:
         )
 
     def with_aerosol(
-        self, optical_depth_550: float, angstrom_exponent: float = 1.3, mie_g: float | None = None
+        self,
+        optical_depth_550: float,
+        angstrom_exponent: float = ANGSTROM_EXPONENT,
+        mie_g: float | None = None,
     ) -> Self:
         """This atmosphere with so much aerosol, in its own layer and of its own albedo.
 
@@ -144,7 +153,8 @@ class Atmosphere:
         angstrom_exponent = as_number("angstrom_exponent", angstrom_exponent, -10.0, 10.0)
         ratio = np.asarray(self.wavelength_nm) / _ANGSTROM_WAVELENGTH_NM
         old = np.asarray(self.mie_extinction)
-        albedo = np.divide(self.mie_scattering, old, out=np.full_like(old, 0.9), where=old > 0)
+        usual = np.full_like(old, SINGLE_SCATTERING_ALBEDO)
+        albedo = np.divide(self.mie_scattering, old, out=usual, where=old > 0)
         layer_m = self.mie_scale_height_m
         extinction = optical_depth_550 * ratio**-angstrom_exponent / layer_m
         return replace(

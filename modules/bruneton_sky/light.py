@@ -22,6 +22,7 @@ from bruneton_sky.unseen_moves import altitude_step_m, sun_step_rad
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.sky_of_hour import (
     AIR_JOB,
     CUBE_JOB,
@@ -45,6 +46,7 @@ class Air:
     settings: BrunetonSkySettings
     ground_altitude_m: float
     rung: SolverRung
+    haze: SetHaze
 
 
 class SurroundingsMemo:
@@ -74,7 +76,7 @@ class SurroundingsMemo:
             light.eye_height_m,
             light.sun_direction,
             light.visible_disc_fraction,
-            spectral_atmosphere_of(air.settings, air.ground_altitude_m),
+            spectral_atmosphere_of(air.settings, air.ground_altitude_m, air.haze),
             known,
             TABLES[light.table],
         )
@@ -154,7 +156,7 @@ class BrunetonLight(Sky):
             return Spectrum()
         air = self.of
         seen = sky_spectrum(
-            atmosphere_at(SPECTRUM_NM, air.settings, air.ground_altitude_m),
+            atmosphere_at(SPECTRUM_NM, air.settings, air.ground_altitude_m, air.haze),
             air.settings.orders,
             self.eye_height_m,
             direction,

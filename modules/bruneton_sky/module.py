@@ -10,7 +10,7 @@ from typing import ClassVar
 import msgspec
 
 from bruneton_sky.light import NAME, Air, BrunetonLight, SurroundingsMemo
-from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, haze_of_air
 from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tolerance import Quality, quality_for
 from vrut_lite.daylight.sky_module import SkyModule
@@ -45,10 +45,11 @@ class BrunetonSky(SkyModule):
         return quality_for(tolerance)
 
     def prepare(self, ground_altitude_m: float, quality: Quality) -> Work:
-        """Solve the atmosphere of the settings."""
+        """Solve the atmosphere of the settings, under the place's haze."""
         settings = msgspec.structs.replace(self.settings, **_NOT_AIR)
-        air = Air(settings, ground_altitude_m, quality.solver)
-        atmosphere = atmosphere_of(settings, ground_altitude_m)
+        haze = haze_of_air(settings, self.haze)
+        air = Air(settings, ground_altitude_m, quality.solver, haze)
+        atmosphere = atmosphere_of(settings, ground_altitude_m, haze)
         return Work(solve_air, (atmosphere, settings.orders, quality.solver), of=air)
 
     def light(self, hour: Hour, quality: Quality, prepared: Prepared) -> BrunetonLight:

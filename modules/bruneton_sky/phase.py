@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from vrut_lite.daylight.aerosol import cornette_shanks_factor
 
 
 class MiePhase(NamedTuple):
@@ -41,24 +42,9 @@ def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(3.0 / (16.0 * np.pi) * (1.0 + cosine * cosine))
 
 
-def cornette_shanks_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:
-    """Cornette and Shanks' 1992 phase function (...,) in sr^-1, g in (-1, 1).
-
-    Its mean cosine is 3 g (4 + g^2) / (5 (2 + g^2)), which exceeds g by 5 % at g = 0.8.
-    """
-    cosine = np.asarray(nu, dtype=float)
-    factor = cornette_shanks_factor(g)
-    return np.asarray(factor * (1.0 + cosine * cosine) / _spread(cosine, g) ** 1.5)
-
-
 def henyey_greenstein_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:
     """Henyey and Greenstein's 1941 phase function (...,) in sr^-1, mean cosine g in (-1, 1)."""
     return np.asarray(henyey_greenstein_factor(g) / _spread(np.asarray(nu, dtype=float), g) ** 1.5)
-
-
-def cornette_shanks_factor(g: float) -> float:
-    """What (1 + nu^2) / (1 + g^2 - 2 g nu)^1.5 is multiplied by, in sr^-1."""
-    return float(3.0 / (8.0 * np.pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g))
 
 
 def henyey_greenstein_factor(g: float) -> float:

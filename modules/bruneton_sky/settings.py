@@ -12,14 +12,19 @@ from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm, raise_ground
 from bruneton_sky.gases import ozone_absorption
 from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.solver import MOST_ORDERS
-from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import (
+    ANGSTROM_EXPONENT,
+    LEAST_TURBIDITY,
+    MOST_TURBIDITY,
+    optical_depth_of_turbidity,
+)
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
 
 PresetName = Literal[
     "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"
 ]
-DEFAULT_TURBIDITY = 3.0
 SCALE_HEIGHT_SOURCE = "Bruneton and Neyret 2008, section 2"
 PHASE_SOURCE = "Cornette and Shanks 1992; Henyey and Greenstein 1941"
 
@@ -30,16 +35,17 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     preset: Annotated[
         PresetName,
         setting(
-            "The atmosphere to start from; earth has the haze of turbidity 3",
+            "The atmosphere to start from; earth has the place's haze, the others their own",
             source="Bruneton and Neyret 2008; Bruneton 2017",
         ),
     ] = "earth"
     turbidity: Annotated[
         float | None,
         setting(
-            "Haze on Preetham's scale; 3 is AOD 0.20",
-            1,
-            10,
+            "Haze of this sky alone, on Preetham's scale, 3 is AOD 0.20; none leaves it to the "
+            "preset",
+            LEAST_TURBIDITY,
+            MOST_TURBIDITY,
             source="Preetham, Shirley and Smits 1999, appendix A.1",
         ),
     ] = None
@@ -116,43 +122,58 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ] = "cpu"
 
 
-def atmosphere_of(settings: BrunetonSkySettings, ground_altitude_m: float = 0.0) -> Atmosphere:
+def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
+    """The place's haze where the settings follow it; elsewhere the default, so that airs are equal
+    whatever haze they do not have."""
+    follows = settings.preset == "earth" and settings.turbidity is None
+    return haze if follows else DEFAULT_HAZE
+
+
+def atmosphere_of(
+    settings: BrunetonSkySettings, ground_altitude_m: float = 0.0, haze: SetHaze = DEFAULT_HAZE
+) -> Atmosphere:
     """The atmosphere of the settings above a ground at an altitude, as its sky is solved.
 
     It has the four wavelengths of which the colour of skylight is made. Other scale heights
     leave the amount of matter above each square metre, up to the air's top, as it was.
     """
-    return _atmosphere(settings, ground_altitude_m, SKYLIGHT_NM)
+    return _atmosphere(settings, ground_altitude_m, haze, SKYLIGHT_NM)
 
 
 def spectral_atmosphere_of(
-    settings: BrunetonSkySettings, ground_altitude_m: float = 0.0
+    settings: BrunetonSkySettings, ground_altitude_m: float = 0.0, haze: SetHaze = DEFAULT_HAZE
 ) -> Atmosphere:
     """The same atmosphere each 5 nm from 360 to 830, for sunlight, which costs next to nothing."""
-    return _atmosphere(settings, ground_altitude_m, tuple(colour_table()[:, 0]))
+    return _atmosphere(settings, ground_altitude_m, haze, tuple(colour_table()[:, 0]))
 
 
 def atmosphere_at(
-    wavelength_nm: tuple[float, ...], settings: BrunetonSkySettings, ground_altitude_m: float
+    wavelength_nm: tuple[float, ...],
+    settings: BrunetonSkySettings,
+    ground_altitude_m: float,
+    haze: SetHaze,
 ) -> Atmosphere:
     """The same atmosphere at wavelengths of one's own, in nm."""
-    return _atmosphere(settings, ground_altitude_m, wavelength_nm)
+    return _atmosphere(settings, ground_altitude_m, haze, wavelength_nm)
 
 
 @lru_cache(maxsize=8)
 def _atmosphere(
-    settings: BrunetonSkySettings, ground_altitude_m: float, wavelength_nm: tuple[float, ...]
+    settings: BrunetonSkySettings,
+    ground_altitude_m: float,
+    haze: SetHaze,
+    wavelength_nm: tuple[float, ...],
 ) -> Atmosphere:
-    air = _preset(settings.preset, wavelength_nm)
+    air = _preset(settings.preset, haze, wavelength_nm)
     for change in (_with_planet, _with_aerosol, _with_gases):
         air = change(air, settings)
     return _with_fog(raise_ground(air, ground_altitude_m), settings)
 
 
-def _preset(name: PresetName, wavelength_nm: tuple[float, ...]) -> Atmosphere:
+def _preset(name: PresetName, haze: SetHaze, wavelength_nm: tuple[float, ...]) -> Atmosphere:
     if name == "earth":
-        depth = float(optical_depth_of_turbidity(DEFAULT_TURBIDITY))
-        return earth_spectral(wavelength_nm).with_aerosol(depth, ANGSTROM_EXPONENT)
+        earth = earth_spectral(wavelength_nm)
+        return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
     return preset(name, wavelength_nm)
 
 

@@ -9,16 +9,22 @@ shares of molecules and aerosol at the eye, but nine tenths of it at most: the s
 softer than the phase function's. All of it counts as the molecules'. The rest is light scattered
 again; with the sun below the horizon all is of that kind, though high up the sun may still shine.
 
-Turbidity is turned into aerosol by `vrut_lite.daylight.aerosol`; molecules scatter as in
-Bruneton's 2017 demonstration, 1.24062e-6 per m at 1 micrometre. The aerosol's albedo is 0.9, its
-phase function Cornette and Shanks' with g = 0.8.
+The aerosol is that of `vrut_lite.daylight.aerosol`; molecules scatter as in Bruneton's 2017
+demonstration, 1.24062e-6 per m at 1 micrometre.
 """
 
 import numpy as np
 
 from dynamic_skylight.daylight import Daylight
 from vrut_lite.array import Array
-from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.aerosol import (
+    ASYMMETRY,
+    SCALE_HEIGHT_M,
+    SINGLE_SCATTERING_ALBEDO,
+    cornette_shanks_factor,
+    cornette_shanks_phase,
+    optical_depth_of_turbidity,
+)
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.daylight.air_reach import UNSEEN_SHARE
@@ -35,9 +41,8 @@ from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.numeric_types import FloatArray, Vector
 
 GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
-SCALE_HEIGHTS_M = np.array([8000.0, 1200.0])
+SCALE_HEIGHTS_M = np.array([8000.0, SCALE_HEIGHT_M])
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 40, 24, 32
-_AEROSOL_ALBEDO, _G = 0.9, 0.8
 _MOST_SUNLIT = 0.9
 # High up little air is left to make the sky's light: it is not to shine more than so much more.
 _LEAST_LOST = 0.02
@@ -81,7 +86,7 @@ def air_volume(
         columns=COLUMNS,
         extinction=Array(np.ascontiguousarray(np.moveaxis(depth, 0, 1), dtype=np.float32)),
         radiance_scale=scale,
-        aerosol_phase=(_G, _phase_factor(), 1.0),
+        aerosol_phase=(ASYMMETRY, cornette_shanks_factor(ASYMMETRY), 1.0),
         sun_direction=sun_direction,
         **grid._asdict(),
     )
@@ -126,8 +131,8 @@ def _sunlit(daylight: Daylight, grid: Grid, rays: NodeRays, coefficients: FloatA
     of_molecules, of_aerosol = here / np.maximum(here.sum(axis=0), 1e-300)
     nu = rays.nu[..., None]
     molecules = 3.0 / (16.0 * np.pi) * (1.0 + nu * nu)
-    aerosol = _phase_factor() * (1.0 + nu * nu) / ((1.0 - _G) ** 2 + 2.0 * _G * (1.0 - nu)) ** 1.5
-    scattered = of_molecules * molecules + _AEROSOL_ALBEDO * of_aerosol * aerosol
+    aerosol = cornette_shanks_phase(nu, ASYMMETRY)
+    scattered = of_molecules * molecules + SINGLE_SCATTERING_ALBEDO * of_aerosol * aerosol
     return np.asarray(daylight.sun.irradiance_rgb * scattered)
 
 
@@ -159,8 +164,3 @@ def _paths(rays: NodeRays, distance: FloatArray) -> FloatArray:
 
 def _shares() -> FloatArray:
     return shares_of_white(SKYLIGHT_NM, solar_irradiance(SKYLIGHT_NM))
-
-
-def _phase_factor() -> float:
-    """Of Cornette and Shanks' phase function, in sr^-1."""
-    return float(3.0 / (8.0 * np.pi) * (1.0 - _G) * (1.0 + _G) / (2.0 + _G * _G))

@@ -12,6 +12,7 @@ from dynamic_skylight.light import NAME, HosekWilkieLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun.position import position_at
 from dynamic_skylight.tolerance import Quality, quality_for
+from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour
@@ -47,7 +48,7 @@ class DynamicSkyLight(SkyModule):
     def light(self, hour: Hour, quality: Quality, prepared: None) -> HosekWilkieLight:
         """Formula and twilight table; neither knows how high the place lies."""
         daylight = Daylight(
-            turbidity=self.settings.turbidity,
+            turbidity=self._turbidity,
             albedo=self.settings.albedo,
             sun_colour=self.settings.sun_colour,
             apparent_elevation_rad=hour.sun.apparent_elevation_rad,
@@ -56,6 +57,17 @@ class DynamicSkyLight(SkyModule):
             light_size=quality.light_size,
         )
         return HosekWilkieLight(daylight, hour.sun.direction)
+
+    @property
+    def _turbidity(self) -> float:
+        """Its own, or that of the place's haze as far as the model knows it.
+
+        On Preetham's scale: at equal haze the model's sky would have another
+        (`aerosol.hosek_wilkie_turbidity`) and another level, and so another picture than before.
+        """
+        if self.settings.turbidity is not None:
+            return self.settings.turbidity
+        return min(max(self.haze.turbidity, LEAST_TURBIDITY), MOST_TURBIDITY)
 
     def settings_changed(self, name: str) -> None:
         """Work out again what depends on the setting."""

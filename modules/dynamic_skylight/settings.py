@@ -6,6 +6,7 @@ import msgspec
 
 from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
+from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
 from vrut_lite.kernel.settings import setting
 
 Device = Literal["cpu", "gpu"]
@@ -15,14 +16,15 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
     """The settings of the module."""
 
     turbidity: Annotated[
-        float,
+        float | None,
         setting(
-            "Haze of the air: 2 is clear, 6 is hazy",
-            1.0,
-            10.0,
+            "Haze of this sky alone, on Preetham's scale: 2 is clear, 6 is hazy; none follows the "
+            "place's haze",
+            LEAST_TURBIDITY,
+            MOST_TURBIDITY,
             source="Preetham, Shirley and Smits 1999, appendix A.1",
         ),
-    ] = 3.0
+    ] = None
     albedo: Annotated[
         float,
         setting(

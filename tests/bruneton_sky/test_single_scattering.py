@@ -8,10 +8,12 @@ import pytest
 from bruneton_sky import Atmosphere, single_scattering
 from bruneton_sky.geometry import end_of_ray, make_ray
 from bruneton_sky.optical_path import exponential_path
-from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.phase import rayleigh_phase
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 
 DATA = Path(__file__).parents[1] / "data" / "sky_truth_ground.npz"
 COSINE = st.floats(-1.0, 1.0) | st.sampled_from([-1.0, -1e-9, 0.0, 1e-9, 1.0])

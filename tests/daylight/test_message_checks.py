@@ -19,6 +19,7 @@ from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.light_map import (
     GroundChart,
     LightMapLaid,
@@ -142,6 +143,7 @@ SOUND = [
     SetExposure(),
     LookAlong(direction=UP),
     SetTolerance(tolerance=0.1),
+    SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
     SCENE,
     SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
     SunMoved(
@@ -345,6 +347,8 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
     [
         (SetPlace, {"latitude_deg": True}, "latitude_deg of a place must lie from -90 to 90, not"),
         (SetPlace, {"latitude_deg": "50"}, "from -90 to 90, not '50'"),
+        (SetHaze, {"optical_depth_550": 1.0}, "optical_depth_550 of haze must lie from 0 to 0.9"),
+        (SetHaze, {"aerosol": "urban"}, "aerosol of SetHaze must be one of one-lobe, not 'urban'"),
         (SetClockRate, {"rate": np.float16("inf")}, "rate must be a finite number, not inf"),
         (KeyLightChanged, {"irradiance_rgb": (np.float16("inf"),) * 3}, "three finite numbers"),
         (SetPlace, {"altitude_m": 10**5000}, "not a int"),

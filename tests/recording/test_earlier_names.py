@@ -13,3 +13,13 @@ def test_a_sky_of_one_texel_was_one_of_any_size(message, size, today):
     """A Demand of size 1 left the size of a sky to its module; None does today."""
     plain = {"consumer": "view", "message": message, "size": size, "encoding": ""}
     assert in_todays_words("Demand", plain) == ("Demand", {**plain, "size": today})
+
+
+def test_a_skys_own_haze_may_be_none():
+    """A refused turbidity was told without it; other faults read as they were."""
+    for error, today in (
+        ("turbidity of sky must be between 1 and 10, not 99", "between 1 and 10, or none, not 99"),
+        ("albedo of sky must be between 0 and 1, not 99", "between 0 and 1, not 99"),
+    ):
+        said = in_todays_words("Fault", {"where": "", "error": error})[1]["error"]
+        assert said.endswith(f"must be {today}")

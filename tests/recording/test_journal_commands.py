@@ -47,7 +47,7 @@ def test_a_day_is_recorded_with_its_place_settings_and_hours(day):
     assert [line["number"] for line in lines] == list(range(len(lines)))
     inputs = [line["input"] for line in lines if "input" in line]
     assert inputs.count("SetClock") == 4
-    assert {"Demand", "SetSetting", "SetPlace"} <= set(inputs)
+    assert {"Demand", "SetHaze", "SetPlace"} <= set(inputs)
     hours = [line["message"]["instant"] for line in lines if line.get("input") == "SetClock"]
     assert hours[1:] == [f"2026-06-21T{hour:02}:00:00+00:00" for hour in (8, 9, 10)]
     shapes = [
@@ -125,7 +125,8 @@ def test_a_project_gives_scene_place_and_settings(tmp_path):
         (["--from", "2026-06-21T10:00", "--to", "2026-06-20T10:00"], "no way forward"),
         (["--from", "2026-06-21", "--to", "2026-06-22"], "no date and time"),
         (["--from", "1700-01-01T00:00Z", "--to", "2500-01-01T00:00Z"], "100000 steps at most"),
-        (["--turbidity", "99"], "between 1 and 10"),
+        (["--albedo", "99"], "between 0 and 1"),
+        (["--haze", "0.2", "--turbidity", "3"], "name the same thing"),
         (["--inputs", "none.jsonl"], "cannot open the inputs"),
         (["none.toml"], "cannot open the project"),
     ],

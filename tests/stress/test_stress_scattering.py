@@ -17,6 +17,8 @@ from stress_cases import (
     assert_same_on_threads,
 )
 
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
+
 planets = pytest.mark.parametrize("name", mostly_long(PLANETS, SHORT.__contains__))
 CLASSICAL = ["midpoint", "trapezoid", "simpson"]
 
@@ -137,7 +139,7 @@ def test_phase_functions_are_shares_of_light(stress):
         nu = np.minimum(stress.within(count, -1.0, 1.0, [0.0]), 1.0 - 2e-6)
         for function in (
             phase.rayleigh_phase,
-            partial(phase.cornette_shanks_phase, g=g),
+            partial(cornette_shanks_phase, g=g),
             partial(phase.henyey_greenstein_phase, g=g),
         ):
             assert_light(function(nu))

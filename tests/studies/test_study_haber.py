@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from bruneton_sky.phase import cornette_shanks_factor, cornette_shanks_phase
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.directions import directions
 from vrut_lite_studies.framework.errors import relative_error
@@ -11,6 +10,8 @@ from vrut_lite_studies.models.haber import Haber
 from vrut_lite_studies.models.haber_cells import HALF, STEP_RAD, cell_azimuths, make_cells
 from vrut_lite_studies.models.haber_kernels import from_aerosol, layered_paths, ring_paths
 from vrut_lite_studies.models.haber_transfer import FEW, transfer_through
+
+from vrut_lite.daylight.aerosol import cornette_shanks_factor, cornette_shanks_phase
 
 GROUND_M = STUDY.ground_radius_m
 LAYERS = make_cells(STUDY).layers

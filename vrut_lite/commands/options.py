@@ -8,12 +8,18 @@ import click
 import msgspec
 
 from vrut_lite.commands.number_types import FiniteRange
+from vrut_lite.daylight.aerosol import (
+    LEAST_TURBIDITY,
+    MOST_TURBIDITY,
+    optical_depth_of_turbidity,
+)
+from vrut_lite.daylight.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, OWN_HAZE
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.settings import SettingSpec, describe
 from vrut_lite.plain_numbers import plain_float
-from vrut_lite.project import Project, in_words
+from vrut_lite.project import Haze, Project, in_words
 
 Command = Callable[..., Any]
 
@@ -22,7 +28,8 @@ _PREFIX = "setting_"
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --sky, --tolerance, --set and an option per setting.
+    """Add --at, --place, --north-offset, --haze, --turbidity, --sky, --tolerance, --set and an
+    option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
     name is that of another option is reached by --set alone.
@@ -36,6 +43,12 @@ def daylight_options(command: Command) -> Command:
         click.option("--north-offset", "north_offset_deg", type=FiniteRange(-360.0, 360.0),
                      metavar="DEG", help="How far the scene's -Z axis points clockwise of "
                      "true north."),
+        click.option("--haze", "optical_depth_550", type=FiniteRange(0.0, MOST_OPTICAL_DEPTH),
+                     metavar="DEPTH", help="Haze of every sky: the aerosol's optical depth at "
+                     f"550 nm. Default {DEFAULT_HAZE.optical_depth_550:.2f}."),
+        click.option("--turbidity", type=FiniteRange(LEAST_TURBIDITY, MOST_TURBIDITY),
+                     metavar="T", help="The same on Preetham's scale: 2 is clear, 6 is hazy, "
+                     f"{DEFAULT_HAZE.turbidity:g} is the default haze."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", metavar="SHARE",
@@ -77,6 +90,10 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
+    haze = _haze(options.pop("optical_depth_550"), options.pop("turbidity"))
+    if haze is not None:
+        changes["haze"] = haze
+        project = _without_own_haze(project)
     changes["settings"] = _merged_settings(project, options)
     return _checked(msgspec.structs.replace(project, **changes))
 
@@ -91,6 +108,24 @@ def _tolerance(text: str) -> float:
     if rest or not 0.0 < share <= 1.0:
         raise UserError(f"--tolerance {text} is no share above 0 and up to 1: say 1% or 0.01")
     return share
+
+
+def _haze(optical_depth_550: float | None, turbidity: float | None) -> Haze | None:
+    """What --haze or --turbidity names."""
+    if turbidity is None:
+        return None if optical_depth_550 is None else Haze(optical_depth_550)
+    if optical_depth_550 is not None:
+        raise UserError("--haze and --turbidity name the same thing: say one of them")
+    return Haze(float(optical_depth_of_turbidity(turbidity)))
+
+
+def _without_own_haze(project: Project) -> Project:
+    """The project with skies that follow the place's haze, as the command line asks."""
+    settings = {
+        module: {name: value for name, value in values.items() if name != OWN_HAZE}
+        for module, values in project.settings.items()
+    }
+    return msgspec.structs.replace(project, settings=settings)
 
 
 def _merged_settings(project: Project, options: dict[str, Any]) -> dict[str, dict[str, Any]]:

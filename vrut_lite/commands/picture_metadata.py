@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 
 from vrut_lite import __version__
+from vrut_lite.daylight.haze import haze_of
 from vrut_lite.daylight.place_time import local_text
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import tolerance_of
@@ -30,6 +31,7 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         "time": local_text(instant, place),
         "utc": instant.isoformat(),
         "tolerance": tolerance_of(kernel),
+        "hazeOpticalDepth550": haze_of(kernel).optical_depth_550,
         "unit": "linear sRGB radiance, W m^-2 sr^-1 (times 683 lm/W: cd m^-2)",
         "northOffsetDeg": project.north_offset_deg,
         "axes": "metres; +Y up, -Z lies northOffsetDeg clockwise of true north",

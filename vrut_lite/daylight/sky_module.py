@@ -22,6 +22,7 @@ from vrut_lite.daylight.air_reach import rung_m
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
@@ -98,13 +99,21 @@ class SkyModule(Module):
         """
         raise NotImplementedError
 
+    @property
+    def haze(self) -> SetHaze:
+        """The place's haze, for a sky whose settings name none of its own."""
+        return haze_of(self.link)
+
     # --- what changes it -----------------------------------------------------------------
 
     @handles(SunMoved)
     @handles(SetPlace)
     @handles(Demand)
     @handles(SetTolerance)
-    def light_changed(self, _message: SunMoved | SetPlace | Demand | SetTolerance) -> None:
+    @handles(SetHaze)
+    def light_changed(
+        self, _message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze
+    ) -> None:
         """Post what is wanted and new."""
         self._update()
 
@@ -237,7 +246,7 @@ class SkyModule(Module):
         Raises:
             UserError: there is no such atmosphere; told once for the same settings.
         """
-        asked = self.settings, ground_altitude_m, quality
+        asked = self.settings, self.haze, ground_altitude_m, quality
         try:
             work = self.prepare(ground_altitude_m, quality)
         except ValueError as error:

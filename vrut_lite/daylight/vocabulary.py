@@ -4,6 +4,7 @@ from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
@@ -28,6 +29,7 @@ INPUTS: tuple[type[Input], ...] = (
     SetExposure,
     LookAlong,
     SetTolerance,
+    SetHaze,
     PictureClicked,
 )
 DERIVED: tuple[type[Derived], ...] = (

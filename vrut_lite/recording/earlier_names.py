@@ -1,5 +1,6 @@
 """Messages of earlier versions in today's words, so that their journals still replay."""
 
+import re
 from typing import Any
 
 Plain = dict[str, Any]
@@ -12,6 +13,9 @@ _ADDED: dict[str, Plain] = {
     "KeyLightChanged": {"body": "sun"},
     "SceneOpened": dict.fromkeys(("geometry", "materials", "ground", "camera"), UNKNOWN),
 }
+
+
+_HAZE_REFUSED = re.compile(r"^(turbidity of \w+ must be between 1 and 10), not ")
 
 
 def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
@@ -27,4 +31,7 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     # The handler that told of a GPU that failed, by the name that a Fault gives it.
     if name == "Fault" and message.get("where") == "cube_done":
         added["where"] = "job_done"
+    # A sky's own haze had to be a number.
+    if name == "Fault" and "error" in message:
+        added["error"] = _HAZE_REFUSED.sub(r"\1, or none, not ", str(message["error"]))
     return (name, {**message, **added}) if added else (name, message)

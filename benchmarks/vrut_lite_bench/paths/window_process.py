@@ -209,9 +209,8 @@ def latency(bench: Window, sky: str) -> list[float]:
     """Seconds of `PARTS`: medians of some moves of a sky's turbidity."""
     bench.choose(sky)
     row = bench.window.panels["sky"].panels[sky].rows["turbidity"]  # type: ignore[attr-defined]
-    if sky == "bruneton_sky":
-        row.name.setChecked(True)
-        bench.still()
+    row.name.setChecked(True)
+    bench.still()
     watch, moves = Stopwatch(bench), []
     for number in range(_MOVES):
         moves.append(watch.parts_s(row.editor.slider, 200 + 40 * number))

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from bruneton_sky.phase import cornette_shanks_phase
 from bruneton_sky.tables.interpolate import interpolate
 
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from bruneton_sky.phase import cornette_shanks_factor
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.aerosol import cornette_shanks_factor
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import StudyAtmosphere
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM

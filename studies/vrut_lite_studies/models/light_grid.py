@@ -18,11 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.geometry import in_earth_shadow
-from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.tables.interpolate import interpolate
 from bruneton_sky.tables.parametrisations import texture_coordinate
 
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import StudyAtmosphere
 

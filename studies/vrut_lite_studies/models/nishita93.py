@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.geometry import in_earth_shadow
-from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.phase import rayleigh_phase
 
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.models.model import cosines

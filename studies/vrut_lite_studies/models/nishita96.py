@@ -15,8 +15,9 @@ from functools import lru_cache, partial
 
 import numpy as np
 from bruneton_sky.geometry import distance_to_top
-from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.phase import rayleigh_phase
 
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray, IntArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.models.in_parts import in_parts

@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.geometry import altitude_along, distance_to_top
-from bruneton_sky.phase import cornette_shanks_phase, rayleigh_phase
+from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.reference.classical_rules import accumulate, checked_intervals, rule_nodes
 from bruneton_sky.single_scattering import Rule, optical_depth_to_top, single_scattering
 
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
 from vrut_lite_studies.models.model import cosines

@@ -8,6 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 
 from vrut_lite.app.compare.sky_comparison import ANGLES_DEG
 from vrut_lite.app.compare.two_skies import luminance_of
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import SetClock, SetSetting
@@ -58,11 +59,14 @@ def choose(box, data):
 
 
 def test_two_models_are_shown_at_equal_haze(driver):
-    """Hosek-Wilkie beside Bruneton at turbidity 3, which is AOD 0.20 (Preetham 1999), or itself."""
+    """Hosek-Wilkie beside Bruneton at AOD 0.20, turbidity 3 (Preetham 1999), or itself."""
     two = driver.comparisons[0].two
     assert [look.module for look in two.looks] == ["dynamic_skylight", "bruneton_sky"]
-    assert two.wish.shared == {"turbidity": 3.0, "albedo": pytest.approx(0.1)}
-    assert "optical depth of 0.201" in driver.compare.aerosol.text()
+    assert two.wish.haze == DEFAULT_HAZE
+    assert two.wish.shared == {"albedo": pytest.approx(0.1)}
+    assert [label.text() for label in driver.compare.hazes] == ["optical depth 0.201 at 550 nm"] * 2
+    # What the model calls equal haze, from the table that was fitted to it.
+    assert "has the shape of this haze at turbidity 7.9" in driver.compare.aerosol.text()
     low, middle, high = driver.comparisons[0].ratios
     assert low < middle < high
     assert f"{middle:.2f} in the middle" in driver.compare.ratio.text()
@@ -75,17 +79,20 @@ def test_two_models_are_shown_at_equal_haze(driver):
 @pytest.mark.long
 def test_haze_of_both_is_slid_and_follows_the_window(driver):
     """More haze in both: the zenith near a high sun brightens; the window's own sky stays."""
-    driver.compare.fields["turbidity"].spin.setValue(6.0)
-    hazy = compared(driver, lambda c: c.two.wish.shared["turbidity"] == 6.0)
+    driver.compare.fields["haze"].spin.setValue(0.5)
+    hazy = compared(driver, lambda c: c.two.wish.haze.optical_depth_550 == 0.5)
     zenith = ANGLES_DEG == 0.0
     assert (
         hazy.meridian_cd_m2[:, zenith] > 1.3 * driver.comparisons[0].meridian_cd_m2[:, zenith]
     ).all()
-    assert "Turbidity 6.00" in driver.compare.aerosol.text()
-    assert driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor.value == 3.0
+    assert "turbidity 5.98" in driver.compare.aerosol.text()
+    assert driver.panel("sky").haze.value == pytest.approx(0.201)
+    driver.session.send(SetHaze(optical_depth_550=0.1))
+    compared(driver, lambda c: c.two.wish.haze.optical_depth_550 == 0.1)
     driver.session.send(SetSetting(module="dynamic_skylight", name="turbidity", value=4.5))
-    driver.until(lambda: driver.compare.fields["turbidity"].value == 4.5)
-    compared(driver, lambda c: c.two.wish.shared["turbidity"] == 4.5)
+    own = compared(driver, lambda c: c.two.wish.haze.turbidity == 4.5)
+    depth = own.two.wish.haze.optical_depth_550
+    assert driver.compare.fields["haze"].value == pytest.approx(depth, abs=1e-3)
 
 
 def test_the_curve_is_the_sky_along_the_suns_meridian(driver):

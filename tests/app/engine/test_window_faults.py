@@ -107,10 +107,10 @@ def test_a_panicking_module_and_a_panicking_question_are_told_and_the_window_liv
 def test_a_refused_value_is_told_and_the_control_shows_what_holds(headless_window):
     """A value out of range, from a preset of an older version say, changes nothing."""
     driver = headless_window
-    row = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"]
-    driver.session.send(SetSetting(module="dynamic_skylight", name="turbidity", value=99.0))
-    driver.until(lambda: "turbidity" in driver.window.news.text())
-    assert row.editor.value == 3.0
+    row = driver.panel("sky").panels["dynamic_skylight"].rows["albedo"]
+    driver.session.send(SetSetting(module="dynamic_skylight", name="albedo", value=99.0))
+    driver.until(lambda: "albedo" in driver.window.news.text())
+    assert row.editor.value == 0.1
 
 
 @pytest.mark.parametrize("work", ["load", "sleep", "solve"])

@@ -11,6 +11,7 @@ from vrut_lite.app.engine import history
 from vrut_lite.app.engine.history import History, inverse_of
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
+from vrut_lite.daylight.haze import haze_of
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene
@@ -66,6 +67,7 @@ def everything(driver):
             {name: seat.state for name, seat in kernel.seats.items()},
             kernel.slots.holder("sky"),
             kernel.last(SetPlace),
+            haze_of(kernel),
             kernel.last(SetExposure) or SetExposure(),
             kernel.last(ClockMoved),
         )
@@ -77,7 +79,7 @@ def ten_changes(driver):
     """Ten of them, each by another control."""
     sky, clouds, scene = (driver.panel(name) for name in ("sky", "module clouds", "module scene"))
     hosek, picture = sky.panels["dynamic_skylight"], driver.panel("picture")
-    yield lambda: type_in(driver, hosek.rows["turbidity"].editor.spin, "4.5")
+    yield lambda: type_in(driver, sky.haze.spin, "0.45")
     yield lambda: hosek.rows["albedo"].editor.slider.setValue(700)
     yield lambda: pick(hosek.rows["sun_method"].editor, "preetham")
     yield lambda: type_in(driver, clouds.rows["base_m"].editor.spin, "900")
@@ -109,62 +111,62 @@ def test_ten_steps_are_taken_back_and_done_again(driver):
 
 def test_controls_show_what_was_taken_back(driver):
     """The slider, the number and the menu follow, and a new change ends what could be redone."""
-    editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
+    editor = driver.panel("sky").panels["dynamic_skylight"].rows["albedo"].editor
     action = driver.window.actions_by_name["undo"]
     editor.slider.setValue(900)
     driver.settled()
-    assert action.text() == f"Undo turbidity {editor.value:.4g}"
+    assert action.text() == f"Undo albedo {editor.value:.4g}"
     undo(driver)
-    assert editor.value == 3.0
-    assert "turbidity" in driver.window.news.text()
+    assert editor.value == 0.1
+    assert "albedo" in driver.window.news.text()
     assert driver.window.actions_by_name["redo"].isEnabled()
-    type_in(driver, editor.spin, "2.5")
+    type_in(driver, editor.spin, "0.25")
     assert not driver.window.actions_by_name["redo"].isEnabled()
 
 
 def test_a_drag_is_one_step(driver, monkeypatch):
     """As many values as a slider passes on its way, however slow the hand."""
     monkeypatch.setattr(history, "GESTURE_S", 1000.0)
-    editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
+    editor = driver.panel("sky").panels["dynamic_skylight"].rows["albedo"].editor
     for notch in range(300, 900, 60):
         editor.slider.setValue(notch)
         QApplication.processEvents()
     driver.settled()
     undo(driver)
-    assert editor.value == 3.0
+    assert editor.value == 0.1
     assert not driver.window.actions_by_name["undo"].isEnabled()
 
 
 def test_a_project_is_where_undo_ends(driver):
     """Nobody wants to go back to half of another project."""
-    editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
-    type_in(driver, editor.spin, "4.5")
+    editor = driver.panel("sky").panels["dynamic_skylight"].rows["albedo"].editor
+    type_in(driver, editor.spin, "0.45")
     driver.window.files.open_path(str(SCENES / "street.toml"))
     driver.until(lambda: not driver.window.actions_by_name["undo"].isEnabled())
     driver.settled()
-    assert editor.value == 3.0
+    assert editor.value == 0.1
 
 
 def test_undo_works_from_a_field_in_which_nothing_is_left_to_take_back(driver):
     """A field that has handed over what was typed must not keep Ctrl+Z for itself."""
-    spin = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor.spin
-    type_in(driver, spin, "4.5")
+    spin = driver.panel("sky").panels["dynamic_skylight"].rows["albedo"].editor.spin
+    type_in(driver, spin, "0.45")
     undo(driver, on=spin)
-    assert spin.value() == 3.0
+    assert spin.value() == 0.1
 
 
 def test_what_is_being_typed_is_taken_back_where_it_is_typed(driver):
     """Ctrl+Z in the midst of a word is the field's own, and the window's steps stay."""
-    editor = driver.panel("sky").panels["dynamic_skylight"].rows["turbidity"].editor
-    type_in(driver, editor.spin, "4.5")
+    editor = driver.panel("sky").panels["dynamic_skylight"].rows["albedo"].editor
+    type_in(driver, editor.spin, "0.45")
     search = driver.panel("place").search
     search.setFocus()
     driver.qtbot.keyClicks(search, "Reyk")
     undo(driver, on=search)
     assert search.text() == ""
-    assert editor.value == 4.5
+    assert editor.value == 0.45
     undo(driver, on=search)
-    assert editor.value == 3.0
+    assert editor.value == 0.1
 
 
 # --- the parts, without a window -----------------------------------------------------------

@@ -64,7 +64,7 @@ def play_a_while(driver):
 def session_by_hand(driver):
     """Something of every panel, by its own widgets, and a mishap."""
     sky = driver.panel("sky")
-    yield lambda: type_in(driver, sky.panels["dynamic_skylight"].rows["turbidity"].editor.spin, "4")
+    yield lambda: type_in(driver, sky.panels["dynamic_skylight"].rows["albedo"].editor.spin, "0.4")
     yield lambda: drag_time_bar(driver)
     yield lambda: type_in(driver, driver.panel("place").search, "Reykjavik")
     yield lambda: driver.panel("module scene").rows["light_shafts"].editor.click()

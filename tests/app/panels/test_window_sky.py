@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox
 from vrut_lite.app.engine.module_states import states_of
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField, Scale
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
@@ -47,16 +48,16 @@ def test_the_sky_is_switched_while_an_atmosphere_is_being_solved(driver):
 
 
 def test_a_slider_moves_the_sky(driver, qtbot):
-    """Turbidity by its slider: the setting, the typed value and a new background follow."""
-    row = driver.sky.panels["dynamic_skylight"].rows["turbidity"]
+    """Albedo by its slider: the setting, the typed value and a new background follow."""
+    row = driver.sky.panels["dynamic_skylight"].rows["albedo"]
     row.editor.slider.setValue(800)
-    changed = driver.until_heard(SettingChanged, lambda m: m.name == "turbidity")
+    changed = driver.until_heard(SettingChanged, lambda m: m.name == "albedo")
     assert changed.value == pytest.approx(row.editor.value)
-    assert row.editor.value == pytest.approx(1.0 + 0.8 * 9.0, abs=0.01)
+    assert row.editor.value == pytest.approx(0.8, abs=0.01)
     driver.until_heard(BackgroundChanged)
     qtbot.mouseClick(row.reset, Qt.MouseButton.LeftButton)
-    driver.until_heard(SettingChanged, lambda m: m.name == "turbidity" and m.value == 3.0)
-    driver.until(lambda: row.editor.value == 3.0 and not row.reset.isEnabled())
+    driver.until_heard(SettingChanged, lambda m: m.name == "albedo" and m.value == 0.1)
+    driver.until(lambda: row.editor.value == 0.1 and not row.reset.isEnabled())
 
 
 def test_a_value_is_typed(driver, qtbot):
@@ -68,6 +69,18 @@ def test_a_value_is_typed(driver, qtbot):
     qtbot.keyClick(spin, Qt.Key.Key_Return)
     assert driver.until_heard(SettingChanged).value == 0.25
     assert (spin.minimum(), spin.maximum()) == (0.0, 1.0)
+
+
+def test_the_haze_is_one_control_for_every_sky(driver):
+    """As optical depth; the sky follows, and so does the control where a project says another."""
+    field = driver.sky.haze
+    assert field.value == pytest.approx(0.201)
+    field.spin.setValue(0.4)
+    assert driver.until_heard(SetHaze).optical_depth_550 == pytest.approx(0.4)
+    driver.until_heard(BackgroundChanged)
+    assert "turbidity 4.99" in field.toolTip()
+    driver.session.send(SetHaze(optical_depth_550=0.05))
+    driver.until(lambda: field.value == 0.05)
 
 
 def test_the_tolerance_is_typed_and_followed(driver):

@@ -5,6 +5,7 @@ import pytest
 from window_driver import NOON, SCENES
 
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
@@ -12,6 +13,7 @@ from vrut_lite.kernel.messages import ChooseSlot, SetClock, SetSetting, SettingC
 from vrut_lite.project import (
     CameraView,
     Exposure,
+    Haze,
     Project,
     load_project,
     project_text,
@@ -50,6 +52,7 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
         SetPlace(latitude_deg=-33.87, longitude_deg=151.21, altitude_m=40.0, north_offset_rad=0.5),
         SetClock(instant=NOON),
         ChooseSlot(slot="sky", module="bruneton_sky"),
+        SetHaze(optical_depth_550=0.3),
         SetSetting(module="dynamic_skylight", name="turbidity", value=4.5),
         SetSetting(module="scene", name="light_shafts", value=True),
         SetExposure(mode="manual", ev100=12.0),
@@ -60,16 +63,19 @@ def test_what_the_window_shows_is_saved_and_comes_back(driver, tmp_path):
     assert "Saved" in driver.window.news.text()
     kept = load_project(tmp_path / "kept.toml")
     assert kept.settings == {"dynamic_skylight": {"turbidity": 4.5}}
+    assert kept.haze == Haze(0.3)
     assert kept.slots["sky"] == "bruneton_sky"
     assert (kept.exposure.mode, kept.exposure.ev100, kept.light_shafts) == ("manual", 12.0, True)
     assert kept.camera.eye_m == (5.0, 6.0, 7.0)
     assert kept.where() == (-33.87, 151.21, 40.0)
     assert kept.instant() == NOON
     driver.window.files.open_path(str(SCENES / "sundial.toml"))
-    driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("turbidity", 3.0))
+    driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("turbidity", None))
+    driver.until_heard(SetHaze, lambda m: m == DEFAULT_HAZE)
     driver.heard.clear()
     driver.window.files.open_path(str(tmp_path / "kept.toml"))
     driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("turbidity", 4.5))
+    driver.until_heard(SetHaze, lambda m: m.optical_depth_550 == 0.3)
     driver.settled()
     assert driver.project.camera.eye_m == (5.0, 6.0, 7.0)
     assert driver.session.last(SetPlace).altitude_m == 40.0

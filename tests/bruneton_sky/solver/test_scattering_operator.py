@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bruneton_sky.phase import cornette_shanks_phase, henyey_greenstein_phase, rayleigh_phase
+from bruneton_sky.phase import henyey_greenstein_phase, rayleigh_phase
 from bruneton_sky.solver import SolverSizes
 from bruneton_sky.solver.grid import azimuths
 from bruneton_sky.solver.scattering_operator import (
@@ -11,6 +11,8 @@ from bruneton_sky.solver.scattering_operator import (
     phase_coefficients,
     scattering_operator,
 )
+
+from vrut_lite.daylight.aerosol import cornette_shanks_phase
 
 SIZES = SolverSizes(direction_mu=64, degree=12, source_mu=9, source_azimuth=7)
 

@@ -6,6 +6,7 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidg
 from vrut_lite.app import theme
 from vrut_lite.app.compare.sky_comparison import (
     ANGLES_DEG,
+    HAZE,
     SLOT,
     Compared,
     SkyComparison,
@@ -16,13 +17,12 @@ from vrut_lite.app.compare.sky_disc import SkyDisc
 from vrut_lite.app.compare.sky_plots import SkyPlots
 from vrut_lite.app.engine.roster import ModuleInfo, Roster
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport
 from vrut_lite.app.widgets import aligned_form, faint_label
-from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 
-_TURBIDITY = "turbidity"
 # The line styles of `sky_plots`.
 _MARKS = ((theme.ACCENT, "\N{EM DASH}"), ("#8fb4e8", "\N{EN DASH} \N{EN DASH}"))
 
@@ -36,6 +36,7 @@ class ComparePanel(QWidget):
         self._modules: list[ModuleInfo] = []
         self.choosers = (QComboBox(), QComboBox())
         self.discs = (SkyDisc("left sky"), SkyDisc("right sky"))
+        self.hazes = (faint_label(), faint_label())
         self.fields: dict[str, NumberField] = {}
         self._form = aligned_form()
         self.aerosol, self.ratio, self.status = (faint_label(wraps=True) for _ in range(3))
@@ -52,6 +53,7 @@ class ComparePanel(QWidget):
             grid.addWidget(mark, 0, 2 * side)
             grid.addWidget(chooser, 0, 2 * side + 1)
             grid.addWidget(disc, 1, 2 * side, 1, 2)
+            grid.addWidget(self.hazes[side], 2, 2 * side, 1, 2)
             grid.setColumnStretch(2 * side + 1, 1)
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(10, 10, 10, 10)
@@ -90,19 +92,26 @@ class ComparePanel(QWidget):
             self.status.setText("There are no two skies to compare.")
 
     def _choose(self) -> None:
-        """Make a row for each setting that both skies have."""
+        """Make a row for the haze, and one for each setting that both skies have."""
         left, right = (self._modules[chooser.currentIndex()] for chooser in self.choosers)
         while self._form.rowCount():
             self._form.removeRow(0)
         self.fields.clear()
-        for spec in self.comparison.choose(left, right):
+        specs = self.comparison.choose(left, right)
+        haze = HazeField("Haze of both skies")
+        haze.show_value(self.comparison.haze.optical_depth_550)
+        self._add_row(HAZE, "Haze", haze)
+        for spec in specs:
             field = NumberField(spec.at_least, spec.at_most, spec.unit)
             field.show_value(self.comparison.shared[spec.name])
             field.setToolTip(f"{tooltip_of(spec)}\nSets both skies")
-            field.setAccessibleName(f"{label_of(spec)} of both")
-            field.edited.connect(lambda v, name=spec.name: self.comparison.share(name, v))
-            self._form.addRow(label_of(spec), field)
-            self.fields[spec.name] = field
+            self._add_row(spec.name, label_of(spec), field)
+
+    def _add_row(self, name: str, label: str, field: NumberField) -> None:
+        field.setAccessibleName(f"{label} of both")
+        field.edited.connect(lambda value: self.comparison.share(name, value))
+        self._form.addRow(label, field)
+        self.fields[name] = field
 
     def showEvent(self, event: QShowEvent) -> None:
         """Start the comparison."""
@@ -118,7 +127,9 @@ class ComparePanel(QWidget):
         two = compared.two
         for disc, pixels in zip(self.discs, compared.discs, strict=True):
             disc.show_sky(pixels, two.sun.direction, two.wish.place.north_offset_rad)
-        self.aerosol.setText(depth_text(two.wish.shared))
+        self.aerosol.setText(depth_text(two.wish.haze))
+        for label in self.hazes:
+            label.setText(f"optical depth {two.wish.haze.optical_depth_550:.3f} at 550 nm")
         low, middle, high = compared.ratios
         self.ratio.setText(
             f"Luminance, right over left: {middle:.2f} in the middle, {low:.2f} to {high:.2f} "
@@ -145,15 +156,3 @@ class ComparePanel(QWidget):
             self.plots = SkyPlots()
             self._column.insertWidget(self._column.count() - 2, self.plots)
         return self.plots
-
-
-def depth_text(shared: dict[str, float]) -> str:
-    """Turbidity as an optical depth, with the difference of the two scales."""
-    if _TURBIDITY not in shared:
-        return ""
-    turbidity = shared[_TURBIDITY]
-    return (
-        f"Turbidity {turbidity:.2f} is an aerosol optical depth of "
-        f"{float(optical_depth_of_turbidity(turbidity)):.3f} at 550 nm in both (Preetham 1999, "
-        "A.1; the definition of turbidity asks for 7 to 8 % more from 2 up)."
-    )

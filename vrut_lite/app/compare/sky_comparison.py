@@ -18,6 +18,8 @@ from vrut_lite.app.compare.two_skies import (
 from vrut_lite.app.engine.roster import ModuleInfo, Roster
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.session import Session
+from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, optical_depth_of_turbidity
+from vrut_lite.daylight.haze import DEFAULT_HAZE, OWN_HAZE, SetHaze
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import SpectrumSeen
 from vrut_lite.errors import UserError
@@ -30,6 +32,7 @@ from vrut_lite.pictures.display import display_picture
 from vrut_lite.pictures.exposure import automatic_ev100
 
 SLOT = "sky"
+HAZE = "haze"
 DISC_SIZE = 192
 ANGLES_DEG = np.linspace(-90.0, 90.0, 181)
 
@@ -58,8 +61,9 @@ class SkyComparison(QObject):
     """Signals: `compared` (a `Compared`), then `spectra_seen` (a `Spectra`), which takes longer;
     `refused` (a line), `shared_changed` (name, value).
 
-    Works only while it is active. `shared` are the settings that both skies have by one name: they
-    are set alike, by hand or as the window's own sky was set last.
+    Works only while it is active. `haze` is that of both skies, whatever their presets; `shared`
+    are the other settings that both have by one name. They are set alike, by hand or as the
+    window's own sky was set last; a new haze is told as `HAZE`.
     """
 
     compared = Signal(object)
@@ -70,6 +74,7 @@ class SkyComparison(QObject):
     def __init__(self, session: Session, parent: QObject | None = None):
         super().__init__(parent)
         self.shared: dict[str, float] = {}
+        self.haze = DEFAULT_HAZE
         self._session = session
         self._modules: tuple[str, str] | None = None
         self._direction: Vector = (0.0, 1.0, 0.0)
@@ -78,6 +83,7 @@ class SkyComparison(QObject):
         self._asked: tuple[SkyWish, Vector] | None = None
         self._made: SkyWish | None = None
         session.listen(SettingChanged, self._setting_changed)
+        session.listen(SetHaze, self._follow_haze)
         for kind in (SlotChanged, SetPlace, ClockMoved):
             session.listen(kind, lambda _: self._look())
         session.closing.connect(self.close)
@@ -92,12 +98,18 @@ class SkyComparison(QObject):
         self._modules = (left.name, right.name)
         specs = shared_settings(left, right)
         self.shared = {spec.name: _value_of(spec, left, right) for spec in specs}
+        own = (module.values.get(OWN_HAZE) for module in (left, right))
+        said = (_haze(turbidity) for turbidity in own if isinstance(turbidity, float))
+        self.haze = next(said, self._set)
         self._look()
         return specs
 
     def share(self, name: str, value: float) -> None:
-        """Set a setting of both skies."""
-        self.shared[name] = value
+        """Set a setting of both skies, or their haze by its optical depth."""
+        if name == HAZE:
+            self.haze = SetHaze(optical_depth_550=value)
+        else:
+            self.shared[name] = value
         self._look()
 
     def look_along(self, direction: Vector) -> None:
@@ -109,9 +121,22 @@ class SkyComparison(QObject):
         """Stop comparing."""
         self._active, self._asked = False, None
 
+    @property
+    def _set(self) -> SetHaze:
+        """The window's haze."""
+        return self._session.last(SetHaze) or DEFAULT_HAZE
+
+    def _follow_haze(self, haze: SetHaze) -> None:
+        self.haze = haze
+        self.shared_changed.emit(HAZE, haze.optical_depth_550)
+        self._look()
+
     def _setting_changed(self, message: SettingChanged) -> None:
-        ours = message.name in self.shared and message.module in (self._modules or ())
-        if ours and message.value is not None:
+        ours = message.module in (self._modules or ())
+        if ours and message.name == OWN_HAZE:
+            self._follow_haze(self._set if message.value is None else _haze(message.value))
+            return
+        if ours and message.name in self.shared and message.value is not None:
             self.shared[message.name] = float(message.value)
             self.shared_changed.emit(message.name, self.shared[message.name])
         self._look()
@@ -121,14 +146,15 @@ class SkyComparison(QObject):
         if not self._active or self._modules is None or place is None or clock is None:
             return
         roster = self._session.roster
-        settings = {
-            key: self.shared.get(key[1], value) for key, value in roster.settings_of().items()
-        }
+        # By number, for a preset's own haze would not be equal.
+        alike = {**self.shared, OWN_HAZE: max(self.haze.turbidity, LEAST_TURBIDITY)}
+        settings = {key: alike.get(key[1], value) for key, value in roster.settings_of().items()}
         wish = SkyWish(
             modules=self._modules,
             sun=roster.holders.get("sun", ""),
             place=place,
             clock=SetClock(instant=clock.instant),
+            haze=self.haze,
             settings=settings,
             shared=dict(self.shared),
         )
@@ -173,6 +199,10 @@ class SkyComparison(QObject):
             self.refused.emit(line)
 
 
+def _haze(turbidity: float) -> SetHaze:
+    return SetHaze(optical_depth_550=float(optical_depth_of_turbidity(turbidity)))
+
+
 def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:
     """The value of a setting in the window, or its default."""
     known = (module.values[spec.name] for module in modules)
@@ -191,7 +221,12 @@ def compared(two: TwoSkies) -> Compared:
 
 
 def shared_settings(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
-    """Numeric settings that two modules have by the same name; described by one with a default."""
+    """Numeric settings that two modules have by the same name, but for the haze; described by one
+    with a default."""
+    return [spec for spec in _alike(left, right) if spec.name != OWN_HAZE]
+
+
+def _alike(left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
     both = [
         (spec, right.specs[name])
         for name, spec in left.specs.items()
@@ -206,5 +241,5 @@ def comparable(roster: Roster) -> list[ModuleInfo]:
     return [
         module
         for module in skies
-        if any(shared_settings(module, other) for other in skies if other is not module)
+        if any(_alike(module, other) for other in skies if other is not module)
     ]

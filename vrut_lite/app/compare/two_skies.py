@@ -1,7 +1,7 @@
 """Two skies of one hour, asked of the second kernel: each module in turn holds the slot `sky`.
 
-What both modules call by one name, turbidity and albedo say, has one value for both: models are
-compared at equal haze.
+Both have the same haze, by optical depth. What both modules call by one name, albedo say, has one
+value for both.
 """
 
 from typing import NamedTuple
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.array import Array
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky import BackgroundChanged, LookAlong, SpectrumSeen
 from vrut_lite.daylight.sun import SunMoved
@@ -37,6 +38,7 @@ class SkyWish(NamedTuple):
     sun: str
     place: SetPlace
     clock: SetClock
+    haze: SetHaze
     settings: dict[tuple[str, str], object]
     shared: dict[str, float]
 
@@ -90,6 +92,7 @@ def spectra_along(
 
 
 def _set_up(second: SecondKernel, wish: SkyWish) -> SunMoved:
+    second.kernel.inject(wish.haze)
     second.set_up(wish.place, wish.sun, wish.settings)
     sun = second.sun_at(wish.clock.instant)
     if sun is None:

@@ -11,6 +11,7 @@ from math import exp
 import msgspec
 
 from vrut_lite.app.engine.history import GESTURE_S
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
@@ -33,6 +34,8 @@ _ADAPTED_S = 1.5
 _SETTLED_EV = 0.02
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
+# What changes the light of the scene that is shown.
+_HOLDING = (Tick, SetSetting, SetTolerance, SetHaze, ChooseSlot, EnableModule)
 
 
 class Adaptation:
@@ -87,7 +90,7 @@ class Adaptation:
                 self._hold(now_s)
                 self._dragged = True
             self._drag_ends_s = now_s + GESTURE_S
-        elif isinstance(message, (Tick, SetSetting, SetTolerance, ChooseSlot, EnableModule)):
+        elif isinstance(message, _HOLDING):
             self._hold(now_s)
         elif isinstance(message, SurfaceLightChanged) and message.layout_key != self._lit_layout:
             self._lit_layout = message.layout_key

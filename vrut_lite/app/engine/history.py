@@ -10,6 +10,7 @@ from itertools import count
 from time import perf_counter
 from typing import NamedTuple
 
+from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
@@ -180,6 +181,8 @@ def title_of(message: Input) -> str:
             return "time"
         case SetTolerance():
             return f"tolerance {message.tolerance:.4g}"
+        case SetHaze():
+            return f"haze {message.optical_depth_550:.4g}"
     return type(message).__name__
 
 
@@ -216,6 +219,8 @@ def _inverse(message: Input, kernel: Kernel) -> Input | None:
             return kernel.last(SetExposure) or SetExposure()
         case SetTolerance():
             return SetTolerance(tolerance=tolerance_of(kernel))
+        case SetHaze():
+            return haze_of(kernel)
         case SetClock():
             clock = kernel.last(ClockMoved)
             return None if clock is None else SetClock(instant=clock.instant)

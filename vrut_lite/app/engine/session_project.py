@@ -7,6 +7,7 @@ import msgspec
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze, haze_of
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
@@ -16,6 +17,7 @@ from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting
 from vrut_lite.project import (
     CameraView,
     Exposure,
+    Haze,
     Project,
     daylight_inputs,
     setting_inputs,
@@ -51,6 +53,8 @@ def project_of(session: Session) -> Project:
         found["exposure"] = Exposure(**msgspec.structs.asdict(exposure))
     if (tolerance := session.last(SetTolerance)) is not None:
         found["tolerance"] = tolerance.tolerance
+    if (haze := session.last(SetHaze)) is not None:
+        found["haze"] = Haze(haze.optical_depth_550, haze.aerosol)
     if (size := session.last(Resize)) is not None:
         found["size"] = (size.width_px, size.height_px)
     if session.camera is not None:
@@ -90,6 +94,8 @@ def inputs_of(project: Project, kernel: Kernel) -> list[Input]:
     ]
     if project.tolerance is None and tolerance_of(kernel) != DEFAULT_TOLERANCE:
         to_default.append(SetTolerance(tolerance=DEFAULT_TOLERANCE))
+    if project.haze is None and haze_of(kernel) != DEFAULT_HAZE:
+        to_default.append(DEFAULT_HAZE)
     left_out = (Resize,) if project.scene else (Resize, LoadScene)
     view = [m for m in view_inputs(project) if not isinstance(m, left_out)]
     return [*to_default, *named, *daylight_inputs(project), *view]

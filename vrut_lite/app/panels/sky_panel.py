@@ -10,10 +10,12 @@ from PySide6.QtWidgets import (
 
 from vrut_lite.app.engine.roster import Roster
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.haze_field import HazeField
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.widgets import aligned_form
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 
@@ -23,13 +25,18 @@ _LOWEST_PERCENT = 0.1
 
 
 class SkyPanel(QWidget):
-    """A chooser for each slot, the sky's first, and the tolerance."""
+    """A chooser for each slot, the sky's first, the haze and the tolerance."""
 
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
         self._session, self._presets = session, presets
         self.choosers: dict[str, QComboBox] = {}
         self.panels: dict[str, ModulePanel] = {}
+        self.haze = HazeField(
+            "Haze above the place; a sky whose settings name a turbidity or bring a preset has "
+            "its own"
+        )
+        self.haze.setAccessibleName("haze")
         self.tolerance = NumberField(_LOWEST_PERCENT, 100.0, "%", decimals=2)
         self.tolerance.show_value(100.0 * DEFAULT_TOLERANCE)
         self.tolerance.setAccessibleName("tolerance")
@@ -44,6 +51,8 @@ class SkyPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(self._choices)
         column.addWidget(self._stack, 1)
+        self.haze.edited.connect(lambda depth: session.send(SetHaze(optical_depth_550=depth)))
+        session.listen(SetHaze, lambda m: self.haze.show_value(m.optical_depth_550))
         self.tolerance.edited.connect(
             lambda percent: session.send(SetTolerance(tolerance=percent / 100.0))
         )
@@ -62,6 +71,7 @@ class SkyPanel(QWidget):
             chooser.activated.connect(lambda _, slot=slot: self._choose(slot))
             self.choosers[slot] = chooser
             self._choices.addRow(QLabel(slot.capitalize()), chooser)
+        self._choices.addRow("Haze", self.haze)
         self._choices.addRow("Tolerance", self.tolerance)
         for module in roster.providers(SHOWN_SLOT):
             panel = ModulePanel(self._session, module.name, self._presets)
