@@ -8,6 +8,8 @@ from processes_here import processes_or_skip
 
 from vrut_lite.app.panels.day_sequence import instants_of
 from vrut_lite.commands.pictures import Made
+from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.kernel.messages import SetSetting
 
 
 class FakeWorkers(ThreadPoolExecutor):
@@ -96,8 +98,16 @@ def test_the_day_goes_from_first_to_last_light(shared_headless_window):
 def test_a_real_process_makes_real_pictures(headless_window, tmp_path):
     """One picture by a process of its own, of the window's size."""
     processes_or_skip()
+    import trimesh
     from PIL import Image
 
+    scene = tmp_path / "box.glb"
+    trimesh.creation.box((1, 1, 1)).export(scene)
+    # Light transport is on in that process: texels of a metre cost it little.
+    headless_window.session.send(
+        LoadScene(path=str(scene)),
+        SetSetting(module="light_transport", name="texel_m", value=1.0),
+    )
     view = headless_window.window.desk.viewport
     headless_window.until(lambda: headless_window.project.size == view.pixels)
     panel = headless_window.panel("export")
