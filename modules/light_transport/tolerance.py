@@ -8,8 +8,8 @@
 | `bounces_left` | share of the light that bounces left out may bring | proportion |
 | `hour_change`, `sun_rad` | moves of sky and sun that nobody sees | proportion |
 
-Noise and texels are smoothed over; they are seen as errors of irradiance, which is a part of what
-radiance may err by. The fronts are measured by `tools/tolerance_fronts.py`.
+At the default tolerance sizes are finer than it asks for: noise is seen as a pattern, and coarse
+texels as missing shadows. The fronts are measured by `tools/tolerance_fronts.py`.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,8 @@ from vrut_lite.daylight.tolerance import budget, cheapest, read_fronts
 FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 Rung = Literal["draft", "usual", "fine", "finest"]
 RUNGS: tuple[Rung, ...] = get_args(Rung)
-# Shares of the tolerance; errors of texels, rays and patches add up by squares.
+# At the default tolerance, and shares of a tight one; these errors add up by squares.
+_TEXELS, _RAYS, _PATCHES = 0.045, 0.006, 0.035
 _SHARE = 0.6
 _BOUNCES_SHARE = 0.03
 
@@ -42,7 +43,7 @@ class Quality(NamedTuple):
 
 _OF_RUNG: Mapping[Rung, Quality] = MappingProxyType(
     {
-        "draft": Quality(20_000, 128, 8.0, 0.01, 0.01, radians(0.2)),
+        "draft": Quality(30_000, 128, 6.0, 0.01, 0.01, radians(0.2)),
         "usual": Quality(60_000, 256, 6.0, 0.003, 0.005, radians(0.1)),
         "fine": Quality(120_000, 512, 4.0, 0.001, 0.002, radians(0.05)),
         "finest": Quality(240_000, 1024, 3.0, 0.0005, 0.001, radians(0.02)),
@@ -56,11 +57,10 @@ def quality_for(tolerance: float, rung: Rung | None = None) -> Quality:
     if rung is not None:
         return _OF_RUNG[rung]
     fronts = read_fronts(FRONTS).fronts
-    allowed = _SHARE * tolerance
     return Quality(
-        texels=int(cheapest(fronts["texels"], allowed)),
-        rays=int(cheapest(fronts["rays"], allowed)),
-        patch_texels=float(cheapest(fronts["patch_texels"], allowed)),
+        texels=int(cheapest(fronts["texels"], budget(tolerance, _TEXELS, _SHARE))),
+        rays=int(cheapest(fronts["rays"], budget(tolerance, _RAYS, _SHARE))),
+        patch_texels=float(cheapest(fronts["patch_texels"], budget(tolerance, _PATCHES, _SHARE))),
         bounces_left=_BOUNCES_SHARE * tolerance,
         hour_change=budget(tolerance, 0.005, 0.1),
         sun_rad=radians(budget(tolerance, 0.1, 2.0)),
