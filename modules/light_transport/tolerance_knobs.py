@@ -75,7 +75,7 @@ def _room(rng: np.random.Generator) -> Room:
     wide, high, deep = rng.uniform((3.0, 2.4, 3.0), (9.0, 4.0, 9.0))
     w, sill, head = _WALL_M, rng.uniform(0.0, 0.3) * high, rng.uniform(0.6, 0.9) * high
     left, right = rng.uniform(0.1, 0.4) * wide, rng.uniform(0.6, 0.9) * wide
-    boxes = [
+    boxes: list[tuple[float, ...]] = [
         (-w, -w, -w, wide + w, 0.0, deep + w),
         (-w, high, -w, wide + w, high + w, deep + w),
         (-w, 0.0, -w, 0.0, high, deep + w),

@@ -4,6 +4,7 @@ Errors are those of the map at the middles of random texels, smoothing and all, 
 start at these very points in a bake with more texels, rays, patches and bounces.
 """
 
+from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import NamedTuple
 
@@ -164,7 +165,7 @@ def _steps(texels: int, quick: bool) -> list[BenchPath]:
         bake.light(_hour(60.0))
         return lambda: bake.light(_hour(20.0))
 
-    works = {
+    works: dict[str, Callable[[], Work]] = {
         "layout": lambda: partial(lay_out, *_scene(), None, texels),
         "first light": lambda: first,
         f"an hour by {rays} rays": hour,
