@@ -23,7 +23,7 @@ from vrut_lite.numeric_types import FloatArray
 _DAY, _SCENES = "2026-06-21", ("street.toml", "work/indoor.glb")
 _STRIP = ("15:00", "15:30", "16:00", "16:30", "17:00")
 _STARTS, _STEPS, _STEP_MIN = ("09:00", "12:30"), 8, 2
-_SIZE, _SETTINGS = (320, 200), {"scene": {"air": False}}
+_SIZE = (320, 200)
 _MOST_STEP, _BRIGHT = 0.2, 1e-3
 
 
@@ -69,7 +69,7 @@ def swimming_from(scene: str, start: str) -> Swimming:
     hour, minute = map(int, start.split(":"))
     times = [minute + _STEP_MIN * n for n in range(_STEPS)]
     said = [f"{_DAY}T{hour + m // 60:02}:{m % 60:02}" for m in times]
-    project = scene_project(scene, size=_SIZE, settings=_SETTINGS)
+    project = scene_project(scene, size=_SIZE)
     frames = [luminance(shot.picture.radiance[..., :3]).ravel() for shot in shots(project, said)]
     return swimming(np.array(frames, float))
 
