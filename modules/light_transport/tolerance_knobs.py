@@ -38,7 +38,7 @@ _SIZE, _RAYS, _PATCH = 20_000, 128, 6.0
 _TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 160_000, 256, 3.0
 _TIMED_SIZE, _TIMED_RAYS = 5000, 16
 _PLACES, _MOST_PLACES = 4000, 0.95
-_WALL_M, _BEFORE_M = 0.3, 0.005
+_WALL_M, _BEFORE_M = 0.3, 0.02
 _SEEDS = (1, 2)
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 # Corners of the faces -x, +x, -y, +y, -z and +z, counter-clockwise seen from outside.
