@@ -5,7 +5,7 @@
 | `texels` | about how many texels a scene gets, where none are named by size | front "texels" |
 | `rays` | of each texel in a finished bake | front "rays" |
 | `patch_texels` | edge of the patches that carry bounces, in texels | front "patch_texels" |
-| `bounces_left` | share of the light that bounces left out may bring | proportion; front "bounces" |
+| `bounces_left` | share of the light that bounces left out may bring | proportion; "bounces" |
 | `hour_change`, `sun_rad` | moves of sky and sun that nobody sees | proportion |
 
 At the default tolerance sizes are finer than it asks for: noise is seen as a pattern, and coarse
