@@ -1,4 +1,4 @@
-"""The light map as pictures in false colours: light, texel size and error. No Qt here."""
+"""The light map as pictures in false colours: light, texel size and noise. No Qt here."""
 
 from typing import NamedTuple
 
@@ -35,16 +35,23 @@ def light_picture(light: SurfaceLightChanged) -> FalseColours:
 
 
 def error_picture(finer: SurfaceLightChanged, coarser: SurfaceLightChanged) -> FalseColours:
-    """By how much of itself light changed when the rays were doubled, mean over 3 x 3 texels.
+    """Noise that the finer's rays leave, as a share of the light: rms over 3 x 3 texels.
 
-    The rays of the coarser are among the finer's: the change is as large as the noise that is left.
+    Both are of one hour, and the fewer rays of the coarser are among the finer's: with n of N rays
+    the variance of their difference is N / n - 1 times the variance that N rays leave.
     """
     one, other = _illuminance_lx(finer), _illuminance_lx(coarser)
-    change = np.abs(one - other) / np.maximum(np.maximum(one, other), 1e-9)
+    change = (one - other) / np.maximum(np.maximum(one, other), 1e-9)
     height, width = one.shape
-    wide = np.pad(change, 1, mode="edge")
+    wide = np.pad(change * change, 1, mode="edge")
     boxes = [wide[i : i + height, j : j + width] for i in range(3) for j in range(3)]
-    return _coloured(np.where(one > 0.0, np.mean(boxes, axis=0), 0.0))
+    noise = np.sqrt(np.mean(boxes, axis=0) / (finer.rays / coarser.rays - 1.0))
+    return _coloured(np.where(one > 0.0, noise, 0.0))
+
+
+def scale_pixels(width: int) -> NDArray[np.uint8]:
+    """The scale (1, width, 3) from the darkest colour to the brightest."""
+    return _colour_at(np.linspace(0.0, 1.0, width)[None])
 
 
 def density_picture(laid: LightMapLaid, scene: SceneOpened) -> FalseColours:
@@ -101,7 +108,12 @@ def _coloured(values: FloatArray) -> FalseColours:
     low, high = (float(value) for value in np.quantile(values[used], (_LOW, _HIGH)))
     low = max(low, high / _WIDEST)
     span = max(np.log(high / low), 1e-9)
-    at = np.clip(np.log(np.maximum(values, low) / low) / span, 0.0, 1.0) * (len(_STOPS) - 1)
+    pixels = _colour_at(np.clip(np.log(np.maximum(values, low) / low) / span, 0.0, 1.0))
+    pixels[~used] = _UNUSED
+    return FalseColours(pixels, low, high)
+
+
+def _colour_at(share: FloatArray) -> NDArray[np.uint8]:
+    at = share * (len(_STOPS) - 1)
     rgb = np.stack([np.interp(at, range(len(_STOPS)), stops) for stops in _STOPS.T], axis=-1)
-    rgb[~used] = _UNUSED
-    return FalseColours(rgb.round().astype(np.uint8), low, high)
+    return rgb.round().astype(np.uint8)

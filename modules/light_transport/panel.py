@@ -15,8 +15,9 @@ from light_transport.false_colours import (
     density_picture,
     error_picture,
     light_picture,
+    scale_pixels,
 )
-from light_transport.messages import NAME, BakeGrown
+from light_transport.messages import NAME, BakeGrown, HourOutdated
 from light_transport.module import HOUR, LAYOUT, RAYS
 from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
@@ -27,6 +28,13 @@ from vrut_lite.daylight.scene import SceneOpened
 
 _NOTHING = "No light map: the scene is lit by the open sky."
 _LIGHT, _SIZE, _ERROR = "Light", "Texel size", "Error"
+# What is shown, and how a value is written.
+_MEANINGS = {
+    _LIGHT: ("illuminance without the sun's or moon's own", lambda lx: f"{lx:.3g} lx"),
+    _SIZE: ("edge of the texels", lambda edge_m: f"{edge_m:.3g} m"),
+    _ERROR: ("noise that the rays leave, of the light there", lambda share: f"{share:.2%}"),
+}
+_BAR_PX, _LEGEND_PX = 10, 30
 
 
 class Shown(NamedTuple):
@@ -49,8 +57,9 @@ class LightMapPanel(QWidget):
         self.shown: Shown | None = None
         self._grown: BakeGrown | None = None
         self._light: SurfaceLightChanged | None = None
-        # The light by half the rays, as soon as there is one.
-        self._coarser: SurfaceLightChanged | None = None
+        # The latest light that more rays made of the same hour, and that of fewer.
+        self._pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None = None
+        self._hour_moved = False
         self.progress = QProgressBar()
         self.facts = QLabel(_NOTHING)
         self.facts.setWordWrap(True)
@@ -59,12 +68,14 @@ class LightMapPanel(QWidget):
         self.kind.setAccessibleName("what the picture of the light map shows")
         self.kind.currentIndexChanged.connect(self._renew)
         self.view = _View()
-        self.scale = faint_label("", wraps=True)
+        self.legend = _Legend()
+        self.meaning = faint_label("", wraps=True)
         column = QVBoxLayout(self)
         column.setContentsMargins(10, 8, 8, 10)
-        for part in (self.progress, self.facts, self.kind, self.view, self.scale):
+        for part in (self.progress, self.facts, self.kind, self.view, self.legend, self.meaning):
             column.addWidget(part, 1 if part is self.view else 0)
         session.listen(BakeGrown, self._grew)
+        session.listen(HourOutdated, self._hour_passed)
         session.listen(LightMapLaid, self._was_laid)
         session.listen(SurfaceLightChanged, self._was_lit)
 
@@ -76,18 +87,22 @@ class LightMapPanel(QWidget):
         self._grown = message
 
     def _was_laid(self, message: LightMapLaid) -> None:
-        self._grown = self._light = self._coarser = None
+        self._grown = self._light = self._pair = None
         self._renew()
 
+    def _hour_passed(self, message: HourOutdated) -> None:
+        self._hour_moved = True
+
     def _was_lit(self, message: SurfaceLightChanged) -> None:
-        if self._light is not None and message.rays != self._light.rays:
-            self._coarser = self._light
-        self._light = message
+        before = self._light
+        if before is not None and message.rays > before.rays and not self._hour_moved:
+            self._pair = message, before
+        self._light, self._hour_moved = message, False
         self._renew()
 
     def _renew(self) -> None:
         if self.isVisible():
-            question = partial(_shown, self.kind.currentText(), self._light, self._coarser)
+            question = partial(_shown, self.kind.currentText(), self._light, self._pair)
             self._session.ask(question, self._show)
 
     def _show(self, shown: Shown) -> None:
@@ -96,7 +111,7 @@ class LightMapPanel(QWidget):
         self.progress.setRange(0, grown.rays_wanted if grown is not None else 1)
         self.progress.setValue(grown.rays if grown is not None else 0)
         self.view.show_picture(picture)
-        self.scale.setText("" if picture is None else self._scale_text(picture))
+        self._explain(picture)
         if grown is None or light is None:
             self.facts.setText(_NOTHING)
             return
@@ -106,18 +121,22 @@ class LightMapPanel(QWidget):
             f"{megabytes:.0f} MB; bake {shown.bake_s:.1f} s, hour {1e3 * shown.hour_s:.0f} ms"
         )
 
-    def _scale_text(self, picture: FalseColours) -> str:
-        if not picture.high:
-            return "nothing to show yet"
-        if self.kind.currentText() == _LIGHT:
-            return f"dark to bright: {picture.low:.3g} to {picture.high:.3g} lx"
-        if self.kind.currentText() == _SIZE:
-            return f"dark to bright: {picture.low:.3g} to {picture.high:.3g} m a texel"
-        return f"dark to bright: {picture.low:.2%} to {picture.high:.2%} by twice the rays"
+    def _explain(self, picture: FalseColours | None) -> None:
+        meaning, said = _MEANINGS[self.kind.currentText()]
+        if picture is None or not picture.high:
+            self.legend.show_values([])
+            self.meaning.setText("nothing to show yet")
+            return
+        middle = (picture.low * picture.high) ** 0.5
+        self.legend.show_values([said(value) for value in (picture.low, middle, picture.high)])
+        self.meaning.setText(meaning)
 
 
 def _shown(
-    kind: str, light: SurfaceLightChanged | None, coarser: SurfaceLightChanged | None, stage: Stage
+    kind: str,
+    light: SurfaceLightChanged | None,
+    pair: tuple[SurfaceLightChanged, SurfaceLightChanged] | None,
+    stage: Stage,
 ) -> Shown:
     """On the engine's thread."""
     kernel = stage.kernel
@@ -128,8 +147,8 @@ def _shown(
     elif kind == _SIZE and laid is not None and scene is not None:
         if laid.content_key == scene.content_key:
             picture = density_picture(laid, scene)
-    elif kind == _ERROR and light is not None and coarser is not None:
-        picture = error_picture(light, coarser)
+    elif kind == _ERROR and pair is not None:
+        picture = error_picture(*pair)
     return Shown(picture, *_seconds(stage))
 
 
@@ -175,3 +194,34 @@ class _View(QWidget):
             place = QRect(0, 0, size.width(), size.height())
             place.moveCenter(self.rect().center())
             painter.drawImage(place, self._image)
+
+
+class _Legend(QWidget):
+    """The scale of colours, with values at its ends and in its middle."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.values: list[str] = []
+        self.setFixedHeight(_LEGEND_PX)
+
+    def show_values(self, values: list[str]) -> None:
+        """Of the darkest colour, that in the middle, and the brightest; none: no scale."""
+        self.values = values
+        self.setAccessibleName("scale: " + ", ".join(values) if values else "no scale")
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """A bar, and the values below it."""
+        if not self.values:
+            return
+        painter = QPainter(self)
+        painter.drawImage(QRect(0, 0, self.width(), _BAR_PX), rgb_image(scale_pixels(256)))
+        painter.setPen(QColor(theme.TEXT))
+        below = QRect(0, _BAR_PX, self.width(), _LEGEND_PX - _BAR_PX)
+        sides = (
+            Qt.AlignmentFlag.AlignLeft,
+            Qt.AlignmentFlag.AlignHCenter,
+            Qt.AlignmentFlag.AlignRight,
+        )
+        for value, side in zip(self.values, sides, strict=True):
+            painter.drawText(below, side | Qt.AlignmentFlag.AlignVCenter, value)

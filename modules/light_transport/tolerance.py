@@ -5,7 +5,7 @@
 | `texels` | about how many texels a scene gets, where none are named by size | front "texels" |
 | `rays` | of each texel in a finished bake | front "rays" |
 | `patch_texels` | edge of the patches that carry bounces, in texels | front "patch_texels" |
-| `bounces_left` | share of the light that bounces left out may bring | proportion |
+| `bounces_left` | share of the light that bounces left out may bring | proportion; "bounces" |
 | `hour_change`, `sun_rad` | moves of sky and sun that nobody sees | proportion |
 
 At the default tolerance sizes are finer than it asks for: noise is seen as a pattern, and coarse
@@ -25,7 +25,7 @@ FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 Rung = Literal["draft", "usual", "fine", "finest"]
 RUNGS: tuple[Rung, ...] = get_args(Rung)
 # At the default tolerance, and shares of a tight one; these errors add up by squares.
-_TEXELS, _RAYS, _PATCHES = 0.045, 0.006, 0.035
+_TEXELS, _RAYS, _PATCHES = 0.055, 0.015, 0.06
 _SHARE = 0.6
 _BOUNCES_SHARE = 0.03
 

@@ -10,6 +10,7 @@ from vrut_lite_bench.paths import (
     dispatch,
     frame,
     hosek_wilkie,
+    light_map,
     single_scattering,
     sky_view,
     solver,
@@ -109,6 +110,14 @@ def test_air() -> None:
     """The product's volume: 99 % of walls within 2 % of the float64 twin by day."""
     found = errors_of(path_of(air.groups(True), "the product's"))
     assert max(each.p99 for each in found.values()) < 0.02
+
+
+def test_light_map() -> None:
+    """Four times the rays: less error under both suns, and a tenth of the light at most."""
+    groups = light_map.groups(True)
+    few, more = (errors_of(path_of(groups, f"{rays} rays, 7500 texels")) for rays in (16, 64))
+    assert all(more[sun].mean < few[sun].mean for sun in few)
+    assert max(each.mean for each in more.values()) < 0.12
 
 
 @pytest.mark.parametrize("subscribers", [1, 4])

@@ -119,25 +119,6 @@ def kernel_inputs(subscribers: int) -> Contestant:
     return Contestant(run, counters)
 
 
-def _repeat(send: Callable[[Moved], Any]) -> Callable[[], None]:
-    def run() -> None:
-        moved = Moved(elevation_rad=0.5)
-        for _ in range(MESSAGES):
-            send(moved)
-
-    return run
-
-
-def psygnal_signal(subscribers: int) -> Contestant:
-    """A psygnal Signal on an object."""
-    psygnal = importlib.import_module("psygnal")
-    counters = [Counter() for _ in range(subscribers)]
-    owner = type("Owner", (), {"moved": psygnal.Signal(object)})()
-    for counter in counters:
-        owner.moved.connect(counter.on_moved)
-    return Contestant(_repeat(owner.moved.emit), counters)
-
-
 def pluggy_hook(subscribers: int) -> Contestant:
     """A pluggy hook with a plugin for each subscriber."""
     pluggy = importlib.import_module("pluggy")
@@ -165,16 +146,6 @@ def pluggy_hook(subscribers: int) -> Contestant:
     return Contestant(run, counters)
 
 
-def blinker_signal(subscribers: int) -> Contestant:
-    """A blinker Signal; the message is its sender argument, the cheapest way to pass one."""
-    blinker = importlib.import_module("blinker")
-    counters = [Counter() for _ in range(subscribers)]
-    signal = blinker.Signal()
-    for counter in counters:
-        signal.connect(counter.on_moved)
-    return Contestant(_repeat(signal.send), counters)
-
-
 def pyside_signal(subscribers: int) -> Contestant:
     """A PySide6 signal, connected directly."""
     core: Any = importlib.import_module("PySide6.QtCore")
@@ -198,9 +169,7 @@ def pyside_signal(subscribers: int) -> Contestant:
 CONTESTANTS: dict[str, tuple[str, Callable[[int], Contestant]]] = {
     "vrut_lite, posts after one input": ("vrut_lite", kernel_posts),
     "vrut_lite, an input each": ("vrut_lite", kernel_inputs),
-    "psygnal": ("psygnal", psygnal_signal),
     "pluggy": ("pluggy", pluggy_hook),
-    "blinker": ("blinker", blinker_signal),
     "PySide6": ("PySide6", pyside_signal),
 }
 
