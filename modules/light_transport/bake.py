@@ -30,7 +30,6 @@ from light_transport.patches import Patches, patches_of
 from light_transport.probe_places import probe_places_m, without_buried
 from light_transport.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
 from light_transport.ray_table import (
-    TRIED,
     Rows,
     empty_rows,
     joined,
@@ -131,7 +130,9 @@ class Bake:
 
     def add_mirrors(self, parts: MirrorParts) -> None:
         """See what stands around these parts; hours then have cubes of it."""
-        self.mirrors = mirror_rays(parts, self.surfaces.part, self.tree, self.receivers)
+        self.mirrors = mirror_rays(
+            parts, self.surfaces.part, self.tree, self.receivers, self.threads
+        )
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
         """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
@@ -174,7 +175,7 @@ class Bake:
         """The light of an hour; some rays must have been added."""
         assert self.patches is not None
         finished = self._finish()
-        shares = self._key_shares(hour, finished.key_rays.ray)
+        shares = self._key_shares(hour, finished)
         column_light = self._column_light(hour, finished, shares)
         rows = len(self._orientation)
         light = np.empty((rows, 4), np.float32)
@@ -212,15 +213,15 @@ class Bake:
         )
         light = np.empty((len(places), 4), np.float32)
         finished = self._finish()
-        shares = self._key_shares(hour, finished.key_rays.ray)
+        shares = self._key_shares(hour, finished)
         gathered(rows, self._column_light(hour, finished, shares), 0, len(places), light)
         return light[:, :3]
 
-    def _key_shares(self, hour: Hour, ray: NDArray[np.uint8]) -> Float32Array:
-        """Visible share of the key light times its cosine (N,), for rows with a ray; else 0."""
+    def _key_shares(self, hour: Hour, finished: _Finished) -> Float32Array:
+        """Visible share of the key light times its cosine (N,), of the rows that are asked."""
         share = np.zeros(self.rows, np.float32)
         if np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
-            towards = np.asarray(hour.key_direction, np.float64)
+            ray, towards = finished.key_rays.ray, np.asarray(hour.key_direction, np.float64)
             self._over_rows(
                 self.rows,
                 lambda a, b: lit_shares(
@@ -311,23 +312,20 @@ class Bake:
         assert self.patches is not None
         seen = self.mirrors.row
         texels = int(np.searchsorted(seen, len(self.texels.pixel)))
-        # Patches ask every second texel for the key light; an image of its shadow needs each.
-        asked = finished.key_rays.ray
-        others = np.full(self.rows, TRIED, np.uint8)
-        others[seen[:texels]] = self.table.free[seen[:texels]]
-        others[asked < TRIED] = TRIED
-        share = (key_shares + self._key_shares(hour, others))[seen[:texels], None]
-        source = finished.source[seen[:texels]]
-        irradiance = np.where(source[:, None] >= 0, light[source, :3], np.float32(0.0))
-        irradiance += share * np.asarray(hour.key_irradiance_rgb, np.float32)
+        radiance = np.empty((len(seen), 3), np.float32)
+        texel_radiance(
+            seen[:texels],
+            self.surfaces.part,
+            (self.surfaces.reflectance_rgb, self.surfaces.emitted_rgb),
+            self.texels.triangle,
+            (light, finished.source),
+            (key_shares, finished.key_rays.ray, self.links),
+            np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
+            radiance,
+        )
         column = self.patches.column_of[NODES + seen[texels:]]
-        radiance = [
-            texel_radiance(
-                self.mirrors, self.surfaces, self.texels, irradiance, hour.ground_albedo_rgb
-            ),
-            column_light[column, :3] / np.float32(np.pi),
-        ]
-        return cubes(self.mirrors, np.concatenate(radiance))
+        radiance[texels:] = column_light[column, :3] / np.float32(np.pi)
+        return cubes(self.mirrors, radiance)
 
     def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""

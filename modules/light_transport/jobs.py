@@ -78,7 +78,9 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
     bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
+    bake.threads = _all_threads()
     bake.add_mirrors(mirror_parts(scene, surfaces))
+    bake.threads = 1
     message = msgspec.structs.replace(layout.message, mirrors=_mirrors(bake))
     return Laid(message, first_rays(bake.rows), Unwritten(bake))
 
@@ -106,13 +108,17 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
 
     # Light is made of the rays before, meanwhile.
     grown = copy(bake.value)
-    grown.threads = min(os.cpu_count() or 1, _MOST_THREADS)
+    grown.threads = _all_threads()
     if not add_kept_rays(grown, count, control.cancelled):
         return None
     # Hours follow each other while time plays: they leave the other cores to the frame.
     grown.threads = 1
     texels = len(grown.texels.pixel)
     return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
+
+
+def _all_threads() -> int:
+    return min(os.cpu_count() or 1, _MOST_THREADS)
 
 
 def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:

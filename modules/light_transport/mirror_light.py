@@ -3,28 +3,44 @@
 import numpy as np
 
 from light_transport.kernels import hot
-from light_transport.map_texels import Texels
 from light_transport.mirror_rays import MirrorRays
-from light_transport.surfaces import Surfaces
-from vrut_lite.numeric_types import Float32Array, Vector
+from light_transport.ray_table import TRIED
+from vrut_lite.numeric_types import Float32Array
 
 
-def texel_radiance(
-    rays: MirrorRays,
-    surfaces: Surfaces,
-    texels: Texels,
-    irradiance: Float32Array,
-    ground_albedo_rgb: Vector,
-) -> Float32Array:
-    """Radiance (T, 3) of the texels among the rows that are seen, T of them, which come first.
+@hot
+def texel_radiance(rows, part, surfaces, triangle, light, key, hour, out):  # type: ignore[no-untyped-def]
+    """Fill out[: len(rows)] (U, 3): radiance (M + rho (E + the key light's)) / pi of texels.
 
-    `irradiance` (T, 3) is all that falls on them, the key light's too: (M + rho E) / pi.
+    `surfaces` are reflectance and radiosity (F, 3); `light` the irradiance (N, 4) of texels and
+    whose each shows; `key` the shares of the key light (N,), the rays that asked for them, and
+    links between texels; `hour` the ground's albedo and the key light's irradiance (2, 3).
     """
-    triangle = texels.triangle[rays.row[: len(irradiance)]]
-    reflectance = surfaces.reflectance_rgb[triangle]
-    reflectance[surfaces.part[triangle] < 0] = ground_albedo_rgb
-    sent = surfaces.emitted_rgb[triangle] + reflectance * irradiance
-    return np.asarray(sent / np.float32(np.pi), np.float32)
+    reflectance, emitted = surfaces
+    irradiance, source = light
+    share, ray, links = key
+    inverse_pi = np.float32(1.0 / np.pi)
+    for i in range(len(rows)):
+        row = rows[i]
+        t = triangle[row]
+        # Patches ask every second texel for the key light: the others have their neighbours'.
+        lit, asked = np.float32(0.0), np.float32(0.0)
+        if ray[row] < TRIED:
+            lit, asked = share[row], np.float32(1.0)
+        else:
+            for k in range(links.shape[1]):
+                j = links[row, k]
+                if j >= 0 and ray[j] < TRIED:
+                    lit += share[j]
+                    asked += np.float32(1.0)
+        lit /= max(asked, np.float32(1.0))
+        shown = source[row]
+        for k in range(3):
+            falls = lit * hour[1, k]
+            if shown >= 0:
+                falls += irradiance[shown, k]
+            rho = hour[0, k] if part[t] < 0 else reflectance[t, k]
+            out[i, k] = (emitted[t, k] + rho * falls) * inverse_pi
 
 
 def cubes(rays: MirrorRays, radiance: Float32Array) -> Float32Array:

@@ -4,6 +4,7 @@ The rays are traced once a scene, from the middle of a part through the part its
 is lit anew each hour (mirror_light.py).
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +22,9 @@ from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, 
 from vrut_lite.numeric_types import Float32Array
 
 SKY = -1
-# Edges of cubes; the largest whose texels together are no more than these.
-_EDGES = (128, 64, 32)
-_MOST_TEXELS = 200_000
+# Edges of cubes; the largest that need no more rays than these.
+_EDGES = (128, 96, 64, 48, 32)
+_MOST_RAYS = 450_000
 # Rays of a texel, along each of its edges.
 _ACROSS = 2
 # A ray passes so many surfaces from behind before it is held to be lost inside a body.
@@ -51,7 +52,11 @@ class MirrorRays(NamedTuple):
 
 
 def mirror_rays(
-    parts: MirrorParts, part_of: NDArray[np.int32], tree: Tree, receivers: Receivers
+    parts: MirrorParts,
+    part_of: NDArray[np.int32],
+    tree: Tree,
+    receivers: Receivers,
+    threads: int,
 ) -> MirrorRays | None:
     """Trace the cubes of parts, `part_of` (F,) being each triangle's; None where there are none."""
     if len(parts.part) == 0:
@@ -60,27 +65,34 @@ def mirror_rays(
     directions = _directions(edge)
     target = np.empty((len(parts.part), len(directions)), np.int32)
     near = np.empty(target.shape, np.float32)
-    for n in range(len(parts.part)):
-        own = int(parts.part[n])
-        _trace(
-            tree, receivers, part_of, own, bool(parts.hollow[n]), parts.centre[n], directions,
-            scratch(), target[n], near[n],
-        )  # fmt: skip
+
+    def trace(n: int) -> None:
+        own, hollow = int(parts.part[n]), bool(parts.hollow[n])
+        view = own, hollow, parts.centre[n], directions, scratch()
+        _trace(tree, receivers, part_of, *view, target[n], near[n])
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(trace, range(len(parts.part))))
     shape = (len(parts.part), 6, edge, edge, _ACROSS**2)
-    target, near = target.reshape(shape), near.reshape(shape).mean(axis=-1)
+    target = target.reshape(shape)
+    near = near.reshape(shape).mean(axis=-1, dtype=np.float32)
     fits = _fits(parts, near)
     if not fits.any():
         return None
-    parts = MirrorParts(*(values[fits] for values in parts))
-    row, compact = np.unique(target[fits], return_inverse=True)
-    compact = compact.reshape(target[fits].shape).astype(np.int32)
-    if len(row) and row[0] == SKY:
-        row, compact = row[1:], compact - 1
-    return MirrorRays(parts, row.astype(np.int32), compact, near[fits].astype(np.float32))
+    served = MirrorParts(
+        parts.part[fits], parts.centre[fits], parts.radius[fits], parts.hollow[fits]
+    )
+    target = target[fits]
+    seen = np.zeros(int(target.max()) + 1, bool)
+    seen[target[target != SKY]] = True
+    # The last entry is SKY's.
+    number = np.append(np.cumsum(seen) - 1, SKY).astype(np.int32)
+    return MirrorRays(served, np.flatnonzero(seen).astype(np.int32), number[target], near[fits])
 
 
 def _edge(count: int) -> int:
-    return next((e for e in _EDGES if 6 * e * e * count <= _MOST_TEXELS), _EDGES[-1])
+    rays = 6 * _ACROSS**2 * count
+    return next((e for e in _EDGES if e * e * rays <= _MOST_RAYS), _EDGES[-1])
 
 
 def _fits(parts: MirrorParts, near: Float32Array) -> NDArray[np.bool_]:

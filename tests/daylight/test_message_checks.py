@@ -380,7 +380,7 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
         (LightMapLaid, {"size_px": (8,)}, "size_px of LightMapLaid must be 2 whole numbers from 1"),
         (LightMapLaid, {"size_px": (8, 5)}, "ground of LightMapLaid must lie within (8, 5) texels"),
         (LightMapLaid, {"uv": Array(np.ones((4, 2), "f4"))}, "must be <f4 of shape ('V', 2)"),
-        (SurfaceLightChanged, {"mirrors": Array(np.ones((1, 6, 4, 5, 4), "f2"))}, "mirrors of Surf"),
+        (SurfaceLightChanged, {"mirrors": Array(np.ones((1, 6, 4, 5, 4), "f2"))}, "mirrors of S"),
         (SurfaceLightChanged, {"texels": Array(np.ones((0, 8, 4), "f2"))}, "edges of 1 to 16384"),
         (GpuJob, {"buffers": ((1, Array(np.zeros(3))),)}, "a binding and an array of float32"),
     ],
@@ -456,7 +456,7 @@ def test_values_of_arrays_are_checked_on_request(name, odd):
     ],
 )
 def test_mirrors_of_a_light_map_name_its_parts(changes, says):
-    """A cube is of a part of the scene, from a place within it, and distances are no less than 0."""
+    """A cube is of a part of the scene, from a finite place, and nothing is nearer than that."""
     odd = msgspec.structs.replace(
         LAID.mirrors, **{name: Array(values) for name, values in changes.items()}
     )
