@@ -29,12 +29,14 @@ class MirrorParts(NamedTuple):
         centre: (N, 3) float64, from where the cube is seen, counted from the scene's middle.
         radius: (N,) float64, of the part around its own middle; both in radii of the scene.
         hollow: (N,) bool, whether the part is seen from within: it then mirrors itself.
+        facing: (N, 3) float64, the unit normal of a part that is flat; else 0.
     """
 
     part: NDArray[np.int32]
     centre: FloatArray
     radius: FloatArray
     hollow: BoolArray
+    facing: FloatArray
 
 
 def mirror_parts(scene: SceneOpened, surfaces: Surfaces) -> MirrorParts:
@@ -54,10 +56,18 @@ def mirror_parts(scene: SceneOpened, surfaces: Surfaces) -> MirrorParts:
     ]
     return MirrorParts(
         np.array(parts, np.int32),
-        np.array([centre for centre, _, _ in views]).reshape(-1, 3),
-        np.array([radius for _, radius, _ in views]),
-        np.array([hollow for _, _, hollow in views], bool),
+        np.array([view.centre for view in views]).reshape(-1, 3),
+        np.array([view.radius for view in views]),
+        np.array([view.hollow for view in views], bool),
+        np.array([view.facing for view in views]).reshape(-1, 3),
     )
+
+
+class _View(NamedTuple):
+    centre: FloatArray
+    radius: float
+    hollow: bool
+    facing: FloatArray
 
 
 def _gloss(material: Material) -> float:
@@ -90,8 +100,8 @@ def _areas(corners: FloatArray) -> FloatArray:
     return np.asarray(0.5 * np.cross(edges[:, 0], edges[:, 1]))
 
 
-def _view(corners: FloatArray, normals: NDArray[np.float32]) -> tuple[FloatArray, float, bool]:
-    """From where a part's triangles are to be seen, its radius, and whether it is hollow."""
+def _view(corners: FloatArray, normals: NDArray[np.float32]) -> _View:
+    """How the surroundings of a part's triangles are to be seen."""
     lower, upper = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
     area = _areas(corners)
@@ -99,7 +109,8 @@ def _view(corners: FloatArray, normals: NDArray[np.float32]) -> tuple[FloatArray
     area[np.einsum("fi,fi->f", area, normals.sum(axis=1, dtype=np.float64)) < 0.0] *= -1.0
     volume = np.einsum("fi,fi->", corners.mean(axis=1) - centre, area) / 3.0
     least = _FLAT * radius * float(np.linalg.norm(area, axis=1).sum())
+    facing = np.zeros(3)
     if abs(volume) <= least:
         facing = area.sum(axis=0)
-        centre = centre + _BEFORE * radius * facing / max(float(np.linalg.norm(facing)), 1e-30)
-    return centre, radius, bool(volume < -least)
+        facing /= max(float(np.linalg.norm(facing)), 1e-30)
+    return _View(centre + _BEFORE * radius * facing, radius, bool(volume < -least), facing)

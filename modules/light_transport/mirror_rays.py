@@ -68,8 +68,8 @@ def mirror_rays(
 
     def trace(n: int) -> None:
         own, hollow = int(parts.part[n]), bool(parts.hollow[n])
-        view = own, hollow, parts.centre[n], directions, scratch()
-        _trace(tree, receivers, part_of, *view, target[n], near[n])
+        view = parts.centre[n], parts.facing[n], directions
+        _trace(tree, receivers, part_of, own, hollow, view, scratch(), target[n], near[n])
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(trace, range(len(parts.part))))
@@ -80,7 +80,11 @@ def mirror_rays(
     if not fits.any():
         return None
     served = MirrorParts(
-        parts.part[fits], parts.centre[fits], parts.radius[fits], parts.hollow[fits]
+        parts.part[fits],
+        parts.centre[fits],
+        parts.radius[fits],
+        parts.hollow[fits],
+        parts.facing[fits],
     )
     target = target[fits]
     seen = np.zeros(int(target.max()) + 1, bool)
@@ -118,11 +122,13 @@ def _directions(edge: int) -> Float32Array:
 
 
 @hot
-def _trace(tree, receivers, part_of, own, hollow, centre, directions, scratch, target, near):  # type: ignore[no-untyped-def]
+def _trace(tree, receivers, part_of, own, hollow, view, scratch, target, near):  # type: ignore[no-untyped-def]
     """Fill in whose row each ray met, and how near it is.
 
-    Backs of bodies are passed, and the part itself where it is not hollow.
+    Backs of bodies are passed, and the part itself where it is not hollow. What goes behind a flat
+    part is mirrored by it, so that its blurred images do not mix in what lies behind.
     """
+    centre, facing, directions = view
     geometry, texels, probes, groups = receivers
     stack, far_stack, pixel, _, _, place, _, _, ray = scratch
     first_group = len(texels.pixel) + len(probes.place)
@@ -132,6 +138,10 @@ def _trace(tree, receivers, part_of, own, hollow, centre, directions, scratch, t
         travelled = np.float32(0.0)
         for k in range(3):
             place[k], ray[k] = centre[k], directions[i, k]
+        behind_by = ray[0] * facing[0] + ray[1] * facing[1] + ray[2] * facing[2]
+        if behind_by < 0.0:
+            for k in range(3):
+                ray[k] -= 2.0 * behind_by * facing[k]
         for _ in range(_MOST_PASSED):
             distance, hit, u, v = nearest(
                 tree,

@@ -2,19 +2,28 @@
 
 import numpy as np
 import pytest
+import trimesh
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
-from light_transport.mirror_parts import MirrorParts
+from light_transport.mirror_parts import MirrorParts, mirror_parts
+from light_transport.surfaces import surfaces_of
+from trimesh.visual.material import PBRMaterial
 
 from vrut_lite.geometry.cube_map import FACES
+from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.packing import packed
 
 
-def parts(bake, part, centre, radius=0.05, hollow=False):
+def parts(bake, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0)):
     """One part that is seen from a place in metres."""
     surfaces = bake.surfaces
     place = (np.array([centre], float) - surfaces.centre_m) / surfaces.radius_m
     return MirrorParts(
-        np.array([part], np.int32), place, np.array([radius]), np.array([hollow], bool)
+        np.array([part], np.int32),
+        place,
+        np.array([radius]),
+        np.array([hollow], bool),
+        np.array([facing]),
     )
 
 
@@ -114,3 +123,38 @@ def test_light_does_not_depend_on_mirrors():
     alone = bake.light(now)
     assert alone.mirrors is None
     np.testing.assert_array_equal(alone.texels, beside.texels)
+
+
+def test_a_flat_mirror_does_not_see_behind_itself():
+    """Before a wall that glows by 3, behind a hidden one that glows by 9: 3 to all sides of it."""
+    wall = [[-9, 4, -9], [9, 4, -9], [9, 4, 9], [-9, 4, 9]]
+    scene = quads(floor(-9, 9, -9, 9, y=-1.0), wall, reflectance=0.0)
+    scene[0].emitted_rgb[:2], scene[0].emitted_rgb[2:] = 9.0, 3.0
+    cube, _, _ = seen(scene, hour(), 99, (0, 0, 0), facing=(0.0, 1.0, 0.0))
+    np.testing.assert_allclose(cube[2, 8:-8, 8:-8, 0], 3.0 / np.pi, rtol=1e-5)
+    np.testing.assert_allclose(cube[3, 8:-8, 8:-8, 0], 3.0 / np.pi, rtol=1e-5)
+
+
+def test_parts_are_seen_from_where_their_surroundings_are(tmp_path):
+    """Glossy parts alone, the largest first: a ball from its middle, a sheet from before it, a
+    room from within, where it mirrors itself too."""
+    ball = trimesh.creation.icosphere(2, 0.5)
+    sheet = trimesh.Trimesh([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], [[0, 1, 2], [0, 2, 3]])
+    room = trimesh.creation.box((6, 6, 6))
+    room.invert()
+    dull = trimesh.creation.box((1, 1, 1))
+    stage = trimesh.Scene()
+    for mesh, roughness in ((ball, 0.1), (sheet, 0.1), (room, 0.1), (dull, 0.5)):
+        material = PBRMaterial(metallicFactor=1.0, roughnessFactor=roughness)
+        mesh.visual = trimesh.visual.TextureVisuals(material=material)
+        stage.add_geometry(mesh)
+    stage.export(tmp_path / "parts.glb")
+    scene = packed(load_scene(tmp_path / "parts.glb"))
+    surfaces = surfaces_of(scene)
+    found = mirror_parts(scene, surfaces)
+    assert found.part.tolist() == [2, 1, 0]
+    assert found.hollow.tolist() == [True, False, False]
+    np.testing.assert_array_equal(found.facing, [[0, 0, 0], [0, 0, 1], [0, 0, 0]])
+    centre_m = found.centre * surfaces.radius_m + surfaces.centre_m
+    expected = [[0, 0, 0], [2, 2, 0.1 * np.sqrt(8.0)], [0, 0, 0]]
+    np.testing.assert_allclose(centre_m, expected, atol=1e-6)

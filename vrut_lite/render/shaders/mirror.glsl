@@ -25,10 +25,10 @@ vec4 mirror_image(vec3 point, vec3 d, float alpha) {
         float reach = sqrt(max(missed * near * near + 1.0, 0.0)) - along * near;
         towards = p * near + d * max(reach, 0.0);
     }
-    // Texels across the lobe, whose solid angle is some 4 pi alpha^2, and across a pixel.
+    // Texels across the lobe, whose solid angle is some 4 pi alpha^2, and across half a pixel.
     float edge = float(textureSize(mirror, 0).x);
     vec3 right = dFdx(d), down = dFdy(d);
-    float pixel = 0.5 * edge * sqrt(max(dot(right, right), dot(down, down)));
+    float pixel = 0.25 * edge * sqrt(max(dot(right, right), dot(down, down)));
     float lobe = sqrt(6.0) * edge * alpha;
     vec4 seen = textureLod(mirror, towards, log2(max(max(lobe, pixel), 1.0)));
     return vec4(seen.rgb * surface.radiance_scale, seen.a);
