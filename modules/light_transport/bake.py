@@ -22,11 +22,21 @@ from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_me
 from light_transport.layout import Layout
 from light_transport.links import links_of, seam_links
 from light_transport.map_texels import map_geometry, texels_of
+from light_transport.mirror_light import cubes, texel_radiance
+from light_transport.mirror_parts import MirrorParts
+from light_transport.mirror_rays import MirrorRays, mirror_rays
 from light_transport.openness import open_luminance, orientation_of
 from light_transport.patches import Patches, patches_of
 from light_transport.probe_places import probe_places_m, without_buried
 from light_transport.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
-from light_transport.ray_table import Rows, empty_rows, joined, slice_of, with_columns, with_rays
+from light_transport.ray_table import (
+    Rows,
+    empty_rows,
+    joined,
+    slice_of,
+    with_columns,
+    with_rays,
+)
 from light_transport.sheets import sheets_of
 from light_transport.sky_nodes import NODES, node_radiances
 from light_transport.smoothing import STEPS, Smoothing, mix_at_seams, smoothed_rows, smoothing_of
@@ -104,6 +114,7 @@ class Bake:
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
         self.patches: Patches | None = None
+        self.mirrors: MirrorRays | None = None
         self._orientation = orientation_of(np.concatenate([self.texels.normal, probes.normal]))
         self._finished: _Finished | None = None
 
@@ -112,9 +123,16 @@ class Bake:
         """What the arrays of this take."""
         parts = [*self.tree, *self.texels, *self.table[1:], self.links, *self.receivers.geometry]
         parts += [] if self.patches is None else [*self.patches]
+        parts += [] if self.mirrors is None else [*self.mirrors[1:]]
         if self._finished is not None:
             parts += [*self._finished.exchange, *self._finished.smoothing]
         return sum(part.nbytes for part in parts)
+
+    def add_mirrors(self, parts: MirrorParts) -> None:
+        """See what stands around these parts; hours then have cubes of it."""
+        self.mirrors = mirror_rays(
+            parts, self.surfaces.part, self.tree, self.receivers, self.threads
+        )
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
         """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
@@ -157,7 +175,8 @@ class Bake:
         """The light of an hour; some rays must have been added."""
         assert self.patches is not None
         finished = self._finish()
-        column_light = self._column_light(hour, finished)
+        shares = self._key_shares(hour, finished)
+        column_light = self._column_light(hour, finished, shares)
         rows = len(self._orientation)
         light = np.empty((rows, 4), np.float32)
         self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
@@ -165,7 +184,9 @@ class Bake:
         light[:texels] = self._smoothed(light[:texels], finished.smoothing)
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
         return HourLight(
-            self._as_map(light[:texels], finished), self._as_probes(light[texels:], finished)
+            self._as_map(light[:texels], finished),
+            self._as_probes(light[texels:], finished),
+            self._as_cubes(hour, finished, light[:texels], column_light, shares),
         )
 
     def irradiance_at(
@@ -191,16 +212,35 @@ class Bake:
             rays,
         )
         light = np.empty((len(places), 4), np.float32)
-        gathered(rows, self._column_light(hour, self._finish()), 0, len(places), light)
+        finished = self._finish()
+        shares = self._key_shares(hour, finished)
+        gathered(rows, self._column_light(hour, finished, shares), 0, len(places), light)
         return light[:, :3]
 
-    def _column_light(self, hour: Hour, finished: _Finished) -> Float32Array:
+    def _key_shares(self, hour: Hour, finished: _Finished) -> Float32Array:
+        """Visible share of the key light times its cosine (N,), of the rows that are asked."""
+        share = np.zeros(self.rows, np.float32)
+        if np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
+            ray, towards = finished.key_rays.ray, np.asarray(hour.key_direction, np.float64)
+            self._over_rows(
+                self.rows,
+                lambda a, b: lit_shares(
+                    self.tree, self.receivers, ray, towards, scratch(), a, b, share
+                ),
+            )
+        return share
+
+    def _column_light(
+        self, hour: Hour, finished: _Finished, key_shares: Float32Array
+    ) -> Float32Array:
         """What a ray brings from each column (C, 4): pi L, and luminance of the sky's alone."""
         assert self.patches is not None
         column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
         radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
         column_light[:NODES, :3], column_light[:NODES, 3] = radiances, luminance(radiances)
-        column_light[NODES:-1, :3] = self._radiosity(hour, column_light[:NODES], finished)
+        column_light[NODES:-1, :3] = self._radiosity(
+            hour, column_light[:NODES], finished, key_shares
+        )
         return column_light
 
     def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
@@ -211,30 +251,16 @@ class Bake:
             light, other = other, light
         return light
 
-    def _radiosity(self, hour: Hour, node_light: Float32Array, finished: _Finished) -> Float32Array:
+    def _radiosity(
+        self, hour: Hour, node_light: Float32Array, finished: _Finished, key_shares: Float32Array
+    ) -> Float32Array:
         """What patches (M, 3) send, W m^-2."""
         assert self.patches is not None
         patches = self.patches
         direct = np.empty((len(patches.area), 3), np.float32)
         direct_sky(finished.exchange, node_light, direct)
-        irradiance = np.asarray(hour.key_irradiance_rgb, np.float32)
-        if np.any(irradiance > 0.0):
-            share = np.empty(self.rows, np.float32)
-            towards = np.asarray(hour.key_direction, np.float64)
-            self._over_rows(
-                self.rows,
-                lambda a, b: lit_shares(
-                    self.tree,
-                    self.receivers,
-                    finished.key_rays.ray,
-                    towards,
-                    scratch(),
-                    a,
-                    b,
-                    share,
-                ),
-            )
-            direct += patch_means(patches, finished.key_rays, share)[:, None] * irradiance
+        means = patch_means(patches, finished.key_rays, key_shares)
+        direct += means[:, None] * np.asarray(hour.key_irradiance_rgb, np.float32)
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
         emitted = patches.emitted_rgb
@@ -271,6 +297,35 @@ class Bake:
         nx, ny, nz = grid.counts
         buried = ~finished.good[len(self.texels.pixel) :][: len(light)].reshape(nz, ny, nx, 6)
         return without_buried(light.reshape(nz, ny, nx, 6, 4), np.asarray(buried.any(axis=-1)))
+
+    def _as_cubes(
+        self,
+        hour: Hour,
+        finished: _Finished,
+        light: Float32Array,
+        column_light: Float32Array,
+        key_shares: Float32Array,
+    ) -> Float32Array | None:
+        """What glossy parts see (C, 6, e, e, 4), by the light (N, 4) of texels."""
+        if self.mirrors is None:
+            return None
+        assert self.patches is not None
+        seen = self.mirrors.row
+        texels = int(np.searchsorted(seen, len(self.texels.pixel)))
+        radiance = np.empty((len(seen), 3), np.float32)
+        texel_radiance(
+            seen[:texels],
+            self.surfaces.part,
+            (self.surfaces.reflectance_rgb, self.surfaces.emitted_rgb),
+            self.texels.triangle,
+            (light, finished.source),
+            (key_shares, finished.key_rays.ray, self.links),
+            np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
+            radiance,
+        )
+        column = self.patches.column_of[NODES + seen[texels:]]
+        radiance[texels:] = column_light[column, :3] / np.float32(np.pi)
+        return cubes(self.mirrors, radiance)
 
     def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""

@@ -34,7 +34,10 @@ class HourLight:
 
     `texels` (height, width, 4) float32: RGB in W m^-2, and openness in [0, 1]; `probes`
     (nz, ny, nx, 6, 4) float32 or None: the same on planes that face +x, -x, +y, -y, +z and -z.
+    `mirrors` (C, 6, e, e, 4) float32 or None: radiance that glossy parts see around them, and the
+    share of a texel that is neither sky nor open ground; it weighs the radiance too.
     """
 
     texels: Float32Array
     probes: Float32Array | None
+    mirrors: Float32Array | None = None

@@ -7,13 +7,14 @@ import os
 from copy import copy
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.messages import NAME
 from light_transport.unseen_hours import HourMessages
 from vrut_lite.array import Array
-from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
@@ -71,12 +72,29 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
     """Lay out a scene."""
     from light_transport.bake import Bake
     from light_transport.layout import lay_out
+    from light_transport.mirror_parts import mirror_parts
     from light_transport.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
     bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
-    return Laid(layout.message, first_rays(bake.rows), Unwritten(bake))
+    bake.threads = _all_threads()
+    bake.add_mirrors(mirror_parts(scene, surfaces))
+    bake.threads = 1
+    message = msgspec.structs.replace(layout.message, mirrors=_mirrors(bake))
+    return Laid(message, first_rays(bake.rows), Unwritten(bake))
+
+
+def _mirrors(bake: "Bake") -> Mirrors | None:
+    """What the frame must know of the bake's cubes."""
+    rays, surfaces = bake.mirrors, bake.surfaces
+    if rays is None:
+        return None
+    return Mirrors(
+        part=Array(rays.parts.part),
+        centre_m=Array(rays.parts.centre * surfaces.radius_m + surfaces.centre_m),
+        nearness=Array(rays.nearness / np.float32(surfaces.radius_m)),
+    )
 
 
 def first_rays(rows: int) -> int:
@@ -90,7 +108,7 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
 
     # Light is made of the rays before, meanwhile.
     grown = copy(bake.value)
-    grown.threads = min(os.cpu_count() or 1, _MOST_THREADS)
+    grown.threads = _all_threads()
     if not add_kept_rays(grown, count, control.cancelled):
         return None
     # Hours follow each other while time plays: they leave the other cores to the frame.
@@ -99,19 +117,25 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
     return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
 
 
+def _all_threads() -> int:
+    return min(os.cpu_count() or 1, _MOST_THREADS)
+
+
 def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:
     """The light of an hour, by the rays that there are."""
     light = bake.value.light(hour_of(messages))
-    arrays = [light.texels] if light.probes is None else [light.texels, light.probes]
-    scale = float16_scale(max(float(array[..., :3].max()) for array in arrays))
-    texels, *probes = [Array(_encoded(array, scale)) for array in arrays]
+    arrays = {"texels": light.texels, "probes": light.probes, "mirrors": light.mirrors}
+    known = {name: array for name, array in arrays.items() if array is not None}
+    scale = float16_scale(max(float(array[..., :3].max()) for array in known.values()))
+    encoded = {name: Array(_encoded(array, scale)) for name, array in known.items()}
     return SurfaceLightChanged(
         layout_key=layout_key,
-        texels=texels,
-        probes=probes[0] if probes else None,
+        texels=encoded["texels"],
+        probes=encoded.get("probes"),
         radiance_scale=scale,
         rays=bake.value.rays,
         source=NAME,
+        mirrors=encoded.get("mirrors"),
     )
 
 

@@ -145,6 +145,7 @@ def _message(
         ground=ground,
         probes=_probes(surfaces, shapes),
         source=SOURCE,
+        mirrors=None,
         **arrays,
     )
 

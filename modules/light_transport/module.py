@@ -152,6 +152,8 @@ class LightTransport(Module):
         self._laid = laid
         self.link.post(laid.message)
         self.ledger.did("layout")
+        if laid.message.mirrors is None:
+            self.ledger.skip("mirrors: nothing in the scene is glossy")
         self._next_round()
 
     def _next_round(self) -> None:

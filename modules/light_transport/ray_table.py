@@ -164,14 +164,14 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
             distances[i, s] = max(distance, least)
             for k in range(3):
                 place[k] += distance * ray[k]
-            met = _met(
+            met = met_row(
                 geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray, pixel
             )
             targets[i, s] = NODES + met if met >= 0 else _DROPPED
 
 
 @inlined
-def _met(geometry, texels, groups, first_group, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
+def met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
     """The row of whom a ray met, or NOBODY where it met a body's back."""
     group = groups.front[t]
     faces = geometry.faces

@@ -23,6 +23,7 @@ from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.light_map import (
     GroundChart,
     LightMapLaid,
+    Mirrors,
     ProbeGrid,
     SurfaceLightChanged,
 )
@@ -103,7 +104,14 @@ SCENE = SceneOpened(
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
-    AirVolume | CloudLayer | ViewShader | SceneGeometry | SceneMaterials | GroundChart | ProbeGrid
+    AirVolume
+    | CloudLayer
+    | ViewShader
+    | SceneGeometry
+    | SceneMaterials
+    | GroundChart
+    | ProbeGrid
+    | Mirrors
 )
 LAID = LightMapLaid(
     content_key="c", layout_key="l", size_px=(8, 6),
@@ -114,10 +122,15 @@ LAID = LightMapLaid(
     part_corner_px=Array(np.zeros((2, 2), np.int32)),
     ground=GroundChart(corner_px=(4, 2), edge_px=4, half_width_m=40.0, warp=3.0),
     probes=ProbeGrid(lower_m=UP, step_m=(1.0, 2.0, 1.0), counts=(3, 2, 4)), source="s",
+    mirrors=Mirrors(
+        part=Array(np.array([1], np.int32)), centre_m=Array(np.zeros((1, 3))),
+        nearness=Array(np.ones((1, 6, 4, 4), np.float32)),
+    ),
 )  # fmt: skip
 SURFACE_LIGHT = SurfaceLightChanged(
     layout_key="l", texels=Array(np.ones((6, 8, 4), np.float16)),
     probes=Array(np.ones((4, 2, 3, 6, 4), np.float16)), radiance_scale=2.0, rays=64, source="s",
+    mirrors=Array(np.ones((1, 6, 4, 4, 4), np.float16)),
 )  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 SOUND = [
@@ -371,6 +384,7 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
         (LightMapLaid, {"size_px": (8,)}, "size_px of LightMapLaid must be 2 whole numbers from 1"),
         (LightMapLaid, {"size_px": (8, 5)}, "ground of LightMapLaid must lie within (8, 5) texels"),
         (LightMapLaid, {"uv": Array(np.ones((4, 2), "f4"))}, "must be <f4 of shape ('V', 2)"),
+        (SurfaceLightChanged, {"mirrors": Array(np.ones((1, 6, 4, 5, 4), "f2"))}, "mirrors of S"),
         (SurfaceLightChanged, {"texels": Array(np.ones((0, 8, 4), "f2"))}, "edges of 1 to 16384"),
         (GpuJob, {"buffers": ((1, Array(np.zeros(3))),)}, "a binding and an array of float32"),
     ],
@@ -435,6 +449,31 @@ def test_values_of_arrays_are_checked_on_request(name, odd):
     changed.check()
     with pytest.raises(UserError, match=f"{name} of .* must hold numbers from"):
         changed.check_arrays()
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"part": np.array([2], np.int32)}, "mirrors of a LightMapLaid must name parts"),
+        ({"centre_m": np.full((1, 3), np.nan)}, "centre_m of Mirrors must hold numbers"),
+        ({"nearness": np.full((1, 6, 4, 4), -1.0, np.float32)}, "nearness of Mirrors must hold"),
+    ],
+)
+def test_mirrors_of_a_light_map_name_its_parts(changes, says):
+    """A cube is of a part of the scene, from a finite place, and nothing is nearer than that."""
+    odd = msgspec.structs.replace(
+        LAID.mirrors, **{name: Array(values) for name, values in changes.items()}
+    )
+    odd.check()
+    with pytest.raises(UserError, match=says):
+        msgspec.structs.replace(LAID, mirrors=odd).check_arrays()
+
+
+def test_light_fits_a_layout_with_as_many_mirrors():
+    """Of two layouts of one name the light is of the one whose cubes have its sizes."""
+    assert SURFACE_LIGHT.fits(LAID)
+    assert not msgspec.structs.replace(SURFACE_LIGHT, mirrors=None).fits(LAID)
+    assert not SURFACE_LIGHT.fits(msgspec.structs.replace(LAID, mirrors=None))
 
 
 @pytest.mark.parametrize(

@@ -95,6 +95,47 @@ class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         checks.wholes(self, "counts", 2, _MOST_PROBES, most=3, least=3)
 
 
+class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parts that reflect what stands around them: each has a cube map of it.
+
+    Attributes:
+        part: (N,) int32, the parts of the scene.
+        centre_m: (N, 3) float64, from where the cubes are seen, world axes.
+        nearness: (N, 6, e, e) float32, one over the distance of what is seen, in 1/m; 0 for what
+            is infinitely far. Faces as in `geometry.cube_map`.
+    """
+
+    part: Array
+    centre_m: Array
+    nearness: Array
+
+    def check(self) -> None:
+        """As many cubes as parts.
+
+        Raises:
+            UserError: it is otherwise.
+        """
+        layouts: dict[str, tuple[str, tuple[str | int, ...]]] = {
+            "part": ("<i4", ("N",)),
+            "centre_m": ("<f8", ("N", 3)),
+            "nearness": ("<f4", ("N", _FACES, "E", "E")),
+        }
+        checks.arrays(self, layouts)
+        _check_lengths(self, "nearness", self.nearness.shape[2:], 1, LARGEST_EDGE)
+
+    def check_arrays(self, parts: int) -> None:
+        """Parts of a scene of so many, each named once, finite places and distances.
+
+        Raises:
+            UserError: something is not.
+        """
+        part = self.part.values
+        if np.any((part < 0) | (part >= parts)) or len(np.unique(part)) < len(part):
+            raise UserError("mirrors of a LightMapLaid must name parts, each once")
+        checks.contents(self, "centre_m", -_LARGEST_M, _LARGEST_M)
+        checks.contents(self, "nearness", 0.0, 1.0 / _SHORTEST_STEP_M)
+
+
 class LightMapLaid(Derived, frozen=True, kw_only=True):
     """Where the surfaces of a scene find their light.
 
@@ -112,6 +153,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
         part_corner_px: (P, 2) int32, the corner of the part's rectangle in the map.
         ground: of the ground disc, where the scene has one.
         probes: None where everything has texels.
+        mirrors: None where nothing has a cube map of what stands around it.
     """
 
     content_key: str
@@ -126,6 +168,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
     ground: GroundChart | None
     probes: ProbeGrid | None
     source: str
+    mirrors: Mirrors | None = None
 
     def shape(self, number: int) -> Shape:
         """One of the shapes."""
@@ -152,7 +195,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
                 "part_corner_px": ("<i4", ("P", 2)),
             },
         )
-        for name, kind in (("ground", GroundChart), ("probes", ProbeGrid)):
+        for name, kind in (("ground", GroundChart), ("probes", ProbeGrid), ("mirrors", Mirrors)):
             part = getattr(self, name)
             checks.instance(self, name, (kind, type(None)))
             if part is not None:
@@ -180,6 +223,8 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
         shape = self.part_shape.values
         if np.any((shape < NOT_MAPPED) | (shape >= len(mesh))):
             raise UserError("a part of a LightMapLaid names a shape that is not there")
+        if self.mirrors is not None:
+            self.mirrors.check_arrays(len(shape))
 
 
 class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
@@ -193,6 +238,9 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
             and -z; None where the layout has no probes.
         rays: how many each texel has been given: more of them, less noise.
+        mirrors: (N, 6, e, e, 4) float16, what the layout's mirrors see. RGB times `radiance_scale`
+            is radiance in W m^-2 sr^-1, weighed by alpha: the share of a texel that is neither sky
+            nor ground beyond the map, 0 to 1. None where the layout has no mirrors.
     """
 
     layout_key: str
@@ -201,6 +249,7 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     radiance_scale: float
     rays: int
     source: str
+    mirrors: Array | None = None
 
     def check(self) -> None:
         """Arrays of these shapes."""
@@ -210,6 +259,9 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         if self.probes is not None:
             checks.arrays(self, {"probes": ("<f2", ("Z", "Y", "X", _FACES, 4))})
             _check_lengths(self, "probes", self.probes.shape[:3], 2, _MOST_PROBES)
+        if self.mirrors is not None:
+            checks.arrays(self, {"mirrors": ("<f2", ("N", _FACES, "E", "E", 4))})
+            _check_lengths(self, "mirrors", self.mirrors.shape[2:4], 1, LARGEST_EDGE)
         check_scale(self)
         checks.whole(self, "rays", 1, 2**40)
 
@@ -220,10 +272,10 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
             UserError: a value lies beyond.
         """
         most = MOST_LIGHT / self.radiance_scale
-        for name in ("texels", "probes"):
+        for name in ("texels", "probes", "mirrors"):
             if getattr(self, name) is not None:
                 checks.contents(self, name, 0.0, max(most, 1.0))
-                if float(getattr(self, name).values[..., 3].max()) > 1.0:
+                if float(getattr(self, name).values[..., 3].max(initial=0.0)) > 1.0:
                     raise UserError(f"{name} of a SurfaceLightChanged hold shares above 1")
 
     def fits(self, laid: LightMapLaid) -> bool:
@@ -231,7 +283,10 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         counts = None if laid.probes is None else laid.probes.counts
         found = None if self.probes is None else self.probes.shape[2::-1]
         same_size = self.texels.shape[1::-1] == tuple(laid.size_px)
-        return self.layout_key == laid.layout_key and same_size and found == counts
+        cubes = None if laid.mirrors is None else laid.mirrors.nearness.shape
+        seen = None if self.mirrors is None else self.mirrors.shape[:4]
+        same_size = same_size and found == counts and cubes == seen
+        return self.layout_key == laid.layout_key and same_size
 
 
 def _check_rows(first: NDArray, count: NDArray, length: int) -> None:

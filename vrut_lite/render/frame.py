@@ -236,6 +236,11 @@ class Frame:
     def _reflection(self, light: Light, seen: list[PlacedPrimitive], still: bool) -> Reflection:
         """The sky for the surfaces that mirror it."""
         glossy = [placed for placed in seen if not placed.primitive.material.matte]
+        mirrors = sum(map(self._surface_light.mirrors, seen))
+        if mirrors:
+            self.ledger.did("mirror", mirrors)
+        else:
+            self.ledger.skip("mirror: none in view")
         if glossy and self._skips.unlit and not any(map(self._surface_light.sees_sky, glossy)):
             self.ledger.skip("reflection: no sky reaches what is seen")
         elif glossy or not self._skips.reflection:

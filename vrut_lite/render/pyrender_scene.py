@@ -26,7 +26,8 @@ class PlacedPrimitive:
     `centre_m` (3,) is the middle of its bounds, `radius_m` holds it all from there. The matrix
     (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
     `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one, and
-    `light_end_px` (2,) lies past the last texel that its look-ups reach.
+    `light_end_px` (2,) lies past the last texel that its look-ups reach. `mirror` is the number of
+    its cube map of what stands around it.
     """
 
     primitive: Any
@@ -36,6 +37,7 @@ class PlacedPrimitive:
     is_ground: bool = False
     light_corner_px: NDArray[np.int32] | None = None
     light_end_px: NDArray[np.int32] | None = None
+    mirror: int | None = None
 
 
 class _Cut(NamedTuple):
@@ -75,6 +77,12 @@ class PyrenderScene:
         geometry = self._opened.geometry
         whole = {key: cut for key, cut in self._cuts.items() if key[1] == NOT_MAPPED}
         self._cuts, self.scene, self.placed = {}, pyrender.Scene(), []
+        mirrors = None if light_map is None else light_map.mirrors
+        mirror_of = (
+            {}
+            if mirrors is None
+            else {int(part): number for number, part in enumerate(mirrors.part.values)}
+        )
         for part, mesh in enumerate(geometry.part_mesh.values):
             shape = NOT_MAPPED if light_map is None else int(light_map.part_shape.values[part])
             key = (int(mesh), shape)
@@ -89,7 +97,8 @@ class PyrenderScene:
                 )
                 lit = {"light_corner_px": corner, "light_end_px": corner + size}
             matrix = geometry.world_from_part.values[part] @ self._cuts[key].model_from_centred
-            self.placed.append(_placed(self._cuts[key].primitive, matrix, **lit))
+            mirror = mirror_of.get(part)
+            self.placed.append(_placed(self._cuts[key].primitive, matrix, mirror=mirror, **lit))
         if self._ground is not None:
             self.scene.add(self._ground.mesh)
             ground = self._ground.primitive, self._ground.model_from_centred

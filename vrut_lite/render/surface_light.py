@@ -13,6 +13,7 @@ from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, S
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light
+from vrut_lite.render.mirror_cubes import MirrorCubes
 from vrut_lite.render.open_irradiance import open_irradiance
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import Defines
@@ -35,6 +36,7 @@ class SurfaceLightOnGpu:
         self._harmonics: NDArray | None = None
         self._map: Any = None
         self._probes: Any = None
+        self._mirrors = MirrorCubes(context)
         self._sees_sky: dict[PlacedPrimitive, bool] = {}
 
     def lay_out(self, laid: LightMapLaid | None) -> None:
@@ -45,6 +47,8 @@ class SurfaceLightOnGpu:
         """Upload the light of an hour in place of the last; None where there is none."""
         self._light = light
         self._sees_sky.clear()
+        mirrors = None if light is None or self._laid is None else self._laid.mirrors
+        self._mirrors.show(mirrors, light)
         if light is None:
             self._free()
             return
@@ -62,11 +66,21 @@ class SurfaceLightOnGpu:
         if placed.is_ground:
             return () if self._laid.ground is None else ("GROUND_LIGHT",)
         probes: Defines = () if self._laid.probes is None else ("LIGHT_PROBES",)
+        mirror: Defines = ("MIRROR",) if self.mirrors(placed) else ()
         if placed.light_corner_px is None:
-            return probes
+            return (*probes, *mirror) if probes else ()
         if placed.primitive.material.doubleSided:
-            return ("LIGHT_MAP", "TWO_SIDED", *probes)
-        return ("LIGHT_MAP",) if self.sees_sky(placed) else ("LIGHT_MAP", "NO_SKY")
+            return ("LIGHT_MAP", "TWO_SIDED", *probes, *mirror)
+        return ("LIGHT_MAP", *mirror) if self.sees_sky(placed) else ("LIGHT_MAP", "NO_SKY", *mirror)
+
+    def mirrors(self, placed: PlacedPrimitive) -> bool:
+        """Whether a mesh reflects what stands around it."""
+        return placed.mirror is not None and self._mirrors.there
+
+    def bind_mirror(self, placed: PlacedPrimitive, eye_m: NDArray[np.float64]) -> NDArray:
+        """Hand a mesh its cubes; the eye (3,) as seen from their middle."""
+        assert placed.mirror is not None
+        return self._mirrors.bind(placed.mirror, eye_m)
 
     def sees_sky(self, placed: PlacedPrimitive) -> bool:
         """Whether a mesh may get light from the sky itself, and so from the sun."""
@@ -111,6 +125,7 @@ class SurfaceLightOnGpu:
     def release(self) -> None:
         """Free the GL objects."""
         self._free()
+        self._mirrors.release()
         self._release(self._open_sky)
         self._block.release()
 

@@ -126,6 +126,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             _set_surface(program, primitive.material)
             if placed.light_corner_px is not None:
                 program.set_uniform("light_corner_px", placed.light_corner_px.astype(np.float32))
+            if surface_light.mirrors(placed):
+                program.set_uniform("mirror_eye_m", surface_light.bind_mirror(placed, view.eye_m))
             pose = translation(-view.eye_m) @ placed.world_from_model
             self._bind_and_draw_primitive(primitive, pose, program, RenderFlags.NONE)
             self._reset_active_textures()

@@ -302,6 +302,10 @@ vec3 reflected_sky(vec3 d, float roughness) {
     return textureLod(reflection, d, level).rgb * reflection_scale;
 }
 
+#ifdef MIRROR
+//!include mirror.glsl
+#endif
+
 #ifdef CLOUD_SHADOWS
 //!include cloud_block.glsl
 //!include cloud_shadow.glsl
@@ -396,8 +400,13 @@ void main() {
 #ifdef SURFACE_LIGHT
     if (dielectric_f0 + metallic > 0.0) {
         // Of the sky the share that arrives; all else that arrives comes evenly from all around.
-        vec3 mirrored = reached.a * reflected_sky(reflect(-view, n), roughness);
+        vec3 to_image = reflect(-view, n), far = reflected_sky(to_image, roughness);
+        vec3 mirrored = reached.a * far;
         mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+#ifdef MIRROR
+        vec4 image = mirror_image(eye_to_sample, to_image, alpha);
+        mirrored = mix(image.rgb + (1.0 - image.a) * far, mirrored, mirror_fade(roughness));
+#endif
         radiance += once * more * mirrored;
     }
 #else

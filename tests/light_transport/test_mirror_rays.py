@@ -1,0 +1,160 @@
+"""What glossy parts see around them, as cube maps: whom their rays meet, and its light."""
+
+import numpy as np
+import pytest
+import trimesh
+from boxes import box, floor, hour, quads
+from light_transport.bake import Bake
+from light_transport.mirror_parts import MirrorParts, mirror_parts
+from light_transport.surfaces import surfaces_of
+from trimesh.visual.material import PBRMaterial
+
+from vrut_lite.geometry.cube_map import FACES
+from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.packing import packed
+
+
+def parts(bake, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0)):
+    """One part that is seen from a place in metres."""
+    surfaces = bake.surfaces
+    place = (np.array([centre], float) - surfaces.centre_m) / surfaces.radius_m
+    return MirrorParts(
+        np.array([part], np.int32),
+        place,
+        np.array([radius]),
+        np.array([hollow], bool),
+        np.array([facing]),
+    )
+
+
+def seen(scene, now, part, centre, rays=64, **more):
+    """The cube (6, e, e, 4) of a part, and the bake that it is of."""
+    bake = Bake(*scene)
+    bake.add_mirrors(parts(bake, part, centre, **more))
+    bake.add_rays(rays)
+    light = bake.light(now)
+    return light.mirrors[0].astype(float), bake, light
+
+
+def walls_of_a_room(ball=True):
+    inner = box((0.9, 0.9, 0.9), (1.1, 1.1, 1.1)) if ball else []
+    return [*box((0, 0, 0), (2, 2, 2), inwards=True), *inner]
+
+
+def test_a_body_in_a_glowing_box_sees_each_wall_where_it_is():
+    """Walls that glow by 1 to 6 and reflect nothing show M / pi, each in its direction, and the
+    body itself, in whose middle the rays begin, is not seen."""
+    scene = quads(*walls_of_a_room(), reflectance=0.0)
+    # box() has +x, -x, +y, -y, +z and -z, as a cube map has its faces.
+    for side in range(6):
+        scene[0].emitted_rgb[2 * side : 2 * side + 2] = side + 1.0
+    scene[0].part[:] = np.minimum(scene[0].part, 6)
+    cube, _, _ = seen(scene, hour(), 6, (1, 1, 1))
+    for side, name in enumerate(FACES):
+        expected = np.append(np.full(3, (side + 1.0) / np.pi), 1.0)
+        inner = cube[side, 1:-1, 1:-1]
+        np.testing.assert_allclose(inner, np.broadcast_to(expected, inner.shape), rtol=1e-5,
+                                   err_msg=name)  # fmt: skip
+
+
+def test_a_mirror_in_a_furnace_disappears():
+    """In a closed box that glows and reflects by a half all radiance is M / (1 - rho) / pi, the
+    mirror's cube too."""
+    scene = quads(*walls_of_a_room(ball=False), reflectance=0.5, emitted=np.pi)
+    cube, _, _ = seen(scene, hour(), 99, (1, 1, 1), rays=256)
+    np.testing.assert_allclose(cube[..., :3], 2.0, rtol=0.01)
+    assert (cube[..., 3] == 1.0).all()
+
+
+def test_open_sky_and_ground_are_left_to_the_frame():
+    """Above the floor alpha is 0 and no light; below it is 1, at the floor's distance."""
+    scene = quads(floor(-9, 9, -9, 9), reflectance=0.5)
+    cube, bake, _ = seen(scene, hour(2.0), 99, (0, 3, 0))
+    assert (cube[2] == 0.0).all()
+    np.testing.assert_array_equal(cube[3, ..., 3], 1.0)
+    nearness = bake.mirrors.nearness[0] / bake.surfaces.radius_m
+    edge = nearness.shape[1]
+    assert 1.0 / nearness[3, edge // 2, edge // 2] == pytest.approx(3.0, rel=1e-3)
+    assert (nearness[2] == 0.0).all()
+
+
+def test_cubes_agree_with_a_sum_in_double_precision():
+    """Each texel is the mean over its rays of (M + rho (E + sun)) / pi of the map's texel there,
+    the shadow of a box in the sun's way among them."""
+    scene = quads(
+        floor(-4, 4, -4, 4), *box((-1, 1, -1), (1, 1.5, 1)), texels=16, reflectance=[0.8, 0.5, 0.2]
+    )
+    scene[0].emitted_rgb[:2] = 1.5
+    now = hour(2.0, irradiance=30.0, key=(0.1, 1.0, 0.05))
+    cube, bake, light = seen(scene, now, 99, (2.5, 0.5, 0.0), rays=128)
+    rays, texels = bake.mirrors, bake.texels
+    assert (rays.row < len(texels.pixel)).all()
+    column, row = texels.pixel[rays.row].T
+    irradiance = light.texels[row, column, :3].astype(float)
+    surfaces = bake.surfaces
+    triangle = texels.triangle[rays.row]
+    # Texels in the shadow's middle and far from it: its edge depends on where in a texel one asks.
+    place = (texels.place[rays.row] * surfaces.radius_m + surfaces.centre_m).astype(float)
+    cosine = np.clip(bake.receivers.geometry.faces[triangle] @ now.key_direction, 0.0, None)
+    at_level = place[:, [0, 2]] - np.array([0.1, 0.05]) * (place[:, 1:2] - 1.0)
+    from_shadow = np.abs(at_level).max(axis=1) - 1.0
+    below = place[:, 1] < 1.0
+    share = np.where(below & (from_shadow < 0.0), 0.0, cosine)
+    known = ~below | (np.abs(from_shadow) > 0.6)
+    sent = surfaces.emitted_rgb[triangle] + surfaces.reflectance_rgb[triangle] * (
+        irradiance + share[:, None] * np.array(now.key_irradiance_rgb)
+    )
+    sent = np.concatenate([sent / np.pi, np.zeros((1, 3))])
+    known = np.append(known, True)[rays.target[0]].all(axis=-1)
+    expected = sent[rays.target[0]].mean(axis=-2)
+    assert known.mean() > 0.8
+    assert (share[below] == 0.0).any()
+    np.testing.assert_allclose(cube[known][:, :3], expected[known], rtol=1e-4, atol=1e-5)
+    np.testing.assert_array_equal(cube[..., 3], (rays.target[0] >= 0).mean(axis=-1))
+
+
+def test_light_does_not_depend_on_mirrors():
+    """Texels are the same to the bit with and without cubes beside them."""
+    scene = quads(*walls_of_a_room(), reflectance=0.5, emitted=1.0)
+    now = hour(1.0, irradiance=9.0)
+    _, _, beside = seen(scene, now, 6, (1, 1, 1))
+    bake = Bake(*scene)
+    bake.add_rays(64)
+    alone = bake.light(now)
+    assert alone.mirrors is None
+    np.testing.assert_array_equal(alone.texels, beside.texels)
+
+
+def test_a_flat_mirror_does_not_see_behind_itself():
+    """Before a wall that glows by 3, behind a hidden one that glows by 9: 3 to all sides of it."""
+    wall = [[-9, 4, -9], [9, 4, -9], [9, 4, 9], [-9, 4, 9]]
+    scene = quads(floor(-9, 9, -9, 9, y=-1.0), wall, reflectance=0.0)
+    scene[0].emitted_rgb[:2], scene[0].emitted_rgb[2:] = 9.0, 3.0
+    cube, _, _ = seen(scene, hour(), 99, (0, 0, 0), facing=(0.0, 1.0, 0.0))
+    np.testing.assert_allclose(cube[2, 8:-8, 8:-8, 0], 3.0 / np.pi, rtol=1e-5)
+    np.testing.assert_allclose(cube[3, 8:-8, 8:-8, 0], 3.0 / np.pi, rtol=1e-5)
+
+
+def test_parts_are_seen_from_where_their_surroundings_are(tmp_path):
+    """Glossy parts alone, the largest first: a ball from its middle, a sheet from before it, a
+    room from within, where it mirrors itself too."""
+    ball = trimesh.creation.icosphere(2, 0.5)
+    sheet = trimesh.Trimesh([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], [[0, 1, 2], [0, 2, 3]])
+    room = trimesh.creation.box((6, 6, 6))
+    room.invert()
+    dull = trimesh.creation.box((1, 1, 1))
+    stage = trimesh.Scene()
+    for mesh, roughness in ((ball, 0.1), (sheet, 0.1), (room, 0.1), (dull, 0.5)):
+        material = PBRMaterial(metallicFactor=1.0, roughnessFactor=roughness)
+        mesh.visual = trimesh.visual.TextureVisuals(material=material)
+        stage.add_geometry(mesh)
+    stage.export(tmp_path / "parts.glb")
+    scene = packed(load_scene(tmp_path / "parts.glb"))
+    surfaces = surfaces_of(scene)
+    found = mirror_parts(scene, surfaces)
+    assert found.part.tolist() == [2, 1, 0]
+    assert found.hollow.tolist() == [True, False, False]
+    np.testing.assert_array_equal(found.facing, [[0, 0, 0], [0, 0, 1], [0, 0, 0]])
+    centre_m = found.centre * surfaces.radius_m + surfaces.centre_m
+    expected = [[0, 0, 0], [2, 2, 0.1 * np.sqrt(8.0)], [0, 0, 0]]
+    np.testing.assert_allclose(centre_m, expected, atol=1e-6)

@@ -1,0 +1,80 @@
+"""Cube maps of what stands around glossy parts, on the GPU: uploaded when such a part is drawn."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.light_map import Mirrors, SurfaceLightChanged
+from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+
+# As mirror.glsl binds them.
+_LIGHT_UNIT, _NEARNESS_UNIT = 16, 17
+
+
+class MirrorCubes:
+    """The cubes of one hour's light; used on the GL thread only."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._mirrors: Mirrors | None = None
+        self._light: SurfaceLightChanged | None = None
+        # By number: radiance and nearness, and of which light and layout they are.
+        self._textures: dict[int, tuple[Any, Any]] = {}
+        self._radiance_is_of: dict[int, SurfaceLightChanged] = {}
+
+    @property
+    def there(self) -> bool:
+        """Whether there is something to be mirrored."""
+        return self._mirrors is not None and self._light is not None
+
+    def show(self, mirrors: Mirrors | None, light: SurfaceLightChanged | None) -> None:
+        """Take the light of an hour in place of the last."""
+        if mirrors is not self._mirrors:
+            self.release()
+        has_light = light is not None and light.mirrors is not None
+        self._mirrors, self._light = mirrors, light if has_light else None
+
+    def bind(self, number: int, eye_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bind a part's cubes; the eye (3,) as seen from their middle."""
+        assert self._mirrors is not None
+        assert self._light is not None
+        assert self._light.mirrors is not None
+        if number not in self._textures:
+            nearness = self._mirrors.nearness.values[number]
+            self._textures[number] = (
+                self._cube(self._light.mirrors.values[number]),
+                self._cube(nearness[..., None]),
+            )
+        radiance, nearness_cube = self._textures[number]
+        if self._radiance_is_of.get(number) is not self._light:
+            _write(radiance, self._light.mirrors.values[number])
+            radiance.build_mipmaps()
+            radiance.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
+            self._radiance_is_of[number] = self._light
+        radiance.use(location=_LIGHT_UNIT)
+        nearness_cube.use(location=_NEARNESS_UNIT)
+        return np.asarray(eye_m - self._mirrors.centre_m.values[number])
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        if self._textures:
+            bind_permanent_framebuffer(self._context)
+        for cubes in self._textures.values():
+            for cube in cubes:
+                cube.release()
+        self._textures.clear()
+        self._radiance_is_of.clear()
+
+    def _cube(self, values: NDArray[Any]) -> Any:
+        """A cube map of values (6, e, e, C)."""
+        edge, channels = values.shape[2:]
+        data = np.ascontiguousarray(values).tobytes()
+        cube = self._context.texture_cube((edge, edge), channels, data, dtype=f"f{values.itemsize}")
+        cube.filter = (self._context.LINEAR, self._context.LINEAR)
+        return cube
+
+
+def _write(cube: Any, values: NDArray[Any]) -> None:
+    for face, texels in enumerate(values):
+        cube.write(face, np.ascontiguousarray(texels).tobytes())
