@@ -51,7 +51,8 @@ class _Finished:
     good: BoolArray
     exchange: Exchange
     smoothing: Smoothing
-    source: NDArray[np.int32]
+    shown: NDArray[np.int32]
+    """Whose light each texel of the map (height, width) shows; the number of texels: nobody's."""
     key_rays: KeyRays
 
 
@@ -113,7 +114,7 @@ class Bake:
         parts = [*self.tree, *self.texels, *self.table[1:], self.links, *self.receivers.geometry]
         parts += [] if self.patches is None else [*self.patches]
         if self._finished is not None:
-            parts += [*self._finished.exchange, *self._finished.smoothing]
+            parts += [*self._finished.exchange, *self._finished.smoothing, self._finished.shown]
         return sum(part.nbytes for part in parts)
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
@@ -248,21 +249,21 @@ class Bake:
             nearness = self.table.nearness[:texels]
             valid = self.table.valid[:texels]
             room = (valid / np.maximum(nearness, np.float32(1e-9))).astype(np.float32)
+            source = takes_light_of(self.links, good, valid.astype(np.float32))
+            shown = np.append(source, -1)[self.texels.row_of]
             self._finished = _Finished(
                 good,
                 exchange_of(self.table, self.patches),
                 smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
-                takes_light_of(self.links, good, valid.astype(np.float32)),
+                np.where(shown < 0, texels, shown).astype(np.int32),
                 key_rays_of(self.patches, self.table.free),
             )
         return self._finished
 
     def _as_map(self, light: Float32Array, finished: _Finished) -> Float32Array:
         """Rows' light (N, 4) where each texel of the map (height, width, 4) finds it."""
-        row = self.texels.row_of
-        source = np.append(finished.source, -1)[row]
         padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
-        return padded[source]
+        return np.take(padded, finished.shown, axis=0)
 
     def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
         grid = self.layout.message.probes
