@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.exchange import Exchange, direct_sky, exchange_of, radiosity
+from light_transport.exchange import Exchange, direct_sky, enclosure, exchange_of, radiosity
 from light_transport.filling import takes_light_of
 from light_transport.gather import gathered
 from light_transport.groups import groups_of
@@ -251,12 +251,13 @@ class Bake:
             room = (valid / np.maximum(nearness, np.float32(1e-9))).astype(np.float32)
             source = takes_light_of(self.links, good, valid.astype(np.float32))
             shown = np.append(source, -1)[self.texels.row_of]
+            exchange = exchange_of(self.table, self.patches)
             self._finished = _Finished(
                 good,
-                exchange_of(self.table, self.patches),
+                exchange,
                 smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
                 np.where(shown < 0, texels, shown).astype(np.int32),
-                key_rays_of(self.patches, self.table.free),
+                key_rays_of(self.patches, self.table.free, enclosure(exchange)),
             )
         return self._finished
 

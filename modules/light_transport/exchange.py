@@ -59,6 +59,12 @@ def exchange_of(table: Rows, patches: Patches) -> Exchange:
     )
 
 
+def enclosure(exchange: Exchange) -> Float32Array:
+    """Which share (M,) of what a patch sees is other patches."""
+    running = np.append(0.0, np.cumsum(exchange.patch_share, dtype=np.float64))
+    return np.diff(running[exchange.patch_start]).astype(np.float32)
+
+
 @kernel
 def _most_entries(table, patches, columns):  # type: ignore[no-untyped-def]
     """How many entries of nodes there are, and of patches at most."""
