@@ -2,15 +2,19 @@
 
 numba unpickles cached machine code unchecked: a truncated file would end every sky in a traceback
 until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
-would lose each other's entries of the index; here a lock makes one wait for the other.
+would lose each other's entries of the index; here a lock makes one wait for the other. And numba
+compiles anew when a kernel's own file changes, but not when another changes that it calls, inlines
+or has a constant of: here all files count that it imports from its own package, and they from it.
 """
 
 import fcntl
 import hashlib
 import os
 import pickle
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +29,7 @@ __all__ = ["SUMS_IN_ORDER", "njit"]
 # Journals compare what kernels make by digest. It costs the solver 1 to 2 % of its time.
 SUMS_IN_ORDER = {"nnan", "ninf", "nsz", "contract"}
 _DIGEST_BYTES = 32
+_IMPORTED = re.compile(rb"^from (\S+) import", re.MULTILINE)
 
 
 class CheckedCacheFile(caching.IndexDataCacheFile):
@@ -75,5 +80,31 @@ def _digest(data: bytes) -> bytes:
     return hashlib.blake2b(data, digest_size=_DIGEST_BYTES).digest()
 
 
+def _stamp(locator: Any) -> tuple[Any, bytes]:
+    """Changes with a kernel's file and with those that it is made of."""
+    own = Path(locator._py_file)
+    found, todo = {own}, [own]
+    while todo:
+        file = todo.pop()
+        for name in _read(file, file.stat().st_mtime_ns)[1]:
+            package, _, module = name.rpartition(".")
+            other = file.with_name(f"{module}.py")
+            if package.rpartition(".")[2] == own.parent.name and other not in found:
+                if other.is_file():
+                    todo.append(other)
+                found.add(other)
+    contents = [_read(file, file.stat().st_mtime_ns)[0] for file in sorted(found) if file.is_file()]
+    return _stamp_of_file(locator), _digest(b"".join(contents))
+
+
+@cache
+def _read(file: Path, _changed_ns: int) -> tuple[bytes, tuple[str, ...]]:
+    """A file's digest and whom it imports from."""
+    content = file.read_bytes()
+    return _digest(content), tuple(name.decode() for name in _IMPORTED.findall(content))
+
+
+_stamp_of_file = caching._SourceFileBackedLocatorMixin.get_source_stamp
+setattr(caching._SourceFileBackedLocatorMixin, "get_source_stamp", _stamp)  # noqa: B010
 # Cached functions use the class that has this name in numba's module.
 setattr(caching, "IndexDataCacheFile", CheckedCacheFile)  # noqa: B010

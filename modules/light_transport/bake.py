@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.exchange import Exchange, direct_sky, exchange_of, radiosity
+from light_transport.exchange import Exchange, direct_sky, enclosure, exchange_of, radiosity
 from light_transport.filling import takes_light_of
 from light_transport.gather import gathered
 from light_transport.groups import groups_of
@@ -61,7 +61,8 @@ class _Finished:
     good: BoolArray
     exchange: Exchange
     smoothing: Smoothing
-    source: NDArray[np.int32]
+    shown: NDArray[np.int32]
+    """Whose light each texel of the map (height, width) shows; the number of texels: nobody's."""
     key_rays: KeyRays
 
 
@@ -125,7 +126,7 @@ class Bake:
         parts += [] if self.patches is None else [*self.patches]
         parts += [] if self.mirrors is None else [*self.mirrors[1:]]
         if self._finished is not None:
-            parts += [*self._finished.exchange, *self._finished.smoothing]
+            parts += [*self._finished.exchange, *self._finished.smoothing, self._finished.shown]
         return sum(part.nbytes for part in parts)
 
     def add_mirrors(self, parts: MirrorParts) -> None:
@@ -274,21 +275,22 @@ class Bake:
             nearness = self.table.nearness[:texels]
             valid = self.table.valid[:texels]
             room = (valid / np.maximum(nearness, np.float32(1e-9))).astype(np.float32)
+            source = takes_light_of(self.links, good, valid.astype(np.float32))
+            shown = np.append(source, -1)[self.texels.row_of]
+            exchange = exchange_of(self.table, self.patches)
             self._finished = _Finished(
                 good,
-                exchange_of(self.table, self.patches),
+                exchange,
                 smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
-                takes_light_of(self.links, good, valid.astype(np.float32)),
-                key_rays_of(self.patches, self.table.free),
+                np.where(shown < 0, texels, shown).astype(np.int32),
+                key_rays_of(self.patches, self.table.free, enclosure(exchange)),
             )
         return self._finished
 
     def _as_map(self, light: Float32Array, finished: _Finished) -> Float32Array:
         """Rows' light (N, 4) where each texel of the map (height, width, 4) finds it."""
-        row = self.texels.row_of
-        source = np.append(finished.source, -1)[row]
         padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
-        return padded[source]
+        return np.take(padded, finished.shown, axis=0)
 
     def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
         grid = self.layout.message.probes

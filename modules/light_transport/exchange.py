@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.four_sums import four_sums
 from light_transport.kernels import hot, kernel
 from light_transport.patches import Patches
 from light_transport.ray_table import Rows
@@ -56,6 +57,12 @@ def exchange_of(table: Rows, patches: Patches) -> Exchange:
         patch_column=made.patch_column[:entries].copy(),
         patch_share=made.patch_share[:entries].copy(),
     )
+
+
+def enclosure(exchange: Exchange) -> Float32Array:
+    """Which share (M,) of what a patch sees is other patches."""
+    running = np.append(0.0, np.cumsum(exchange.patch_share, dtype=np.float64))
+    return np.diff(running[exchange.patch_start]).astype(np.float32)
 
 
 @kernel
@@ -138,21 +145,17 @@ def radiosity(
     Bounces end when what is still to come is below the share `left` of the light of the patch that
     waits longest; the mean is then within a hundredth of it.
     """
-    sent = np.zeros((len(direct_rgb), 3), np.float32)
+    sent = np.zeros((len(direct_rgb), 4), np.float32)
     _bounce(exchange, direct_rgb, emitted_rgb, reflectance_rgb, np.float32(left), sent)
-    return sent
+    return sent[:, :3]
 
 
 @hot
 def direct_sky(exchange, node_light, out):  # type: ignore[no-untyped-def]
     """Irradiance (M, 3) of patches by pi times the radiance (NODES, 4) of nodes."""
+    start, column, share = exchange.node_start, exchange.node_column, exchange.node_share
     for p in range(len(out)):
-        r, g, b = np.float32(0.0), np.float32(0.0), np.float32(0.0)
-        for e in range(exchange.node_start[p], exchange.node_start[p + 1]):
-            c, w = np.uint64(exchange.node_column[e]), exchange.node_share[e]
-            r += w * node_light[c, 0]
-            g += w * node_light[c, 1]
-            b += w * node_light[c, 2]
+        r, g, b, _ = four_sums(node_light, column, share, start[p], start[p + 1])
         out[p, 0], out[p, 1], out[p, 2] = r, g, b
 
 
@@ -178,14 +181,9 @@ def _bounce(exchange, direct, emitted, reflectance, left, sent):  # type: ignore
     for sweep in range(_MOST_SWEEPS):
         gain = np.float32(0.0)
         for p in range(patches):
-            r, g, b = direct[p, 0], direct[p, 1], direct[p, 2]
-            for e in range(start[p], start[p + 1]):
-                c, w = np.uint64(column[e]), share[e]
-                r += w * sent[c, 0]
-                g += w * sent[c, 1]
-                b += w * sent[c, 2]
+            got = four_sums(sent, column, share, start[p], start[p + 1])
             for k in range(3):
-                light = (r, g, b)[k]
+                light = direct[p, k] + got[k]
                 step = emitted[p, k] + reflectance[p, k] * light - sent[p, k]
                 step *= np.float32(_RELAXATION)
                 sent[p, k] = max(sent[p, k] + step, np.float32(0.0))

@@ -12,8 +12,9 @@ from light_transport.ray_table import TRIED
 from light_transport.trace import MISS, blocker, mixed
 from vrut_lite.numeric_types import Float32Array
 
-# Of patches with more texels every second one is asked.
-_FEW_TEXELS = 6
+# At least so many rows of a patch are asked, and all where a third of what it sees is patches.
+_FEWEST = 4
+_ALL_ASKED = 1.0 / 3.0
 # A group has no other rows whose rays are averaged with its own.
 _RAYS_OF_A_GROUP = 8
 
@@ -29,12 +30,20 @@ class KeyRays(NamedTuple):
     weight: Float32Array
 
 
-def key_rays_of(patches: Patches, free: NDArray[np.uint8]) -> KeyRays:
-    """Rays for patches whose rows' first free rays (N,) are these."""
+def key_rays_of(patches: Patches, free: NDArray[np.uint8], enclosed: Float32Array) -> KeyRays:
+    """Rays for patches whose rows' first free rays (N,) are these.
+
+    `enclosed` (M,): which share of a patch's rays ends at other patches. It sends them as much of
+    its own light (reciprocity): under open sky few rows need be asked. Where half as much is sent,
+    twice the error is allowed, and errors of means fall with the root of the number: so it squares.
+    """
     sizes = np.diff(patches.start)
     patch = np.repeat(np.arange(len(sizes)), sizes)
     number = np.arange(len(patches.member)) - patches.start[patch]
-    asked = (number % 2 == 0) | (sizes[patch] <= _FEW_TEXELS)
+    wanted = np.ceil(np.minimum(enclosed / _ALL_ASKED, 1.0) ** 2 * sizes)
+    wanted = np.minimum(np.maximum(wanted, _FEWEST), sizes).astype(np.int64)[patch]
+    # As many as are wanted, evenly among the patch's rows.
+    asked = number * wanted // sizes[patch] != (number - 1) * wanted // sizes[patch]
     asked &= free[patches.member] < TRIED
     weight = np.where(asked, patches.weight, 0.0)
     total = np.bincount(patch, weight, len(sizes))

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.four_sums import four_sums
 from light_transport.kernels import hot, kernel
 from light_transport.map_texels import Texels
 from vrut_lite.numeric_types import BoolArray, Float32Array
@@ -102,17 +103,11 @@ def smoothed_rows(light, out, smoothing, first, last):  # type: ignore[no-untype
     """One step: rows `first` to `last` of light (N, 4) into `out`."""
     links, weights = smoothing.links, smoothing.weights
     for i in range(first, last):
-        a, b, c, d = links[i, 0], links[i, 1], links[i, 2], links[i, 3]
         wa, wb, wc, wd = weights[i, 0], weights[i, 1], weights[i, 2], weights[i, 3]
         own = np.float32(1.0) - wa - wb - wc - wd
+        taken = four_sums(light, links, weights, 4 * i, 4 * i + 4)
         for k in range(4):
-            out[i, k] = (
-                own * light[i, k]
-                + wa * light[a, k]
-                + wb * light[b, k]
-                + wc * light[c, k]
-                + wd * light[d, k]
-            )
+            out[i, k] = own * light[i, k] + taken[k]
 
 
 @hot

@@ -298,3 +298,30 @@ def test_machine_code_that_is_saved_at_once_is_all_there(tmp_path):
         list(threads.map(save, [names[i::8] for i in range(8)]))
     kernels = CheckedCacheFile(str(tmp_path), "kernels", (1.0, 10))
     assert [kernels.load(name) for name in names] == [f"code of {name}" for name in names]
+
+
+CALLER = """
+from kernels_here.{callee} import shift
+from vrut_lite.njit import njit
+@njit(cache=True)
+def moved(value):
+    return value + shift
+"""
+
+
+def test_a_kernel_is_compiled_again_when_what_it_is_made_of_changes(tmp_path):
+    """Not its own file changes, but one that a file beside it imports a constant from."""
+    package = tmp_path / "kernels_here"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "caller.py").write_text(CALLER.format(callee="between"))
+    (package / "between.py").write_text("from kernels_here.source import shift\n")
+    found = []
+    for shift in (1, 2):
+        (package / "source.py").write_text(f"shift = {shift}\n")
+        code = "from kernels_here.caller import moved; print(moved(40))"
+        environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": ""}
+        command = [sys.executable, "-B", "-c", code]
+        made = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        found.append(made.stdout.strip())
+    assert found == ["41", "42"]

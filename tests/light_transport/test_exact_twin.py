@@ -62,3 +62,26 @@ def test_kernels_agree_with_matrices_in_double_precision():
     found = bake.light(now).texels[row, column, :3]
     np.testing.assert_allclose(found[good], expected[good], rtol=2e-3)
     assert len(bake.patches.area) < 192
+
+
+def test_a_sample_of_many_partners_stands_for_all():
+    """Patches that see more than 192 others keep an even sample: light is kept, and hardly moved.
+
+    Of small patches in a shut room, one wall of which glows: E of the mean within 0.1 %, and places
+    within 2 % rms of matrices that hold all pairs.
+    """
+    room = quads(*box((0, 0, 0), (2, 1, 3), inwards=True), texels=14, reflectance=0.8)
+    room[0].emitted_rgb[:2] = 5.0
+    bake = Bake(*room, patch_texels=1.0)
+    bake.add_rays(768)
+    exchange = bake._finish().exchange
+    assert np.median(np.diff(bake.table.start)) > 200
+    assert np.diff(exchange.patch_start).max() <= 192
+    kept = np.add.reduceat(exchange.patch_share, exchange.patch_start[:-1])
+    np.testing.assert_allclose(kept, 1.0, rtol=1e-5)
+    now = hour()
+    expected = smoothed(bake, plain_hour(bake, now, 0.0))
+    column, row = bake.texels.pixel.T
+    found = bake.light(now).texels[row, column, :3]
+    assert abs(found.mean() / expected.mean() - 1.0) < 1e-3
+    assert np.sqrt(np.mean((found / expected - 1.0) ** 2)) < 0.02
