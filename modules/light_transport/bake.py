@@ -315,12 +315,14 @@ class Bake:
         seen = self.mirrors.row
         texels = int(np.searchsorted(seen, len(self.texels.pixel)))
         radiance = np.empty((len(seen), 3), np.float32)
+        column, row = self.texels.pixel.T
+        shown = finished.shown[row, column]
         texel_radiance(
             seen[:texels],
             self.surfaces.part,
             (self.surfaces.reflectance_rgb, self.surfaces.emitted_rgb),
             self.texels.triangle,
-            (light, finished.source),
+            (light, np.where(shown == len(shown), -1, shown)),
             (key_shares, finished.key_rays.ray, self.links),
             np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
             radiance,

@@ -72,6 +72,30 @@ def test_light_grows_in_rounds_that_double(stage, scene):
     assert irradiance(light[-1]).max() > 0.5 * math.pi
 
 
+def test_a_scene_of_matt_things_has_no_mirrors(stage, scene):
+    """Nothing glossy: no cubes are laid or lit, and the ledger counts it."""
+    said = stage.tell(NOON, WANT, scene)
+    assert [laid.mirrors for laid in layouts(said)] == [None]
+    assert {light.mirrors for light in lights(said)} == {None}
+    assert stage.ledger.skipped["mirrors: nothing in the scene is glossy"] == 1
+
+
+def test_glossy_things_have_cubes_in_layout_and_light(stage, tmp_path):
+    """A smooth box sees the ground around it, about half of its cube, black under this sky."""
+    path = box_file(tmp_path)
+    material = path.with_name("boxes.obj.mtl")
+    material.write_text(material.read_text().replace("Ns 1\n", "Ns 5000\n"))
+    said = stage.tell(NOON, WANT, Show(path=str(path), with_ground=True))
+    (laid,), light = layouts(said), lights(said)[-1]
+    assert laid.mirrors.part.values.tolist() == [0]
+    assert light.fits(laid)
+    cubes = light.mirrors.values.astype(float)
+    met = cubes[..., 3] > 0.0
+    assert ((laid.mirrors.nearness.values > 0.0) == met).all()
+    assert 0.2 < met.mean() < 0.55
+    assert (cubes[met][:, :3] == 0.0).all()
+
+
 def test_an_hour_lights_the_same_map(stage, scene):
     """A new sky costs no layout and no rays, and twice the sky is twice the light."""
     before = irradiance(lights(stage.tell(WANT, scene, Shine(radiance=1.0)))[-1])

@@ -5,7 +5,7 @@ layout(binding = 16) uniform samplerCube mirror;
 layout(binding = 17) uniform samplerCube mirror_nearness;  // one over distances, 1/m
 uniform vec3 mirror_eye_m;                                 // the eye, from the middle
 
-const int MIRROR_STEPS = 4;
+const int MIRROR_STEPS = 3;  // they swing around the place: an odd number ends nearer to it
 // Rougher than this, light comes from all around rather than from an image.
 const vec2 MIRROR_FADES = vec2(0.4, 0.6);
 
