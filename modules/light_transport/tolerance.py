@@ -43,10 +43,10 @@ class Quality(NamedTuple):
 
 _OF_RUNG: Mapping[Rung, Quality] = MappingProxyType(
     {
-        "draft": Quality(30_000, 128, 6.0, 0.01, 0.01, radians(0.2)),
-        "usual": Quality(60_000, 256, 6.0, 0.003, 0.005, radians(0.1)),
-        "fine": Quality(120_000, 512, 4.0, 0.001, 0.002, radians(0.05)),
-        "finest": Quality(240_000, 1024, 3.0, 0.0005, 0.001, radians(0.02)),
+        "draft": Quality(30_000, 128, 4.0, 0.01, 0.01, radians(0.2)),
+        "usual": Quality(60_000, 256, 3.0, 0.003, 0.005, radians(0.1)),
+        "fine": Quality(120_000, 512, 3.0, 0.001, 0.002, radians(0.05)),
+        "finest": Quality(240_000, 1024, 2.0, 0.0005, 0.001, radians(0.02)),
     }
 )
 
