@@ -25,7 +25,7 @@ FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 Rung = Literal["draft", "usual", "fine", "finest"]
 RUNGS: tuple[Rung, ...] = get_args(Rung)
 # At the default tolerance, and shares of a tight one; these errors add up by squares.
-_TEXELS, _RAYS, _PATCHES = 0.055, 0.015, 0.06
+_TEXELS, _RAYS, _PATCHES = 0.055, 0.015, 0.045
 _SHARE = 0.6
 _BOUNCES_SHARE = 0.03
 
