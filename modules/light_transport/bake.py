@@ -22,7 +22,7 @@ from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_me
 from light_transport.layout import Layout
 from light_transport.links import links_of, seam_links
 from light_transport.map_texels import map_geometry, texels_of
-from light_transport.mirror_light import cubes, texel_radiance
+from light_transport.mirror_light import asked_for_key_light, cubes, texel_radiance
 from light_transport.mirror_parts import MirrorParts
 from light_transport.mirror_rays import MirrorRays, mirror_rays
 from light_transport.openness import open_luminance, orientation_of
@@ -134,6 +134,7 @@ class Bake:
         self.mirrors = mirror_rays(
             parts, self.surfaces.part, self.tree, self.receivers, self.threads
         )
+        self._finished = None
 
     def add_rays(self, count: int, is_cancelled: Callable[[], bool] = lambda: False) -> bool:
         """Trace so many more rays for each row; False, and nothing has changed, if cancelled."""
@@ -278,14 +279,22 @@ class Bake:
             source = takes_light_of(self.links, good, valid.astype(np.float32))
             shown = np.append(source, -1)[self.texels.row_of]
             exchange = exchange_of(self.table, self.patches)
+            mirrored = self._mirrored_texels(texels)
             self._finished = _Finished(
                 good,
                 exchange,
                 smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
                 np.where(shown < 0, texels, shown).astype(np.int32),
-                key_rays_of(self.patches, self.table.free, enclosure(exchange)),
+                key_rays_of(self.patches, self.table.free, enclosure(exchange), mirrored),
             )
         return self._finished
+
+    def _mirrored_texels(self, texels: int) -> NDArray[np.integer]:
+        """Which of the texels mirrors ask for the key light."""
+        if self.mirrors is None:
+            return np.empty(0, np.int32)
+        seen = self.mirrors.row[: np.searchsorted(self.mirrors.row, texels)]
+        return asked_for_key_light(seen, self.texels, self.links)
 
     def _as_map(self, light: Float32Array, finished: _Finished) -> Float32Array:
         """Rows' light (N, 4) where each texel of the map (height, width, 4) finds it."""

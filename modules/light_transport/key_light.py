@@ -30,8 +30,16 @@ class KeyRays(NamedTuple):
     weight: Float32Array
 
 
-def key_rays_of(patches: Patches, free: NDArray[np.uint8], enclosed: Float32Array) -> KeyRays:
+def key_rays_of(
+    patches: Patches,
+    free: NDArray[np.uint8],
+    enclosed: Float32Array,
+    also: NDArray[np.integer],
+) -> KeyRays:
     """Rays for patches whose rows' first free rays (N,) are these.
+
+    The rows `also` are asked for themselves and count for no patch.
+
 
     `enclosed` (M,): which share of a patch's rays ends at other patches. It sends them as much of
     its own light (reciprocity): under open sky few rows need be asked. Where half as much is sent,
@@ -48,7 +56,8 @@ def key_rays_of(patches: Patches, free: NDArray[np.uint8], enclosed: Float32Arra
     weight = np.where(asked, patches.weight, 0.0)
     total = np.bincount(patch, weight, len(sizes))
     ray = np.full(len(free), TRIED, np.uint8)
-    ray[patches.member[asked]] = free[patches.member[asked]]
+    for rows in (patches.member[asked], also):
+        ray[rows] = free[rows]
     return KeyRays(ray, (weight / np.maximum(total, 1e-12)[patch]).astype(np.float32))
 
 

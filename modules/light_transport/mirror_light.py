@@ -1,11 +1,25 @@
 """The light of an hour in the cube maps of glossy parts: a gather from what their rays met."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from light_transport.kernels import hot
+from light_transport.map_texels import Texels
 from light_transport.mirror_rays import MirrorRays
 from light_transport.ray_table import TRIED
 from vrut_lite.numeric_types import Float32Array
+
+
+def asked_for_key_light(
+    seen: NDArray[np.int32], texels: Texels, links: NDArray[np.int32]
+) -> NDArray[np.integer]:
+    """Texels that the key light of what is `seen` (U,) needs: every second of them, as on a chess
+    board, and those beside the others."""
+    even = texels.pixel[seen].sum(axis=1) % 2 == 0
+    odd = seen[~even]
+    beside = links[odd]
+    alone = ~(beside >= 0).any(axis=1)
+    return np.unique(np.concatenate([seen[even], beside[beside >= 0], odd[alone]]))
 
 
 @hot
@@ -23,7 +37,7 @@ def texel_radiance(rows, part, surfaces, triangle, light, key, hour, out):  # ty
     for i in range(len(rows)):
         row = rows[i]
         t = triangle[row]
-        # Patches ask every second texel for the key light: the others have their neighbours'.
+        # Every second texel is asked for the key light: the others have their neighbours'.
         lit, asked = np.float32(0.0), np.float32(0.0)
         if ray[row] < TRIED:
             lit, asked = share[row], np.float32(1.0)

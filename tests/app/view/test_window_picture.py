@@ -1,6 +1,7 @@
 """Exposure, read-outs and files, on real pictures."""
 
 import math
+from datetime import timedelta
 
 import numpy as np
 import OpenEXR
@@ -74,9 +75,11 @@ def test_the_exposure_is_locked_by_an_action_and_the_project_keeps_it(driver):
 
 def test_a_held_exposure_is_metered_by_an_action(driver, qtbot):
     """Playing time holds the exposure, so that the evening darkens; then it is metered."""
-    noon = shown_after(driver, lambda: driver.session.send(SetClock(instant=NOON))).ev100
     # The camera that the project has just brought adapts the exposure for a while.
+    driver.session.send(SetClock(instant=NOON - timedelta(minutes=10)))
+    driver.settled()
     qtbot.wait(1600)
+    noon = shown_after(driver, lambda: driver.session.send(SetClock(instant=NOON))).ev100
     play = (SetClockRate(rate=3600.0), Tick(elapsed_s=8.0))
     played = shown_after(driver, lambda: driver.session.send(*play))
     assert driver.local().hour == 21
