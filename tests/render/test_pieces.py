@@ -19,7 +19,7 @@ EYE = (6.0, 3.0, 8.0)
 
 @pytest.fixture
 def backend(gl_backend, tmp_path):
-    """Glossy spheres, one of them of glass, under clouds, 128 x 128 pixels: several pieces."""
+    """Glossy spheres, one of them of glass, under clouds, 140 x 140 pixels: several pieces."""
     scene = trimesh.Scene()
     for place, alpha in (((0, 1, 0), 255), ((1.5, 2, 3), 255), ((3, 1.5, 4), 120)):
         sphere = trimesh.creation.icosphere(3, 1.0).apply_translation(place)
@@ -35,7 +35,7 @@ def backend(gl_backend, tmp_path):
     path = tmp_path / "spheres.glb"
     scene.export(path)
     scene = opened(path, GroundDisc((0, 0), 0, 600))
-    backend = gl_backend(size_px=(128, 128), scene=scene, clouds=rough_layer())
+    backend = gl_backend(size_px=(140, 140), scene=scene, clouds=rough_layer())
     light(backend, SKY, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
     look(backend, EYE, (1.5, 3.5, 2.0))
     return backend
