@@ -130,12 +130,18 @@ def compute(gl_owner):
     return run
 
 
-@pytest.fixture(autouse=True)
-def _lit_by_the_open_sky(request, monkeypatch):
-    """A light map takes seconds: scenes go without it, but for tests that are of it."""
+@pytest.fixture(autouse=True, scope="module")
+def _lit_by_the_open_sky(request):
+    """A light map takes seconds: scenes go without it, but for tests that are of it.
+
+    A module's own fixtures that open a window or a host come after this one.
+    """
     if "light_transport" in request.path.parts:
+        yield
         return
     from light_transport.module import LightTransport
     from open_sky import OpenSkySettings
 
-    monkeypatch.setattr(LightTransport, "settings_type", OpenSkySettings)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(LightTransport, "settings_type", OpenSkySettings)
+        yield

@@ -83,17 +83,20 @@ def _digest(data: bytes) -> bytes:
 def _stamp(locator: Any) -> tuple[Any, bytes]:
     """Changes with a kernel's file and with those that it is made of."""
     own = Path(locator._py_file)
+    package = own.parent
+    while (package.parent / "__init__.py").is_file():
+        package = package.parent
     found, todo = {own}, [own]
     while todo:
         file = todo.pop()
         for name in _read(file, file.stat().st_mtime_ns)[1]:
-            package, _, module = name.rpartition(".")
-            other = file.with_name(f"{module}.py")
-            if package.rpartition(".")[2] == own.parent.name and other not in found:
-                if other.is_file():
-                    todo.append(other)
+            first, *rest = name.split(".")
+            module = package.joinpath(*rest)
+            other = module / "__init__.py" if module.is_dir() else module.with_suffix(".py")
+            if first == package.name and other.is_file() and other not in found:
+                todo.append(other)
                 found.add(other)
-    contents = [_read(file, file.stat().st_mtime_ns)[0] for file in sorted(found) if file.is_file()]
+    contents = [_read(file, file.stat().st_mtime_ns)[0] for file in sorted(found)]
     return _stamp_of_file(locator), _digest(b"".join(contents))
 
 

@@ -13,23 +13,27 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.exchange import Exchange, direct_sky, enclosure, exchange_of, radiosity
-from light_transport.filling import takes_light_of
-from light_transport.gather import gathered
-from light_transport.groups import groups_of
-from light_transport.hour import Hour, HourLight
-from light_transport.key_light import KeyRays, key_rays_of, lit_shares, patch_means
-from light_transport.layout import Layout
-from light_transport.links import links_of, seam_links
-from light_transport.map_texels import map_geometry, texels_of
-from light_transport.mirror_light import asked_for_key_light, cubes, texel_radiance
-from light_transport.mirror_parts import MirrorParts
-from light_transport.mirror_rays import MirrorRays, mirror_rays
-from light_transport.openness import open_luminance, orientation_of
-from light_transport.patches import Patches, patches_of
-from light_transport.probe_places import probe_places_m, without_buried
-from light_transport.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
-from light_transport.ray_table import (
+from light_transport.hour.exchange import Exchange, direct_sky, enclosure, exchange_of, radiosity
+from light_transport.hour.filling import takes_light_of
+from light_transport.hour.gather import gathered
+from light_transport.hour.hour import Hour, HourLight
+from light_transport.hour.key_light import KeyRays, key_rays_of, lit_shares, patch_means
+from light_transport.hour.mirror_light import asked_for_key_light, cubes, texel_radiance
+from light_transport.hour.openness import open_luminance, orientation_of
+from light_transport.hour.smoothing import (
+    STEPS,
+    Smoothing,
+    mix_at_seams,
+    smoothed_rows,
+    smoothing_of,
+)
+from light_transport.layout.layout import Layout
+from light_transport.layout.probe_places import probe_places_m, without_buried
+from light_transport.rays.mirror_parts import MirrorParts
+from light_transport.rays.mirror_rays import MirrorRays, mirror_rays
+from light_transport.rays.patches import Patches, patches_of
+from light_transport.rays.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
+from light_transport.rays.ray_table import (
     Rows,
     empty_rows,
     joined,
@@ -37,11 +41,13 @@ from light_transport.ray_table import (
     with_columns,
     with_rays,
 )
-from light_transport.sheets import sheets_of
-from light_transport.sky_nodes import NODES, node_radiances
-from light_transport.smoothing import STEPS, Smoothing, mix_at_seams, smoothed_rows, smoothing_of
-from light_transport.surfaces import Surfaces
-from light_transport.tree import tree_over
+from light_transport.rays.sky_nodes import NODES, node_radiances
+from light_transport.rays.tree import tree_over
+from light_transport.surfaces.groups import groups_of
+from light_transport.surfaces.links import links_of, seam_links
+from light_transport.surfaces.map_texels import map_geometry, texels_of
+from light_transport.surfaces.sheets import sheets_of
+from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 

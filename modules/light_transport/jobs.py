@@ -23,7 +23,7 @@ from vrut_lite.numeric_types import Float32Array
 
 if TYPE_CHECKING:
     from light_transport.bake import Bake
-    from light_transport.hour import Hour
+    from light_transport.hour.hour import Hour
 
 T = TypeVar("T")
 _MOST_THREADS = 4
@@ -71,9 +71,9 @@ class Round(NamedTuple):
 def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
     """Lay out a scene."""
     from light_transport.bake import Bake
-    from light_transport.layout import lay_out
-    from light_transport.mirror_parts import mirror_parts
-    from light_transport.surfaces import surfaces_of
+    from light_transport.layout.layout import lay_out
+    from light_transport.rays.mirror_parts import mirror_parts
+    from light_transport.surfaces.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
@@ -141,7 +141,7 @@ def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> Sur
 
 def hour_of(messages: HourMessages) -> "Hour":
     """An hour in plain arrays."""
-    from light_transport.hour import Hour
+    from light_transport.hour.hour import Hour
 
     sky, key_light, ambient = messages
     return Hour(

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from light_transport.bake import Bake
-from light_transport.ray_table import Rows
+from light_transport.rays.ray_table import Rows
 from vrut_lite.array_cache import ArrayCache
 
 # A scene's rounds together take some 100 MB.
@@ -61,8 +61,9 @@ def _geometry_digest(bake: Bake) -> str:
 
 @lru_cache(maxsize=1)
 def _code_digest() -> str:
-    """Of this package's files: other code may trace other rays."""
+    """Of the files that decide where rays begin and end."""
     digest = hashlib.blake2b(digest_size=16)
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
+    for folder in ("surfaces", "layout", "rays"):
+        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
+            digest.update(path.read_bytes())
     return digest.hexdigest()

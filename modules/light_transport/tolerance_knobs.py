@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.bake import Bake
-from light_transport.hour import Hour
-from light_transport.layout import Layout, lay_out
-from light_transport.surfaces import Surfaces, surfaces_of
+from light_transport.hour.hour import Hour
+from light_transport.layout.layout import Layout, lay_out
+from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import FRONTS, Quality, quality_for
 from vrut_lite.array import Array
 from vrut_lite.daylight.ground_disc import GroundDisc

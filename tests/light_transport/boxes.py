@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 import numpy as np
-from light_transport.hour import Hour
-from light_transport.surfaces import Surfaces
+from light_transport.hour.hour import Hour
+from light_transport.surfaces.surfaces import Surfaces
 
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 

@@ -1,9 +1,9 @@
 """What must hold of any layout, checked by other rules than those that made it."""
 
 import numpy as np
-from light_transport.layout import lay_out
-from light_transport.surfaces import surfaces_of
-from light_transport.texel_owners import UNUSED
+from light_transport.layout.layout import lay_out
+from light_transport.layout.texel_owners import UNUSED
+from light_transport.surfaces.surfaces import surfaces_of
 
 
 def laid(scene, **size):

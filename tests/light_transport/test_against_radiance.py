@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from boxes import hour
 from light_transport.bake import Bake
-from light_transport.layout import lay_out
-from light_transport.surfaces import surfaces_of
+from light_transport.layout.layout import lay_out
+from light_transport.surfaces.surfaces import surfaces_of
 
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.scene.loading import load_scene

@@ -3,10 +3,10 @@
 import numpy as np
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
-from light_transport.key_light import lit_shares, patch_means
-from light_transport.ray_starts import scratch
-from light_transport.sky_nodes import NODES, node_radiances
-from light_transport.smoothing import STEPS
+from light_transport.hour.key_light import lit_shares, patch_means
+from light_transport.hour.smoothing import STEPS
+from light_transport.rays.ray_starts import scratch
+from light_transport.rays.sky_nodes import NODES, node_radiances
 
 
 def plain_hour(bake, now, key_share):

@@ -2,9 +2,14 @@
 
 import numpy as np
 import pytest
-from light_transport.ground_chart import ground_chart, ground_owners, ground_uv_px, ground_xz_m
-from light_transport.layout import lay_out
-from light_transport.surfaces import surfaces_of
+from light_transport.layout.ground_chart import (
+    ground_chart,
+    ground_owners,
+    ground_uv_px,
+    ground_xz_m,
+)
+from light_transport.layout.layout import lay_out
+from light_transport.surfaces.surfaces import surfaces_of
 from mesh_scenes import box, opened
 
 from vrut_lite.daylight.ground_disc import GroundDisc

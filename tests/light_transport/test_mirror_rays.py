@@ -5,8 +5,8 @@ import pytest
 import trimesh
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
-from light_transport.mirror_parts import MirrorParts, mirror_parts
-from light_transport.surfaces import surfaces_of
+from light_transport.rays.mirror_parts import MirrorParts, mirror_parts
+from light_transport.surfaces.surfaces import surfaces_of
 from trimesh.visual.material import PBRMaterial
 
 from vrut_lite.geometry.cube_map import FACES

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from light_transport.probe_places import probe_grid, probe_places_m, without_buried
+from light_transport.layout.probe_places import probe_grid, probe_places_m, without_buried
 
 LENGTHS = st.floats(0.0, 1e6)
 

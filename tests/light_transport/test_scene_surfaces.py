@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import trimesh
-from light_transport.map_means import linear, triangle_means
-from light_transport.surfaces import GROUND, surfaces_of
+from light_transport.surfaces.map_means import linear, triangle_means
+from light_transport.surfaces.surfaces import GROUND, surfaces_of
 from PIL import Image
 
 from vrut_lite.daylight.scene_content import MaterialMap, Mesh

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from light_transport.layout import lay_out
-from light_transport.surfaces import surfaces_of
+from light_transport.layout.layout import lay_out
+from light_transport.surfaces.surfaces import surfaces_of
 from mesh_scenes import box, grid, opened, sphere, turned
 
 

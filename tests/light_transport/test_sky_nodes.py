@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from light_transport.sky_nodes import GROUND_NODE, NODES, node_of, node_radiances
+from light_transport.rays.sky_nodes import GROUND_NODE, NODES, node_of, node_radiances
 
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 

@@ -5,8 +5,8 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from light_transport.trace import MISS, first_hits
-from light_transport.tree import LEAF_BITS, STACK, tree_over
+from light_transport.rays.trace import MISS, first_hits
+from light_transport.rays.tree import LEAF_BITS, STACK, tree_over
 
 
 def by_force(corners, origin, direction):

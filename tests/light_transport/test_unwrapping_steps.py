@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from light_transport import facing_groups, overlaps, rectangle_packing, welding
-from light_transport.projection import projected
+from light_transport.layout import facing_groups, overlaps, rectangle_packing, welding
+from light_transport.layout.projection import projected
 from mesh_scenes import box, grid, sphere
 
 

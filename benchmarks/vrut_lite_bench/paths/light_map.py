@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
 from light_transport.bake import Bake
-from light_transport.hour import Hour
+from light_transport.hour.hour import Hour
 from light_transport.jobs import first_rays
-from light_transport.layout import Layout, lay_out
-from light_transport.surfaces import Surfaces, surfaces_of
+from light_transport.layout.layout import Layout, lay_out
+from light_transport.surfaces.surfaces import Surfaces, surfaces_of
 from light_transport.tolerance import RUNGS, quality_for
 
 from vrut_lite.daylight.scene import SceneOpened

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.four_sums import four_sums
+from light_transport.hour.four_sums import four_sums
 from light_transport.kernels import hot, kernel
-from light_transport.map_texels import Texels
+from light_transport.surfaces.map_texels import Texels
 from vrut_lite.numeric_types import BoolArray, Float32Array
 
 STEPS = 8

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.facing_groups import Groups, facing_groups
 from light_transport.kernels import kernel
-from light_transport.merging import merged
-from light_transport.rectangle_packing import pack
-from light_transport.texel_owners import texel_owners
-from light_transport.unwrapping import Charts, unwrapped
-from light_transport.welding import opposite_edges, welded
+from light_transport.layout.facing_groups import Groups, facing_groups
+from light_transport.layout.merging import merged
+from light_transport.layout.rectangle_packing import pack
+from light_transport.layout.texel_owners import texel_owners
+from light_transport.layout.unwrapping import Charts, unwrapped
+from light_transport.layout.welding import opposite_edges, welded
 from vrut_lite.daylight.scene_content import Mesh
 from vrut_lite.numeric_types import FloatArray
 

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.four_sums import four_sums
+from light_transport.hour.four_sums import four_sums
 from light_transport.kernels import hot, kernel
-from light_transport.patches import Patches
-from light_transport.ray_table import Rows
-from light_transport.sky_nodes import NODES
+from light_transport.rays.patches import Patches
+from light_transport.rays.ray_table import Rows
+from light_transport.rays.sky_nodes import NODES
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 # Each sweep goes so much farther than Gauss and Seidel's: half as many sweeps indoors.

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.facing_groups import Groups, connected
 from light_transport.kernels import kernel
-from light_transport.nearest_place import signed_area
-from light_transport.overlaps import layers
-from light_transport.projection import MARGIN_PX, projected
+from light_transport.layout.facing_groups import Groups, connected
+from light_transport.layout.nearest_place import signed_area
+from light_transport.layout.overlaps import layers
+from light_transport.layout.projection import MARGIN_PX, projected
 from vrut_lite.numeric_types import FloatArray
 
 # A chart that fills less of its rectangle than this is halved, and its halves again, unless the

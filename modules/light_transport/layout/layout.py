@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.ground_chart import EDGE_PX, ground_chart, ground_owners
-from light_transport.mesh_shapes import WIDEST_PX, MeshShape
-from light_transport.part_shapes import PartShapes, part_shapes
-from light_transport.probe_places import probe_grid
-from light_transport.rectangle_packing import pack
-from light_transport.seams import seam_texels
-from light_transport.surfaces import Surfaces
-from light_transport.texel_owners import UNUSED
+from light_transport.layout.ground_chart import EDGE_PX, ground_chart, ground_owners
+from light_transport.layout.mesh_shapes import WIDEST_PX, MeshShape
+from light_transport.layout.part_shapes import PartShapes, part_shapes
+from light_transport.layout.probe_places import probe_grid
+from light_transport.layout.rectangle_packing import pack
+from light_transport.layout.seams import seam_texels
+from light_transport.layout.texel_owners import UNUSED
+from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import (
     NOT_MAPPED,

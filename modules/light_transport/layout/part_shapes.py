@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
-from light_transport.texel_owners import UNUSED
+from light_transport.layout.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
+from light_transport.layout.texel_owners import UNUSED
 from vrut_lite.daylight.light_map import NOT_MAPPED
 from vrut_lite.daylight.scene_content import SceneGeometry
 from vrut_lite.numeric_types import BoolArray, FloatArray

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
-from light_transport.nearest_place import REACH_PX, nearest
+from light_transport.layout.nearest_place import REACH_PX, nearest
 from vrut_lite.numeric_types import FloatArray
 
 UNUSED = -1

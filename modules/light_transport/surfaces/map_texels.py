@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import inlined, kernel
-from light_transport.layout import Layout
-from light_transport.surfaces import GROUND, Surfaces
+from light_transport.layout.layout import Layout
+from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 NOBODY = -1

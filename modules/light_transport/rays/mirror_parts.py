@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.surfaces import Surfaces
+from light_transport.surfaces.surfaces import Surfaces
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import Material
 from vrut_lite.geometry.colour import luminance

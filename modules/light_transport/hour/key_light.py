@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot
-from light_transport.patches import Patches
-from light_transport.ray_starts import begin, shift
-from light_transport.ray_table import TRIED
-from light_transport.trace import MISS, blocker, mixed
+from light_transport.rays.patches import Patches
+from light_transport.rays.ray_starts import begin, shift
+from light_transport.rays.ray_table import TRIED
+from light_transport.rays.trace import MISS, blocker, mixed
 from vrut_lite.numeric_types import Float32Array
 
 # At least so many rows of a patch are asked, and all where a third of what it sees is patches.

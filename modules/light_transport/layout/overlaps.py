@@ -3,7 +3,7 @@
 import numpy as np
 
 from light_transport.kernels import kernel
-from light_transport.nearest_place import REACH_PX, nearest, signed_area
+from light_transport.layout.nearest_place import REACH_PX, nearest, signed_area
 
 # Places beside each other in a chart, whose heights differ by more texels than this and slopes
 # explain, are not beside each other on the surface: light of one would reach the other.

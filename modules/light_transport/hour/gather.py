@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from light_transport.four_sums import four_sums
+from light_transport.hour.four_sums import four_sums
 from light_transport.kernels import hot
 
 

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot
-from light_transport.map_texels import Texels
-from light_transport.mirror_rays import MirrorRays
-from light_transport.ray_table import TRIED
+from light_transport.rays.mirror_rays import MirrorRays
+from light_transport.rays.ray_table import TRIED
+from light_transport.surfaces.map_texels import Texels
 from vrut_lite.numeric_types import Float32Array
 
 

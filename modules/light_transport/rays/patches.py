@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
-from light_transport.map_texels import NOBODY
-from light_transport.ray_starts import Receivers
-from light_transport.sky_nodes import NODES
-from light_transport.surfaces import GROUND, Surfaces
+from light_transport.rays.ray_starts import Receivers
+from light_transport.rays.sky_nodes import NODES
+from light_transport.surfaces.map_texels import NOBODY
+from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
 

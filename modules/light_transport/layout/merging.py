@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.facing_groups import Groups, mean_directions
 from light_transport.kernels import dot, kernel
+from light_transport.layout.facing_groups import Groups, mean_directions
 from vrut_lite.numeric_types import FloatArray
 
 # In texels: a chart of this area has as many texels beside its border as within.

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.map_texels import MapGeometry
+from light_transport.surfaces.map_texels import MapGeometry
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
 NO_GROUP = -1

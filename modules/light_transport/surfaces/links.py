@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import dot, kernel
-from light_transport.map_texels import NOBODY, Texels
+from light_transport.surfaces.map_texels import NOBODY, Texels
 
 # Neighbours in the map whose places are farther apart than so many texels are on other charts.
 _NEAR = 2.5

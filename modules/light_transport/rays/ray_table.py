@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.groups import NO_GROUP
 from light_transport.kernels import hot, inlined, kernel
-from light_transport.map_texels import NOBODY, ground_pixel
-from light_transport.ray_starts import Receivers, aim, begin, scratch, shift
-from light_transport.sky_nodes import NODES, node_of
-from light_transport.trace import MISS, mixed, nearest
-from light_transport.tree import Tree
+from light_transport.rays.ray_starts import Receivers, aim, begin, scratch, shift
+from light_transport.rays.sky_nodes import NODES, node_of
+from light_transport.rays.trace import MISS, mixed, nearest
+from light_transport.rays.tree import Tree
+from light_transport.surfaces.groups import NO_GROUP
+from light_transport.surfaces.map_texels import NOBODY, ground_pixel
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 _DROPPED = -1

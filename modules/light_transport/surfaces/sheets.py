@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from light_transport.surfaces import GROUND, Surfaces
+from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray
 
 # The sum of a closed body's area vectors is 0, a box's without a bottom a fifth of its area, that

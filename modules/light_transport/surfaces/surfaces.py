@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.map_means import linear, triangle_means
+from light_transport.surfaces.map_means import linear, triangle_means
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh

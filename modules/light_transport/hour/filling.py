@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import kernel
-from light_transport.map_texels import NOBODY
+from light_transport.surfaces.map_texels import NOBODY
 from vrut_lite.numeric_types import BoolArray, Float32Array
 
 

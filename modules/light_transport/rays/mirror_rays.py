@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.groups import NO_GROUP
 from light_transport.kernels import hot
-from light_transport.map_texels import NOBODY
-from light_transport.mirror_parts import MirrorParts
-from light_transport.ray_starts import Receivers, scratch
-from light_transport.ray_table import met_row
-from light_transport.trace import MISS, nearest
-from light_transport.tree import Tree
+from light_transport.rays.mirror_parts import MirrorParts
+from light_transport.rays.ray_starts import Receivers, scratch
+from light_transport.rays.ray_table import met_row
+from light_transport.rays.trace import MISS, nearest
+from light_transport.rays.tree import Tree
+from light_transport.surfaces.groups import NO_GROUP
+from light_transport.surfaces.map_texels import NOBODY
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 from vrut_lite.numeric_types import Float32Array
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import agree, kernel
-from light_transport.texel_owners import UNUSED
-from light_transport.welding import NO_EDGE, opposite_edges, welded
+from light_transport.layout.texel_owners import UNUSED
+from light_transport.layout.welding import NO_EDGE, opposite_edges, welded
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.kernels import hot, inlined, kernel
-from light_transport.tree import LEAF_BITS, STACK, Tree
+from light_transport.rays.tree import LEAF_BITS, STACK, Tree
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Farther than anything in a scene of unit radius.

@@ -11,9 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.groups import Groups
 from light_transport.kernels import inlined
-from light_transport.map_texels import (
+from light_transport.rays.trace import mixed
+from light_transport.rays.tree import STACK
+from light_transport.surfaces.groups import Groups
+from light_transport.surfaces.map_texels import (
     MapGeometry,
     Texels,
     ground_place,
@@ -21,8 +23,6 @@ from light_transport.map_texels import (
     surface_place,
     triangle_at,
 )
-from light_transport.trace import mixed
-from light_transport.tree import STACK
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Powers of the plastic number for directions, and of the root of x^4 = x + 1 for places. One
