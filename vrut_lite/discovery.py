@@ -18,8 +18,8 @@ from vrut_lite.kernel.module import Module
 
 GROUP = "vrut_lite.modules"
 FOLDERS_VARIABLE = "VRUT_LITE_MODULES"
-# Reserved names: the host itself, its scene manager, its queue of GPU jobs.
-_NAMES_OF_THE_HOST = ("host", "scene", "gl_jobs")
+# Reserved names: the host itself, its scene manager, its queue of GPU jobs, its sum of skies.
+_NAMES_OF_THE_HOST = ("host", "scene", "gl_jobs", "sky_sum")
 Loader = Callable[[], object]
 
 

@@ -39,6 +39,7 @@ CLASSES = {
     "name of the host": ("manifest = manifest(name='host')", "is the host's own name"),
     "name of the scene": ("manifest = manifest(name='scene')", "is the host's own name"),
     "name of the GPU": ("manifest = manifest(name='gl_jobs')", "is the host's own name"),
+    "name of the sum": ("manifest = manifest(name='sky_sum')", "is the host's own name"),
     "title is none": ("manifest = manifest(title=None)", "title of a manifest"),
     "version is a number": ("manifest = manifest(version=1.0)", "version of a manifest"),
     "provides a text": ("manifest = manifest(provides='sky')", "provides of a manifest"),

@@ -8,6 +8,7 @@ import pytest
 from journal_toys import TOYS, Parrot, Poke, record_inputs, toy_kernel
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.errors import UserError
@@ -207,3 +208,17 @@ def test_a_full_disk_ends_the_recording_and_not_the_session():
     assert kernel.last_fault("parrot") is None
     with pytest.raises(UserError, match="No space left on device"):
         recorder.close()
+
+
+def test_a_journal_of_any_daylight_replays_without_naming_modules(tmp_path):
+    """Whoever gets a journal from somebody else has the installed modules and the host's own."""
+    path = tmp_path / "noon.mcap"
+    kernel, _ = daylight_kernel()
+    with path.open("wb") as stream:
+        recorder = Recorder(kernel, stream)
+        demand_light(kernel, "test", 16)
+        kernel.inject(SetPlace(latitude_deg=50.0, longitude_deg=14.0))
+        kernel.pump_until_idle()
+        recorder.close()
+    kernel.close()
+    assert Replay(Journal(path)).run().difference is None

@@ -1,12 +1,11 @@
 """The host's own modules for sessions without a window: a scene that is opened, never drawn."""
 
 from vrut_lite.commands.open_kernel import tell
-from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.discovery import discover
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.module import Module
 from vrut_lite.recording.entry import Setup
-from vrut_lite.recording.gpu_stand_in import GpuStandIn
+from vrut_lite.recording.replay import HEADLESS
 
 
 def add_headless_scene(kernel: Kernel) -> None:
@@ -21,7 +20,7 @@ def modules_for(setup: Setup) -> list[type[Module]]:
     """
     modules, failures = discover()
     tell(failures)
-    modules += [SkySum, GpuStandIn]
+    modules += HEADLESS
     if all(wanted.name != "scene" for wanted in setup.modules):
         return modules
     return [*modules, _scene_manager()]

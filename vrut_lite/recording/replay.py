@@ -6,6 +6,7 @@ from typing import BinaryIO
 
 import msgspec
 
+from vrut_lite.daylight.sky_sum import SkySum
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError, one_line
 from vrut_lite.kernel.bus import Kernel
@@ -15,6 +16,7 @@ from vrut_lite.kernel.module import Module
 from vrut_lite.recording.codec import decode
 from vrut_lite.recording.comparison import Difference, entry_difference
 from vrut_lite.recording.entry import Entry
+from vrut_lite.recording.gpu_stand_in import GpuStandIn
 from vrut_lite.recording.held_runner import HeldRunner
 from vrut_lite.recording.journal_reader import Journal
 from vrut_lite.recording.observer import Observer, entry_of
@@ -27,6 +29,10 @@ from vrut_lite.recording.signature import differences, signature_of
 _LONGEST_PHRASE = 800
 # An input and what came of it: read one by one, for a journal's may be of any length.
 Transaction = Iterator[Entry]
+
+
+# The host's own modules that need neither a scene nor GL: a journal may name them.
+HEADLESS: tuple[type[Module], ...] = (SkySum, GpuStandIn)
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
@@ -50,6 +56,8 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
 class Replay:
     """A kernel set up as a journal's was, ready to be given its inputs.
 
+    `modules` are those that it may load; by default the installed ones and `HEADLESS`.
+
     Raises:
         UserError: the journal needs a module that is missing or does not start as it did.
     """
@@ -60,7 +68,7 @@ class Replay:
         modules: Iterable[type[Module]] | None = None,
         services: Services | None = None,
     ):
-        known = list(modules) if modules is not None else discover()[0]
+        known = list(modules) if modules is not None else [*discover()[0], *HEADLESS]
         self._journal = journal
         self._runner = HeldRunner()
         self._recipes = Recipes()

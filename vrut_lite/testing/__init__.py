@@ -31,7 +31,8 @@ def replay_journal(request: pytest.FixtureRequest) -> Callable[..., Outcome]:
     """A function that replays a journal and fails the test at the first message that differs.
 
     `replay_journal(path, modules=None, services=None)` returns the `Outcome`. `modules` are
-    the classes that the journal may name (default: all that are installed), `services` further
+    the classes that the journal may name (default: all that are installed, and the host's own but
+    for its scene manager), `services` further
     constructor arguments by module name.
     """
     from vrut_lite.recording.journal_reader import Journal
