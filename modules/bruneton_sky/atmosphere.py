@@ -15,16 +15,17 @@ from vrut_lite.daylight.aerosol import (
     SINGLE_SCATTERING_ALBEDO,
 )
 
-_FOG = ("fog_scattering", "fog_extinction")
-_SPECTRAL = (
+# Fields of an atmosphere with a number for each wavelength; those of fog may be left out.
+SPECTRAL_FIELDS = (
     "solar_irradiance",
     "rayleigh_scattering",
     "mie_scattering",
     "mie_extinction",
     "absorption_extinction",
     "ground_albedo",
-    *_FOG,
 )
+_FOG = ("fog_scattering", "fog_extinction")
+_SPECTRAL = (*SPECTRAL_FIELDS, *_FOG)
 _SERIES = ("wavelength_nm", "absorber_altitude_m", "absorber_density")
 _POSITIVE = (
     "ground_radius_m",

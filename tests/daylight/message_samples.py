@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 import msgspec
 import numpy as np
+from light_messages import small_air
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged, AirVolume
@@ -54,13 +55,7 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.kernel.module import Manifest, Module, handles
 
 UP, NOON = (0.0, 1.0, 0.0), datetime(2026, 6, 21, 12, tzinfo=UTC)
-AIR = AirVolume(
-    light=Array(np.ones((3, 2, 4, 2, 3), np.float16)),
-    extinction=Array(np.full((2, 4, 3), 1e-5, np.float32)),
-    columns=2, radiance_scale=0.25, aerosol_phase=(0.8, 0.1, 1.0), rows_above=2, rows_below=2,
-    reach_m=1e5, observer_altitude_m=2.0, ground_radius_m=6.36e6, top_altitude_m=6e4,
-    sun_direction=UP,
-)  # fmt: skip
+AIR = small_air(np.ones((3, 2, 4, 2, 3), np.float16)).volume
 CLOUDS = CloudLayer(
     base_m=1000.0, thickness_m=800.0, extinction_per_m=0.05, coverage=0.5, threshold=0.4,
     column_density=0.2, drift_m=(0.0, 10.0), phase=(0.8, -0.2, 0.7),

@@ -1,7 +1,5 @@
 """The module on the bus: progress, cancelling, demand, and what may go wrong."""
 
-import builtins
-import sys
 import threading
 import time
 
@@ -259,20 +257,6 @@ def test_the_main_thread_goes_on_meanwhile(stage):
 
 def faults(heard):
     return [message for message in heard if isinstance(message, Fault)]
-
-
-@pytest.fixture
-def without_mitsuba(monkeypatch):
-    """As if the extra were not installed."""
-    real = builtins.__import__
-
-    def refuse(name, *arguments, **named):
-        if name.split(".")[0] == "mitsuba":
-            raise ModuleNotFoundError(f"No module named '{name}'")
-        return real(name, *arguments, **named)
-
-    monkeypatch.delitem(sys.modules, "mitsuba", raising=False)
-    monkeypatch.setattr(builtins, "__import__", refuse)
 
 
 def test_a_missing_mitsuba_is_one_line_that_names_the_extra(stage, without_mitsuba):
