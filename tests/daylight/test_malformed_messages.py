@@ -63,7 +63,7 @@ JUNK = st.recursive(
 
 
 @given(st.sampled_from(SOUND), st.data())
-def test_whatever_a_field_holds_a_check_passes_or_says_one_sentence(message, data):
+def test_a_check_of_any_value_passes_or_raises_one_sentence(message, data):
     """Also a value of a wrong type, of no finite size, or one that raises when it is shown."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))
@@ -81,7 +81,7 @@ def test_whatever_a_field_holds_a_check_passes_or_says_one_sentence(message, dat
 
 
 @given(st.sampled_from([m for m in SOUND if isinstance(m, Derived)]), st.data())
-def test_a_malformed_post_is_the_poster_s_fault_and_reaches_nobody(message, data):
+def test_a_malformed_post_is_a_fault_and_reaches_no_module(message, data):
     """Consumers hear what passes the check and nothing else, and who posted it is told."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))

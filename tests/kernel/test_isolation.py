@@ -13,7 +13,7 @@ from vrut_lite.kernel.messages import JobResult
 
 @pytest.mark.parametrize("kind", RAISED)
 @pytest.mark.parametrize("where", ["on_poke", "job", "start"])
-def test_whatever_a_module_raises_is_its_fault(where, kind):
+def test_every_exception_of_a_module_is_its_fault(where, kind):
     """Handler, job or constructor: one readable Fault of bounded size; the others hear on."""
     bad = bad_module(where, RAISED[kind])
     bad.armed = True
@@ -81,7 +81,7 @@ def test_a_request_to_end_ends(asked, where):
     assert interrupted_during(ended.value) == f"{what} the module bad"
 
 
-def test_on_other_threads_nobody_asks_to_end():
+def test_interrupts_on_other_threads_are_faults():
     """Python raises Ctrl-C in the main thread alone: elsewhere it is the module's own raise."""
     bad = bad_module("job", KeyboardInterrupt)
     bad.armed = True

@@ -40,7 +40,7 @@ DEEDS = {
 
 
 @pytest.mark.parametrize("deed", DEEDS)
-def test_odd_calls_are_faults_of_who_calls(deed):
+def test_invalid_calls_are_faults_of_the_caller(deed):
     """A module that misuses its link harms itself alone, and is told by name."""
 
     class Bad(Hostile):
@@ -86,7 +86,7 @@ def test_a_job_s_result_may_be_anything(value):
     kernel.close()
 
 
-def test_the_progress_of_a_job_is_told_in_a_line_of_bounded_length():
+def test_progress_remarks_have_bounded_length():
     """The trace keeps a thousand remarks: none may fill the memory."""
 
     def work(control):

@@ -28,7 +28,7 @@ class OddInput(Input, frozen=True, kw_only=True):
 
 
 @given(st.lists(st.sampled_from(["key", "unhashable key", "check", "user", "good"]), max_size=6))
-def test_an_input_that_fails_itself_costs_itself_alone(whats):
+def test_an_input_that_raises_is_refused_alone(whats):
     """What has no key or cannot be checked is refused in a sentence, and merges with nothing."""
     kernel = Kernel()
     kernel.add_module(Good)
@@ -42,7 +42,7 @@ def test_an_input_that_fails_itself_costs_itself_alone(whats):
     assert [message.value for message in heard] == [3]
 
 
-def test_time_that_is_none_spoils_no_time_that_waits():
+def test_invalid_ticks_do_not_spoil_waiting_ones():
     """Ticks that wait are added up: one that is refused must not take others with it."""
     kernel = Kernel()
     ticks, faults = collect(kernel, Tick), faults_of(kernel)

@@ -37,7 +37,7 @@ def test_a_module_s_settings_may_refuse_each_other():
     assert kernel.seats["paired"].settings == Pair(2.0, 3.0)
 
 
-def test_a_module_that_takes_no_settings_is_told():
+def test_a_module_that_refuses_its_settings_is_a_fault():
     """Setting an attribute runs the module's code too."""
 
     class One(msgspec.Struct, frozen=True):
@@ -90,7 +90,7 @@ def test_a_handler_that_is_gone_is_a_fault(handler):
     assert all(isinstance(fault, Fault) for fault in faults)
 
 
-def test_a_constructor_that_forgets_its_base_is_told():
+def test_a_constructor_without_super_is_a_fault():
     """Its ledger is asked for by commands and panels long after."""
 
     class Forgetful(Module):
