@@ -3,6 +3,7 @@
 import numpy as np
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry import spherical_harmonics
@@ -39,3 +40,22 @@ def radiance_of(background):
         ground_radiance_rgb=background.ground_radiance_rgb,
         source=background.source,
     )
+
+
+def small_air(light, **changes):
+    """Air of two columns, two rows above the level and two below it, with this light (half)."""
+    volume = {
+        "light": Array(light),
+        "columns": 2,
+        "extinction": Array(np.full((*light.shape[1:3], 3), 1e-5, np.float32)),
+        "radiance_scale": 0.25,
+        "aerosol_phase": (0.8, 0.1, 1.0),
+        "rows_above": 2,
+        "rows_below": 2,
+        "reach_m": 1e5,
+        "observer_altitude_m": 2.0,
+        "ground_radius_m": 6.36e6,
+        "top_altitude_m": 6e4,
+        "sun_direction": (0.0, 1.0, 0.0),
+    }
+    return AirChanged(volume=AirVolume(**(volume | changes)), source="sample")

@@ -114,7 +114,7 @@ def test_the_least_recently_used_goes_first(tmp_path):
     assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= cache.limit_bytes
 
 
-def test_what_a_killed_process_left_is_swept_up(tmp_path):
+def test_parts_of_a_killed_process_are_deleted(tmp_path):
     """A part of a file that nobody writes any more would take room for ever."""
     old, new = tmp_path / "old.part", tmp_path / "new.part"
     for part in (old, new):

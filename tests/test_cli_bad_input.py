@@ -319,7 +319,9 @@ def test_no_arguments_show_the_help(monkeypatch, capsys):
         ('scene = "good.glb"\n[exposure]\nev100 = "bright"', "exposure.ev100: expected float"),
     ],
 )
-def test_what_a_project_says_wrong_is_named_by_its_place(refused, good_scene, tmp_path, text, says):
+def test_an_invalid_value_of_a_project_is_named_by_its_path(
+    refused, good_scene, tmp_path, text, says
+):
     """The sentence names table and key."""
     project = tmp_path / "project.toml"
     project.write_text(text)

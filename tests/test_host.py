@@ -52,7 +52,7 @@ def test_both_skies_are_found_by_entry_point(kernel):
     assert kernel.slots.holder("sun") == "dynamic_skylight"
 
 
-def test_nothing_is_computed_that_nobody_wants(kernel):
+def test_nothing_is_computed_without_demand(kernel):
     """Without demand place and hour move the sun, but no sky is computed."""
     play(kernel, *daylight_inputs(Project()))
     assert kernel.last(SunMoved) is not None

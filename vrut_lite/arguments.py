@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.numeric_types import FloatArray
 
 # Civil dates before 1583 were Julian. At both ends the ephemeris of astronomy-engine and NREL's SPA
-# still agree to 0.004 degrees on the sun's position; further out they diverge.
+# still agree to 0.004 degrees on the sun's position; beyond, they diverge.
 FIRST_YEAR, LAST_YEAR = 1600, 2600
 # Tolerance for rounding of angles and cosines, as a share of their range.
 ROUNDING = 1e-9

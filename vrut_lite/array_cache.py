@@ -1,9 +1,9 @@
-"""Arrays kept on disk, found by the recipe that they were made from.
+"""Arrays kept on disk, found by their recipe.
 
 A file's name is the digest of its recipe; inside, a digest of the contents stands before them.
 A file whose digest does not match is ignored, and the arrays are made again. Files are written
 under another name and renamed, so that neither a crash nor a second process leaves a half-written
-one. If the folder cannot be written, that is logged, and nothing is kept.
+one. If the folder cannot be written, a log line says so and nothing is kept.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.npz_arrays import read_npz
 
-# Changes whenever a file gets another layout; that of the contents is part of the recipe.
+# Version of the file's layout; the layout of the contents is part of the recipe.
 VERSION = 3
 _MAGIC = f"vrut_lite arrays {VERSION}\n".encode()
 _DIGEST_BYTES = 32

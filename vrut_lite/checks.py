@@ -1,7 +1,7 @@
-"""What the fields of a message must be: each check passes, or raises one sentence.
+"""Checks of message fields: each passes, or raises a UserError of one sentence.
 
-Nothing looks at a message's types when it is made: a check meets values of any type. `of` is what
-the message is called in the sentence, by default its type.
+Messages are made without type checks, so that a field may hold a value of any type. `of` names the
+message in the sentence, by default by its type.
 """
 
 import math
@@ -20,22 +20,22 @@ from vrut_lite.interrupts import pass_interrupt
 _MOST = sys.float_info.max
 _WHOLES = (int, np.integer)
 _NUMBERS = (float, *_WHOLES, np.floating)
-# Of a unit vector in 32 bits, or of one that somebody wrote with three digits.
+# Tolerance of a unit vector in 32 bits, or written with three digits.
 _UNIT_TOLERANCE = 2e-3
 _LONGEST_SHOWN = 80
-# Of a polynomial: no sum of a few overflows.
+# Largest coefficient of a polynomial: a sum of a few cannot overflow.
 _MOST_TERM = 1e6
 
 
 class Checked(Protocol):
-    """A message, seen from here."""
+    """A message or a struct with fields."""
 
     def check(self) -> None:
-        """Pass, or raise one sentence."""
+        """Check all fields."""
 
 
 def refusal_of(message: Checked) -> str | None:
-    """Why a message is not as it should be, or None; its check may be a module's own."""
+    """The reason why a message is invalid, or None; a module may have written its check."""
     try:
         message.check()
     except BaseException as error:
@@ -206,7 +206,7 @@ def arrays(
 def contents(message: object, name: str, low: float, high: float) -> None:
     """Check that all values of a field, an `Array`, are numbers from `low` to `high`."""
     values = getattr(message, name).values
-    # Of a NaN among the values both ends are one.
+    # With a NaN among the values both ends are NaN.
     with np.errstate(invalid="ignore"):
         least, most = float(values.min()), float(values.max())
     if not (low <= least and most <= high):
@@ -225,12 +225,12 @@ def is_whole(value: Any) -> bool:
 
 
 def refuse(message: object, name: str, must: str, of: str = "") -> NoReturn:
-    """Raise the sentence that says what a field must be, and what it is."""
+    """Raise a sentence with a field's allowed and actual value."""
     _refuse(message, name, of, must, getattr(message, name))
 
 
 def shown(value: object) -> str:
-    """A value for a sentence: one short line, whatever it is."""
+    """A value of any type as one short line for a sentence."""
     plain = _is_number(value) or isinstance(value, bool)
     told = safe_text(lambda: str(value) if plain else repr(value), f"a {type(value).__name__}")
     told = "".join(letter if letter.isprintable() else "?" for letter in told[: _LONGEST_SHOWN + 1])

@@ -44,7 +44,7 @@ class EntryPointGroup(click.Group):
 
 
 def _with_help(command: click.Command) -> click.Command:
-    """The command; its help says so where Python has removed docstrings."""
+    """The command; without docstrings (python -OO) its help says so."""
     if sys.flags.optimize >= 2 and not command.help:
         command.help = "PYTHONOPTIMIZE=2 leaves out what would be said here: unset it."
     return command
@@ -76,7 +76,7 @@ def main() -> None:
     """Run the command line; exit code 0, 2 for bad input, 1 for a failure of the program."""
     _tell_any_name()
     # Matrices are small: threads of numpy's BLAS would only wait for each other, for seconds on a
-    # busy machine. BLAS reads the variable when numpy is imported, which is later.
+    # busy machine. BLAS reads the variable when numpy is imported, after this line.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if any("\0" in argument for argument in sys.argv):
         _end("an argument holds a null character, which no text or name can: leave it out", 2)

@@ -1,6 +1,6 @@
-"""What an exception says, in the fields that a `Fault` and a `JobResult` share.
+"""The text of an exception, in the fields that `Fault` and `JobResult` share.
 
-Whoever wrote the exception wrote its texts too: they may raise, be no texts, or fill the memory.
+An exception's texts are a module's code: they may raise, return other types, or fill the memory.
 """
 
 import traceback
@@ -10,7 +10,7 @@ from typing import Any
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import pass_interrupt
 
-# Of an error's text and of its trace, in letters; a trace's ends tell most.
+# Letters of an error's text and of its trace, whose ends are kept.
 _LONGEST_ERROR, _LONGEST_TRACE = 2_000, 20_000
 
 
@@ -27,7 +27,7 @@ def described(error: BaseException) -> dict[str, Any]:
 
 
 def sentence_of(error: BaseException) -> str:
-    """What it says, after the name of its class unless that is UserError; bounded in length."""
+    """Its text, after its class's name unless that is UserError; bounded in length."""
     text = safe_text(lambda: str(error), "(its text cannot be made)")
     if not isinstance(error, UserError):
         name = safe_text(lambda: type(error).__name__, "BaseException")
@@ -36,7 +36,7 @@ def sentence_of(error: BaseException) -> str:
 
 
 def safe_text(make: Callable[[], str], otherwise: str) -> str:
-    """A text of foreign making as a plain one, or another where it cannot be had."""
+    """A module's text as a plain str, or a substitute where reading it raises."""
     try:
         # A slice of a subclass is a plain text.
         return _escaped(str.__getitem__(make(), slice(None)))
@@ -46,7 +46,7 @@ def safe_text(make: Callable[[], str], otherwise: str) -> str:
 
 
 def _escaped(text: str) -> str:
-    """The text with what no file holds, or what steers a terminal, written in escapes."""
+    """The text with control characters and lone surrogates escaped."""
     return "".join(
         letter if letter.isprintable() or letter in "\n\t" else ascii(letter)[1:-1]
         for letter in text

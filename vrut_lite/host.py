@@ -25,8 +25,9 @@ from vrut_lite.scene.manager import SceneManager
 class Host:
     """A kernel with all modules and a GL backend, headless; `close` frees the GPU.
 
-    Without a `cube_size` (texels) the sky's module chooses one by the tolerance. `frame_skips` says
-    which work frames leave out. Callers that pump the kernel on a thread of their own use
+    Without a `cube_size` (texels) the sky's module chooses one by the tolerance. `frame_skips`
+    selects the work that frames leave out. Callers that pump the kernel on a thread of their own
+    use
     `draw_now` and `light_at_pixel`, on that thread.
     """
 
@@ -93,7 +94,7 @@ class Host:
         """Draw the present state, with `size_px` and `exposure` instead of the state's own.
 
         Raises:
-            GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
+            GivenUp: `is_given_up()`, called repeatedly on the GL thread, returned true.
         """
         state = self.state
         drawn = replace(
@@ -132,14 +133,15 @@ class Host:
         return self.light_at_pixel(x, y)
 
     def light_at_pixel(self, x: int, y: int) -> Illuminance | None:
-        """The same by what the scene manager knows by now."""
+        """The same for the scene manager's present state."""
         hit = self.surface_at_pixel(x, y)
         return (
             None if hit is None else self._backend.illuminance(self.state, hit.point_m, hit.normal)
         )
 
     def surface_at_pixel(self, x: int, y: int) -> Hit | None:
-        """The surface that a pixel shows, by what the scene manager knows; None for the sky."""
+        """The surface that a pixel shows, in the scene manager's present state; None for the
+        sky."""
         return self._backend.surface_at_pixel(self.state, x, y)
 
     def close(self) -> None:

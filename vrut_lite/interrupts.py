@@ -12,7 +12,7 @@ def interrupts_held(*numbers: signal.Signals) -> Iterator[None]:
 
     No effect outside the main thread, which alone gets them. Libraries that try optional imports
     with a bare `except` would swallow an interrupt, and the command would go on. A handler records
-    the signal; blocking it would not do, because another thread of the process would receive it.
+    the signal; blocking it would fail, because another thread of the process would receive it.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -72,6 +72,6 @@ def pass_interrupt(error: BaseException, during: str = "") -> None:
 
 
 def interrupted_during(error: BaseException) -> str:
-    """What Ctrl-C or SIGTERM interrupted, or an empty text."""
+    """The name of the interrupted work, or an empty text."""
     origin = error.__cause__ or error
     return ", ".join(getattr(origin, "__notes__", ()))

@@ -8,7 +8,7 @@ from typing import Any
 class Mailbox:
     """Keeps the latest value of each key; wakes its reader once until it has read.
 
-    However many values are put while the reader is busy, it finds one of each key. `wake` is
+    A busy reader later finds one value of each key, the latest. `wake` is
     called on the thread that puts and must only tell the reader to come (post an event). After
     `close` it is called no more: a signal of an object that Qt is deleting ends the process.
     """
@@ -36,6 +36,6 @@ class Mailbox:
         return values
 
     def close(self) -> None:
-        """Wake nobody any more; a `wake` that runs has returned by then."""
+        """Stop waking; a running `wake` has returned when this returns."""
         with self._lock:
             self._closed = True

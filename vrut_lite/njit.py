@@ -4,7 +4,7 @@ numba unpickles cached machine code unchecked: a truncated file would end every 
 until somebody removes it, a flipped bit in a crash. Also, processes that save at the same time
 would lose each other's entries of the index; here a lock makes one wait for the other. And numba
 compiles anew when a kernel's own file changes, but not when another changes that it calls, inlines
-or has a constant of: here all files count that it imports from its own package, and they from it.
+or has a constant of: here all files of its package that it imports count, directly or not.
 """
 
 import fcntl
@@ -26,7 +26,7 @@ __all__ = ["SUMS_IN_ORDER", "njit"]
 # once. Sums keep their order, so that the digits do not depend on the width of vectors. Nor do they
 # depend on which process compiled a kernel: calls between kernels find other copies of a function
 # there than in a process that loads them, and with `fastmath=True` each copy sums in its own order.
-# Journals compare what kernels make by digest. It costs the solver 1 to 2 % of its time.
+# Journals compare results of kernels by digest. It costs the solver 1 to 2 % of its time.
 SUMS_IN_ORDER = {"nnan", "ninf", "nsz", "contract"}
 _DIGEST_BYTES = 32
 _IMPORTED = re.compile(rb"^from (\S+) import", re.MULTILINE)
@@ -81,7 +81,7 @@ def _digest(data: bytes) -> bytes:
 
 
 def _stamp(locator: Any) -> tuple[Any, bytes]:
-    """Changes with a kernel's file and with those that it is made of."""
+    """Changes with a kernel's file and with the files that it imports from its package."""
     own = Path(locator._py_file)
     package = own.parent
     while (package.parent / "__init__.py").is_file():
@@ -102,7 +102,7 @@ def _stamp(locator: Any) -> tuple[Any, bytes]:
 
 @cache
 def _read(file: Path, _changed_ns: int) -> tuple[bytes, tuple[str, ...]]:
-    """A file's digest and whom it imports from."""
+    """A file's digest and the files that it imports."""
     content = file.read_bytes()
     return _digest(content), tuple(name.decode() for name in _IMPORTED.findall(content))
 

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all: written beside their place, then renamed."""
+"""Atomic files: written beside their place, then renamed."""
 
 import os
 import signal
@@ -11,7 +11,7 @@ from pathlib import Path
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
 
-# No system takes longer ones.
+# The longest name that systems accept.
 _LONG_NAME = 4096
 
 
@@ -33,13 +33,13 @@ def atomic_output(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise UserError(f"cannot write {path}: {_reason(error)}") from error
     finally:
-        # Where nothing can be taken away nothing was made.
+        # Removal fails only where no file was made.
         with suppress(OSError):
             beside.unlink()
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Find out before the long work, not after it, whether `path` can be written.
+    """Check before long work that `path` can be written.
 
     A file is made beside it and removed: permission bits alone say little about mounts,
     access lists and root.
@@ -79,7 +79,7 @@ def check_all_writable(paths: Sequence[str | os.PathLike[str]]) -> None:
 
 
 def _shown(path: str | os.PathLike[str]) -> str:
-    """A path for a sentence; of one that no system takes, the end."""
+    """A path for a sentence; of a path that is too long, its end."""
     text = os.fspath(path)
     if len(text) > _LONG_NAME:
         return f"{text[: _LONG_NAME // 2]}...{text[-_LONG_NAME // 2 :]}"
@@ -87,7 +87,7 @@ def _shown(path: str | os.PathLike[str]) -> str:
 
 
 def _objection(target: Path) -> str:
-    """Why the path is none for a picture, or nothing; an OSError may say it as well."""
+    """The reason why the path cannot be a picture's, or an empty text; may also raise OSError."""
     if not target.parent.is_dir():
         return f"there is no folder {target.parent}; make it first"
     try:
@@ -98,20 +98,20 @@ def _objection(target: Path) -> str:
         return "it is a folder; name a file in it"
     if not stat.S_ISREG(mode):
         return "it is no plain file; name another"
-    # Opened and not truncated: an older file that refuses bytes is meant to stay.
+    # Opened without truncation: an older write-protected file must stay.
     os.close(os.open(target, os.O_WRONLY))
     return ""
 
 
 def _try_a_file(path: Path) -> None:
-    """Make a file and take it away, also when the process is asked to end between the two."""
+    """Make a file and remove it, also when the process is interrupted between the two."""
     with interrupts_held(signal.SIGINT, signal.SIGTERM):
         path.touch(exist_ok=False)
         path.unlink()
 
 
 def _beside(target: Path) -> Path:
-    # Not made of the target's name, which may already be as long as names may be.
+    # Not derived from the target's name, which may have the largest length.
     return target.with_name(f".unfinished-{uuid.uuid4().hex}{target.suffix}")
 
 

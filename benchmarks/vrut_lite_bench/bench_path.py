@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite_bench.results import Errors
+
 Work = Callable[[], Any]
 Parameter = int | float | str
 _FLOOR = 1e-3
@@ -23,14 +25,6 @@ class Spent(NamedTuple):
     result: Any
     seconds: float
     wall_s: float
-
-
-class Errors(NamedTuple):
-    """Relative errors of a picture or a grid: mean, 99th percentile, largest."""
-
-    mean: float
-    p99: float
-    largest: float
 
 
 def relative_errors(found: NDArray[Any], exact: NDArray[Any]) -> Errors:

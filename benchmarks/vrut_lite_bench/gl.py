@@ -6,7 +6,7 @@ compute shaders in them: there it is the CPU time of all threads until everythin
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
@@ -18,8 +18,6 @@ from vrut_lite.render.gl_environment import probe_gl
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite_bench.bench_path import WALL_TIME, Clock, Spent, Work, cpu_spent
 
-# A card at rest runs slowly at first: `least_s` measures at least so long, and so many rounds.
-_WARM_S, _ROUNDS = 0.3, 7
 _CLOSERS: list[Callable[[], None]] = []
 
 
@@ -83,21 +81,6 @@ def _by_query(work: Work) -> Spent:
     wall_s = time.perf_counter()
     result = work()
     return Spent(result, float(result.gpu_s), time.perf_counter() - wall_s)
-
-
-def least_s(context: Any, work: Callable[[], Any]) -> float:
-    """The shortest of many rounds of GPU work, in seconds; called on the context's thread."""
-    by_query = has_timer(context.info["GL_RENDERER"])
-    end = time.perf_counter() + _WARM_S
-    spent: list[float] = []
-    while len(spent) < _ROUNDS or time.perf_counter() < end:
-        query = context.query(time=True)
-        start = time.process_time()
-        with query:
-            work()
-        context.finish()
-        spent.append(query.elapsed * 1e-9 if by_query else time.process_time() - start)
-    return min(spent)
 
 
 class GlWork:
@@ -191,21 +174,17 @@ class PassTimer:
         self._by_query = has_timer(context.info["GL_RENDERER"])
         self.spent: dict[str, float] = {}
 
-    def __call__(self, name: str) -> AbstractContextManager[None]:
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[None]:
         """Time what is done inside."""
-        return self._by_gpu(name) if self._by_query else self._by_cpu(name)
-
-    @contextmanager
-    def _by_gpu(self, name: str) -> Iterator[None]:
-        query = self._context.query(time=True)
-        with query:
-            yield
-        self.spent[name] = query.elapsed * 1e-9
-
-    @contextmanager
-    def _by_cpu(self, name: str) -> Iterator[None]:
+        if self._by_query:
+            query = self._context.query(time=True)
+            with query:
+                yield
+            self.spent[name] = query.elapsed * 1e-9
+            return
         self._context.finish()
-        start = time.process_time()
+        start_s = time.process_time()
         yield
         self._context.finish()
-        self.spent[name] = time.process_time() - start
+        self.spent[name] = time.process_time() - start_s

@@ -9,8 +9,8 @@ from vrut_lite.errors import UserError
 FORMAT = 1
 
 
-class ErrorSize(msgspec.Struct, frozen=True):
-    """Relative errors of one condition: mean, 99th percentile, largest."""
+class Errors(msgspec.Struct, frozen=True):
+    """Relative errors of a picture or a grid: mean, 99th percentile, largest."""
 
     mean: float
     p99: float
@@ -36,7 +36,7 @@ class Measured(msgspec.Struct, frozen=True):
     clock: str
     rounds_s: list[float]
     wall_s: float
-    errors: dict[str, ErrorSize]
+    errors: dict[str, Errors]
 
     @property
     def seconds(self) -> float:
@@ -44,7 +44,7 @@ class Measured(msgspec.Struct, frozen=True):
         return min(self.rounds_s)
 
     def worst(self, at_night: bool = False, size: str = "p99") -> float | None:
-        """The largest of a size of `ErrorSize` over all conditions by day, or those at night."""
+        """The largest of a size of `Errors` over all conditions by day, or those at night."""
         sizes = [getattr(e, size) for name, e in self.errors.items() if is_night(name) == at_night]
         return max(sizes, default=None)
 
@@ -55,7 +55,7 @@ def is_night(condition: str) -> bool:
 
 
 class GroupNote(msgspec.Struct, frozen=True):
-    """What a group's numbers mean: see `path.Group`."""
+    """What a group's numbers mean: see `bench_path.Group`."""
 
     name: str
     title: str

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrut_lite_bench.bench_path import CPU_TIME, BenchPath, Errors, Group, Work
-from vrut_lite_bench.results import ErrorSize, Measured
+from vrut_lite_bench.bench_path import CPU_TIME, BenchPath, Group, Work
+from vrut_lite_bench.results import Errors, Measured
 
 Tell = Callable[[str], None]
 # Longer calls are timed once only, in the call whose result is judged.
@@ -35,7 +35,7 @@ class _Running(NamedTuple):
     work: Work
     first_s: float
     first_wall_s: float
-    errors: dict[str, ErrorSize]
+    errors: dict[str, Errors]
     rounds_s: list[float]
     walls_s: list[float]
 
@@ -74,12 +74,7 @@ def _start(path: BenchPath, group: str, tell: Tell) -> _Running:
     if not path.once and first.seconds < _AGAIN_TO_S:
         again = path.clock.time(work)
         spent = min(first, again, key=lambda one: one.seconds)
-    sizes = {name: _size(found) for name, found in errors.items()}
-    return _Running(path, work, spent.seconds, spent.wall_s, sizes, [], [])
-
-
-def _size(errors: Errors) -> ErrorSize:
-    return ErrorSize(*(float(number) for number in errors))
+    return _Running(path, work, spent.seconds, spent.wall_s, errors, [], [])
 
 
 def _calls(running: _Running, effort: Effort) -> int:

@@ -78,6 +78,4 @@ class Session:
 
     def _note(self, group: Group) -> None:
         self._left_out |= group.left_out
-        self._notes[group.name] = GroupNote(
-            group.name, group.title, group.unit, group.norm, group.truth, group.front_of
-        )
+        self._notes[group.name] = msgspec.convert(group, GroupNote, from_attributes=True)

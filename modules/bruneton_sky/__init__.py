@@ -9,8 +9,8 @@ In reading order: `atmosphere`, `gases`, `phase` and `presets` describe the air;
 scattered once, `solver` all later orders, `ray_light` and `solved_sky` both along any ray;
 `sun_light` and `ground_light` add sun and ground; `sky_view`, `background` and `air_volume` are
 what one observer sees, `unseen_moves` when to make it anew; `precompute` and `tables` are the
-published tables. Files named `kernels` are compiled by numba. `reference` holds what all this is
-checked against.
+published tables. Files named `kernels` are compiled by numba. `reference` holds the references of
+the tests.
 """
 
 from bruneton_sky.atmosphere import Atmosphere

@@ -1,4 +1,4 @@
-"""What the air of a planet is made of: molecules, aerosol, an absorber, and the ground below."""
+"""An atmosphere: molecules, aerosol, an absorber, fog, and the ground below."""
 
 import math
 from dataclasses import dataclass, fields, replace
@@ -15,16 +15,17 @@ from vrut_lite.daylight.aerosol import (
     SINGLE_SCATTERING_ALBEDO,
 )
 
-_FOG = ("fog_scattering", "fog_extinction")
-_SPECTRAL = (
+# Fields of an atmosphere with a number for each wavelength; those of fog may be left out.
+SPECTRAL_FIELDS = (
     "solar_irradiance",
     "rayleigh_scattering",
     "mie_scattering",
     "mie_extinction",
     "absorption_extinction",
     "ground_albedo",
-    *_FOG,
 )
+_FOG = ("fog_scattering", "fog_extinction")
+_SPECTRAL = (*SPECTRAL_FIELDS, *_FOG)
 _SERIES = ("wavelength_nm", "absorber_altitude_m", "absorber_density")
 _POSITIVE = (
     "ground_radius_m",
@@ -70,7 +71,7 @@ class Atmosphere:
             aerosol's phase function; no fog where the extinction is zero.
 
     Raises:
-        ValueError: a value is outside what it can physically be; the sentence names it.
+        ValueError: a value is outside its physical range; the sentence names it.
     """
 
     wavelength_nm: tuple[float, ...]
@@ -140,7 +141,8 @@ class Atmosphere:
         angstrom_exponent: float = ANGSTROM_EXPONENT,
         mie_g: float | None = None,
     ) -> Self:
-        """This atmosphere with so much aerosol, in its own layer and of its own albedo.
+        """This atmosphere with another aerosol optical depth, in its own layer and of its own
+        albedo.
 
         The vertical optical depth falls as wavelength^-`angstrom_exponent` (Angstrom's law;
         1.3 is his mean); the ratio of scattering to extinction stays, 0.9 where there was no

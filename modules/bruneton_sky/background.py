@@ -20,8 +20,9 @@ LIGHT_SIZE = 64
 class Surroundings(NamedTuple):
     """Light of sun, sky and ground at one place; RGB is linear sRGB.
 
-    `view`: what the observer sees. `standing`: what is seen from the ground, where the scene is:
-    the same table for an observer on the ground, else a small one. `disc`: the sun as seen from
+    `view`: the observer's sky-view table. `standing`: that of an observer on the ground, where the
+    scene is: the same table for an observer on the ground, else a small one. `disc`: the sun as
+    seen from
     aloft, None for an observer on the ground.
     """
 
@@ -85,7 +86,7 @@ def background_cube(around: Surroundings, size: int) -> NDArray[np.float32]:
 
 
 def ground_cube(around: Surroundings, size: int) -> NDArray[np.float32]:
-    """The same as it is seen from the ground, where the scene is."""
+    """The same, seen from the ground, where the scene is."""
     return fill_cube(around.standing, size, around.ground_radiance_rgb)
 
 

@@ -1,4 +1,4 @@
-"""How strongly gases scatter and absorb: molecules by their refractive index, ozone as measured."""
+"""Scattering and absorption by gases: molecules by their refractive index, ozone as measured."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

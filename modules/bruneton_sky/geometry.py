@@ -39,8 +39,8 @@ class Ray(NamedTuple):
 class RaysInAir(NamedTuple):
     """Rays (n,) by the state where they are first inside the air.
 
-    `entry_m` is how far that is from where they start, 0 inside the air; of a ray that misses the
-    air the other values mean nothing.
+    `entry_m` is how far that is from where they start, 0 inside the air; the other values of a ray
+    that misses the air are undefined.
     """
 
     altitude_m: FloatArray
@@ -141,7 +141,7 @@ def entry_to_air(
 
     Returns:
         Distance (...,) in m to the entry, cosine mu (...,) of the zenith angle there, and whether
-        (...,) the ray misses the atmosphere, where the other two mean nothing.
+        (...,) the ray misses the atmosphere, where the other two are undefined.
     """
     top_radius = ground_radius_m + top_altitude_m
     half_chord = np.sqrt(np.maximum((top_radius - impact_m) * (top_radius + impact_m), 0.0))
@@ -187,8 +187,8 @@ def in_earth_shadow(
 def shadow_boundary(ray: Ray, mu_s: ArrayLike, nu: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Distances along a ray to where it crosses the edge of the planet's shadow.
 
-    Negative where there is no such crossing. The edge is a cylinder along the sun's
-    direction; a crossing on its sunward side is none.
+    Negative without such a crossing. The edge is a cylinder along the sun's direction; crossings on
+    its sunward side do not count.
     """
     sun, cosine = np.asarray(mu_s, dtype=float), np.asarray(nu, dtype=float)
     r, h = ray.radius_m, ray.altitude_m

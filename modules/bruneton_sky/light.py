@@ -41,7 +41,7 @@ NAME = "bruneton_sky"
 
 @dataclass(frozen=True)
 class Air:
-    """All that scattered light depends on, for any sun and observer."""
+    """All inputs of scattered light, for any sun and observer."""
 
     settings: BrunetonSkySettings
     ground_altitude_m: float
@@ -50,7 +50,7 @@ class Air:
 
 
 class SurroundingsMemo:
-    """The surroundings that were made last: of them the next take what did not change."""
+    """The latest surroundings; the next ones reuse their unchanged parts."""
 
     def __init__(self, ledger: Ledger):
         self._ledger = ledger
@@ -98,11 +98,11 @@ class BrunetonLight(Sky):
     memo: SurroundingsMemo = field(compare=False, repr=False)
 
     def on_scene(self) -> "BrunetonLight":
-        """The scene's light does not depend on who looks."""
+        """The scene's light, which does not depend on the observer."""
         return replace(self, eye_height_m=0.0)
 
     def unseen(self, hour: Hour, quality: Quality) -> Unseen:
-        """By what `observer` measured for such an atmosphere."""
+        """Steps measured for such an atmosphere (`unseen_moves`)."""
         atmosphere = self.solved.atmosphere
         step_m = altitude_step_m(self.eye_height_m, atmosphere)
         return Unseen(
@@ -115,7 +115,7 @@ class BrunetonLight(Sky):
         return background_with(self._around, background_cube(self._around, size))
 
     def background_on_ground(self, size: int) -> Background:
-        """The table of an observer on the ground, which the ambient light is made from too."""
+        """The table of an observer on the ground, as for the ambient light."""
         around = self._around
         return Background(ground_cube(around, size), around.ground_radiance_rgb)
 
@@ -151,7 +151,7 @@ class BrunetonLight(Sky):
         return air_volume_job(*where, NAME, AIR_JOB)
 
     def spectrum(self, direction: Vector) -> Spectrum:
-        """Of the same atmosphere solved at twelve wavelengths; none of the ground."""
+        """Spectrum of the same atmosphere solved at twelve wavelengths; empty for the ground."""
         if direction[1] <= 0.0:
             return Spectrum()
         air = self.of
@@ -169,9 +169,9 @@ class BrunetonLight(Sky):
         return self.memo.of(self)
 
     def _reach_in_air_m(self, reach_m: float) -> float:
-        """How much of a ray lies in air; 0 where none is to be seen."""
+        """Length of a ray in the air; 0 where no air is visible."""
         atmosphere = self.solved.atmosphere
-        # From above the air, the way to it is empty.
+        # Above the air the first part of the ray is empty.
         in_air_m = reach_m - max(self.eye_height_m - atmosphere.top_altitude_m, 0.0)
         return in_air_m if air_is_seen(atmosphere, self.eye_height_m, in_air_m) else 0.0
 
@@ -179,7 +179,7 @@ class BrunetonLight(Sky):
 def background_with(
     around: Surroundings, cube: Float32Array | GpuTexture, scale: float = 1.0
 ) -> Background:
-    """What surrounds an eye as a background with this cube; see `Background`."""
+    """The surroundings of an eye as a `Background` with this cube."""
     disc = around.disc
     return Background(
         cube,

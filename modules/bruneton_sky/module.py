@@ -1,7 +1,7 @@
 """The Bruneton sky on the bus: multiple scattering in a spherical atmosphere.
 
-A changed atmosphere is solved by a background job; until its result is there the sky is that
-of the one before. A moved sun or eye needs no such job: the sky-view table is made on the spot. No
+A changed atmosphere is solved by a background job; until it ends the previous atmosphere's sky
+stays. A moved sun or eye needs no such job: the sky-view table is made on the spot. No
 4-D table is ever made here, since one observer's altitude is shown.
 """
 
@@ -17,12 +17,12 @@ from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour, Prepared, Work
 from vrut_lite.kernel.module import Link, Manifest
 
-# Settings that say where a sky is computed, not what it is.
+# Settings of where a sky is computed, which do not change the sky.
 _NOT_AIR = {"cube_device": "cpu"}
 
 
 class BrunetonSky(SkyModule):
-    """The sky, sun light and air for the sun that SunMoved tells of."""
+    """The sky, sunlight and air for the sun of SunMoved."""
 
     manifest: ClassVar[Manifest] = Manifest(
         name=NAME,

@@ -1,6 +1,6 @@
-"""How much of a substance a ray passes, as metres of its sea-level density.
+"""Amount of a substance along a ray, as metres of its sea-level density.
 
-Paths, not transmittances, are what may be added and subtracted: a transmittance underflows
+Paths can be added and subtracted, transmittances cannot: a transmittance underflows
 where a path is still exact. Optical depth is a coefficient times a path.
 """
 

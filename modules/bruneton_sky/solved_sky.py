@@ -27,13 +27,13 @@ from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.numeric_types import FloatArray
 
 _FARTHEST_M = 1e15
-# Cosines may come from single precision: beside 1 they err by so much of their range.
+# Tolerance of cosines beyond 1: they may come from single precision.
 _SINGLE_ROUNDING = 1e-6
 _LARGEST_CUBE = 8192
 # Directions over which irradiance is summed: twice as many each way as for a picture, whose light
 # errs by 0.4 % in haze (these: 0.1 %).
 _IRRADIANCE_SIZES = {"irradiance_mu": 32, "irradiance_azimuth": 24}
-# Numbers (rays times wavelengths) that are worked on at a time: they fit a processor's cache.
+# Rays times wavelengths of a batch: they fit a processor's cache.
 _BATCH = 3000
 
 
@@ -68,7 +68,7 @@ class SolvedSky:
     for the air that it lights, the ground a Lambertian sphere of the atmosphere's albedo.
 
     Accuracy, against Monte Carlo: in clear air by day, from the ground to 300 km, the rms error of
-    radiance is that of the reference (0.06 to 0.3 %), and no ray is off by more than 0.2 % beyond
+    radiance is that of the reference (0.06 to 0.3 %), and no ray errs by more than 0.2 % beyond
     three standard errors; with the sun 0 to 6 degrees below the horizon 1 to 2 % rms, in haze of
     turbidity 3 0.2 to 0.7 %, of turbidity 10 0.6 to 2.3 %, in fog 1 to 3 %. Sky irradiance by day
     is within 0.4 %. A ray takes 0.04 ms at three wavelengths.
@@ -82,7 +82,7 @@ class SolvedSky:
 
     @property
     def atmosphere(self) -> Atmosphere:
-        """What was solved."""
+        """The solved atmosphere."""
         return self.field.atmosphere
 
     def radiance(
@@ -128,9 +128,8 @@ class SolvedSky:
     def irradiance(self, altitude_m: ArrayLike, mu_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Irradiance (..., C) of the sun and of the sky, W m^-2 nm^-1.
 
-        The sun's is what the air leaves of it on a plane that faces it, of the part of its disc
-        that is above the horizon. The sky's is that of all orders on a level surface that faces
-        up.
+        The sun's is behind the air, on a plane that faces it, of the part of its disc above the
+        horizon. The sky's is of all orders, on a level surface that faces up.
         """
         air = self.atmosphere
         altitude, sun = broadcast(altitude_m=_altitudes(altitude_m), mu_s=_cosines("mu_s", mu_s))
@@ -139,7 +138,7 @@ class SolvedSky:
         for part in self._batches(heights.size):
             disc[part] = seen_irradiance(air, heights[part], suns[part])
         field = replace(self.field, sizes=replace(self.field.sizes, **_IRRADIANCE_SIZES))
-        # What lies above a level surface on top of the atmosphere is dark.
+        # Above the top of the atmosphere the sky is dark.
         for height in np.unique(heights[heights < air.top_altitude_m]):
             same = heights == height
             bins = field.sizes.single_bins

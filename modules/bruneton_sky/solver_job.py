@@ -1,4 +1,4 @@
-"""The product's solving of an atmosphere: the module's background job, and who checks it."""
+"""Solves an atmosphere with the product's sizes: the module's background job, also for tests."""
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.solver import MOST_ORDERS, SourceField, solve

@@ -1,4 +1,4 @@
-"""The sun as a light: what of it arrives, and how its disc darkens toward the limb."""
+"""Sunlight behind the air, and the disc's limb darkening."""
 
 from typing import NamedTuple
 
@@ -18,11 +18,11 @@ _DISC_NODES, _DISC_MARGIN, _DISC_STRIPS = 12, 1.2, 64
 
 
 class DiscLight(NamedTuple):
-    """The sun's light by where in the disc it is seen from, for one observer.
+    """The sun's light by the point of its disc, for one observer.
 
     `depth` (n,): 1 + mu of points from the disc's lowest to its highest, uniform.
     `irradiance_rgb` (n, 3): that of a whole sun that is seen there, linear sRGB, W m^-2;
-    `seen_rgb` (3,): that of what is seen of the disc.
+    `seen_rgb` (3,): that of the visible part of the disc.
     """
 
     depth: NDArray[np.float64]
@@ -50,7 +50,7 @@ def sun_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLik
 
 
 def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLight:
-    """What the air leaves of each part of the disc, for an observer at any altitude."""
+    """Light of each part of the disc behind the air, for an observer at any altitude."""
     zenith_angle = np.arccos(np.clip(mu_s, -1.0, 1.0))
     reach = _DISC_MARGIN * atmosphere.sun_angular_radius_rad
     ends = np.clip(zenith_angle + np.array([reach, -reach]), 0.0, np.pi)
@@ -64,14 +64,14 @@ def disc_light(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> DiscLi
 
 
 def seen_irradiance_rgb(atmosphere: Atmosphere, altitude_m: float, mu_s: float) -> FloatArray:
-    """Irradiance (3,) of what an observer sees of the disc, linear sRGB, W m^-2."""
+    """Irradiance (3,) of the disc's visible part, linear sRGB, W m^-2."""
     spectral = seen_irradiance(atmosphere, altitude_m, mu_s)
     rgb = rgb_from_spectrum(spectral, atmosphere.wavelength_nm, _SUNLIGHT_EXPONENT)
     return np.maximum(rgb, 0.0)
 
 
 def seen_irradiance(atmosphere: Atmosphere, altitude_m: ArrayLike, mu_s: ArrayLike) -> FloatArray:
-    """Irradiance (..., C) of what observers see of the disc on a plane facing it, W m^-2 nm^-1.
+    """Irradiance (..., C) of the disc's visible part on a plane that faces it, W m^-2 nm^-1.
 
     The disc by level strips, of which the horizon cuts one: it sets without steps. Its darkening
     toward the limb is not counted.

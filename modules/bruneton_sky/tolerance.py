@@ -1,6 +1,6 @@
-"""What the Bruneton sky's sizes and thresholds are for a tolerance of radiance.
+"""The Bruneton sky's sizes and thresholds for a tolerance of radiance.
 
-| knob | what it turns | source |
+| knob | sizes | source |
 |---|---|---|
 | `solver` | nodes, directions, suns, bins, orders of an atmosphere's solution | front "solver" |
 | `table` | rows, columns, steps and bins of the sky-view table | front "table" |
@@ -27,8 +27,8 @@ FRONTS = Path(__file__).parent / "data" / "tolerance_fronts.json"
 TABLES: Mapping[str, float] = MappingProxyType(
     {"coarse": 0.7, "usual": 1.0, "fine": 1.5, "finer": 2.0}
 )
-# Shares of the tolerance: errors seldom meet in one direction, so that solution and table are left
-# nearly all of it. What the cube map may bring at the default tolerance is less than its share.
+# Shares of the tolerance: errors seldom add up in one direction, so that solution and table get
+# nearly all of it. At the default tolerance the cube map's budget is less than its share.
 _SOLVER_SHARE, _TABLE_SHARE, _CUBE_SHARE = 0.7, 0.25, 0.1
 _USUAL_CUBE = 0.003
 

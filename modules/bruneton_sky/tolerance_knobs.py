@@ -136,7 +136,7 @@ def _sky_texels(air: Air, view: View) -> NDArray[np.bool_]:
 
 
 def air_errors(air: Air, skies: Sequence[FloatArray], quality: Quality) -> list[float]:
-    """Error of each view at this quality, with the sun moved as far as it may unfollowed."""
+    """Error of each view at this quality, with the largest move of the sun that is left out."""
     field = solve_air(atmosphere_of(air.settings), rung=quality.solver)
     return [
         picture_error(_shown(field, air, view, quality), sky)
@@ -145,7 +145,7 @@ def air_errors(air: Air, skies: Sequence[FloatArray], quality: Quality) -> list[
 
 
 def _shown(field: SourceField, air: Air, view: View, quality: Quality) -> NDArray[np.floating]:
-    """The sky (n, 3) as it is shown: looked up in the cube map; from aloft, in the table."""
+    """The shown sky (n, 3): looked up in the cube map; from aloft, in the table."""
     g = field.atmosphere.mie_g
     strayed = view._replace(
         elevation_rad=view.elevation_rad + sun_step_rad(view.elevation_rad, g, quality.sun_change)

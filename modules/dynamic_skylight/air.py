@@ -1,13 +1,13 @@
 """A simple air to go with a measured or fitted sky: two exponential layers, lit as the sky is.
 
-Molecules and aerosol thin with height over 8 and 1.2 km. What they scatter is known in total: an
-endless path through them must look as the sky does in its direction, or, below the horizon,
-as the sky just above it. So light is the sky's, times 1 - T of the path over 1 - T of all the air
-in that direction, and hills fade into the very sky behind them. Of this light, sunlight scattered
-once, which a shadow takes away, is the sun's irradiance times albedo and phase function, by the
-shares of molecules and aerosol at the eye, but nine tenths of it at most: the sky's aureole is
-softer than the phase function's. All of it counts as the molecules'. The rest is light scattered
-again; with the sun below the horizon all is of that kind, though high up the sun may still shine.
+Molecules and aerosol thin with height over 8 and 1.2 km. Their scattered light is known in total:
+an endless path must have the sky's radiance in its direction or, below the horizon, that of the sky
+just above it. So light is the sky's, times 1 - T of the path over 1 - T of all the air
+in that direction, and hills fade into the very sky behind them. The part that a shadow removes,
+sunlight scattered once, is the sun's irradiance times albedo and phase function, by the shares of
+molecules and aerosol at the eye, but at most nine tenths: the sky's aureole is softer than the
+phase function. All of it counts as the molecules'. The rest is light scattered
+again; with the sun below the horizon all light counts as such, though high air may still be lit.
 
 The aerosol is that of `vrut_lite.daylight.aerosol`; molecules scatter as in Bruneton's 2017
 demonstration, 1.24062e-6 per m at 1 micrometre.
@@ -44,12 +44,12 @@ GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
 SCALE_HEIGHTS_M = np.array([8000.0, SCALE_HEIGHT_M])
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 40, 24, 32
 _MOST_SUNLIT = 0.9
-# High up little air is left to make the sky's light: it is not to shine more than so much more.
+# Largest factor on light at high altitudes, where little air must make the sky's light.
 _LEAST_LOST = 0.02
 # The model's radiance has an infinite slope on the horizon, which would draw a line across the
-# hills at the eye's level: within half a degree of it the sky a little higher stands in for it.
+# hills at the eye's level: within half a degree of it the sky a little higher is taken.
 _SOFT_MU = 0.006
-# The first node is in the eye, where the light is its own limit: that of so much of a slice.
+# The first node is at the eye, where light is a limit: it is taken at this share of a slice.
 _FIRST_SHARE = 0.01
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 
@@ -62,7 +62,7 @@ def extinction(turbidity: float) -> FloatArray:
 
 
 def air_is_seen(turbidity: float, altitude_m: float, reach_m: float) -> bool:
-    """Whether so many metres of air may show: none of it is denser than the lowest within reach."""
+    """Whether the air may be visible: an upper bound by the density of the lowest air in reach."""
     if reach_m <= 0.0:
         return False
     lowest_m = max(min(altitude_m, TOP_ALTITUDE_M) - reach_m, 0.0)

@@ -1,4 +1,4 @@
-"""All the light of one hour, each part worked out when first asked for."""
+"""All the light of one hour, each part computed on first use."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +14,7 @@ from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import FloatArray
 
-# Light from the sky asks for a small sphere of its own, whatever size the picture wants.
+# Light from the sky needs a small cube of its own, for every size of the picture.
 LIGHT_SIZE = 64
 
 
@@ -41,7 +41,7 @@ class Daylight:
 
     @cached_property
     def model(self) -> HosekWilkieSky | None:
-        """The exact model, while the sun is so high that nothing else is in the sky."""
+        """The exact model, while the sun is so high that no twilight is blended in."""
         if self.apparent_elevation_rad < BLEND_APPARENT_RAD:
             return None
         return HosekWilkieSky(self.turbidity, self.albedo, self.apparent_elevation_rad)

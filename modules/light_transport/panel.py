@@ -6,9 +6,9 @@ The window imports it by the entry point `vrut_lite.panels`; nothing else here i
 from functools import partial
 from typing import NamedTuple
 
-from PySide6.QtCore import QRect, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QLabel, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtCore import QRect, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QShowEvent
+from PySide6.QtWidgets import QComboBox, QLabel, QProgressBar, QVBoxLayout, QWidget
 
 from light_transport.false_colours import (
     FalseColours,
@@ -22,6 +22,7 @@ from light_transport.module import HOUR, LAYOUT, RAYS
 from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.fitted_picture import FittedPicture
 from vrut_lite.app.widgets import faint_label, rgb_image
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
@@ -67,7 +68,7 @@ class LightMapPanel(QWidget):
         self.kind.addItems([_LIGHT, _SIZE, _ERROR])
         self.kind.setAccessibleName("what the picture of the light map shows")
         self.kind.currentIndexChanged.connect(self._renew)
-        self.view = _View()
+        self.view = FittedPicture("light map", (320, 320), smooth=False)
         self.legend = _Legend()
         self.meaning = faint_label("", wraps=True)
         column = QVBoxLayout(self)
@@ -110,7 +111,7 @@ class LightMapPanel(QWidget):
         grown, light, picture = self._grown, self._light, shown.picture
         self.progress.setRange(0, grown.rays_wanted if grown is not None else 1)
         self.progress.setValue(grown.rays if grown is not None else 0)
-        self.view.show_picture(picture)
+        self.view.show_pixels(None if picture is None else picture.pixels)
         self._explain(picture)
         if grown is None or light is None:
             self.facts.setText(_NOTHING)
@@ -165,35 +166,6 @@ def _seconds(stage: Stage) -> tuple[float, float]:
             elif remark.text == HOUR:
                 hour_ns = took_ns
     return bake_ns / 1e9, hour_ns / 1e9
-
-
-class _View(QWidget):
-    """A picture, as large as there is room, texels with sharp edges."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._image: QImage | None = None
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setAccessibleName("light map")
-
-    def sizeHint(self) -> QSize:
-        """A small square."""
-        return QSize(320, 320)
-
-    def show_picture(self, picture: FalseColours | None) -> None:
-        """Show it, or nothing."""
-        self._image = None if picture is None else rgb_image(picture.pixels)
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """The picture, unstretched."""
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(theme.BACKGROUND))
-        if self._image is not None:
-            size = self._image.size().scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
-            place = QRect(0, 0, size.width(), size.height())
-            place.moveCenter(self.rect().center())
-            painter.drawImage(place, self._image)
 
 
 class _Legend(QWidget):

@@ -8,15 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QRect, QSize, Qt
-from PySide6.QtGui import QColor, QHideEvent, QImage, QPainter, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtGui import QHideEvent, QShowEvent
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from path_tracer.messages import PathTracedPicture
-from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
-from vrut_lite.app.widgets import rgb_image
+from vrut_lite.app.fitted_picture import FittedPicture
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.pictures.display import display_picture
@@ -44,7 +42,7 @@ class TracedPanel(QWidget):
         super().__init__()
         self._session = session
         self.shown: Developed | None = None
-        self.view = _View()
+        self.view = FittedPicture("path-traced picture", (360, 240))
         self.progress = QLabel(_WAITING)
         self.progress.setWordWrap(True)
         column = QVBoxLayout(self)
@@ -85,33 +83,3 @@ def _developed(message: PathTracedPicture, ev100: float | None, stage: Stage) ->
     balance = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
     pixels = display_picture(message.radiance.values, ev100, wish.tone_map, balance)
     return Developed(pixels.astype(np.uint8), message.samples, message.samples_wanted)
-
-
-class _View(QWidget):
-    """A picture, as large as there is room."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._image: QImage | None = None
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setAccessibleName("path-traced picture")
-
-    def sizeHint(self) -> QSize:
-        """Half of a window's picture."""
-        return QSize(360, 240)
-
-    def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
-        """Show sRGB (h, w, 3)."""
-        self._image = rgb_image(pixels)
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """The picture, unstretched."""
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(theme.BACKGROUND))
-        if self._image is not None:
-            size = self._image.size().scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
-            place = QRect(0, 0, size.width(), size.height())
-            place.moveCenter(self.rect().center())
-            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
-            painter.drawImage(place, self._image)

@@ -1,6 +1,6 @@
 """Measured paths and runs with known numbers."""
 
-from vrut_lite_bench.results import FORMAT, ErrorSize, GroupNote, Machine, Measured, Results
+from vrut_lite_bench.results import FORMAT, Errors, GroupNote, Machine, Measured, Results
 
 MACHINE = Machine(
     date="2026-11-21 12:00 UTC",
@@ -18,8 +18,8 @@ MACHINE = Machine(
 def measured(name: str, rounds_s: list[float], p99: float = 0.01, mean: float = 0.001) -> Measured:
     """A path of the group "sky" whose errors by day are these, and twice as large by night."""
     errors = {
-        "sun 10°, 0 m up": ErrorSize(mean, p99, 2 * p99),
-        "sun -4°, 0 m up": ErrorSize(2 * mean, 2 * p99, 4 * p99),
+        "sun 10°, 0 m up": Errors(mean, p99, 2 * p99),
+        "sun -4°, 0 m up": Errors(2 * mean, 2 * p99, 4 * p99),
     }
     return Measured(
         group="sky",

@@ -46,7 +46,7 @@ def test_a_path_s_time_is_that_of_a_unit() -> None:
     assert told == ["sky: a"]
 
 
-def test_what_takes_seconds_is_timed_once() -> None:
+def test_slow_calls_are_timed_once() -> None:
     """A call of 30 s is not repeated, nor is what has done its rounds itself."""
     calls: list[float] = []
 
@@ -157,7 +157,7 @@ def test_command_writes_and_compares(fake_kinds, tmp_path, monkeypatch) -> None:
     assert "times slower" in slow.output
 
 
-def test_what_is_slower_only_once_is_not_slower(fake_kinds, tmp_path, monkeypatch) -> None:
+def test_a_path_slower_only_once_is_not_slower(fake_kinds, tmp_path, monkeypatch) -> None:
     """Timed again it is as fast as before: other work on the machine had slowed it."""
     monkeypatch.chdir(tmp_path)
     CliRunner().invoke(bench, ["--quick", "-o", "old"])

@@ -16,6 +16,18 @@ SIZES = TableSizes(
     altitude=8, mu=32, nu=4, mu_s=8,
 )  # fmt: skip
 GROUND_RADIUS_M = 6_360_000.0
+# Name of a step in our run, its order, and Bruneton's name of it.
+STEPS = [
+    ("transmittance", 0, "transmittance"),
+    ("delta_irradiance", 1, "delta_irradiance_direct"),
+    ("single_rayleigh", 1, "single_rayleigh"),
+    ("single_mie", 1, "single_mie"),
+    *(
+        (name, order, f"{name}_order{order}")
+        for order in (2, 3, 4)
+        for name in ("scattering_density", "delta_irradiance", "delta_multiple_scattering")
+    ),
+]
 
 
 @lru_cache(maxsize=1)

@@ -61,7 +61,7 @@ def test_nothing_is_made_twice(sky: SkyOnBus) -> None:
     assert len(air_of(sky)) == 1
 
 
-def test_nobody_pays_for_what_nobody_wants(sky: SkyOnBus) -> None:
+def test_air_without_demand_costs_nothing(sky: SkyOnBus) -> None:
     """Without a demand there is no air, and with air alone wanted no sky-view table is made."""
     sky.eye(0.0, 20_000.0)
     assert len(air_of(sky)) == 1

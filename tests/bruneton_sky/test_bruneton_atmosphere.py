@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
+from bruneton_sky.atmosphere import SPECTRAL_FIELDS
 
 from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
 
@@ -112,15 +113,7 @@ def test_sun_of_another_order_of_wavelengths_is_the_same(other_planet: Atmospher
     """Wavelengths may rise or fall: each keeps its own coefficients."""
     turned = {
         name: tuple(reversed(getattr(other_planet, name)))
-        for name in (
-            "wavelength_nm",
-            "solar_irradiance",
-            "rayleigh_scattering",
-            "mie_scattering",
-            "mie_extinction",
-            "absorption_extinction",
-            "ground_albedo",
-        )
+        for name in ("wavelength_nm", *SPECTRAL_FIELDS)
     }
     rising = replace(other_planet, **turned)  # type: ignore[arg-type]
     where = 1000.0, 0.4, 0.3, 0.1

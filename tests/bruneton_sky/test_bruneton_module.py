@@ -64,7 +64,7 @@ def test_posts_what_is_wanted(by_day: SkyOnBus) -> None:
     assert ambient.irradiance_sh_rgb.dtype == np.float32
 
 
-def test_solves_nothing_that_nobody_wants(sky: SkyOnBus) -> None:
+def test_solves_nothing_without_demand(sky: SkyOnBus) -> None:
     """Without demand or without the slot there is no job."""
     sky.sun(30.0)
     sky.lose_slot()
@@ -191,7 +191,7 @@ def test_the_eye_takes_the_observer_along(by_day: SkyOnBus) -> None:
     assert by_day.ledger.skipped["light on the scene: only the observer moved"] == 3
 
 
-def test_light_does_not_depend_on_who_looks() -> None:
+def test_light_does_not_depend_on_the_observer() -> None:
     """Under one sun an observer aloft lights the scene as one on the ground does: within 0.2 %,
     what the small table that is made aloft adds to the error of the large one."""
     lights = []

@@ -26,7 +26,7 @@ AIRS = {
 }
 
 
-def test_the_default_is_what_it_was() -> None:
+def test_the_default_is_unchanged() -> None:
     """The real-time sizes, the table and the steps that pictures and journals were made with before
     there was a tolerance."""
     assert quality_for(DEFAULT_TOLERANCE) == Quality("usual", "usual", 256, RADIANCE_TOLERANCE, 1.0)

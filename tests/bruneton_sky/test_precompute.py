@@ -99,7 +99,7 @@ def test_progress_ends_with_all_of_it(other_planet):
     assert told[-1] == 1.0
 
 
-def test_what_cannot_be_done_is_refused(other_planet):
+def test_invalid_requests_are_refused(other_planet):
     """In one sentence, before anything is computed."""
     with pytest.raises(ValueError, match="orders must lie between 1 and 1000, not 0"):
         precompute(other_planet, 0)

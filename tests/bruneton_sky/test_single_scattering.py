@@ -104,7 +104,7 @@ def test_thin_air_scatters_in_proportion() -> None:
     )
 
 
-def test_nothing_scatters_nothing() -> None:
+def test_air_without_scatterers_is_dark() -> None:
     """Without air there is no light; without one substance only the other's remains."""
     none = (0.0,) * 3
     no_mie = replace(NO_OZONE, mie_scattering=none, mie_extinction=none)

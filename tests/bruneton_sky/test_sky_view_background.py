@@ -161,7 +161,7 @@ def test_the_cube_map_stays_for_reflections(backend):
 
 
 @pytest.mark.gl
-def test_what_does_not_compile_is_told_once_and_the_cube_is_drawn(backend):
+def test_a_shader_that_does_not_compile_is_reported_once_and_the_cube_is_drawn(backend):
     """One sentence for one text; the picture is that of the cube map, then and later."""
     around = surroundings(field(), 4e5, direction(30.0))
     show(backend, around, view=None)

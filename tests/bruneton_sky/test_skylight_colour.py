@@ -10,6 +10,7 @@ from typing import get_args
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere
+from bruneton_sky.atmosphere import SPECTRAL_FIELDS
 from bruneton_sky.background import surroundings
 from bruneton_sky.ground_light import ground_radiance
 from bruneton_sky.phase import mie_phase, rayleigh_phase
@@ -165,14 +166,7 @@ def test_sunlight_and_sky_belong_to_one_atmosphere(name: PresetName) -> None:
         few, many = (f(settings, 800.0) for f in (atmosphere_of, spectral_atmosphere_of))
         assert few.wavelength_nm == SKYLIGHT_NM
         shared = [many.wavelength_nm.index(nm) for nm in few.wavelength_nm]
-        for field in (
-            "solar_irradiance",
-            "rayleigh_scattering",
-            "mie_scattering",
-            "mie_extinction",
-            "absorption_extinction",
-            "ground_albedo",
-        ):
+        for field in SPECTRAL_FIELDS:
             spectral = np.asarray(getattr(many, field))[shared]
             np.testing.assert_allclose(getattr(few, field), spectral, rtol=1e-12)
         assert few.mie_g == many.mie_g

@@ -79,7 +79,7 @@ def test_rays_below_the_layer_see_the_ground_and_from_above_the_tops():
 
 @pytest.mark.parametrize("sun", [SUN, (1.0, 0.01, 0.0), (1.0, -0.02, 0.0), (0.0, 1.0, 0.0)])
 @pytest.mark.parametrize("height_m", [0.0, 1500.0, 3e4, 4e5])
-def test_no_eye_sees_what_cannot_be(sun, height_m):
+def test_clouds_are_finite_and_not_negative_for_every_eye(sun, height_m):
     """Below, in and above the layer and from space, day and night: finite, not negative."""
     light = ClearLight(sun, (50.0,) * 3, np.concatenate([np.full((1, 3), 9.0), np.zeros((24, 3))]))
     views = towards(*np.random.default_rng(2).normal(size=(60, 3)))

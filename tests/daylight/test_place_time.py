@@ -261,7 +261,7 @@ def test_captions_refuse_a_naive_time():
 @example("1_0")
 @example("３")
 @example(" +1.5e1 ")
-def test_a_number_is_what_everybody_takes_for_one(text):
+def test_numbers_have_plain_form(text):
     """Only Python's numbers in ASCII without underscores are accepted, floats and integers."""
     plain = text.strip().isascii() and "_" not in text
     for ours, pythons in ((plain_float, float), (plain_int, int)):

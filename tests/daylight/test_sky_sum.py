@@ -90,7 +90,7 @@ def test_without_layers_the_sum_is_the_clear_sky(stage):
     assert stage.kernel.wanted(BackgroundChanged).encoding == ""
 
 
-def test_nobody_asks_nothing_is_done(stage):
+def test_without_demand_nothing_is_summed(stage):
     """Without demand neither sky nor clouds are wanted, and no sum is made."""
     stage.say(Say(clouds=rough_layer()))
     assert stage.sums == []
@@ -117,7 +117,7 @@ def test_clouds_come_into_the_sum_and_go(stage):
     assert stage.sums[-1].background is stage.kernel.last(BackgroundChanged)
 
 
-def test_what_nobody_sees_is_not_summed_again(stage):
+def test_invisible_changes_are_not_summed_again(stage):
     """A drift by a metre, a step upwards: the same sum. A kilometre of drift: another."""
     layer = rough_layer()
     stage.want(16)

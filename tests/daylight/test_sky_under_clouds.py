@@ -60,7 +60,7 @@ def test_the_light_of_a_slab_is_that_on_paper():
     np.testing.assert_allclose(horizontal_irradiance(cube), expected, rtol=0.02)
 
 
-def test_cube_harmonics_and_ground_say_one_light():
+def test_cube_harmonics_and_ground_agree():
     """Harmonics are those of the cube; ground over irradiance is the clear sky's: 1 %."""
     sky = clear_sky()
     light = summed(rough_layer(), sky=sky)

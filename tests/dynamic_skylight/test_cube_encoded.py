@@ -32,7 +32,7 @@ def test_halves_are_the_float32_map_rounded(turbidity, albedo, elevation, size, 
     np.testing.assert_array_equal(halves, expected)
 
 
-def test_what_no_half_can_hold_is_cut():
+def test_values_beyond_a_half_are_clipped():
     """A scale too small must not turn the aureole into infinity."""
     assert SKY.cube_map_float16(16, 0.0, 1e-4).max() == 65504.0
 

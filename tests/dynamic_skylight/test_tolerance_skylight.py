@@ -19,7 +19,7 @@ LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 GRID = np.geomspace(1e-4, 1.0, 81).tolist()
 
 
-def test_the_default_is_what_it_was():
+def test_the_default_is_unchanged():
     """256 texels, light from 64, a thousandth for an unfollowed sun, 1 % of air: the sizes that
     pictures and journals were made with before there was a tolerance."""
     assert quality_for(DEFAULT_TOLERANCE) == Quality(256, 64, RADIANCE_TOLERANCE, 0.01)

@@ -106,7 +106,7 @@ def test_a_stream_that_is_closed(tmp_path, stream, monkeypatch):
     assert (tmp_path / "sky.npz").exists()
 
 
-def test_nobody_reads_the_output():
+def test_a_closed_reader_of_the_output():
     """`vrut-lite modules | head -0`: no traceback, no complaint at the end."""
     read, write = os.pipe()
     process = start("modules", stdout=write)

@@ -378,7 +378,7 @@ def test_a_module_that_cannot_start_does_not_stop_the_host():
         {"north_offset_rad": 1e9},
     ],
 )
-def test_a_place_that_is_none_reaches_no_module(wrong):
+def test_invalid_places_reach_no_module(wrong):
     """One bad number must not suspend whoever computes the sun from it."""
 
     class Placed(Module):
@@ -412,7 +412,7 @@ def test_a_place_that_is_none_reaches_no_module(wrong):
         ({"vertical_field_of_view_rad": float("nan")}, "between 0 and pi"),
     ],
 )
-def test_a_camera_that_is_none_reaches_no_module(wrong, says):
+def test_invalid_cameras_reach_no_module(wrong, says):
     """A NaN of a journal or another process would come into every picture."""
 
     class Seeing(Module):

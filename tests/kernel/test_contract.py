@@ -158,7 +158,7 @@ def test_a_class_that_is_no_module_is_a_sentence(folder, kind):
 
 
 @pytest.mark.parametrize("kind", SETTINGS)
-def test_settings_that_are_none_are_a_sentence(folder, kind):
+def test_invalid_settings_are_refused_in_a_sentence(folder, kind):
     """Options, panels and journals are made from settings: what they cannot bear is refused."""
     body, says = SETTINGS[kind]
     text = textwrap.dedent(
@@ -208,7 +208,7 @@ def test_a_class_that_changes_is_refused_when_it_is_added():
     assert not kernel.seats
 
 
-def test_settings_that_have_the_names_of_options_hide_none(folder, monkeypatch):
+def test_settings_named_like_options_hide_no_option(folder, monkeypatch):
     """A command's own options go on to work; such a setting is reached by --set."""
     import click
 

@@ -74,7 +74,7 @@ def results(kernel):
 
 
 @pytest.mark.parametrize("make_runner", [ThreadRunner, HeldRunner])
-def test_a_result_comes_back_to_who_asked_and_nobody_else(make_runner):
+def test_only_the_asking_module_gets_a_result(make_runner):
     """A module's results are its own affair, on threads as in a replay."""
     kernel = kernel_with(make_runner())
     ask(kernel, Ask(work=sum, arguments=((1, 2),)), Ask(work=echo, arguments=(7,), job="other"))

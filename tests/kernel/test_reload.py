@@ -182,7 +182,7 @@ def test_a_part_of_the_host_is_not_reloaded():
     assert kernel.seats["part"].running
 
 
-def test_what_cannot_be_a_snapshot_is_a_fault_and_the_reload_goes_on(package):
+def test_an_invalid_snapshot_is_a_fault_and_the_reload_goes_on(package):
     """A snapshot is plain data: an object of the old version must not live on in the new one."""
     package.write(1, extra="Counter.snapshot = lambda self: object()\n")
     kernel = kernel_with(package)

@@ -67,7 +67,7 @@ def test_a_switch_never_shows_a_sun_of_one_with_the_halo_of_another():
     assert mixtures == []
 
 
-def test_what_a_former_holder_left_in_the_queue_is_not_delivered():
+def test_queued_messages_of_a_former_holder_are_dropped():
     """A message posted before its maker lost the slot would arrive after the new holder's."""
     kernel = kernel_with("a", "b")
     suns = collect(kernel, Sun)
@@ -84,7 +84,7 @@ def test_without_another_the_last_sun_stays():
     assert sources(kernel) == ["a", "a"]
 
 
-def test_who_does_not_run_cannot_be_chosen():
+def test_a_stopped_module_cannot_be_chosen():
     """A choice that can have no effect is told, not swallowed."""
     kernel = kernel_with("a", "b")
     faults = faults_of(kernel)
@@ -93,7 +93,7 @@ def test_who_does_not_run_cannot_be_chosen():
     assert "module b is disabled" in faults[0].error
 
 
-def test_who_does_not_stand_in_holds_a_slot_only_when_chosen():
+def test_a_module_without_stand_in_holds_a_slot_only_when_chosen():
     """A bridge to elsewhere may be the sun if someone says so, never by another's failure."""
     kernel = Kernel()
     kernel.add_module(provider("bridge", stand_in=False))

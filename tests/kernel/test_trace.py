@@ -73,7 +73,7 @@ def test_every_delivery_names_its_cause():
     assert times == sorted(times)
 
 
-def test_what_the_kernel_does_and_what_nobody_hears_is_traced():
+def test_kernel_actions_and_unheard_messages_are_traced():
     """A setting that only the kernel acts on, and its unheard consequence, are not invisible."""
     kernel = kernel_with_both()
     act(kernel, SetSetting(module="nobody", name="x", value=1))

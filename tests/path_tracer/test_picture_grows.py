@@ -1,7 +1,5 @@
 """The module on the bus: progress, cancelling, demand, and what may go wrong."""
 
-import builtins
-import sys
 import threading
 import time
 
@@ -94,7 +92,7 @@ def demands_of_the_tracer(kernel):
     return kernel.lifecycle.demands.of_consumer("path_tracer")
 
 
-def test_nothing_is_traced_until_somebody_wants_it(stage):
+def test_nothing_is_traced_without_demand(stage):
     """Scene and light came, and no sample was taken, no light demanded, no job started."""
     kernel, heard = stage
     assert pictures(heard) == []
@@ -102,7 +100,7 @@ def test_nothing_is_traced_until_somebody_wants_it(stage):
     assert (ledger(stage).done["picture begun"], ledger(stage).done["sample"]) == (0, 0)
 
 
-def test_who_asks_late_sees_what_is_looked_at_by_then(stage):
+def test_a_late_demand_gets_the_present_view(stage):
     """A camera that was moved after the scene came, before anybody wanted a picture, is kept."""
     kernel, heard = stage
     kernel.inject(MoveCamera(eye_m=(0.0, 50.0, 0.1), target_m=(0.0, 90.0, 0.0)))
@@ -158,7 +156,7 @@ def test_one_change_of_all_light_begins_one_picture(stage):
         SetSetting(module="path_tracer", name="max_bounces", value=1),
     ],
 )
-def test_what_is_seen_changes_and_the_picture_begins_anew(stage, change):
+def test_a_changed_view_restarts_the_picture(stage, change):
     """Light, camera, size and settings: from the first sample again."""
     play(stage, WANT)
     assert [picture.samples for picture in pictures(play(stage, change))] == [1, 2, 4, 8]
@@ -212,7 +210,7 @@ def test_a_sun_that_changes_during_a_render_begins_it_anew(stage, monkeypatch):
     assert found[0].radiance.values[0].max() == 0.0
 
 
-def test_a_render_that_nobody_wants_any_more_stops(stage, monkeypatch):
+def test_a_render_without_demand_stops(stage, monkeypatch):
     """Cancelled amid a pass: no picture follows, and the kernel is idle."""
     kernel, heard = stage
     gate = Gate(monkeypatch)
@@ -259,20 +257,6 @@ def test_the_main_thread_goes_on_meanwhile(stage):
 
 def faults(heard):
     return [message for message in heard if isinstance(message, Fault)]
-
-
-@pytest.fixture
-def without_mitsuba(monkeypatch):
-    """As if the extra were not installed."""
-    real = builtins.__import__
-
-    def refuse(name, *arguments, **named):
-        if name.split(".")[0] == "mitsuba":
-            raise ModuleNotFoundError(f"No module named '{name}'")
-        return real(name, *arguments, **named)
-
-    monkeypatch.delitem(sys.modules, "mitsuba", raising=False)
-    monkeypatch.setattr(builtins, "__import__", refuse)
 
 
 def test_a_missing_mitsuba_is_one_line_that_names_the_extra(stage, without_mitsuba):

@@ -1,6 +1,5 @@
 """`vrut-lite render --engine path-tracer`: pictures, metadata, and what it says when it cannot."""
 
-import builtins
 import os
 import signal
 import subprocess
@@ -77,17 +76,8 @@ def test_bad_words_are_one_line(tmp_path, arguments, words):
     assert words in str(result.exception)
 
 
-def test_a_missing_mitsuba_is_told_by_the_command(tmp_path, monkeypatch):
+def test_a_missing_mitsuba_is_told_by_the_command(tmp_path, without_mitsuba):
     """One line that names the extra, and no picture."""
-    real = builtins.__import__
-
-    def refuse(name, *arguments, **named):
-        if name.split(".")[0] == "mitsuba":
-            raise ModuleNotFoundError(f"No module named '{name}'")
-        return real(name, *arguments, **named)
-
-    monkeypatch.delitem(sys.modules, "mitsuba", raising=False)
-    monkeypatch.setattr(builtins, "__import__", refuse)
     result = run("-o", str(tmp_path / "picture.png"), *TRACED)
     assert isinstance(result.exception, UserError)
     assert "pip install 'vrut-lite[ref]'" in str(result.exception)

@@ -3,9 +3,9 @@
 import msgspec
 import numpy as np
 import pytest
+from light_messages import small_air
 
-from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.air import AirChanged
 from vrut_lite.errors import UserError
 from vrut_lite.recording.codec import arrays_of, decode, digest_of, to_plain
 
@@ -14,21 +14,7 @@ def air(first=1.0):
     """A small volume of air."""
     values = np.full((3, 3, 4, 2, 3), 0.5, np.float16)
     values[0, 0, 0, 0, 0] = first
-    volume = AirVolume(
-        light=Array(values),
-        columns=2,
-        extinction=Array(np.full((3, 4, 3), 1e-5, np.float32)),
-        radiance_scale=0.25,
-        aerosol_phase=(0.8, 0.1, 1.0),
-        rows_above=2,
-        rows_below=2,
-        reach_m=1e5,
-        observer_altitude_m=0.0,
-        ground_radius_m=6_360_000.0,
-        top_altitude_m=60_000.0,
-        sun_direction=(0.0, 1.0, 0.0),
-    )
-    return AirChanged(volume=volume, source="sample")
+    return small_air(values, observer_altitude_m=0.0)
 
 
 @pytest.mark.parametrize("message", [air(), AirChanged(volume=None, source="sample")])

@@ -76,7 +76,7 @@ VALUES = st.recursive(
 
 
 @given(VALUES)
-def test_whatever_is_changed_afterwards_changes_no_record(value):
+def test_later_changes_change_no_record(value):
     """A journal says the same of the message then and of the one that was kept, later."""
     message = SettingChanged(module="m", name="x", value=value)
     then = copy.deepcopy(to_plain(message))
@@ -100,7 +100,7 @@ def test_what_cannot_change_is_shared():
     assert as_delivered(cube) is cube
 
 
-def test_a_texture_is_not_held_by_who_keeps_its_description():
+def test_a_description_does_not_keep_its_texture():
     """Texels that nobody shows any more are free, however late the journal is written."""
     texture = GpuTexture(size=4, format="rgba16f", recipe="ab").holding(object())
     kept = as_delivered(SettingChanged(module="m", name="x", value=texture))
@@ -165,7 +165,7 @@ def test_the_windows_journal_holds_what_was_delivered(tmp_path):
     assert Replay(journal, [Meddler]).run().difference is None
 
 
-def test_what_nests_without_end_ends_the_recording_and_not_the_session(tmp_path):
+def test_endless_nesting_ends_the_recording_and_not_the_session(tmp_path):
     """The kernel's thread looks at the message now, and must not die of it."""
     recorded = flown(Nest, tmp_path / "j.mcap", 3)
     assert recorded.ended.startswith("recording ended at a SettingChanged: ")

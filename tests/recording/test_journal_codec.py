@@ -119,7 +119,7 @@ def test_a_traceback_is_not_recorded():
     assert "trace" not in to_plain(fault)
 
 
-def test_what_has_no_plain_form_is_named_and_never_made_again():
+def test_a_value_without_plain_form_is_named_and_never_made_again():
     """A job may return any object; a journal remembers its type alone, and runs no code of it."""
     plain = to_plain(JobResult(module="m", job="j", value=threading.Lock()))
     assert plain["value"] == {"$opaque": "lock"}

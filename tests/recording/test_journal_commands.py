@@ -131,7 +131,7 @@ def test_a_project_gives_scene_place_and_settings(tmp_path):
         (["none.toml"], "cannot open the project"),
     ],
 )
-def test_what_makes_no_sense_is_refused_and_leaves_no_file(tmp_path, arguments, says):
+def test_invalid_options_are_refused_and_leave_no_file(tmp_path, arguments, says):
     """One sentence, and nothing half written."""
     path = tmp_path / "journal.mcap"
     with pytest.raises(UserError, match=says):

@@ -129,7 +129,7 @@ def test_an_array_of_an_odd_type_is_refused(saved, full, change):
     ("content", "says"),
     [(b"", "no journal"), (b"RIFF" * 100, "no journal"), (b"\x89MCAP0\r\n", "cut short")],
 )
-def test_what_is_no_journal(saved, content, says):
+def test_files_that_are_no_journal(saved, content, says):
     """An empty file, another format, and the first bytes of one."""
     with pytest.raises(UserError, match=says):
         Journal(saved(content))
@@ -173,7 +173,7 @@ def written(chunk=None, schema=b"{}", data=None):
         (b"0" * (limits.MESSAGE_BYTES + 1), "larger than"),
     ],
 )
-def test_a_message_that_is_none(saved, data, says):
+def test_invalid_messages_in_a_journal(saved, data, says):
     """Each is refused in a sentence, the deep one without a crash."""
     journal = Journal(saved(written(data=data)))
     with pytest.raises(UserError, match=says):
@@ -246,7 +246,7 @@ def test_a_forged_journal_is_refused_or_replayed(saved, full, forgery, count):
     assert grown_kb < 200_000
 
 
-def test_whoever_reads_a_forged_journal_says_one_line(saved, full):
+def test_every_reader_of_a_forged_journal_prints_one_line(saved, full):
     """Replays to the end, new recordings, the window's list, and dumps that are played again."""
     for seed in range(1000, 1050):
         attempt_all(saved(forge_records(full, random.Random(seed))))

@@ -175,7 +175,7 @@ def test_a_message_may_nest_as_deep_as_is_said(saved):
 
 
 @pytest.mark.parametrize("fields", [{}, {"x": 1}, {"module": []}, {"module": {"$array": 1}}])
-def test_a_result_of_nobody_is_compared_as_any_message(saved, fields):
+def test_a_result_without_a_job_is_compared_like_a_message(saved, fields):
     """A derived JobResult does not exist; without its module it is a difference all the same."""
     for type_name in ("JobResult", "Fault"):
         path = saved([POKE, entry("derived", type_name, fields)])

@@ -160,7 +160,7 @@ def test_recording_begins_on_a_fresh_kernel():
         Recorder(kernel, io.BytesIO())
 
 
-def test_what_cannot_be_recorded_ends_the_recording_and_not_the_session():
+def test_an_unrecordable_message_ends_the_recording_and_not_the_session():
     """A number that no journal holds is told when it is closed; the kernel goes on."""
     kernel = toy_kernel()
     recorder = Recorder(kernel, io.BytesIO())

@@ -177,7 +177,7 @@ def test_faults_before_the_recording_count(tmp_path, before, state):
         [level(7), RestartModule(module="clerk"), level(3)],  # A job's result.
     ],
 )  # fmt: skip
-def test_what_a_module_remembers_of_its_setting_up_is_remembered(tmp_path, before):
+def test_a_module_s_state_of_its_set_up_is_repeated(tmp_path, before):
     """Every step is done again, in order: final values would not tell what was heard."""
     kernel = kernel_with(*MODULES)
     act(kernel, *before)
@@ -217,7 +217,7 @@ class Asked(Clerk):
         self.link.post(Told(module="asked", history=(wish.consumer, str(wish.size))))
 
 
-def test_what_a_module_wanted_is_wanted_of_its_stand_in(tmp_path):
+def test_a_stand_in_repeats_the_module_s_demands(tmp_path):
     """Or a sky that was asked of the GPU would be made by the CPU in the replay."""
     kernel, stream = kernel_with(Owner, Asked), io.BytesIO()
     recorder = Recorder(kernel, stream)

@@ -124,7 +124,7 @@ EYES = [
         lambda sun: abs(sun[1]) < 0.5,
     ),
 )
-def test_no_eye_sees_what_cannot_be(stage, sun):
+def test_clouds_are_finite_and_not_negative_for_every_eye(stage, sun):
     """Below, in and above the layer and from space, day and night: finite, not negative."""
     up = max(sun[1], 0.0)
     sky = np.full((6, 16, 16, 3), 4.0)

@@ -324,7 +324,7 @@ def test_a_journal_gives_a_job_back_with_its_buffers():
     assert decode(GpuJob, to_plain(job), lambda handle: array) == job
 
 
-def test_whoever_can_run_jobs_demands_them(gl_owner):
+def test_a_runner_of_jobs_demands_them(gl_owner):
     """A module asks `wanted(GpuJob)`: without a GL owner in the kernel nobody does."""
     from vrut_lite.render.gl_jobs import GlJobs
 

@@ -348,7 +348,7 @@ def test_the_back_of_a_sheet_is_lit_from_its_own_side(backend, tmp_path):
     np.testing.assert_allclose(above, 9.0, rtol=0.01)
 
 
-def test_without_probes_the_back_of_a_sheet_gets_what_the_open_sky_lets_guess(backend, tmp_path):
+def test_without_probes_the_back_of_a_sheet_is_lit_by_the_ratio_of_open_sky(backend, tmp_path):
     """The front's light times the sky's share below: one fifth under five above and one below."""
     light(backend, gradient_sky())
     path = square(tmp_path, {**surface(1.0, 1.0), "doubleSided": True})

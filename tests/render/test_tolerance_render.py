@@ -11,7 +11,7 @@ from vrut_lite.render.light import Sky
 from vrut_lite.render.passes.specular_filter import CHANGE_SEEN, SpecularFilter, reflection_change
 
 
-def test_the_default_is_what_it_was():
+def test_the_default_is_unchanged():
     """Half a step of 8 bits, as before there was a tolerance."""
     assert reflection_change(DEFAULT_TOLERANCE) == CHANGE_SEEN
 

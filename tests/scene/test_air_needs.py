@@ -119,7 +119,7 @@ def test_air_is_asked_for_and_handed_on(stage):
     assert scene.state.air is kernel.last(AirChanged).volume
 
 
-def test_switched_off_nobody_is_asked(stage):
+def test_switched_off_air_is_not_demanded(stage):
     """No demand, no reach, no air in the state, and the ledger counts it; on again all return."""
     kernel, scene = stage
     for wanted in (False, True):

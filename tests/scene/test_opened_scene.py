@@ -51,7 +51,7 @@ def test_parts_stand_as_the_file_has_them(name):
             np.testing.assert_array_equal(texels, np.asarray(source.baseColorTexture))
 
 
-def test_what_stands_often_is_there_once():
+def test_repeated_meshes_are_stored_once():
     """The pavilion's columns are one mesh in many places: no vertex is repeated for them."""
     loaded = load_scene(SCENES / "pavilion.gltf")
     geometry = packed(loaded).geometry
@@ -68,7 +68,7 @@ def test_the_content_key_is_of_the_content(tmp_path):
     assert a == b != c
 
 
-def test_nobody_can_write_to_an_opened_scene():
+def test_an_opened_scene_is_read_only():
     """Every module hears the same arrays."""
     opened = packed(load_scene(SCENES / "spheres.glb"))
     arrays = arrays_of(opened)

@@ -104,7 +104,7 @@ def test_map_and_light_of_the_open_scene_are_kept(stage):
         assert state.surface_light is light
 
 
-def test_what_is_of_another_scene_or_layout_is_left_out(stage):
+def test_light_of_another_scene_or_layout_is_dropped(stage):
     """Texels of other surfaces would show as nonsense."""
     _, _, post, load = stage
     scene = load(0)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from long_parameters import mostly_long
+from measured_error import error_mw
 from vrut_lite_studies.framework.directions import directions
-from vrut_lite_studies.framework.errors import rmse, total_rmse
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.models.model import sky_irradiance
 from vrut_lite_studies.models.registry import MODELS
@@ -34,19 +34,6 @@ def skies(model, zenith_deg, sun_azimuth_deg=100.0):
     zenith, azimuth = directions()
     relative = azimuth - np.radians(sun_azimuth_deg)
     return np.stack([model.sky_radiance(sun, zenith, relative) for sun in np.radians(zenith_deg)])
-
-
-def error_mw(model, measured):
-    """RMSE in mW m^-2 sr^-1 nm^-1 over measured skies."""
-    zenith, azimuth = directions()
-    each = [
-        rmse(
-            model.sky_radiance(sky.sun_zenith_rad, zenith, azimuth - sky.sun_azimuth_rad),
-            sky.radiance,
-        )
-        for sky in measured
-    ]
-    return 1000.0 * total_rmse(each)
 
 
 @pytest.mark.parametrize("name", PUBLISHED)

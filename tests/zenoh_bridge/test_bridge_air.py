@@ -4,34 +4,19 @@ import msgspec
 import numpy as np
 import pytest
 from bridge_samples import BACKGROUND
+from light_messages import small_air
 from zenoh_bridge.frames import encode_frame, read_frame, remote_message
 from zenoh_bridge.shareable import revive
 
 from vrut_lite.array import Array
-from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.errors import UserError
 from vrut_lite.recording.codec import arrays_of, to_plain
 
 LIGHT = np.linspace(0, 9, 3 * 3 * 4 * 2 * 3).astype(np.float16).reshape(3, 3, 4, 2, 3)
-AIR = AirChanged(
-    volume=AirVolume(
-        light=Array(LIGHT.copy()),
-        columns=2,
-        extinction=Array(np.full((3, 4, 3), 1e-5, np.float32)),
-        radiance_scale=0.25,
-        aerosol_phase=(0.8, 0.1, 1.0),
-        rows_above=2,
-        rows_below=2,
-        reach_m=1e5,
-        observer_altitude_m=2.0,
-        ground_radius_m=6_360_000.0,
-        top_altitude_m=60_000.0,
-        sun_direction=(0.0, 0.6, -0.8),
-    ),
-    source="sample",
-)
+AIR = small_air(LIGHT.copy(), sun_direction=(0.0, 0.6, -0.8))
 NO_AIR = AirChanged(volume=None, source="sample")
 
 

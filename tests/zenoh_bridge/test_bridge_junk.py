@@ -174,7 +174,7 @@ def frames(draw):
 @pytest.mark.gl
 @given(st.lists(frames(), min_size=1, max_size=6))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_host_draws_whatever_a_stranger_says(host, spoilt):
+def test_the_host_draws_after_any_remote_message(host, spoilt):
     """Every type, every field: settle and draw never raise, and what is drawn is finite."""
     host.told.clear()
     host.stranger.say_all(*GOOD)

@@ -125,14 +125,19 @@ def test_demand_follows_the_slot_and_the_consumers(ends):
     until(lambda: not maker.kernel.wanted(BackgroundChanged), "the demand taken back")
 
 
-def test_strangers_frames_are_counted_and_harm_nothing(ends, stranger):
-    """Each damaged frame is counted and reported; valid ones are posted as before."""
+def attacked(ends, stranger):
+    """A listening end that holds the slots, and a stranger connected to it."""
     port = free_port()
     here = ends()
     here.open("listen", port)
     here.hold_slots()
     until(lambda: "listening" in here.bridge.state, "the session")
-    rude = stranger(port)
+    return here, stranger(port)
+
+
+def test_strangers_frames_are_counted_and_harm_nothing(ends, stranger):
+    """Each damaged frame is counted and reported; valid ones are posted as before."""
+    here, rude = attacked(ends, stranger)
     dice, expected = random.Random(7), 0
     for _ in range(200):
         frame = mangled(encode_frame(SUN, 2**16), dice)
@@ -209,12 +214,7 @@ def test_a_recorded_session_replays(ends, tmp_path):
 )
 def test_missing_arrays_are_reported(ends, stranger, served, says):
     """A background whose array is missing is not posted; a later one may be."""
-    port = free_port()
-    here = ends()
-    here.open("listen", port)
-    here.hold_slots()
-    until(lambda: "listening" in here.bridge.state, "the session")
-    rude = stranger(port)
+    here, rude = attacked(ends, stranger)
     answers = {"now": served}
     if served is not None:
         rude.serve("vrut_lite/array/*", lambda query: rude.answer(query, answers["now"]))

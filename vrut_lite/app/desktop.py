@@ -1,7 +1,7 @@
 """Checks whether a window can be opened, before Qt would abort the process.
 
-Qt ends a process that has no display or lacks a library, without an exception. So it is asked in
-a process of its own, as OpenGL is; what that prints becomes one sentence.
+Qt ends a process that has no display or lacks a library, without an exception. So a separate
+process tries it, as for OpenGL; its output becomes one sentence.
 """
 
 import os

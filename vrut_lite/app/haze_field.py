@@ -1,4 +1,4 @@
-"""The control of the haze, and what it means on other scales."""
+"""The control of the haze, with its value on other scales."""
 
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.daylight.aerosol import hosek_wilkie_turbidity
@@ -6,7 +6,7 @@ from vrut_lite.daylight.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, SetHaze
 
 
 class HazeField(NumberField):
-    """A number field of the optical depth at 550 nm; its tooltip says the shown depth otherwise."""
+    """A number field of the optical depth at 550 nm; its tooltip gives the turbidities."""
 
     def __init__(self, explanation: str):
         super().__init__(0.0, MOST_OPTICAL_DEPTH, decimals=3)

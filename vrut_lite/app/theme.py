@@ -1,4 +1,4 @@
-"""The window's looks: neutral greys, so that colours of the picture are judged rightly."""
+"""The window's theme: neutral greys, which do not bias the eye's judgement of colours."""
 
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication

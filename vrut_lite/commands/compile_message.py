@@ -1,10 +1,10 @@
-"""Says that numerical kernels are being compiled, which takes seconds once on a machine."""
+"""Reports that numba compiles kernels, which takes seconds once on a machine."""
 
 import click
 
 
 def tell_of_compilation() -> None:
-    """Let one line on standard error tell when numba begins to compile, if it does."""
+    """Print one line on standard error when numba begins to compile."""
     from numba.core import event
 
     class Teller(event.Listener):

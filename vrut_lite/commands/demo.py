@@ -131,9 +131,9 @@ def _hours() -> dict[str, datetime]:
 def hours_of_day(kernel: Kernel, midnight: datetime) -> dict[str, datetime]:
     """Instants of sunrise, noon, late afternoon and dusk in the 24 hours after `midnight`.
 
-    Found by asking whoever holds the sun, in steps of two minutes: sunrise and dusk are
-    where the geometric elevation is nearest to 2 and -4 degrees, late afternoon to 14, on
-    its way up and down. Under a midnight sun these are the nearest that there are.
+    Found from the holder of the sun in steps of two minutes: at sunrise and dusk the geometric
+    elevation is nearest to 2 and -4 degrees, in late afternoon to 14. Under a midnight sun the
+    nearest elevations are taken.
     """
     instants = [midnight + i * _STEP for i in range(int(timedelta(days=1) / _STEP))]
     elevation_deg = np.array([_elevation_deg(kernel, instant) for instant in instants])

@@ -2,7 +2,7 @@
 
 Such a module names its `engine` in its manifest, for `--engine`, and has a static method
 `open_engine(settings, traced)` that makes the backend; its settings have `spp`, the samples
-per pixel, and `traced` is called with the number of samples that each step of a drawing brought.
+per pixel, and `traced` is called with the number of new samples after each step.
 """
 
 from collections.abc import Callable, Iterator
@@ -48,7 +48,7 @@ def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def with_engine(project: Project, options: dict[str, Any]) -> tuple[Project, str]:
-    """The project with what --spp says, and the engine; takes their keys out of `options`.
+    """The project with --spp applied, and the engine; removes their keys from `options`.
 
     Raises:
         UserError: there is no such engine, or it takes no samples.
@@ -63,7 +63,7 @@ def with_engine(project: Project, options: dict[str, Any]) -> tuple[Project, str
     settings = {module: dict(values) for module, values in project.settings.items()}
     if samples is not None:
         settings.setdefault(name, {})["spp"] = samples
-    # What it draws has no air in it, so none need be computed.
+    # Engines draw no air, so that none is computed.
     return msgspec.structs.replace(project, settings=settings, air=False), engine
 
 
@@ -103,7 +103,7 @@ class EngineHost:
         return self._view.state
 
     def inject(self, *messages: Input) -> None:
-        """Bring inputs; `settle` or `draw` acts on them."""
+        """Queue inputs; `settle` or `draw` delivers them."""
         for message in messages:
             self.kernel.inject(message)
 
@@ -111,14 +111,14 @@ class EngineHost:
         """Act on all inputs.
 
         Raises:
-            UserError: an input was not as it should be.
+            UserError: an input was invalid.
             ModuleFailed: a module raised something else.
         """
         self.kernel.pump_until_idle()
         self._faults.raise_first()
 
     def draw(self) -> Picture:
-        """Act on all inputs and draw; a terminal is shown how far it is."""
+        """Deliver all inputs and draw; a terminal shows the progress."""
         self.settle()
         with _samples_shown(self.samples) as self._traced:
             picture: Picture = self._backend.draw(self.state)

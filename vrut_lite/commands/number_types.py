@@ -9,7 +9,7 @@ from vrut_lite.plain_numbers import plain_float, plain_int
 
 
 class FiniteRange(click.FloatRange):
-    """A number within bounds: click's own range lets a NaN through, for it is outside of none."""
+    """A number within bounds: click's own range accepts a NaN."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number.

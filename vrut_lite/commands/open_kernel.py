@@ -37,13 +37,13 @@ def open_host() -> "Host":
 
 
 def tell(failures: list[str]) -> None:
-    """Say on standard error which modules failed to load."""
+    """Print the modules that failed to load on standard error."""
     for failure in failures:
         click.echo(f"vrut-lite: {failure}", err=True)
 
 
 def require_sun(kernel: Kernel) -> SunMoved:
-    """Where the sun stands.
+    """The sun's position.
 
     Raises:
         ModuleFailed: no module holds the sun.
@@ -55,7 +55,7 @@ def require_sun(kernel: Kernel) -> SunMoved:
 
 
 def require_sky(kernel: Kernel) -> BackgroundChanged:
-    """The sky that is shown.
+    """The background of the slot's holder.
 
     Raises:
         ModuleFailed: no module holds the sun, or none the sky.

@@ -78,7 +78,7 @@ def _taken_from(command: Command) -> list[click.Parameter]:
 
 
 def with_options(project: Project, options: dict[str, Any]) -> Project:
-    """The project with what the shared options say; takes their keys out of `options`."""
+    """The project with the shared options applied; removes their keys from `options`."""
     changes = {
         key: value
         for key in ("at", "place", "north_offset_deg")
@@ -111,7 +111,7 @@ def _tolerance(text: str) -> float:
 
 
 def _haze(optical_depth_550: float | None, turbidity: float | None) -> Haze | None:
-    """What --haze or --turbidity names."""
+    """The haze of --haze or --turbidity."""
     if turbidity is None:
         return None if optical_depth_550 is None else Haze(optical_depth_550)
     if optical_depth_550 is not None:

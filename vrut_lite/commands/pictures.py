@@ -1,7 +1,7 @@
 """Pictures of many instants: made one after another here, or by workers elsewhere.
 
 A `Plan` can be sent to another process, where it opens a `Studio`; that makes a `Shot` of an
-instant. Whoever makes a picture, its bytes are the same, and it is written here, whole.
+instant. Its bytes are the same on every worker, and this process writes it atomically.
 """
 
 from collections import deque
@@ -22,7 +22,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.pictures.display import Bits
 from vrut_lite.write_atomic import atomic_output
 
-# Pictures asked for ahead of the one that is waited for: workers idle no more, memory is bounded.
+# Pictures queued ahead of the next one to write: keeps workers busy and bounds memory.
 AHEAD = 64
 
 
@@ -31,10 +31,10 @@ class Shot(Protocol):
 
     @property
     def caption(self) -> str:
-        """The hour and what else is to be told of it."""
+        """The caption: hour, sun and more."""
 
     def write(self, path: Path) -> None:
-        """Write the picture, and what goes beside it under longer names."""
+        """Write the picture and its companion files."""
 
 
 class Studio(Protocol):
@@ -44,17 +44,17 @@ class Studio(Protocol):
         """The picture of an instant, whatever was made before."""
 
     def close(self) -> None:
-        """Give back what it holds."""
+        """Free its resources."""
 
 
 class Plan(Protocol):
-    """What pictures are to be made of, but for the instant; can be pickled and compared."""
+    """The inputs of pictures without the instant; can be pickled and compared."""
 
     def open(self) -> Studio:
         """Get everything ready.
 
         Raises:
-            UserError: the plan says something wrong.
+            UserError: the plan is invalid.
         """
 
 
@@ -150,7 +150,7 @@ def picture_bits(text: str | None, suffix: str) -> Bits:
     """The value of --bits.
 
     Raises:
-        UserError: it was said of another format, whose precision is its own.
+        UserError: another format has a precision of its own.
     """
     if text is not None and suffix != ".png":
         raise UserError(f"--bits is for .png: {suffix} has a precision of its own")

@@ -1,4 +1,4 @@
-"""`vrut-lite record`: play inputs to the modules, headless, and keep what was said."""
+"""`vrut-lite record`: play inputs to the modules, headless, and write a journal."""
 
 from contextlib import closing
 from datetime import datetime, timedelta
@@ -67,10 +67,10 @@ def record(
     size: int,
     **options: Any,
 ) -> None:
-    """Record what the modules say to a place, a time, settings, and then to a script of inputs.
+    """Record the modules' messages for a place, a time, settings, and a script of inputs.
 
     SCENE (glTF, GLB, OBJ, or a project file .toml) is opened and never drawn: no GPU is needed.
-    Without one the modules are on their own. After place, time and settings come the inputs of
+    Without SCENE only the modules run. After place, time and settings come the inputs of
     --inputs, then a day that passes.
 
     Example: vrut-lite record -o day.mcap --from 2026-06-21T04:00 --to 2026-06-21T22:00 --step 30

@@ -128,7 +128,7 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _camera(camera: CameraView | None, options: dict[str, Any]) -> CameraView | None:
-    """The project's camera with what --eye, --target and --fov say."""
+    """The project's camera with --eye, --target and --fov applied."""
     view: dict[str, Any] = {} if camera is None else msgspec.structs.asdict(camera)
     if options["eye"] is not None or options["target"] is not None:
         for name in ("eye", "target"):

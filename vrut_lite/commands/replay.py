@@ -1,4 +1,4 @@
-"""`vrut-lite replay`: give a journal's inputs to the modules again, and compare the answers."""
+"""`vrut-lite replay`: play a journal's inputs to the modules again, and compare their messages."""
 
 import json
 
@@ -21,10 +21,10 @@ from vrut_lite.write_atomic import atomic_output, check_writable
     help="Write what caused what, and how long it took (Chrome trace JSON; Perfetto opens it).",
 )
 def replay(journal: str, check: bool, trace: str | None) -> None:
-    """Replay JOURNAL with the installed modules and tell whether they still say the same.
+    """Replay JOURNAL with the installed modules and compare their messages.
 
-    On the machine and the versions of the recording digests must be equal; elsewhere scalars
-    are compared to 1e-6 and sampled values of arrays to 1e-3, and the output says so.
+    On the machine and the versions of the recording digests must be equal; elsewhere scalars are
+    compared to 1e-5 and sampled values of arrays to 1e-3, and the output says so.
 
     Example: vrut-lite replay day.mcap --check
     """
@@ -45,7 +45,7 @@ def replay(journal: str, check: bool, trace: str | None) -> None:
 
 
 def _say(sentence: str) -> None:
-    """Print what may quote a stranger's journal."""
+    """Print a text that may quote a hostile journal, escaped."""
     click.echo(one_line(sentence, 2000))
 
 

@@ -33,7 +33,7 @@ _FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
 def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
     """Open SCENE (glTF, GLB, OBJ, or a project file .toml) in a window.
 
-    Without one, what was open when the window was last closed.
+    Without SCENE, the session of the last closed window.
 
     Example: vrut-lite run scenes/street.toml --at 2026-06-21T18:40
     """
@@ -65,7 +65,7 @@ def _first_project() -> Project:
 
 
 def _first_scene() -> Path | None:
-    """The checkout's own, or the one that a wheel has installed."""
+    """The checkout's own file, or the installed wheel's."""
     checkout = Path(__file__).parents[2] / "scenes" / _FIRST_SCENE
     if checkout.is_file():
         return checkout

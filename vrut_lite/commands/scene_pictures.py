@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ScenePlan:
-    """A project, whose hour only begins it, the bits of a PNG's channels, and what draws."""
+    """A project (its hour is only the first), the bits of a PNG's channels, and the engine."""
 
     project: Project
     bits: Bits = 8
@@ -35,9 +35,9 @@ class ScenePlan:
         """A host with the scene open.
 
         Raises:
-            UserError: for anything that the project says wrong.
+            UserError: the project has an invalid value.
         """
-        # Bad words are told before the GPU is asked for.
+        # Invalid options are refused before the GPU is opened.
         inputs = [*daylight_inputs(self.project), *view_inputs(self.project)]
         setting_inputs(self.project, daylight_kernel()[0])
         host = self._open_host()
@@ -53,7 +53,7 @@ class ScenePlan:
         if self.engine != GL:
             return EngineHost(self.engine, self.project)
         host = open_host()
-        # A reflection that lags unseen behind the sky would tell which picture came before.
+        # A reflection that lags invisibly behind the sky would depend on the picture before.
         host.frame_skips = replace(host.frame_skips, reflection=False)
         return host
 
@@ -68,7 +68,7 @@ class SceneStudio:
     def shoot(self, instant: datetime) -> "SceneShot":
         """The scene's picture at an instant."""
         if instant != self._hour:
-            # What moves too little to be seen is not made anew: it moves far away first.
+            # Small moves are skipped as invisible, so that the sun moves far away first.
             for hour in (other_side(instant), instant):
                 self._host.inject(SetClock(instant=hour))
                 self._host.settle()
@@ -88,7 +88,7 @@ class SceneStudio:
         return SceneShot(picture, metadata, self._plan)
 
     def close(self) -> None:
-        """Give the GPU back."""
+        """Free the GPU."""
         self._host.close()
 
 
@@ -118,7 +118,7 @@ class SceneShot:
             write_png(path, self.picture.display, self.metadata)
 
     def _display_16(self) -> NDArray[Any]:
-        """The frame has 8 bits only: what it did is done again, from its radiance."""
+        """16-bit display values, from the radiance: the frame itself has 8 bits only."""
         wish = self.plan.project.exposure
         matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
         picture = self.picture

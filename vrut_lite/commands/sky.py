@@ -78,8 +78,8 @@ def sky(
     North lies in the middle of a latitude-longitude map, east right of it; at the top of a
     fisheye; on a cube's -Z face. --rotate 90 turns a latitude-longitude map so that Blender's +Y
     is north and +X east, as in a glTF scene that it imports; --rotate 180 so that Mitsuba's -Z
-    is north and +X east, the scene's own axes. Then Blender's and Mitsuba's sun lamps may stand
-    where the metadata say, or --sun-disc may do their work.
+    is north and +X east, the scene's own axes. Then place Blender's or Mitsuba's sun lamp by the
+    metadata, or draw the disc with --sun-disc.
 
     Example: vrut-lite sky -o sky.exr --at 2026-06-21T18:30 --place 50.0755,14.4378
 

@@ -49,15 +49,15 @@ class SkyPlan:
     """The sky of a project, and its projection onto pixels.
 
     Attributes:
-        project: place and settings; its hour does not count.
+        project: place and settings; its hour is ignored.
         size: edge of a cube's face, height of another picture, in pixels.
         height_m: of the observer above the place.
         turned_deg: the azimuth in the map's middle, clockwise of true north; of a cube, of the
             scene's -Z axis.
         sun_disc: whether the disc is in the picture.
         bits: of a PNG's channels.
-        sidecar: whether a JSON file tells beside the picture what its header says.
-        bar: whether a large picture shows how far it is.
+        sidecar: whether a JSON file beside the picture repeats its metadata.
+        bar: whether a large picture shows a progress bar.
     """
 
     project: Project
@@ -102,7 +102,7 @@ class SkyPlan:
         """A kernel with place and settings, ready for any hour.
 
         Raises:
-            UserError: for anything that the project says wrong.
+            UserError: the project has an invalid value.
         """
         kernel = open_kernel()
         faults = FaultCollector(kernel)
@@ -126,7 +126,7 @@ class SkyStudio:
     def shoot(self, instant: datetime) -> "SkyShot":
         """The sky of an instant."""
         if self._used:
-            # A sun that moved little leaves the sky as it was: it is moved far away first.
+            # Small moves of the sun are skipped as invisible, so that it moves far away first.
             self._move_clock(other_side(instant))
         self._used = True
         self._move_clock(instant)
@@ -184,7 +184,7 @@ class SkyShot:
         return f"{self.metadata['time']}, sun {self.metadata['sunElevationDeg']:.1f} deg high"
 
     def write(self, path: Path) -> None:
-        """Write the picture, and its sidecar if it is to have one."""
+        """Write the picture, and its sidecar if asked for."""
         suffix, radiance = path.suffix.lower(), self.radiance
         if suffix == ".npz":
             name = "cube" if radiance.ndim == 4 else "radiance"
@@ -211,14 +211,14 @@ class SkyShot:
 
 
 def sidecar_of(picture: Path) -> Path:
-    """The JSON file that tells beside a picture what its header says."""
+    """The JSON file with a picture's metadata."""
     return picture.with_name(picture.name + ".json")
 
 
 def _sampled(
     cube: NDArray[np.float32], directions: NDArray[np.float64], bar: bool
 ) -> NDArray[np.float32]:
-    """The cube map at directions (h, w, 3), some rows at a time: a large picture needs room."""
+    """The cube map at directions (h, w, 3), some rows at a time to save memory."""
     picture = np.empty(directions.shape, np.float32)
     starts = range(0, len(directions), _ROWS_AT_A_TIME)
     console = Console(stderr=True)

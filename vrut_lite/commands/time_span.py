@@ -45,10 +45,10 @@ def span_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def wanted_pictures(output: str, project: Project, options: dict[str, Any]) -> list[Wanted]:
-    """The pictures to make: one, or those of a span; takes its keys out of `options`.
+    """The pictures to make: one, or those of a span; removes its keys from `options`.
 
     Raises:
-        UserError: the span leads nowhere or is too long, or the name has no number.
+        UserError: the span is empty or too long, or the name has no number.
     """
     start, end, step = (options.pop(key) for key in ("start", "end", "step"))
     if start is None and end is None:

@@ -78,7 +78,7 @@ def _processes(count: int) -> Iterator[Executor]:
     try:
         yield executor
     except BaseException as error:
-        # Their pictures would not be written any more.
+        # Their pictures would not be written.
         for process in set(active_children()) - others:
             process.terminate()
         if isinstance(error, BrokenProcessPool):

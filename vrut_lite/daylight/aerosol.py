@@ -8,7 +8,7 @@ Residual: turbidity is *defined* as the optical depth of air and haze over that 
 At 550 nm, with 0.1085 for the air, the definition gives 0.1085 (T - 1); the formula is 7 to 8 %
 lower at T >= 2 and within 0.009 below T = 2.
 
-Hosek and Wilkie's model calls another turbidity what looks as hazy: `hosek_wilkie_turbidity`.
+Hosek and Wilkie's model needs another turbidity for equal haze: `hosek_wilkie_turbidity`.
 """
 
 from typing import Literal
@@ -27,7 +27,7 @@ SCALE_HEIGHT_M = 1200.0
 LEAST_TURBIDITY, MOST_TURBIDITY = 1.0, 10.0
 _SLOPE, _OFFSET = 0.04608, -0.04586
 _550_NM_IN_UM = 0.55
-# Of a turbidity, so that one that was said as optical depth comes back as it was.
+# Tolerance of a turbidity, so that a conversion from optical depth and back is exact.
 _DECIMALS = 9
 # Optical depth at 550 nm, and the turbidity at which Hosek and Wilkie's sky has the shape of the
 # solved sky's: Angstrom exponent 1.3, g = 0.63, suns at 60, 30 and 10 degrees, farther than 10
@@ -80,5 +80,5 @@ def cornette_shanks_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:
 
 
 def cornette_shanks_factor(g: float) -> float:
-    """What (1 + nu^2) / (1 + g^2 - 2 g nu)^1.5 is multiplied by, in sr^-1."""
+    """Factor of (1 + nu^2) / (1 + g^2 - 2 g nu)^1.5, in sr^-1."""
     return float(3.0 / (8.0 * np.pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g))

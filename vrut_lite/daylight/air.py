@@ -16,16 +16,16 @@ _MOST_EXTINCTION_PER_M = 1e3
 
 
 class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The air between one eye and whatever stands in any direction, at any distance up to a reach.
+    """The air between an eye and surfaces in all directions, up to a reach.
 
     Values are kept at nodes (slices, rows, columns) by distance, height and azimuth from the
-    sun; `vrut_lite.geometry.air_volume` says where the nodes lie and how values become light.
+    sun; `vrut_lite.daylight.air_volume` places the nodes and looks values up.
     Radiance is linear sRGB, to be multiplied by `radiance_scale` (a power of two), and is a mean
-    along the ray: what the air adds before a point is mean * (1 - transmittance).
+    along the ray: the air before a point adds mean * (1 - transmittance).
 
     Attributes:
-        light: (3, slices, rows, columns, 3) of three kinds. Light scattered twice or more,
-            W m^-2 sr^-1: what the air sends also where no sun falls on it. Sunlight scattered
+        light: (3, slices, rows, columns, 3) of three kinds. Light scattered twice or more, W m^-2
+            sr^-1: it remains in shadow. Sunlight scattered
             once by molecules, and once by aerosol, each to be multiplied by its phase function
             (sr^-1): W m^-2. An array of float16, or a texture, the slices of one kind after those
             of the other.
@@ -50,7 +50,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     sun_direction: Vector
 
     def check(self) -> None:
-        """Tables that go with each other, and have something to blend between.
+        """Tables whose shapes match, with at least two nodes along each axis.
 
         Raises:
             UserError: they do not.
@@ -78,7 +78,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         checks.direction(self, "sun_direction")
 
     def check_arrays(self) -> None:
-        """Light that is finite, and air that takes light and gives none.
+        """Finite light, and extinction that is not negative.
 
         Raises:
             UserError: there is none such.
@@ -98,13 +98,13 @@ class AirChanged(Derived, frozen=True, kw_only=True):
     source: str
 
     def check(self) -> None:
-        """What the volume says of itself."""
+        """Check the volume."""
         checks.text(self, "source")
         if self.volume is not None:
             checks.instance(self, "volume", AirVolume)
             self.volume.check()
 
     def check_arrays(self) -> None:
-        """What the volume's tables hold."""
+        """Check the content of the volume's tables."""
         if self.volume is not None:
             self.volume.check_arrays()

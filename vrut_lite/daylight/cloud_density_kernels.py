@@ -1,7 +1,7 @@
 """Density and optical depth of a `CloudLayer`, compiled: the CPU's cloud_density.glsl.
 
 Places are world x and z relative to the eye; heights count from the layer's base. Noise is read
-from mip levels as wide as what a sample stands for, as the GPU reads it. Importing this module
+from mip levels as wide as a sample, as the GPU reads it. Importing this module
 imports numba.
 """
 
@@ -36,9 +36,10 @@ _NOISE_TURN = (math.cos(NOISE_TURN_RAD), math.sin(NOISE_TURN_RAD))
 
 
 class Field(NamedTuple):
-    """A layer as an eye has it.
+    """A cloud layer prepared for one eye.
 
-    Few arrays, for each costs at every call. `texels`: weather, shape and detail in [0, 1], each
+    There are few arrays, since each adds to the cost of a call. `texels`: weather, shape and detail
+    in [0, 1], each
     with its means over 2, 4, ... texels; `levels` (3, most, 2) has where each begins, and its edge.
 
     Attributes:
@@ -160,7 +161,7 @@ def envelope_in(strength, top, height):  # type: ignore[no-untyped-def]
 
 @compiled
 def density_in(field, envelope, x, z, over_base_m, log_width):  # type: ignore[no-untyped-def]
-    """Density in [0, 1] of what the envelope leaves of the noise."""
+    """Density in [0, 1]: the noise cut by the envelope."""
     if envelope <= 0.0:
         return 0.0
     c, s = _NOISE_TURN
@@ -184,7 +185,7 @@ def density_in(field, envelope, x, z, over_base_m, log_width):  # type: ignore[n
 
 @compiled
 def density_at(field, x, z, over_base_m, width_m):  # type: ignore[no-untyped-def]
-    """Density in [0, 1] at a place; `width_m`: of what the sample stands for."""
+    """Density in [0, 1] at a place; `width_m`: width of the sample."""
     height = over_base_m / field.thickness_m
     if height < 0.0 or height > 1.0:
         return 0.0

@@ -1,7 +1,7 @@
-"""What falls on clouds from below: the ground's radiance under a broken or a closed layer.
+"""Light on clouds from below: the ground's radiance under a broken or closed layer.
 
-Two streams (Eddington's): a cloud of optical depth tau lets 1 / (1 + 3/4 (1 - g) tau) of what
-falls on it through, whatever its direction. This light comes from the cloud's base, evenly; the
+Two streams (Eddington's): a cloud of optical depth tau transmits 1 / (1 + 3/4 (1 - g) tau) of the
+light on it, for every direction. This light comes from the cloud's base, evenly; the
 clear sky's comes through the gaps.
 """
 
@@ -20,7 +20,7 @@ _DARKEST_IRRADIANCE = 1e-12
 
 
 class ClearLight(NamedTuple):
-    """The light of a sky without clouds: as a `Light` of the frame has it."""
+    """The light of a sky without clouds, as in the frame's `Light`."""
 
     sun_direction: Vector
     sun_irradiance: Vector
@@ -38,7 +38,7 @@ class ClearLight(NamedTuple):
 
     @property
     def on_ground(self) -> FloatArray:
-        """Irradiance (3,) of level ground, not zero: quotients with it may be had."""
+        """Irradiance (3,) of level ground, kept above zero for quotients."""
         return np.maximum(self.by_sun + self.by_sky, _DARKEST_IRRADIANCE)
 
 

@@ -35,7 +35,7 @@ _NEVER, _FOUR_PI = 1e30, 4.0 * math.pi
 
 
 class Lights(NamedTuple):
-    """What shines on the layer: `suns` (2, n, 3) at base and top by the sun's height."""
+    """Light on the layer: `suns` (2, n, 3) at base and top by the sun's height."""
 
     sun: FloatArray
     suns: FloatArray
@@ -179,8 +179,8 @@ def _march(field, lights, d, along, first_m, end_m, pixel_rad, dither, phase, ou
 def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[no-untyped-def]
     """Clouds along rays (n, 3) from the eye, unit vectors in world axes.
 
-    `out` (n, 5) takes radiance, transmittance, and the mean distance (m) of what is seen of them,
-    0 where nothing is. `pixel_rad`: the angle that a ray stands for.
+    `out` (n, 5) takes radiance, transmittance, and the mean distance (m) of the visible clouds, 0
+    where there are none. `pixel_rad`: the angle that a ray stands for.
     """
     eye_radius_m = PLANET_RADIUS_M + field.eye_altitude_m
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)

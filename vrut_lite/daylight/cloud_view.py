@@ -1,4 +1,4 @@
-"""What an eye sees of a `CloudLayer`, on the CPU: radiance, transmittance, and shadows.
+"""A `CloudLayer` seen by an eye, on the CPU: radiance, transmittance, and shadows.
 
 The frame's shaders draw the same clouds finer (render/clouds). Importing this module imports numba.
 """
@@ -32,7 +32,7 @@ _SUNS = 256
 _SUN_STEPS = 48
 # Places along each side of the square over which shadows are averaged.
 _SQUARE = 8
-# Rays of a block: what one thread does at a time.
+# Rays of a block, the unit of work of a thread.
 _BLOCK = 4096
 
 

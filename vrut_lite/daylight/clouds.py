@@ -12,20 +12,21 @@ _MOST_EXTINCTION_PER_M = 1e3
 
 
 class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
-    """One layer of clouds between two altitudes; `vrut_lite.geometry.clouds` says what it holds.
+    """One layer of clouds between two altitudes; `vrut_lite.daylight.cloud_density` defines its
+    density.
 
     Altitudes count from world y = 0, azimuths as the world's.
 
     Attributes:
         extinction_per_m: of a cloud's full density.
         coverage: share of the sky's zenith that is cloud, 0 to 1.
-        threshold: what of `weather` lies above it bears cloud.
+        threshold: there is cloud where `weather` exceeds it.
         column_density: mean over clouds of density times share of the thickness.
         drift_m: how far the wind has carried the pattern, along world x and z.
         phase: two lobes of Henyey and Greenstein: g forward, g backward, share of the first.
         weather: (n, n) uint16, where clouds stand; periodic.
         shape: (n, n, n) uint8 (y, z, x), their billows; periodic.
-        detail: (n, n, n) uint8 (y, z, x), what frays their edges; periodic.
+        detail: (n, n, n) uint8 (y, z, x), noise at their edges; periodic.
     """
 
     base_m: float
@@ -67,7 +68,7 @@ class CloudsChanged(Derived, frozen=True, kw_only=True):
     source: str
 
     def check(self) -> None:
-        """What the layer says of itself."""
+        """Check the layer."""
         checks.text(self, "source")
         if self.layer is not None:
             checks.instance(self, "layer", CloudLayer)

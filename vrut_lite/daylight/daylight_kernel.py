@@ -35,10 +35,9 @@ def demand_light(kernel: Kernel, consumer: str, cube_size: int | None = None) ->
 
 
 class FaultCollector:
-    """Remembers the faults of a kernel, for those who must answer for them.
+    """Collects the faults of a kernel, so that a command can fail by them.
 
-    Nobody here answers for what a stranger said, or for what followed from it: that is told as
-    every Fault is, and not remembered.
+    Faults that follow from another process's messages are posted but not collected.
     """
 
     def __init__(self, kernel: Kernel):
@@ -58,7 +57,7 @@ class FaultCollector:
         """Raise the first fault and forget the others, which are often its consequences.
 
         Raises:
-            UserError: its maker meant the user.
+            UserError: the fault is for the user.
             ModuleFailed: a module raised something else.
         """
         if not self.faults:

@@ -1,4 +1,4 @@
-"""The haze of the place, which every sky follows unless its own settings say another.
+"""The haze of the place; every sky follows it unless its settings override it.
 
 A sky may have a setting `turbidity` that is none or a number: none follows the host's haze, a
 number on Preetham's scale is that sky's own.
@@ -43,7 +43,7 @@ class SetHaze(Input, frozen=True, kw_only=True):
         checks.choice(self, "aerosol", get_args(AerosolType))
 
 
-# Where nobody says another.
+# The default.
 DEFAULT_HAZE = SetHaze(optical_depth_550=float(optical_depth_of_turbidity(DEFAULT_TURBIDITY)))
 
 

@@ -5,7 +5,7 @@ from vrut_lite import checks
 # W m^-2, also per steradian, whose sums and products stay finite in 32 bits; the sun's disc has
 # 2e7.
 MOST_LIGHT = 1e10
-# What every OpenGL 4.3 can hold: the edge of a cube or of a map, and of a 3-D texture.
+# Guaranteed by OpenGL 4.3: the edge of a cube or of a map, and of a 3-D texture.
 LARGEST_EDGE, LARGEST_VOLUME = 16384, 2048
 
 

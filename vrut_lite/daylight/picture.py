@@ -27,7 +27,7 @@ class Resize(Input, frozen=True, kw_only=True):
 
 
 class SetExposure(Input, frozen=True, kw_only=True):
-    """How radiance becomes a picture: exposure, white balance, tone map.
+    """The picture's exposure, white balance and tone map.
 
     Automatic exposure, or a fixed EV100; the compensation brightens by so many stops. Light of
     `white_temperature_k`, moved off the daylight locus by `white_duv` (towards green), is shown

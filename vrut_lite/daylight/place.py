@@ -1,4 +1,4 @@
-"""The place on Earth that a scene stands at."""
+"""The scene's place on Earth."""
 
 from vrut_lite import checks
 from vrut_lite.kernel.messages import Input

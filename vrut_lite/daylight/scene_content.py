@@ -58,7 +58,7 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         meshes: (M, 8) int64, a row a mesh: first vertex, vertices, first triangle, triangles,
             first row of `uv`, of the second layer in `uv`, and of `colours_rgba` (-1 where it has
             none), and its material.
-        part_mesh: (P,) int32, which mesh stands there.
+        part_mesh: (P,) int32, the mesh of each part.
         world_from_part: (P, 4, 4) float64, from the mesh's axes to the world's.
     """
 

@@ -49,19 +49,19 @@ class FrameSkips:
 class SceneState:
     """Geometry, light, camera and all else that a backend draws.
 
-    A part is replaced, never changed: a part that is the same object needs no work.
+    Parts are replaced, never changed: a backend uploads only parts that are other objects than
+    before.
 
     Attributes:
-        background, key_light, ambient: of the clear sky; None before the sky has spoken.
+        background, key_light, ambient: of the clear sky; None before the first message.
         sky_light: the sum of sky and layers; None without layers, where it is the clear sky's.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
-        air: what the scene is seen through; None where it would not be seen.
+        air: the air before the scene; None where it is not visible.
         light_shafts: whether the scene shades the air.
-        light_map: of the scene; None where nobody made one.
-        surface_light: of that light map; None as long as there is none. Surfaces are then lit by
-            the open sky.
+        light_map: of the scene; None without one.
+        surface_light: of that light map; None before the first, while the open sky lights surfaces.
         tolerance: share by which radiance may be off.
     """
 
@@ -89,7 +89,7 @@ class SceneState:
 
     @cached_property
     def camera(self) -> MoveCamera | None:
-        """The camera that is looked through: the user's, the scene's own, or one that frames it."""
+        """The present camera: the user's, the scene's own, or one that frames the scene."""
         if self.moved_camera is not None or self.scene is None:
             return self.moved_camera
         return self.scene.camera or frame_bounds(
@@ -121,8 +121,8 @@ class SceneState:
     ) -> Self:
         """The state with a light map and the light in it.
 
-        Either is left out that does not belong to the scene: what was computed for one scene may
-        arrive when the next is open.
+        Each is dropped unless it belongs to the scene: a result for one scene may arrive after the
+        next was opened.
         """
         if light_map is not None and not self._is_of_scene(light_map):
             light_map = None
@@ -143,8 +143,8 @@ def ground_albedo(
 ) -> Vector:
     """Albedo (R, G, B) of the ground that a sky was computed with: pi L / E at the nadir.
 
-    Taken from the messages themselves, so that it holds for whichever module made them and
-    the ground disc meets the sky's lower half without an edge.
+    Taken from the messages, so that the ground disc meets the sky's lower half without an edge for
+    every sky module.
     """
     radiance = np.asarray(background.ground_radiance_rgb)
     direct = np.asarray(key_light.irradiance_rgb) * max(0.0, key_light.direction[1])

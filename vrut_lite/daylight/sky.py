@@ -15,15 +15,15 @@ _MOST_WAVELENGTHS = 4096
 
 
 class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is seen behind the scene, pixel by pixel, for who can run a shader.
+    """The background as a shader, evaluated for each pixel.
 
     `source` is GLSL 4.30 of a fragment shader, without a `#version` line, that defines
 
         vec3 background_radiance(vec3 direction)   // sky and planet, W m^-2 sr^-1
         vec3 background_sunlight(vec3 direction)   // irradiance by a sun that is seen there, W m^-2
 
-    of a unit vector in world axes, in linear sRGB: the second through whatever air lies there,
-    on a plane that faces it, and zero where a planet hides it. Functions are called for every
+    of a unit vector in world axes, in linear sRGB: the second on a plane that faces the sun, behind
+    the air, and zero where a planet hides it. Functions are called for every
     pixel alike, so that derivatives may be taken. All names that it declares begin with
     `background_`. It reads `uniforms` by name, and `buffers`, pairs of a binding and what a
     std430 storage buffer there holds: an `Array` of float32.
@@ -34,7 +34,7 @@ class ViewShader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     buffers: tuple[tuple[int, Array], ...] = ()
 
     def check(self) -> None:
-        """A source, and what it reads; whether it compiles, OpenGL says."""
+        """Check the source and its inputs; only OpenGL can tell whether it compiles."""
         checks.text(self, "source")
         checks.shader_inputs(self)
 
@@ -44,12 +44,10 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
 
     cube (6, size, size, 3) float16, or a cube texture that stays on the GPU; linear sRGB
     radiance in W m^-2 sr^-1 is cube times `radiance_scale`, a power of two. The lower half
-    holds `ground_radiance_rgb` (W m^-2 sr^-1): bare, so that who draws the air draws it before
-    that ground too, or, `ground_through_air`, as it is seen through the air. Where a cube map
-    would blur what is seen there is a `view` too, which shows the same, and the sun's disc as it
-    is seen from there; the cube goes on lighting and being mirrored. `seen_sun_irradiance_rgb`
-    (W m^-2) is what the eye's own place receives of the sun that is seen there, where that
-    differs from the scene's.
+    holds `ground_radiance_rgb` (W m^-2 sr^-1): it excludes the air, which the renderer adds, unless
+    `ground_through_air`. Where a cube map would blur the picture, `view` shows the same per pixel
+    with the sun's disc; the cube still serves lighting and reflections. `seen_sun_irradiance_rgb`
+    (W m^-2) is the sun's irradiance at the eye where it differs from the scene's.
     """
 
     slot: ClassVar[str | None] = "sky"
@@ -65,7 +63,7 @@ class BackgroundChanged(Derived, frozen=True, kw_only=True):
     frame: Literal["world"] = "world"
 
     def check(self) -> None:
-        """A cube that a GPU can hold, with light in it."""
+        """Check the cube's size, scale and values' types."""
         if not isinstance(self.cube, GpuTexture):
             edge = -LARGEST_EDGE
             checks.array(self, "cube", (6, edge, edge, 3), ("|u1", "<f2", "<f4"))
@@ -107,10 +105,10 @@ class AmbientChanged(Derived, frozen=True, kw_only=True):
 
 
 class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
-    """The sky as it lights the scene: what is seen from the ground there, without the sun's disc.
+    """The sky as it lights the scene: seen from the ground, without the sun's disc.
 
-    For who adds up radiance on the CPU: the background may stay on the GPU, and shows what a high
-    camera sees. cube (6, size, size, 3) float16 in world axes; linear sRGB radiance in
+    For consumers that integrate radiance on the CPU: the background may stay on the GPU and is seen
+    from the camera's height. cube (6, size, size, 3) float16 in world axes; linear sRGB radiance in
     W m^-2 sr^-1 is cube times `radiance_scale`. Below the horizon it holds `ground_radiance_rgb`
     (W m^-2 sr^-1).
     """
@@ -123,7 +121,7 @@ class SkyRadianceChanged(Derived, frozen=True, kw_only=True):
     source: str
 
     def check(self) -> None:
-        """A cube with light in it."""
+        """Check the cube's size and scale."""
         edge = -LARGEST_EDGE
         checks.array(self, "cube", (6, edge, edge, 3), ("<f2",))
         check_scale(self)
@@ -149,7 +147,7 @@ class LookAlong(Input, frozen=True, kw_only=True):
 class SpectrumSeen(Derived, frozen=True, kw_only=True):
     """The sky's spectral radiance (W m^-2 sr^-1 nm^-1) in a direction, without the sun's disc.
 
-    Both lists are empty where the holder of the sky knows colours alone, as at twilight some do.
+    Both lists are empty where the sky has no spectrum, as DynamicSkyLight at twilight.
     """
 
     slot: ClassVar[str | None] = "sky"

@@ -1,4 +1,4 @@
-"""The light that reaches the scene: the clear sky's and what layers before it make of it."""
+"""The light that reaches the scene: the clear sky's, changed by layers before it."""
 
 from vrut_lite import checks
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
@@ -10,16 +10,16 @@ LIGHT = (BackgroundChanged, KeyLightChanged, AmbientChanged)
 
 
 class SkyLightChanged(Derived, frozen=True, kw_only=True):
-    """The sum of all that shines from the sky: who lights with the sky hears this.
+    """The sum of clear sky and layers: consumers that light with the sky listen to this.
 
-    The holder of the slot `sky` says the clear sky; layers (clouds) take from its light and add
-    their own; `layers` names them. Without any the parts are the very messages of the clear sky,
-    and `radiance` is left to who demands `SkyRadianceChanged`. With layers they are
+    The holder of the slot `sky` says the clear sky; layers (clouds) absorb and add light; `layers`
+    names them. Without layers the parts are the clear sky's own messages, and `radiance` is None:
+    demand `SkyRadianceChanged`. With layers they are
 
-    * `radiance`: what lights the scene, seen from the ground in its middle;
-    * `background`: the same from the eye's height, for who shows it. The cube is an array; there is
-      no `view`. `seen_sun_irradiance_rgb` is what passes the layers to the eye;
-    * `key_light`: its irradiance is what passes the layers, in the mean over the scene;
+    * `radiance`: of the sky that lights the scene, seen from the ground in its middle;
+    * `background`: the same from the eye's height, for display. The cube is an array; there is
+      no `view`. `seen_sun_irradiance_rgb` is the sun's irradiance at the eye behind the layers;
+    * `key_light`: its irradiance behind the layers, the mean over the scene;
     * `ambient`: irradiance by sky, layers and ground, at the ground.
     """
 
@@ -31,7 +31,7 @@ class SkyLightChanged(Derived, frozen=True, kw_only=True):
     source: str
 
     def check(self) -> None:
-        """What the parts say of themselves."""
+        """Check the parts."""
         parts = (
             ("background", BackgroundChanged),
             ("key_light", KeyLightChanged),

@@ -1,12 +1,12 @@
-"""`SkyModule`: all that skies have in common, between the bus and the light of an hour.
+"""`SkyModule`: the common part of all skies, between the bus and the light of an hour.
 
-It hears what changes the light, asks the sky for what somebody wants, and posts what is new:
+It listens to the inputs of light, asks the sky for what is demanded, and posts what is new:
 background, key light, ambient light, radiance on the ground and air, in this order. Sizes follow
-demand, else the tolerance; moves of sun and eye that nobody sees cost nothing; when the slot
-returns, all is posted again; a sky that needs a long computation first has it done by a background
-job, and shows the one before until then. With a setting `cube_device` on "gpu" the GPU makes cube
-map and air; the CPU does where a demand names the cube's encoding, where nobody runs GPU jobs,
-where one has failed, and where the sky says so.
+demand, else the tolerance; invisible moves of sun and eye cost nothing; when the slot returns, all
+is posted again; a long computation runs as a background job, and the previous sky stays until it
+ends. With a setting `cube_device` on "gpu" the GPU makes cube
+map and air; the CPU does where a demand names the cube's encoding, where the host runs no GPU jobs,
+after one has failed, and where the sky asks for it.
 
 The ledger counts, by the messages' type names, what was posted ("BackgroundChanged") and what was
 not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
@@ -50,21 +50,21 @@ PRODUCTS: Kinds = (
     SkyRadianceChanged,
     AirChanged,
 )
-# Edge of the cube that lights the scene, where nobody names one.
+# Edge of the cube that lights the scene, used when the consumer gives no size.
 LIGHT_SIZE = 64
-# What depends on where the eye is.
+# Messages that depend on the eye's place.
 SEEN: Kinds = (BackgroundChanged, AirChanged)
 
 
 class SkyModule(Module):
     """Base of the modules that provide the slot "sky": override `light` and what else differs."""
 
-    # Whether a spectrum takes so long that a background job looks for it.
+    # Whether a spectrum takes so long that it needs a background job.
     spectrum_is_slow: ClassVar[bool] = False
 
     def __init__(self, link: Link, settings: Any):
         super().__init__(link, settings)
-        # What each message that was posted last was made from.
+        # The sources of each message that was posted last.
         self._posted: dict[type[Derived], tuple[object, ...]] = {}
         # The latest sky, and the hour that it shows.
         self._sky: Sky | None = None
@@ -83,7 +83,7 @@ class SkyModule(Module):
         raise NotImplementedError
 
     def prepare(self, ground_altitude_m: float, quality: Any) -> Work | None:
-        """What must be computed for the settings before there is light; None if nothing.
+        """The computation that the settings need before there is light; None if there is none.
 
         It is run as a background job, once for equal work.
 
@@ -101,7 +101,7 @@ class SkyModule(Module):
 
     @property
     def haze(self) -> SetHaze:
-        """The place's haze, for a sky whose settings name none of its own."""
+        """The place's haze, for a sky whose settings do not override it."""
         return haze_of(self.link)
 
     # --- what changes it -----------------------------------------------------------------
@@ -120,7 +120,7 @@ class SkyModule(Module):
     @handles(MoveCamera)
     @handles(SceneNeeds)
     def view_changed(self, _message: MoveCamera | SceneNeeds) -> None:
-        """The eye rose or sank, or things stand farther off or nearer."""
+        """The eye's height or the reach of the scene changed."""
         if self._present_view() != self._view:
             self._update(SEEN)
 
@@ -167,7 +167,7 @@ class SkyModule(Module):
     def _texture_made(self, result: JobResult) -> None:
         if result.error:
             self._gpu_failed = True
-            # Also what nobody wants just now, for somebody may come back to it.
+            # Also where it is not wanted now, since a later demand may use it.
             for kind in SEEN:
                 self._posted.pop(kind, None)
             self._update()
@@ -214,7 +214,7 @@ class SkyModule(Module):
                 self.ledger.skip("sun or eye moved unseen")
         self._hour = hour
         sky = self.light(hour, quality, self._preparation.latest)
-        # An equal one before has kept what it computed.
+        # An equal earlier sky has its results cached.
         if self._sky is None or sky != self._sky:
             self._sky = sky
         return self._sky
@@ -229,10 +229,10 @@ class SkyModule(Module):
         return demand
 
     def _present_view(self) -> tuple[float, float]:
-        """The eye's height, at least 0, and the air's reach: the one before where it serves.
+        """The eye's height, at least 0, and the air's reach; the earlier reach where it suffices.
 
-        The height is that of the view that is shown, be it a scene's own; where no scene manager
-        tells it, that of the camera as it was moved.
+        The height is that of the shown view, also of a scene's own camera; without a scene manager
+        that of the moved camera.
         """
         needs = self.link.last(SceneNeeds)
         if needs is not None:
@@ -241,7 +241,7 @@ class SkyModule(Module):
         return max(camera.eye_m[1], 0.0) if camera is not None else 0.0, 0.0
 
     def _prepare(self, ground_altitude_m: float, quality: Quality) -> None:
-        """Have computed what the sky needs first.
+        """Start the sky's preparation.
 
         Raises:
             UserError: there is no such atmosphere; told once for the same settings.
@@ -260,13 +260,13 @@ class SkyModule(Module):
             self._preparation.ask(work)
 
     def _post_if_new(self, kind: type[Derived], sky: Sky, hour: Hour, demand: Demand) -> None:
-        """Post what is made from other things than the last of its kind."""
+        """Post a message whose sources differ from the last one's."""
         usual = LIGHT_SIZE if kind is SkyRadianceChanged else self._quality.cube_size
         size = demand.size or usual
         name, direction, eye_m = self.manifest.name, hour.sun.direction, hour.eye_height_m
         made_from: tuple[object, ...] = sky.on_scene(), direction
         if kind is BackgroundChanged:
-            # Who names an encoding reads the texels.
+            # A consumer that names an encoding reads the texels on the CPU.
             able = type(sky).gpu_background is not Sky.gpu_background and not demand.encoding
             on_gpu = self._gpu_serves(able)
             made_from = sky, size, on_gpu

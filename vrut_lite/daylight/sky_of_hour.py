@@ -1,4 +1,4 @@
-"""What a sky's author writes: the light of one hour, in plain values.
+"""The interface for a sky's author: the light of one hour, in plain values.
 
 `SkyModule` (`sky_module.py`) asks for them and makes messages of them. Radiance is W m^-2 sr^-1 in
 linear sRGB, irradiance W m^-2; directions are unit vectors in world axes (east +X, up +Y, north
@@ -33,7 +33,7 @@ class Unseen(NamedTuple):
 
 
 class Hour(msgspec.Struct, frozen=True):
-    """What the light of a sky depends on besides its settings.
+    """The inputs of a sky's light besides its settings.
 
     `ground_altitude_m` is the place's above sea level, `eye_height_m` the eye's above that ground.
     """
@@ -49,7 +49,7 @@ class Hour(msgspec.Struct, frozen=True):
         return float(np.arctan2(x, -z))
 
     def unless_unseen(self, later: "Hour", unseen: Unseen) -> "Hour":
-        """A later hour, with this one's sun and eye where nobody would see that they moved.
+        """A later hour, with this one's sun and eye where their moves are invisible.
 
         While the disc crosses the horizon, its visible share tells every move apart.
         """
@@ -64,7 +64,7 @@ class Hour(msgspec.Struct, frozen=True):
 
 
 class Quality(Protocol):
-    """What a sky makes of the tolerance; its other fields are the sky's own."""
+    """A sky's sizes and thresholds for a tolerance; further fields are the sky's own."""
 
     @property
     def cube_size(self) -> int:
@@ -83,7 +83,7 @@ class Work(NamedTuple):
 
 
 class Prepared(NamedTuple):
-    """What the work of a sky was `of`, and what it returned."""
+    """The `of` of a sky's work, and its result."""
 
     of: Any
     result: Any
@@ -171,10 +171,9 @@ class Spectrum(NamedTuple):
 
 
 class Sky:
-    """The light of one hour; each method is asked only if someone wants what it gives.
+    """The light of one hour; each method is called only if its result is demanded.
 
-    What was posted for a sky is not posted again for an equal one: let it be a frozen dataclass
-    of all that its light depends on.
+    Equal skies are not posted twice: derive a frozen dataclass that holds all inputs of the light.
     """
 
     def background(self, size: int) -> Background:
@@ -194,7 +193,7 @@ class Sky:
         raise NotImplementedError
 
     def on_scene(self) -> object:
-        """What lights the scene, to be compared: by default all of the sky."""
+        """The light on the scene as a value to compare; by default the whole sky."""
         return self
 
     def unseen(self, hour: Hour, quality: Any) -> Unseen:
@@ -202,22 +201,22 @@ class Sky:
         return Unseen()
 
     def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
-        """The air before things up to `reach_m` from the eye; None where it would not be seen."""
+        """The air up to `reach_m` from the eye; None where it is invisible."""
         return None
 
     def spectrum(self, direction: Vector) -> Spectrum:
-        """What makes up the colour of the sky in a direction; empty below the horizon."""
+        """Spectrum of the sky in a direction; empty below the horizon."""
         return Spectrum()
 
     def gpu_background(self, size: int) -> tuple[GpuJob, Background] | None:
-        """The job `CUBE_JOB` that makes the cube, and the background but for the texture.
+        """The job `CUBE_JOB` that makes the cube, and the background without the texture.
 
         None where the CPU must make it.
         """
         return None
 
     def gpu_air(self, eye_height_m: float, reach_m: float) -> tuple[GpuJob, AirVolume] | None:
-        """The job `AIR_JOB` that makes the air's light, and the volume but for the texture."""
+        """The job `AIR_JOB` that makes the air's light, and the volume without the texture."""
         return None
 
 

@@ -1,4 +1,4 @@
-"""The module that sums the clear sky and the layers before it, for all who light with the sky."""
+"""The module that sums the clear sky and the layers before it, for all consumers."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ from vrut_lite.numeric_types import Vector
 
 NAME = "sky_sum"
 JOB = "sum"
-# Edge of the summed cube map, in texels, where the consumer names none.
+# Edge of the summed cube map in texels, used when the consumer gives no size.
 CUBE_SIZE = 64
 # Clouds that have drifted, or are seen from a place that has risen, by less than this share of
 # their distance look the same.
@@ -42,7 +42,7 @@ class SkySum(Module):
     def __init__(self, link: Link, settings: Any):
         super().__init__(link, settings)
         self._wanted: Demand | None = None
-        # What the latest sum, posted or under way, was made from.
+        # Sources of the latest sum, posted or under way.
         self._made_from: tuple[Any, ...] = ()
         self._layer: CloudLayer | None = None
         self._height_m = 0.0
@@ -51,7 +51,7 @@ class SkySum(Module):
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
-        """Want of the sky and of the clouds what others want of the sum."""
+        """Pass demands for the sum on to the sky and the clouds."""
         if message.message != SkyLightChanged.__name__:
             return
         self._wanted = self.link.wanted(SkyLightChanged)
@@ -74,12 +74,12 @@ class SkySum(Module):
     @handles(SceneNeeds)
     @handles(MoveCamera)
     def parts_changed(self, _message: Any) -> None:
-        """Sum anew what is new."""
+        """Sum again if a source changed."""
         self._update()
 
     @handles(JobResult)
     def summed(self, result: JobResult) -> None:
-        """Post a sum; what failed is told by the kernel."""
+        """Post a sum; the kernel posts a Fault for a failed job."""
         if result.error:
             self._made_from = ()
         else:
@@ -140,7 +140,7 @@ class SkySum(Module):
         layer: CloudLayer,
         parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged],
     ) -> None:
-        """Sum in the background, unless nobody would see that it is new."""
+        """Sum in the background, unless the change is invisible."""
         assert self._wanted is not None
         layer, scene = self._unless_unseen(layer), self.link.last(SceneOpened)
         self._height_m = self._seen_from(layer)
@@ -155,7 +155,7 @@ class SkySum(Module):
         self.link.start_job(JOB, sum_up, layer, *parts, eye_m, middle_m, half_width_m, size)
 
     def _unless_unseen(self, layer: CloudLayer) -> CloudLayer:
-        """The layer, or the one before where the wind alone has moved it, and little."""
+        """The layer, or the earlier one where only a little wind separates them."""
         before = self._layer
         if before is None or msgspec.structs.replace(layer, drift_m=before.drift_m) != before:
             return layer
@@ -164,7 +164,7 @@ class SkySum(Module):
         return before if drifted_m < _UNSEEN_SHARE * distance_m else layer
 
     def _seen_from(self, layer: CloudLayer) -> float:
-        """The eye's height, at least 0, or the one before where nobody sees the difference."""
+        """The eye's height, at least 0, or the earlier one where the difference is invisible."""
         needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
         height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
         height_m = max(height_m, 0.0)

@@ -1,4 +1,4 @@
-"""What a sky module waits for: a background job before there is light, and textures of the GPU."""
+"""What a sky module waits for: its preparation by a background job, and GPU textures."""
 
 import msgspec
 
@@ -21,7 +21,7 @@ class Preparation:
     The latest work replaces older work.
 
     Attributes:
-        latest: what was prepared last; None before, and for a sky that needs nothing.
+        latest: the last result; None before the first, and for a sky without preparation.
         ready: whether there is light to be made.
     """
 
@@ -34,7 +34,7 @@ class Preparation:
         self._failed: Work | None = None
 
     def ask(self, work: Work | None) -> None:
-        """Have work done, unless it is done, is being done, or has failed last."""
+        """Start work, unless it is done, is running, or was the last to fail."""
         if work is None:
             self.ready = True
             return

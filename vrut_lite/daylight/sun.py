@@ -38,7 +38,7 @@ class SunMoved(Derived, frozen=True, kw_only=True):
 class KeyLightChanged(Derived, frozen=True, kw_only=True):
     """The light that casts shadows: irradiance (W m^-2, linear sRGB) on a plane that faces it.
 
-    `body` names what shines: the sun, or at night the moon.
+    `body`: the sun, or at night the moon.
 
     `limb_darkening_rgb` holds, per channel, a polynomial in cos psi (constant first), of
     which the mean over the disc is 1: radiance = irradiance / solid angle * polynomial.

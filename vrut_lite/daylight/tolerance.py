@@ -1,7 +1,7 @@
-"""The tolerance: how far radiance may be off, and how modules turn it into sizes and thresholds.
+"""The tolerance, the largest relative error of radiance, and its use for sizes and thresholds.
 
-A module's errors have several sources. What each may bring is its budget, and from a front, a
-measured list of choices with their errors and their work, the least work within it is taken.
+A module's errors have several sources, each with a budget. A front is a measured list of choices
+with errors and work; the choice of least work within the budget is taken.
 """
 
 from pathlib import Path
@@ -15,9 +15,9 @@ from vrut_lite.kernel.messages import Input, Message
 
 
 class SetTolerance(Input, frozen=True, kw_only=True):
-    """How far radiance may be off, as a share of itself: above 0, 1 at most.
+    """The largest relative error of radiance: above 0, 1 at most.
 
-    Sizes, orders of scattering and thresholds follow, but for those that someone names:
+    Sizes, orders of scattering and thresholds follow it, except named ones:
     99 of 100 directions of a picture stay within it (those darker than a thousandth of the
     brightest are measured by that).
     """
@@ -86,7 +86,7 @@ def cheapest(front: list[Point[C]], allowed: float) -> C:
 
 
 def budget(tolerance: float, usual: float, share: float) -> float:
-    """What one source of error may bring of a tolerance.
+    """The share of a tolerance for one source of error.
 
     Args:
         tolerance: of the whole picture.

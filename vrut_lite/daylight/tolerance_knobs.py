@@ -1,4 +1,4 @@
-"""What a module declares of the sizes it chooses by the tolerance, so that they can be measured.
+"""A module's declaration of the sizes that it chooses by the tolerance, for measuring fronts.
 
 `tools/tolerance_fronts.py` measures the fronts of error against work of any module that declares
 `KNOBS`, a `ToleranceKnobs`: in `tolerance_knobs.py` beside its class's file, or in that file.
@@ -18,7 +18,7 @@ S = TypeVar("S")
 Truth = list[FloatArray]
 # A value darker than this share of a picture's brightest is measured by that share.
 FLOOR = 1e-3
-# The share of directions, and of pictures, that an error is said for.
+# The share of directions, and of pictures, that an error refers to.
 MOST = 0.99
 
 

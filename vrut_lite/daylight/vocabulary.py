@@ -1,4 +1,4 @@
-"""Every type of message of daylight, for those who read messages by name."""
+"""Every message type of daylight, for journals and tools that find types by name."""
 
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera

@@ -1,4 +1,4 @@
-"""What a glossy surface reflects of a sky: the exact numbers that shaders are held to.
+"""Reflection of a sky by glossy surfaces: the reference for the shaders.
 
 Split-sum (Karis 2013, "Real Shading in Unreal Engine 4"): the sky is averaged over the lobe
 once for all surfaces, and a table says how much of it a surface reflects. GGX with alpha =
@@ -53,11 +53,11 @@ def prefiltered(
 
 @lru_cache(maxsize=1)
 def reflectance_table() -> NDArray[np.float32]:
-    """What a uniform white sky gives back: (TABLE_SIZE, TABLE_SIZE, 3), rows are roughness.
+    """Reflectance under a uniform white sky: (TABLE_SIZE, TABLE_SIZE, 3), rows are roughness.
 
     Roughness runs from 0 to 1 in equal steps, the cosine of the view angle along a row as
     the square of equal steps. The first two channels are a and b of the reflectance
-    f0 a + f90 b by one bounce; a + b is what a perfect mirror's facets return. The third is
+    f0 a + f90 b by one bounce; a + b is the reflectance of a perfect mirror's facets. The third is
     the reflectance of a dielectric, all bounces, averaged over the hemisphere.
     """
     steps = np.linspace(0.0, 1.0, TABLE_SIZE)
@@ -76,7 +76,7 @@ def reflectance_table() -> NDArray[np.float32]:
 def reflectance(mu: ArrayLike, roughness: float) -> tuple[NDArray, NDArray]:
     """a and b (...,) of one bounce at view cosines (...,), by integration.
 
-    Facets are taken as they are visible (Heitz 2018, "Sampling the GGX Distribution of
+    Facets are sampled by visibility (Heitz 2018, "Sampling the GGX Distribution of
     Visible Normals"), which leaves a smooth integrand also for a mirror: the midpoint rule.
     """
     nv = np.maximum(np.asarray(mu, dtype=float), _GRAZING_MU)[..., None, None]
@@ -93,8 +93,8 @@ def reflectance(mu: ArrayLike, roughness: float) -> tuple[NDArray, NDArray]:
 def all_bounces(f0: ArrayLike, f90: ArrayLike, a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
     """Reflectance (...,) with the light that bounces between facets before it leaves.
 
-    Turquin 2019, "Practical multiple scattering compensation for microfacet models": what
-    the facets of a perfect mirror lose, 1 - (a + b), comes back coloured by f0.
+    Turquin 2019, "Practical multiple scattering compensation for microfacet models": the loss of a
+    perfect mirror's facets, 1 - (a + b), returns coloured by f0.
     """
     f0, a, b = (np.asarray(value, dtype=float) for value in (f0, a, b))
     return np.asarray((f0 * a + f90 * b) * (1.0 + f0 * (1.0 / (a + b) - 1.0)))

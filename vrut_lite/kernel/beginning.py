@@ -1,4 +1,4 @@
-"""What a kernel was told before its first input of substance: how it was set up, to do it again.
+"""The set-up of a kernel as a list of steps, so that a replay can repeat it.
 
 Faults, storms, remembered messages and what a module keeps of its settings depend on every step,
 and on their order: a list of final values would not tell them.

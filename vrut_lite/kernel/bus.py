@@ -51,7 +51,7 @@ class Kernel:
         self.lifecycle = Lifecycle(
             self.seats, self.dispatcher, self.slots, self.jobs, lambda seat: ModuleLink(links, seat)
         )
-        # Those who have started jobs since the last input that was no job's result.
+        # Seats that have started jobs since the last input other than a job's result.
         self._job_starters: list[ModuleLink] = []
         links = Exchange(
             put=self.dispatcher.put,
@@ -86,7 +86,7 @@ class Kernel:
             raise UserError(f"two modules are called '{name}': uninstall one of them")
         try:
             self.seats[name] = Seat(module_type, services)
-        # What passed the check may still be another thing a moment later.
+        # A module's code may change its manifest after the check.
         except BaseException as error:
             pass_interrupt(error)
             raise UserError(f"module {name} cannot be used: {sentence_of(error)}") from None
@@ -104,7 +104,7 @@ class Kernel:
         return self.seats[name]
 
     def check_setting(self, module: str, name: str, value: Any) -> Any:
-        """The value as the module's setting would take it; UserError if it would not."""
+        """The value converted to the setting's type; UserError if the setting refuses it."""
         return getattr(
             setting_rules.change(self.check_module(module).settings, module, name, value), name
         )
@@ -118,7 +118,7 @@ class Kernel:
     # --- in and out ------------------------------------------------------------------
 
     def inject(self, message: Input) -> None:
-        """Bring a fact from outside, from any thread; `pump` will admit it."""
+        """Queue an input, from any thread; `pump` admits it."""
         self._inbox.put(message)
         if self._on_inject is not None:
             self._on_inject()
@@ -157,7 +157,7 @@ class Kernel:
             taken = 0
             while taken != most and (message := self._inbox.take()) is not None:
                 taken += 1
-                # A result that nobody waits for any more never happened.
+                # The result of a cancelled job is dropped.
                 if not isinstance(message, JobResult) or self._is_awaited(message):
                     self._transact(message)
                     transactions += 1
@@ -203,7 +203,7 @@ class Kernel:
             self._job_starters.clear()
         try:
             self.dispatcher.put(message, HOST)
-        # A key that cannot be had, of a malformed input or of a module's own.
+        # `key()` raised: a malformed input, or a module's own type.
         except BaseException as error:
             pass_interrupt(error)
             where = type(message).__name__
@@ -214,7 +214,7 @@ class Kernel:
     # --- what the kernel itself does -------------------------------------------------
 
     def _acts(self) -> dict[type[Message], tuple[str, Act]]:
-        """The kernel's own part in messages, and what a Fault calls it."""
+        """The kernel's own handler of a message type, and its name in a Fault."""
         lifecycle, seat_of = self.lifecycle, self.check_module
         return {
             messages.SetSetting: ("settings", self._set),
@@ -230,7 +230,7 @@ class Kernel:
         }
 
     def _act_on(self, kind: type[Message]) -> Act | None:
-        """What is done with a type of message before the modules hear of it: inputs are checked.
+        """The kernel's own handler of a type, called before the modules; inputs are checked.
 
         A refused input is told as a Fault for the user.
         """
@@ -284,7 +284,7 @@ class Kernel:
         self.lifecycle.switched(self.slots.choose(message.slot, message.module))
 
     def _job_done(self, result: JobResult) -> None:
-        """Count work that raised like a handler that did.
+        """Count a job that raised as a fault of its module.
 
         An error without a trace (of a GPU job, say) is an answer that the module expects.
         """
@@ -301,4 +301,4 @@ class Kernel:
 
 
 def _do_nothing(message: Any) -> None:
-    """The kernel's part in most messages."""
+    """The kernel's own handlers by message type."""

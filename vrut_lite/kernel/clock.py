@@ -11,7 +11,7 @@ _LAST = datetime.max.replace(tzinfo=UTC)
 
 
 class Clock:
-    """An instant in whole microseconds and the exact rest that ticks have left over.
+    """An instant in whole microseconds and the exact remainder of earlier ticks.
 
     Ticks and rates are floats, but their products are added up as fractions: an hour in
     sixtieths of a second is an hour, however it was cut. At the first and last instant that

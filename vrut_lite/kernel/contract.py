@@ -1,7 +1,7 @@
-"""What a class must be to serve as a module, found out before it is given a seat.
+"""Checks that a class can serve as a module, before it gets a seat.
 
-A class that is not is told in one sentence, and the others load: nothing that its maker wrote is
-asked again where the kernel could not bear the answer.
+A class that cannot is refused in one sentence, and the others load. The checks call everything that
+the class could answer wrongly later, where the kernel could not catch it.
 """
 
 import inspect
@@ -34,8 +34,8 @@ def check_module_type(candidate: object) -> None:
     """Pass if the kernel can make an instance of a class and call it.
 
     Raises:
-        UserError: it is no module class; its manifest, settings or handlers are not as they must
-            be; or looking at them fails in any other way.
+        UserError: it is no module class; its manifest, settings or handlers are invalid; or reading
+            them raises.
     """
     try:
         if not (isinstance(candidate, type) and issubclass(candidate, Module)):
@@ -54,7 +54,7 @@ def check_module_type(candidate: object) -> None:
 
 
 def refuse_unrun(answer: object) -> None:
-    """Raise if a call has answered with work that nobody would do: an async function's, say.
+    """Raise if a call has returned a coroutine or generator, which nobody would run.
 
     Raises:
         TypeError: it has.

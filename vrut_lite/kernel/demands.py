@@ -1,4 +1,4 @@
-"""Who wants which message, how large and how exact."""
+"""The demands of consumers: message type, size and encoding."""
 
 from collections.abc import Callable, Sequence
 from typing import get_args
@@ -17,25 +17,25 @@ class Demands:
         self.merged: dict[str, Demand] = {}
 
     def note(self, demand: Demand) -> None:
-        """Take in a demand that is sound, or take it back at size 0."""
+        """Store a valid demand, or remove it at size 0."""
         consumers = self._of.setdefault(demand.message, {})
         before = consumers.pop(demand.consumer, None)
         if demand.size != 0:
             consumers[demand.consumer] = demand
         merged = self.merged.get(demand.message)
         if before is None and merged is not None:
-            # One more of many: what the others want was merged before.
+            # The demands of the other consumers are merged already.
             if demand.size != 0 and not self._is_stopped(demand.consumer):
                 self.merged[demand.message] = _of_all([merged, demand])
         else:
             self._merge(demand.message)
 
     def of_consumer(self, consumer: str) -> list[Demand]:
-        """What a consumer wants."""
+        """The demands of one consumer."""
         return [wishes[consumer] for wishes in self._of.values() if consumer in wishes]
 
     def every(self) -> list[Demand]:
-        """What anybody wants, in the order in which a fresh kernel may be told."""
+        """All demands, in an order in which a fresh kernel accepts them."""
         return [wish for wishes in self._of.values() for wish in wishes.values()]
 
     def refresh(self) -> None:
@@ -52,7 +52,7 @@ class Demands:
 
 
 def _of_all(wishes: Sequence[Demand]) -> Demand:
-    """One demand for what serves all of these, which want one type of message."""
+    """One demand that serves all of these demands for one message type."""
     return Demand(
         consumer=", ".join(wish.consumer for wish in wishes),
         message=wishes[0].message,

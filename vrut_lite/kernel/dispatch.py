@@ -21,7 +21,7 @@ from vrut_lite.kernel.trace import SLOW_NS, Trace
 
 HOST = "host"
 Tap = Callable[[Message, str], None]
-# What the kernel does itself; true if it refused the message.
+# The kernel's own handler; true if it refused the message.
 Act = Callable[[Any], bool | None]
 Handler = Callable[[Any], None]
 
@@ -43,8 +43,8 @@ class Route(NamedTuple):
 class Dispatcher:
     """Delivers messages.
 
-    `act_on` says what the kernel does before modules hear of a type; `fail` is told what a
-    handler raised. Both are set before the first message.
+    `act_on` gives the kernel's own handler of a type, which runs before the modules; `fail`
+    receives what a handler raised. Both are set before the first message.
     """
 
     act_on: Callable[[type[Message]], Act | None]
@@ -121,7 +121,7 @@ class Dispatcher:
                 if taps or not plain or only is not None:
                     prepared = self._prepare(message, sender, cause, route, only)
                     start_ns = perf_counter_ns()
-                    if prepared is None:  # The kernel refused it: it never was.
+                    if prepared is None:  # The kernel refused it: no trace entry.
                         continue
                     receivers = prepared
                 if place is not None:
@@ -167,7 +167,7 @@ class Dispatcher:
     def _prepare(
         self, message: Message, sender: str, cause: int, route: Route, only: ModuleLink | None
     ) -> list[Receiver] | None:
-        """What happens before delivery where there is more to do than deliver; who receives.
+        """Run the kernel's own handler and find the receivers.
 
         None if the kernel refused the message.
         """
@@ -205,7 +205,7 @@ class Dispatcher:
         return route
 
     def _handler(self, seat: Seat, method: str) -> Handler | None:
-        """An instance's method; none, and a Fault, where it cannot be had."""
+        """An instance's method; None, and a Fault, where looking it up raises."""
         try:
             return getattr(seat.module, method)
         except BaseException as error:

@@ -11,7 +11,7 @@ from vrut_lite.kernel.messages import Input
 class Inbox:
     """First in, first out; an input of equal type and key merges with the one that waits.
 
-    What they make goes to the end: nothing that came between is overtaken by newer news. Of
+    The merged input goes to the end, so that it overtakes no input that came between. Of
     inputs of one timeline (the clock's) only neighbours merge: time that went by at one speed
     must not be counted at another.
     """
@@ -28,7 +28,7 @@ class Inbox:
             message.check()
             key = message.key()
             hash(key)
-        # It will be refused: it must spoil nothing that waits.
+        # It will be refused, so that it must not merge with a waiting input.
         except BaseException as error:
             pass_interrupt(error)
             key = None

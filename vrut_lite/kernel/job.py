@@ -30,7 +30,7 @@ class JobControl:
         self._tell(f"{fraction:.0%} {text}"[:_LONGEST_PROGRESS].rstrip())
 
     def cancelled(self) -> bool:
-        """Whether nobody waits for the result any more."""
+        """Whether the result is no longer wanted."""
         return self._cancelled.is_set()
 
     def cancel(self) -> None:
@@ -50,7 +50,7 @@ class Job:
         self._trace = trace
 
     def run(self) -> JobResult:
-        """Do the work; whatever it raises is a result too: nobody waits for it in vain."""
+        """Do the work; an exception becomes a result with an error."""
         module, name = self.key
         start_ns = time.perf_counter_ns()
         try:
@@ -68,5 +68,5 @@ class Job:
 def _takes_control(work: Work) -> bool:
     try:
         return "control" in inspect.signature(work).parameters
-    except ValueError:  # A builtin that does not tell its parameters.
+    except ValueError:  # A builtin without a signature.
         return False

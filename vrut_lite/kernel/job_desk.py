@@ -12,7 +12,7 @@ from vrut_lite.kernel.jobs import JobRunner
 from vrut_lite.kernel.messages import Input, JobResult
 from vrut_lite.kernel.trace import Trace
 
-# Who brings the results of the kernel's own jobs; those of others are brought by the host.
+# Sender of the results of the kernel's own jobs; the host sends all other results.
 JOBS = "jobs"
 
 
@@ -54,10 +54,10 @@ class JobDesk:
             self.cancel(key)
 
     def admit(self, result: JobResult) -> bool:
-        """Whether someone still waits for a result; if so, what waited for it may run.
+        """Whether a result is still wanted; if so, start the pending job.
 
         A result that comes from elsewhere (the owner of the GPU, a test) is always let in, and
-        takes the place of that of a job of its name: nobody waits for the job any more.
+        replaces the result of the running job of its name, which is dropped.
         """
         key = (result.module, result.job)
         running = self._running.get(key)
@@ -73,7 +73,7 @@ class JobDesk:
         return True
 
     def is_own(self, message: Input) -> bool:
-        """Whether the input that was admitted last is what a job of this kernel brought."""
+        """Whether the last admitted input is the result of a job of this kernel."""
         return isinstance(message, JobResult) and id(message) == self._own
 
     def _run(self, job: Job) -> None:
@@ -81,6 +81,6 @@ class JobDesk:
         self._running[job.key] = job
 
     def _finish(self, job: Job, result: JobResult) -> None:
-        """Bring in a result, from any thread; until it is admitted the inbox keeps it alive."""
+        """Inject a result, from any thread; the inbox keeps it until it is admitted."""
         self._sent[id(result)] = job
         self._inject(result)

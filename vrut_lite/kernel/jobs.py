@@ -66,7 +66,7 @@ class ThreadRunner:
             successor = self._waiting.pop(job.key, None)
             if successor is not None:
                 self._busy[job.key] = successor[0]
-            # Before anyone who waits may go on, and before the result lets a successor start.
+            # Before waiting threads go on, and before the result lets a successor start.
             if result is not None:
                 finish(job, result)
             self._changed.notify_all()

@@ -37,18 +37,18 @@ class Lifecycle:
         self._make_link = make_link
 
     def say(self, message: Derived | None) -> None:
-        """Queue what the host has to say, if anything."""
+        """Queue a message of the host, if there is one."""
         if message is not None:
             self._dispatcher.put(message, HOST)
 
     # --- faults ----------------------------------------------------------------------
 
     def failed(self, seat: Seat, where: str, error: BaseException) -> None:
-        """What a module raised becomes a Fault and stays its own affair."""
+        """Turn what a module raised into its Fault."""
         self.count(seat, Fault(module=seat.name, where=where, **described(error)))
 
     def count(self, seat: Seat, fault: Fault) -> None:
-        """Tell a fault and count it; a UserError, the user's to mend, only against storms."""
+        """Post a fault and count it; a UserError counts only against storms."""
         if fault.for_user:
             if seat.link is not None and not seat.link.counts(fault):
                 return
@@ -59,11 +59,11 @@ class Lifecycle:
         self._tell(seat, fault)
 
     def suspend(self, seat: Seat, where: str, error: BaseException) -> None:
-        """Stop a module at once for what it did, and tell why."""
+        """Suspend a module at once and post the reason as a Fault."""
         self._tell(seat, Fault(module=seat.name, where=where, suspended=True, **described(error)))
 
     def refuse(self, module: str, where: str, error: str) -> None:
-        """Tell the user that an input was not as it should be."""
+        """Post a Fault for the user about an invalid input."""
         self.say(Fault(module=module, where=where, error=error, for_user=True))
 
     def _tell(self, seat: Seat, fault: Fault) -> None:
@@ -75,7 +75,7 @@ class Lifecycle:
     # --- starting and stopping -------------------------------------------------------
 
     def start(self, seat: Seat) -> None:
-        """Make a fresh instance and tell it the last value of everything it listens to."""
+        """Make a fresh instance and deliver the last value of every type that it handles."""
         self._jobs.cancel_all(seat.name)
         try:
             seat.start(self._make_link(seat))
@@ -92,7 +92,7 @@ class Lifecycle:
         self._changed_state()
 
     def switched(self, change: SlotChanged | None) -> None:
-        """Tell of a new holder; what others said of its slot is not to be mixed with its own."""
+        """Post the new holder; forget what others posted for the slot."""
         if change is not None and change.holder:
             self._dispatcher.memory.keep_only(change.name, change.holder)
         self.say(change)
@@ -137,7 +137,7 @@ class Lifecycle:
             return
         for loss in losses:
             self.refuse(seat.name, "reload", loss)
-        # The old version's own types of message are not those that the new one handles.
+        # The new version handles its own message types, not the old version's.
         self._dispatcher.memory.forget_types_of(root_package(old_type))
         self._welcome(seat)
         if state is not None and seat.running:

@@ -26,7 +26,7 @@ class Memory:
         return [(message, sender) for _, message, sender in sorted(found, key=lambda e: e[0])]
 
     def keep_only(self, slot: str, holder: str) -> None:
-        """Forget what others than the holder said of a slot."""
+        """Forget messages of a slot that others than the holder posted."""
         self._forget(
             place
             for place in self._kept

@@ -1,10 +1,10 @@
-"""What modules and the host say to each other: typed, frozen, with units in the names.
+"""Messages between modules and host: typed, frozen, with units in the names.
 
 An input comes from outside (a person, the clock, a file, a finished job) and opens a
 transaction. A derived message is a consequence, posted by a handler inside one.
 
-Each type checks in `check` what its listeners rely on: inputs when they are admitted, derived
-messages when they are posted. Here are the kernel's own; the layers above add theirs.
+`check` holds what listeners rely on: inputs are checked when admitted, derived messages when
+posted. These are the kernel's own types; the layers above add theirs.
 """
 
 from datetime import datetime
@@ -25,23 +25,23 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
     """Base of all messages."""
 
     def key(self) -> str | None:
-        """What distinguishes messages of one type: of equal keys the latest wins.
+        """Distinguishes messages of one type: of equal keys the latest wins.
 
-        None means that every single one is delivered.
+        None: every message is delivered.
         """
         return ""
 
     def check(self) -> None:
-        """Pass if every field is what those who hear the message rely on, whatever it holds.
+        """Check every field: listeners rely on types and ranges.
 
-        Takes microseconds: what fills arrays is `check_arrays`' to see.
+        Takes microseconds; `check_arrays` checks the content of arrays.
 
         Raises:
             UserError: a field is not; the sentence names it.
         """
 
     def check_arrays(self) -> None:
-        """Pass if the arrays of a message that passes `check` hold what one can draw with.
+        """Check the content of the arrays of a message that passes `check`.
 
         Raises:
             UserError: one does not.
@@ -53,11 +53,11 @@ class Input(Message, frozen=True, kw_only=True):
 
     # Inputs of one timeline merge only with its last: their order matters.
     timeline: ClassVar[str | None] = None
-    # Whether a stranger said it: what it leads to is told, and no command fails for it.
+    # Whether another process sent it: its faults are posted, but no command fails for them.
     by_stranger: ClassVar[bool] = False
 
     def merged(self, older: Self) -> Self:
-        """What takes the place of this input and of an older one of its key that still waits."""
+        """The input that replaces this one and a waiting older one of its key."""
         return self
 
 
@@ -65,7 +65,7 @@ class Derived(Message, frozen=True, kw_only=True):
     """A consequence, posted by a handler; those of a slot only by the slot's holder."""
 
     slot: ClassVar[str | None] = None
-    # Whether there is anything to ask before it is posted.
+    # Whether a post must check the slot first.
     guarded: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
@@ -177,7 +177,7 @@ class Demand(Input, frozen=True, kw_only=True):
 class JobResult(Input, frozen=True, kw_only=True):
     """A background or GPU job is done; `error` tells why not, if it is not.
 
-    Only the module that asked hears it; a result that nobody waits for any more is dropped.
+    Only the module that asked hears it; a result that is no longer wanted is dropped.
     Work that raised leaves its `trace`, and is told as a `Fault` too.
     """
 
@@ -192,7 +192,7 @@ class JobResult(Input, frozen=True, kw_only=True):
         """Every result counts."""
 
     def check(self) -> None:
-        """Whose it is, and texts; the value is what that module made it."""
+        """Module, job and texts; the value may be anything."""
         checks.text(self, "module", "job", "error", "trace")
         checks.flag(self, "for_user")
 

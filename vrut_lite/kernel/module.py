@@ -96,7 +96,7 @@ class Module:
 
     manifest: ClassVar[Manifest]
     settings_type: ClassVar[type[msgspec.Struct]] = NoSettings
-    # Message types of its own that it posts; those of the host go without saying.
+    # The module's own message types that it posts; the host's need no declaration.
     speaks: ClassVar[tuple[type[Message], ...]] = ()
     # Inputs from outside; a live host hands its constructor `inject`, a replay does not.
     injects: ClassVar[tuple[type[Input], ...]] = ()

@@ -20,7 +20,7 @@ State = Literal["running", "disabled", "suspended"]
 
 
 POSTS_PER_TRANSACTION = 10_000
-# A job that starts the next when it is done would never let a command end.
+# A chain of jobs, each started by the one before, would never let a command end.
 JOBS_IN_A_CHAIN = 10_000
 
 
@@ -33,7 +33,7 @@ class Exchange(NamedTuple):
     last: Callable[[type[Message]], Any]
     holder: Callable[[str], str]
     jobs: JobDesk
-    # Those who have posted in this transaction, and who have started jobs after this input.
+    # Links that posted in this transaction, and that started jobs after this input.
     posters: list["ModuleLink"]
     job_starters: list["ModuleLink"]
 
@@ -52,7 +52,7 @@ class ModuleLink:
         self._put = kernel.put
 
     def post(self, message: Derived) -> None:
-        """Queue what a module says; a storm is cut by count, and its maker named."""
+        """Queue a module's message; too many suspend the module."""
         if not self.alive:
             return
         if message.guarded and not self._may_say(message):
@@ -68,7 +68,7 @@ class ModuleLink:
         """Whether the slot allows a message.
 
         Raises:
-            ValueError: it is not what its type says; its maker's to mend, so that it counts.
+            ValueError: the message fails its check; this counts as a fault.
         """
         try:
             message.check()
@@ -80,7 +80,7 @@ class ModuleLink:
         return True
 
     def counts(self, message: Message) -> bool:
-        """Count what is said in this transaction; too much of it ends the instance."""
+        """Count the posts of this transaction; too many end the instance."""
         if not self.posts:
             self._kernel.posters.append(self)
         elif self.posts >= POSTS_PER_TRANSACTION:
@@ -93,12 +93,12 @@ class ModuleLink:
     def _end(self, where: str, storm: str) -> None:
         self.alive = False
         self._storm = RuntimeError(storm)
-        # Of an instance that is still being made its seat asks `check_storm`.
+        # The seat calls `check_storm` for an instance that is still being made.
         if self.seat.link is self:
             self._kernel.suspend(self.seat, where, self._storm)
 
     def check_storm(self) -> None:
-        """Raise RuntimeError if the instance was ended for what it said in its constructor."""
+        """Raise RuntimeError if the instance was ended for posts of its constructor."""
         if self._storm is not None:
             raise self._storm
 
@@ -164,7 +164,7 @@ class Seat:
         self.take_type(module_type, module_type.settings_type())
 
     def take_type(self, module_type: type[Module], settings: msgspec.Struct) -> None:
-        """Be the seat of this class, from the next start on."""
+        """Use this class from the next start on."""
         self.module_type = module_type
         self.settings = settings
         self.methods: dict[type[Message], tuple[str, ...]] = {}

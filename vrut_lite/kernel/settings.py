@@ -109,7 +109,7 @@ def _without_meta(hint: Any) -> tuple[Any, msgspec.Meta | None]:
 
 
 def check_spec(spec: SettingSpec, module: str) -> None:
-    """Pass if a setting can be told, set and shown, and its default is one of its own values.
+    """Check that a setting can be described, set and shown, and that its default is valid.
 
     Raises:
         UserError: it cannot, or the default is none.

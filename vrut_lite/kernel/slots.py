@@ -8,7 +8,7 @@ from vrut_lite.kernel.seat import Seat
 
 
 class Slots:
-    """Who holds which slot; a holder that stops is replaced by another that can."""
+    """The holders of slots; another provider replaces a holder that stops."""
 
     def __init__(self, seats: Mapping[str, Seat]):
         self._seats = seats

@@ -1,4 +1,4 @@
-"""What caused what, and how long it took: the only place where wall time is kept."""
+"""Causes and durations of deliveries: the only place that keeps wall time."""
 
 import time
 from collections import deque
@@ -27,7 +27,7 @@ class Entry(NamedTuple):
 
 
 class Remark(NamedTuple):
-    """A handler that was slow, a job that ran or told of its progress."""
+    """A slow handler, a job's run, or a job's progress."""
 
     kind: str
     module: str
@@ -37,7 +37,7 @@ class Remark(NamedTuple):
 
 
 class Trace:
-    """Two rings: deliveries, and remarks that the many deliveries shall not push out.
+    """Two rings: deliveries, and remarks, which deliveries must not push out.
 
     Deliveries are kept as bare tuples, in the order of `Entry`: they are on the fast path.
     """

@@ -23,9 +23,9 @@ def display_picture(
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """sRGB (h, w, 3) in 8 or 16 bits of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
 
-    Without `ev100` the exposure is metered from the picture itself, what is not `inside` (h, w)
-    left out: the corners around a fisheye, say. `white_balance` is a matrix (3, 3) on linear sRGB.
-    Steps of 8 bits are dithered; those of 16 nobody sees.
+    Without `ev100` the exposure is metered from the picture itself, without pixels outside `inside`
+    (h, w), such as the corners around a fisheye. `white_balance` is a matrix (3, 3) on linear sRGB.
+    Steps of 8 bits are dithered; those of 16 are invisible.
     """
     if ev100 is None:
         ev100 = exposure.automatic_ev100(radiance if inside is None else radiance[inside])

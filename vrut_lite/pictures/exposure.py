@@ -1,4 +1,4 @@
-"""Exposure value from what the camera sees.
+"""Exposure value of a picture.
 
 A picture value of 1 is the luminance 1.2 * 2^EV100 cd m^-2 (the saturation-based speed of
 ISO 12232, as Lagarde 2014 uses it); automatic exposure puts the mean on middle grey.
@@ -21,11 +21,11 @@ _DARKNESS_KEPT = 0.3
 _BRIGHTEST_SHARE = 0.002
 _ENOUGH_PIXELS = 2**17
 _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
-# So far below the brighter parts only space is, black ground behind air, or what no light reaches.
+# Only space, black ground behind air, and unlit surfaces are so far below the brighter parts.
 _UNLIT_STOPS = 10.5
 # The darker half of a picture, without its darkest tenth: where a room has windows, its walls.
 _WALLS = (0.1, 0.6)
-# Stops above these between which light ceases to count: outdoors hardly anything lies there, and
+# Stops above these between which the weight of light falls to zero: few outdoor pixels lie there,
 # the sky in a window does. By both, 75 of 80 pictures of our scenes keep their exposure within
 # 0.05 EV (four times of day, two skies), and walls behind windows a hundred times as bright, on up
 # to 30 % of the picture, are shown within half a stop of middle grey.
@@ -38,7 +38,7 @@ def scale_of(ev100: float) -> float:
 
 
 def ev100_of(wish: SetExposure, radiance_rgb: NDArray[np.floating]) -> float:
-    """EV100 that is wished for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1."""
+    """Unlimited EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1."""
     metered = wish.ev100 if wish.mode == "manual" else automatic_ev100(radiance_rgb)
     return metered - wish.compensation_ev
 
@@ -47,10 +47,11 @@ def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
     """EV100 for a picture (..., 3) of linear sRGB radiance in W m^-2 sr^-1.
 
     The log mean of luminance, without the brightest 0.2 % of the pixels (the sun's disc and
-    its glints), which no exposure could hold, and without what outshines the picture's darker
-    half by far, as the sky does in a room's window. What is darker than four stops below the
-    brighter parts counts as just that, unless it is that half: black ground must not blow out
-    what is lit. Of a large picture (h, w, 3) every second, third, ... pixel stands for its
+    its glints), which no exposure could hold, and without pixels that far outshine the picture's
+    darker half, as the sky in a room's window does. Pixels darker than four stops below the
+    brighter parts count as four stops, unless they are half of the picture: black ground must not
+    overexpose lit surfaces. Of a large picture (h, w, 3) every second, third, ... pixel stands for
+    its
     neighbours.
     """
     if radiance_rgb.ndim == 3:

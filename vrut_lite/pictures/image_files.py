@@ -1,4 +1,4 @@
-"""Picture files: which formats there are, and a writer for each.
+"""Picture files: the formats and their writers.
 
 A command asks `picture_format` and `check_writable` first, then works, then writes.
 """

@@ -1,4 +1,4 @@
-"""A drawn picture: radiance, and what is displayed of it."""
+"""A drawn picture: its radiance and its display values."""
 
 from dataclasses import dataclass
 

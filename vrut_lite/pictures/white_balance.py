@@ -1,4 +1,4 @@
-"""White balance: the light that is to look white, and the matrix that makes it so."""
+"""White balance: a white point, and the matrix that makes it white."""
 
 from functools import lru_cache
 

@@ -37,7 +37,7 @@ def write_png(path: str | os.PathLike[str], rgb: NDArray, metadata: Metadata | N
 
 
 def _write_16_bits(path: Path, rgb16: NDArray[np.uint16], texts: PngImagePlugin.PngInfo) -> None:
-    """What Pillow cannot: it has no 16-bit colour. Each row less the one above packs well."""
+    """16-bit colour, which Pillow cannot write. Each row less the one above packs well."""
     height, width = rgb16.shape[:2]
     header = struct.pack(">IIBBBBB", width, height, 16, _RGB, 0, 0, 0)
     rows = rgb16.astype(">u2").reshape(height, -1).view(np.uint8)

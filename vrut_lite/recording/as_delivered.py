@@ -1,4 +1,4 @@
-"""Messages as they were delivered, for who looks at them later.
+"""Messages as they were delivered, for later inspection.
 
 A message's fields cannot be exchanged, but a list or dictionary in one can be changed by whoever
 hears it, or by whoever posted it.
@@ -21,9 +21,9 @@ _UNCHANGING = frozenset({bool, int, float, str, bytes, type(None), datetime, Arr
 
 
 def as_delivered(message: M) -> M:
-    """The message, or one like it of which no part can be changed through the message itself.
+    """The message, or a copy of it that shares nothing mutable with it.
 
-    A journal says the same of both. Copies cost as much as is copied; what cannot change is
+    Both have the same journal entry. Copies cost as much as is copied; what cannot change is
     shared.
     """
     copies = _changed_fields(message)
@@ -41,7 +41,7 @@ def _changed_fields(structure: msgspec.Struct) -> dict[str, Any]:
 
 
 def _copy(value: Any) -> Any:
-    """The value itself if it cannot change, else a copy of which a journal says the same."""
+    """The value itself if it is immutable, else an equal copy."""
     if type(value) in _UNCHANGING:
         return value
     match value:

@@ -150,7 +150,7 @@ def arrays_of(value: Any) -> list[Array]:
 
 
 def _time_text(time: datetime) -> str:
-    """The instant in UTC: it counts, not the zone it was said in."""
+    """The instant in UTC, without its time zone."""
     try:
         return (time if time.tzinfo is None else time.astimezone(UTC)).isoformat()
     except OverflowError:  # Its UTC lies outside the years 1 to 9999.
@@ -193,7 +193,7 @@ def _leaves(hint: Any) -> set[Any]:
 
 
 def _as_floats(plain: Any) -> Any:
-    """1 as 1.0: a journal that is read gives a field of floats nothing else."""
+    """1 as 1.0, since a journal's float fields are read as floats."""
     if isinstance(plain, list):
         return [_as_floats(item) for item in plain]
     return float(plain) if type(plain) is int else plain

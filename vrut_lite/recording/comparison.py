@@ -1,4 +1,4 @@
-"""Where two plain messages differ, exactly or within what another machine may change."""
+"""The difference of two plain messages, exact or within the tolerance between machines."""
 
 import math
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from vrut_lite.recording.entry import Entry
 SCALAR_TOLERANCE = 1e-5
 # Forty times what was measured.
 SAMPLE_TOLERANCE = 1e-3
-# A number this small is what is left of larger ones, down to the rounding of float64.
+# A number this small is the rounding of a difference of larger numbers in float64.
 _ZERO = 1e-12
 # Beside the largest value of its array, a sample this small is rounding: a thousandth of it is
 # less than the last bit of the largest in float32.
@@ -112,7 +112,7 @@ def _samples_differ(there: list[Any], here: list[Any]) -> Difference:
 
 
 def _worst(there: list[Any], here: list[Any]) -> float:
-    """The largest relative difference; infinite where one has a value and the other has none."""
+    """The largest relative difference; infinite where only one has a value."""
     if len(there) != len(here):
         return math.inf
     finite = [abs(value) for value in (*there, *here) if math.isfinite(value)]

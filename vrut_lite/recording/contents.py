@@ -1,4 +1,4 @@
-"""What a journal holds by its own account: all sizes are known before anything is unpacked."""
+"""The declared contents of a journal: all sizes are known before anything is unpacked."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -20,13 +20,14 @@ from vrut_lite.recording.mcap_records import (
 
 
 class Packed(NamedTuple):
-    """Zstandard bytes, and how many they say that they unpack to."""
+    """Zstandard bytes, and their declared unpacked size."""
 
     data: memoryview
     size: int
 
     def unpack(self) -> bytes:
-        """What was packed; UserError or ZstdError if it is not as it says."""
+        """The unpacked bytes; UserError or ZstdError if their size differs from the declared
+        one."""
         if zstandard.frame_content_size(self.data) != self.size:
             raise UserError("it is damaged: what is packed has another size than is said of it")
         return zstandard.decompress(self.data)
@@ -41,12 +42,12 @@ class Contents(NamedTuple):
 
     @property
     def message_bytes(self) -> int:
-        """What all messages unpack to."""
+        """Unpacked size of all messages."""
         return sum(chunk.size for chunk in self.chunks)
 
     @property
     def array_bytes(self) -> int:
-        """What all arrays unpack to, each once."""
+        """Unpacked size of all arrays, each counted once."""
         return sum(array.size for array in self.arrays.values())
 
 

@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 Plain = dict[str, Any]
-# Of a field that an earlier version did not record: it agrees with anything.
+# A field that an earlier version did not record: it equals any value.
 UNKNOWN = {"$unknown": True}
 
 _RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
@@ -28,7 +28,7 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
         # One texel stood for a size that is left to the sky; nobody shows a sky of one texel.
         if message.get("message") == "BackgroundChanged" and message.get("size") == 1:
             added["size"] = None
-    # The handler that told of a GPU that failed, by the name that a Fault gives it.
+    # The handler that reported a failed GPU, by its name in a Fault.
     if name == "Fault" and message.get("where") == "cube_done":
         added["where"] = "job_done"
     # A sky's own haze had to be a number.

@@ -8,12 +8,12 @@ from vrut_lite.kernel.beginning import MOST_STEPS
 
 Kind = Literal["input", "derived"]
 _Name = Annotated[str, msgspec.Meta(max_length=200)]
-# A restored kernel is asked each of them; no session has more than some dozens.
+# A restored kernel gets each of them; no session has more than some dozens.
 _MOST = msgspec.Meta(max_length=1024)
 
 
 class Entry(msgspec.Struct, frozen=True, kw_only=True):
-    """One message: an admitted input, or what a handler or the kernel said about one.
+    """One message: an admitted input, or one that a handler or the kernel posted.
 
     `message` is its plain form (see codec); `digest` that of the type's name and the form.
     """
@@ -28,8 +28,8 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
 class SetupStep(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One step before the recording: a module was added, or an input admitted.
 
-    Of what a job of the kernel's own brought (its sender tells) module and job alone are kept.
-    A step of neither: what was queued was delivered.
+    Of a result of the kernel's own job (see its sender) only module and job are kept.
+    A step without either: queued messages were delivered.
     """
 
     module: str = ""

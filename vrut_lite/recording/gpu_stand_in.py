@@ -6,7 +6,7 @@ from vrut_lite.kernel.module import Manifest, Module, handles
 
 
 class GpuStandIn(Module):
-    """In the place of the host's `gl_jobs`, where no GPU is."""
+    """Replaces the host's `gl_jobs` where there is no GPU."""
 
     manifest = Manifest(name="gl_jobs", title="GPU jobs", version=__version__)
 

@@ -5,7 +5,7 @@ from vrut_lite.kernel.jobs import Finish
 
 
 class HeldRunner:
-    """Keeps each job until it is told to do the work and bring the result.
+    """Keeps each job until `release` runs it and injects its result.
 
     So a replay admits every result at the place where the journal has it. Work whose result the
     journal does not have is never done: it may have run until it was cancelled.

@@ -1,4 +1,4 @@
-"""Reads a journal; whatever is wrong with the file is told in one sentence."""
+"""Reads a journal; an invalid file raises a UserError of one sentence."""
 
 import re
 import struct
@@ -57,7 +57,7 @@ class _Body(msgspec.Struct, frozen=True):
 class Journal:
     """A journal file: its signature, its setup, and its entries in file order.
 
-    `message_bytes` is what all its entries take as JSON.
+    `message_bytes` is the size of all its entries as JSON.
 
     Raises:
         UserError: the file cannot be read, is too large, damaged, or of another format.

@@ -31,7 +31,7 @@ class JournalWriter:
     """Appends entries to a binary stream; `finish` completes the file.
 
     Raises:
-        UserError: what a reader would refuse is to be written.
+        UserError: a reader would refuse this entry.
     """
 
     def __init__(self, stream: IO[bytes], signature: Signature, setup: Setup, full: bool = False):
@@ -124,7 +124,7 @@ def _schema(message_type: type[Message]) -> dict[str, Any]:
 
 
 def _field_schema(hint: Any) -> dict[str, Any]:
-    """What JSON says of a field; of an array, or of a choice with one, that it is an object."""
+    """JSON type of a field; an array, or a union with one, is an object."""
     try:
         (schema,), components = msgspec.json.schema_components([hint])
     except TypeError:

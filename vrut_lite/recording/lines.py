@@ -95,6 +95,6 @@ def _input_of(line: bytes, registry: Registry) -> Input | None:
 
 
 def _line(content: dict[str, Any]) -> str:
-    """The JSON, with escapes for what would steer a terminal."""
+    """The JSON, with control characters escaped."""
     text = msgspec.json.encode(content).decode()
     return _NOT_SHOWN.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)

@@ -1,4 +1,4 @@
-"""Sees what a kernel does, in the order it does it, and writes it down as entries."""
+"""Observes a kernel's messages in order and makes entries of them."""
 
 from collections.abc import Callable
 
@@ -33,7 +33,7 @@ class Observer:
             raise UserError(f"the module {name} was added after the recording began")
 
     def close(self) -> None:
-        """See nothing more."""
+        """Stop observing."""
         self._see = None
 
     def _admitted(self, message: Input) -> None:
@@ -48,7 +48,7 @@ class Observer:
 def entry_of(kind: Kind, message: Message, sender: str) -> Entry:
     """The entry of a message; UserError if it has no plain form.
 
-    The trace of work that ran elsewhere is part of it: whether there is one makes a Fault or none.
+    The trace of remote work is part of it, since it decides whether there is a Fault.
     """
     name = type(message).__name__
     try:

@@ -1,8 +1,8 @@
-"""Which GPU recipe of here stands for which of the journal's.
+"""Maps GPU recipes of this machine to those of the journal.
 
-A recipe is a digest of all that decides a texture's texels, uniforms among them, of which another
-processor may change the last digit. Jobs that are equal by value have equal textures: what the
-recorded GPU brought is the answer to the job of here.
+A recipe is a digest of all that decides a texture's texels. It includes uniforms, whose last digit
+may differ on another processor. Jobs that are equal by value have equal textures: the recorded
+texture answers this machine's job.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ from vrut_lite.recording.entry import Entry
 
 
 class Recipes:
-    """The recipes of the journal's jobs, and those of their equals here."""
+    """The recipes of the journal's jobs, and of the equal jobs here."""
 
     def __init__(self) -> None:
         self._here: dict[str, str] = {}
@@ -27,7 +27,7 @@ class Recipes:
                 self._here[str(recipes[0])] = str(recipes[1])
 
     def translated(self, entry: Entry) -> Entry:
-        """An entry of the journal, with the recipes of here."""
+        """An entry of the journal, with this machine's recipes."""
         if not self._here:
             return entry
         return msgspec.structs.replace(entry, message=self._translated(entry.message))

@@ -21,7 +21,8 @@ class Recorder:
     """Writes all that a kernel admits and delivers, until `close`; begins on a fresh kernel.
 
     A light journal holds arrays by digest and a few sampled values, a full one their bytes
-    too. What cannot be recorded ends the recording, never the session: `close` tells it.
+    too. A message that cannot be recorded ends the recording, never the session; `close` raises its
+    error.
     """
 
     def __init__(self, kernel: Kernel, stream: BinaryIO, full: bool = False):
@@ -39,7 +40,7 @@ class Recorder:
         """Complete the journal; the stream stays open.
 
         Raises:
-            UserError: something that was said could not be recorded.
+            UserError: a message could not be recorded.
         """
         self._observer.close()
         if self._refusal is not None:
@@ -84,7 +85,7 @@ def _check_readable(entry: Entry, message: Message) -> None:
 
 
 def _check_heard(value: Any, read: Any) -> None:
-    """Raise UserError unless a module would hear in a replay what it heard: types count too.
+    """Raise UserError unless a replay would deliver an equal message with equal types.
 
     Textures are told from their fields by `GpuTexture.of`.
     """

@@ -1,4 +1,4 @@
-"""Replays a journal: the same inputs by the same way, and every answer compared."""
+"""Replays a journal: injects its inputs again and compares every message."""
 
 from collections.abc import Iterable, Iterator
 from itertools import chain, groupby, zip_longest
@@ -27,7 +27,7 @@ from vrut_lite.recording.setup import Services, restore_setup
 from vrut_lite.recording.signature import differences, signature_of
 
 _LONGEST_PHRASE = 800
-# An input and what came of it: read one by one, for a journal's may be of any length.
+# An input and its consequences, read one by one: a journal may be of any length.
 Transaction = Iterator[Entry]
 
 
@@ -36,7 +36,7 @@ HEADLESS: tuple[type[Module], ...] = (SkySum, GpuStandIn)
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
-    """What a replay found; `difference` is a sentence about the first message that differs.
+    """The result of a replay; `difference` is a sentence about the first different message.
 
     `signature_differences` is empty where digests were compared, and says otherwise why
     values were.
@@ -121,7 +121,7 @@ class Replay:
     def _compare(
         self, there: Transaction, here: list[Entry], by_value: bool
     ) -> tuple[int, tuple[int, str] | None]:
-        """The length of a transaction there; where the two part, from their input, and how."""
+        """Length of the recorded transaction, and the place and kind of the first difference."""
         count, found = 0, None
         for offset, (expected, actual) in enumerate(zip_longest(there, here)):
             count += expected is not None
@@ -165,7 +165,7 @@ class Replay:
     def _with_sender(self, entry: Entry) -> Entry:
         """The entry, with the sender that journals of earlier versions left out.
 
-        They do not say who brought a result: a job of its name that is begun here, if any.
+        They lack the sender of a result: it is a job of its name that was started here, if any.
         """
         of_job = entry.type_name == JobResult.__name__ and not self._journal.setup.steps
         if of_job and _job_of(entry) in self._runner.held:

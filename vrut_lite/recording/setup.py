@@ -1,4 +1,4 @@
-"""The kernel at the beginning of a recording: written down, and made again for a replay."""
+"""The set-up of a kernel at the beginning of a recording, and its repetition for a replay."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -24,7 +24,7 @@ from vrut_lite.recording.entry import ModuleSetup, Setup, SetupStep
 from vrut_lite.recording.registry import Registry
 
 Services = Mapping[str, Mapping[str, Any]]
-# Lets a job of this module and name do its work and bring its result; false if there is none.
+# Runs the job of this module and name and injects its result; false if there is none.
 Release = Callable[[str, str], bool]
 
 
@@ -56,7 +56,7 @@ def restore_setup(
     services: Services,
     release: Release,
 ) -> None:
-    """Do with an empty kernel what was done before the recording, and let it settle.
+    """Repeat the recorded set-up on an empty kernel, and let it settle.
 
     Raises:
         UserError: a module is missing, refuses a setting, or does not run as it did.
@@ -85,12 +85,12 @@ def restore_setup(
                 kernel.inject(_input_of(step, registry))
             kernel.pump()
         kernel.pump()
-        # A stand-in, of the GPU's owner say, does not ask for what the module itself had asked.
+        # A stand-in (of the GPU's owner, say) lacks the demands of the module itself.
         known = {demand.key(): demand for demand in kernel.lifecycle.demands.every()}
         for demand in (decode(Demand, plain) for plain in setup.demands):
             if known.get(demand.key()) != demand:
                 kernel.inject(demand)
-        # An earlier version may have handed a slot that nobody chose to another module.
+        # An earlier version may have given a slot without a choice to another module.
         for slot, holder in setup.slots.items():
             if holder and kernel.slots.holder(slot) != holder:
                 kernel.inject(ChooseSlot(slot=slot, module=holder))

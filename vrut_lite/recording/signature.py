@@ -1,4 +1,4 @@
-"""What a journal's digests are bound to: machine features, versions, modules."""
+"""The signature of a journal's digests: machine features, versions, modules."""
 
 import os
 import platform
@@ -14,7 +14,7 @@ Signature = dict[str, str]
 
 # Beginnings of the names of processor features that say how sums and products are rounded.
 _ARITHMETIC = ("sse", "avx", "fma", "f16c", "fp", "neon", "sve", "vfp", "vsx", "altivec")
-# Parts that are lists of words: of two lists only what differs is told.
+# Parts that are lists of words: only the different words are reported.
 _LISTS = ("cpu_features", "numba_target")
 
 

@@ -1,4 +1,4 @@
-"""Types of messages as msgspec can convert them: a union with a type of ours it cannot."""
+"""Message types in a form that msgspec can convert: it refuses unions with our own types."""
 
 from functools import cache
 from typing import Any, TypeVar, get_args, get_type_hints

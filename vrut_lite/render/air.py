@@ -28,7 +28,7 @@ class AirSurroundings(NamedTuple):
     Attributes:
         eye_altitude_m: the eye's y.
         ground_level_m: y of the ground behind the scene, below the eye.
-        ground_is_bare: whether that ground is still to be seen through air.
+        ground_is_bare: whether the renderer must still add the air before that ground.
         shadow_from_eye: matrix (4, 4) into the shadow map, of positions relative to the eye.
     """
 
@@ -46,7 +46,7 @@ class FrameAir(NamedTuple):
 
     @classmethod
     def of(cls, around: AirSurroundings, shafts: bool) -> "FrameAir":
-        """Of a frame with air; a sky that is seen through all of its air needs no more."""
+        """Defines of a frame with air; a sky whose air is included needs no more."""
         mesh = ("AIR", "LIGHT_SHAFTS") if shafts else ("AIR",)
         return cls(mesh, mesh if shafts or around.ground_is_bare else ())
 
@@ -63,9 +63,9 @@ class AirOnGpu:
         self.volume: AirVolume | None = None
 
     def show(self, volume: AirVolume | None) -> None:
-        """Upload a volume in place of the last; None where there is no air to be seen.
+        """Upload a volume in place of the last; None where no air is visible.
 
-        Light that has never left the GPU is taken as it is.
+        Light that is a GPU texture is used directly.
         """
         self.volume = volume
         if volume is None:
@@ -73,7 +73,7 @@ class AirOnGpu:
         extinction = np.ascontiguousarray(log_extinction(volume), dtype=np.float32)
         self._extinction = self._written(self._extinction, extinction, extinction.shape[1::-1])
         if isinstance(volume.light, GpuTexture):
-            # It stays ours for as long as the volume that is kept holds it.
+            # The texture is valid while the kept volume refers to it.
             self._radiance = _between_nodes(self._context, volume.light.opaque)
             return
         light = np.ascontiguousarray(volume.light.values, dtype=np.float16)

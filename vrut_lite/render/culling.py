@@ -1,4 +1,4 @@
-"""Which meshes a view can show."""
+"""Decides which meshes a view can show."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from vrut_lite.render.pyrender_scene import PlacedPrimitive
 def in_view(placed: PlacedPrimitive, view: View) -> bool:
     """Whether the sphere around a mesh reaches into the view: a conservative answer."""
     clip = (view.projection @ view.rotation)[:, :3]
-    # Left, right, bottom, top; the side planes also shut out what is behind the eye.
+    # Left, right, bottom, top; the side planes also exclude the space behind the eye.
     planes = np.array([clip[3] + clip[0], clip[3] - clip[0], clip[3] + clip[1], clip[3] - clip[1]])
     planes /= np.linalg.norm(planes, axis=1, keepdims=True)
     distance_m = planes @ (placed.centre_m - view.eye_m)

@@ -1,4 +1,4 @@
-"""What must be true of the process before OpenGL libraries are imported.
+"""Prepares the process before OpenGL libraries are imported.
 
 pyrender 0.1.45 predates numpy 2 and Python 3.12, and imports a window toolkit that needs X11;
 three small repairs let it load headless. Nothing outside `render/` imports pyrender.
@@ -29,9 +29,9 @@ def prepare_environment() -> None:
 
 @lru_cache(maxsize=1)
 def probe_gl() -> tuple[str, str]:
-    """Name of the GL renderer, or an empty text and the reason why there is none.
+    """Name of the GL renderer, or an empty text and the reason for its absence.
 
-    Asked in a process of its own: a broken driver aborts instead of raising.
+    Found by a separate process: a broken driver aborts instead of raising.
     """
     prepare_environment()
     try:

@@ -24,8 +24,8 @@ NAME = "gl_jobs"
 class GlJobs(Module):
     """Queues each GpuJob on the GL thread.
 
-    It demands GpuJobs for as long as it runs: that is how modules know that somebody can do
-    them. The ledger counts jobs done, and those skipped for a later one of their key.
+    It demands GpuJobs while it runs, which tells modules that GPU jobs are possible. The ledger
+    counts jobs done, and those skipped for a later one of their key.
     """
 
     manifest = Manifest(name=NAME, title="GPU jobs", version=__version__)
@@ -34,7 +34,7 @@ class GlJobs(Module):
         super().__init__(link, settings)
         self._owner = owner
         self._inject = inject
-        # A pool for each job: those that take turns would release each other's textures.
+        # A pool for each job: alternating jobs would release each other's textures.
         self._pools: defaultdict[str, TexturePool] = defaultdict(TexturePool)
         self._buffers = JobBuffers()
         self._programs: dict[str, Any] = {}

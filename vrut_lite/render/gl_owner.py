@@ -55,7 +55,7 @@ class GlOwner:
             ) from error
 
     def close(self) -> None:
-        """Finish queued work and give the context back, with all that was made in it."""
+        """Finish queued work and release the context with all its objects."""
         self._thread.submit(_release, self._context).result()
         self._thread.shutdown()
 
@@ -63,7 +63,7 @@ class GlOwner:
 def _release(context: Any) -> None:
     from OpenGL import EGL, contextdata
 
-    # PyOpenGL keeps the arrays that were given to this context, by its address.
+    # PyOpenGL keeps arrays that were passed to this context, by its address.
     contextdata.cleanupContext()
     context.release()
     # A context that is current to a thread lives on, with every texture that is left in it.

@@ -1,4 +1,4 @@
-"""Storage buffers of GPU jobs: what the last job of the same name read is not sent again."""
+"""Storage buffers of GPU jobs; buffers of the last job of the same name are not sent again."""
 
 from typing import Any
 
@@ -17,9 +17,9 @@ class JobBuffers:
         self._sent: dict[str, _Sent] = {}
 
     def bind(self, context: Any, job: GpuJob) -> int:
-        """Bind what a job reads; how many of its buffers were still there."""
+        """Bind a job's buffers; returns how many of them were reused."""
         before, now = self._sent.pop(job.key(), {}), _Sent()
-        # Whatever is made or kept stays known, also where the next cannot be made.
+        # All buffers stay listed, also where making the next one fails.
         self._sent[job.key()] = now
         try:
             return self._bind_all(context, job, before, now)

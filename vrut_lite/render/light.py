@@ -1,4 +1,4 @@
-"""The light of a frame, as the passes hand it to the shaders."""
+"""The light of a frame, for the passes and shaders."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple

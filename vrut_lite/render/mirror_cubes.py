@@ -1,4 +1,4 @@
-"""Cube maps of what stands around glossy parts, on the GPU: uploaded when such a part is drawn."""
+"""Cube maps of the surroundings of glossy parts, on the GPU: uploaded when such a part is drawn."""
 
 from typing import Any
 
@@ -19,13 +19,13 @@ class MirrorCubes:
         self._context = context
         self._mirrors: Mirrors | None = None
         self._light: SurfaceLightChanged | None = None
-        # By number: radiance and nearness, and of which light and layout they are.
+        # By number: radiance and nearness, with their light and layout.
         self._textures: dict[int, tuple[Any, Any]] = {}
         self._radiance_is_of: dict[int, SurfaceLightChanged] = {}
 
     @property
     def there(self) -> bool:
-        """Whether there is something to be mirrored."""
+        """Whether there are cubes to reflect."""
         return self._mirrors is not None and self._light is not None
 
     def show(self, mirrors: Mirrors | None, light: SurfaceLightChanged | None) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-# Linear between them, harmonics of band 4 are off by 0.3 % of themselves, which are a few percent.
+# Linear interpolation errs by 0.3 % of the harmonics of band 4, which are a few percent of all.
 NODES = 65
 
 

@@ -1,7 +1,7 @@
 """A pass drawn piece by piece, so that a picture can be given up while it is being drawn.
 
-A software renderer takes seconds for a finished picture. After each piece the caller is asked
-whether it still wants the picture; a user who moves on then need not wait for it.
+A software renderer takes seconds for a finished picture. After each piece the caller may give the
+picture up, so that a user need not wait for it.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 # Pixels: pieces begin where a software renderer's tiles do, and no 2 x 2 pixels, of which
 # derivatives are taken, are parted. Its threads take a tile each.
 TILE, _LEAST_TILES = 64, 2
-# What a piece may take, unless most of that is spent before its first pixel.
+# Time of a piece, unless most of it is spent before its first pixel.
 _PIECE_S = 0.15
 
 
@@ -97,7 +97,7 @@ class Pieces:
     def _draw_one(self, draw: Callable[[Piece], None], piece: Piece) -> None:
         start_s = perf_counter()
         draw(piece)
-        # A software renderer places triangles at once, and shades pixels when it is waited for.
+        # A software renderer places triangles at once, and shades pixels when the result is needed.
         placed_s = perf_counter() - start_s
         GL.glFinish()
         shaded_s = perf_counter() - start_s - placed_s

@@ -40,7 +40,7 @@ class PyrenderBackend:
     def __init__(self, owner: GlOwner):
         self._owner = owner
         self._frame: Frame = owner.call(Frame)
-        # The background last: of them, its shader alone may be refused.
+        # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,
             "light_map": self._upload_light_map,
@@ -50,8 +50,7 @@ class PyrenderBackend:
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
         }
-        # What was uploaded last: a texture that stays on the GPU is ours for as long as the
-        # message that brought it is kept.
+        # The uploaded parts: a texture on the GPU is valid while its message is kept.
         self._uploaded: dict[str, Any] = dict.fromkeys(self._uploads)
         self._scene: PyrenderScene | None = None
         self._sky_texture: Any = None
@@ -76,7 +75,7 @@ class PyrenderBackend:
 
         Raises:
             RuntimeError: scene, light or camera is still missing.
-            GivenUp: `is_given_up()`, asked on the GL thread again and again, said so.
+            GivenUp: `is_given_up()`, called repeatedly on the GL thread, returned true.
         """
         state.check_drawable()
         return self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
@@ -113,7 +112,7 @@ class PyrenderBackend:
 
     @property
     def ledger(self) -> Ledger:
-        """What frames did, and what they skipped."""
+        """Counts of work that frames did and skipped."""
         return self._frame.ledger
 
     def measure_passes(self, measure: Measure) -> None:
@@ -137,7 +136,7 @@ class PyrenderBackend:
             if part is self._uploaded[name]:
                 self.ledger.skip("upload: unchanged")
                 continue
-            # Noted first: a shader that is refused is told once, not with every frame.
+            # Noted first, so that a refused shader is reported once and not with every frame.
             self._uploaded[name] = part
             self.ledger.did("upload")
             upload(context, part)
@@ -163,7 +162,7 @@ class PyrenderBackend:
         self._frame.show_clouds(layer)
 
     def _upload_background(self, context: Any, background: BackgroundChanged) -> None:
-        """Upload the cube map, or take the texture that has never left the GPU as it is."""
+        """Upload the cube map, or use the texture that is on the GPU already."""
         cube = background.cube
         if isinstance(cube, GpuTexture):
             texture = cube.opaque
@@ -174,7 +173,7 @@ class PyrenderBackend:
         self._frame.show_view(background.view)
 
     def _upload_sky_light(self, context: Any, light: SkyLightChanged | None) -> None:
-        """Upload the sky with its layers, for what mirrors it."""
+        """Upload the sky with its layers, for reflections."""
         if light is None:
             self._mirrored = None
             return

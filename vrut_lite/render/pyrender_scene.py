@@ -27,7 +27,7 @@ class PlacedPrimitive:
     (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
     `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one, and
     `light_end_px` (2,) lies past the last texel that its look-ups reach. `mirror` is the number of
-    its cube map of what stands around it.
+    the cube map of its surroundings.
     """
 
     primitive: Any
@@ -52,9 +52,9 @@ class _Cut(NamedTuple):
 
 
 class PyrenderScene:
-    """Meshes whose buffers pyrender keeps, where they stand, and the paint of the ground.
+    """Meshes whose buffers pyrender keeps, their places, and the ground's material.
 
-    `scene` is what pyrender brings to the GPU, `placed` what is drawn.
+    pyrender uploads `scene`; the passes draw `placed`.
     """
 
     def __init__(self, opened: SceneOpened):
@@ -73,7 +73,7 @@ class PyrenderScene:
         self.lay_out(None)
 
     def lay_out(self, light_map: LightMapLaid | None) -> None:
-        """Cut meshes up as a light map asks for; those that it leaves whole keep their buffers."""
+        """Cut meshes as the light map's layout does; uncut meshes keep their buffers."""
         geometry = self._opened.geometry
         whole = {key: cut for key, cut in self._cuts.items() if key[1] == NOT_MAPPED}
         self._cuts, self.scene, self.placed = {}, pyrender.Scene(), []
@@ -144,7 +144,7 @@ def _ground(ground: GroundDisc) -> _Cut:
 def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
     """A mesh with its vertices centred, and with those of its shape in the light map.
 
-    Single precision is then spent on the mesh itself, not on where its origin happens to be.
+    Single precision then serves the mesh itself, not the distance of its origin.
     """
     centre = 0.5 * (mesh.positions_m.min(axis=0) + mesh.positions_m.max(axis=0))
     vertices = slice(None) if shape is None else shape.source_vertex
@@ -155,7 +155,7 @@ def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
     primitive = pyrender.Primitive(
         positions=(mesh.positions_m - centre).astype(np.float32)[vertices],
         normals=values(mesh.normals),
-        # Shaders of ours have no use for tangents: their place holds that in the light map.
+        # Our shaders need no tangents: that attribute holds the place in the light map.
         tangents=None if shape is None else np.pad(shape.uv, ((0, 0), (0, 2))),
         texcoord_0=values(mesh.uv),
         texcoord_1=values(mesh.second_uv),
@@ -169,7 +169,7 @@ def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
 
 
 class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
-    """pyrender's material, and what of ours it has no place for."""
+    """pyrender's material, and the parameters that it lacks."""
 
     layer_of: Mapping[MapName, int] = MappingProxyType({})
     normal_scale = 1.0

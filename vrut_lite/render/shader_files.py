@@ -1,4 +1,4 @@
-"""Shader sources, with what they share put in."""
+"""Shader sources with their includes."""
 
 import re
 from collections.abc import Mapping
@@ -16,7 +16,8 @@ Defines = tuple[str, ...]
 
 @lru_cache(maxsize=32)
 def shader_source(name: str) -> str:
-    """The text of a shader; a line `//!include FILE` stands for that file or uniform block."""
+    """The text of a shader; each line `//!include FILE` is replaced by that file or uniform
+    block."""
     if name in BLOCK_FILES:
         return BLOCK_FILES[name].glsl()
     text = (SHADERS / name).read_text()
@@ -24,7 +25,7 @@ def shader_source(name: str) -> str:
 
 
 def defined(source: str, names: Mapping[str, int]) -> str:
-    """The text with these names defined, after the version that GLSL wants first."""
+    """The text with these names defined after its version line."""
     version, rest = source.split("\n", 1)
     defines = "".join(f"#define {name} {value}\n" for name, value in names.items())
     return f"{version}\n{defines}{rest}"

@@ -1,7 +1,7 @@
 """The light map and the probes of a frame on the GPU, and the block of numbers beside them.
 
-Which light a mesh is drawn with is compiled into its program: texels of its own, the chart of the
-ground, probes, or the open sky where none of these is there.
+The source of a mesh's light is compiled into its program: its own texels, the ground's chart,
+probes, or the open sky without these.
 """
 
 from typing import Any
@@ -40,7 +40,7 @@ class SurfaceLightOnGpu:
         self._sees_sky: dict[PlacedPrimitive, bool] = {}
 
     def lay_out(self, laid: LightMapLaid | None) -> None:
-        """Take the layout of the light that comes next."""
+        """Set the layout of the next light."""
         self._laid = laid
 
     def show(self, light: SurfaceLightChanged | None) -> None:
@@ -60,7 +60,7 @@ class SurfaceLightOnGpu:
             self._probes = self._written(self._probes, faces, (columns, rows, layers))
 
     def defines(self, placed: PlacedPrimitive) -> Defines:
-        """What the program of a mesh is compiled with, by where its light comes from."""
+        """Defines of a mesh's program, by the source of its light."""
         if self._light is None or self._laid is None:
             return ()
         if placed.is_ground:
@@ -74,7 +74,7 @@ class SurfaceLightOnGpu:
         return ("LIGHT_MAP", *mirror) if self.sees_sky(placed) else ("LIGHT_MAP", "NO_SKY", *mirror)
 
     def mirrors(self, placed: PlacedPrimitive) -> bool:
-        """Whether a mesh reflects what stands around it."""
+        """Whether a mesh has a cube map of its surroundings."""
         return placed.mirror is not None and self._mirrors.there
 
     def bind_mirror(self, placed: PlacedPrimitive, eye_m: NDArray[np.float64]) -> NDArray:
@@ -95,7 +95,7 @@ class SurfaceLightOnGpu:
         return self._sees_sky[placed]
 
     def bind(self, scene: PyrenderScene, light: Light, eye_m: NDArray[np.float64]) -> None:
-        """Hand light and layout to all meshes that are drawn next, as an eye (3,) sees them."""
+        """Set light and layout for all meshes that are drawn next, relative to an eye (3,)."""
         if self._light is None or self._laid is None:
             return
         ground, probes = self._laid.ground or _NO_GROUND, self._laid.probes or _NO_PROBES
@@ -161,6 +161,6 @@ class SurfaceLightOnGpu:
             texture.release()
 
 
-# Numbers for what no program reads.
+# Values for fields that no program reads.
 _NO_GROUND = GroundChart(corner_px=(0, 0), edge_px=2, half_width_m=1.0, warp=1.0)
 _NO_PROBES = ProbeGrid(lower_m=(0.0,) * 3, step_m=(1.0,) * 3, counts=(2, 2, 2))

@@ -34,7 +34,7 @@ class LitScene(NamedTuple):
 def reached_irradiance(lit: LitScene, hit: Hit) -> FloatArray | None:
     """Irradiance (3,) where a ray has hit a surface, on the side of its normal.
 
-    None where the frame takes the open sky's, for want of texels and probes.
+    None where the surface has neither texels nor probes: the frame takes the open sky's.
     """
     if hit.part == GROUND:
         return None if lit.laid.ground is None else _ground(lit, lit.laid.ground, hit)

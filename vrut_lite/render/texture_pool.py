@@ -19,8 +19,8 @@ class _Lent(NamedTuple):
 class TexturePool:
     """Lends textures, on the GL thread only.
 
-    A shown texture must not be written while the next is made: two of a kind take turns, and a
-    third comes in while someone lags behind. Free ones of another kind are released.
+    A shown texture must not be written while the next is made: two of a kind alternate, and a third
+    is used while a consumer lags behind. Free ones of another kind are released.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class TexturePool:
 
     def _free_one(self, kind: Kind) -> Any:
         """A texture of this kind whose holders have let go, or None."""
-        # Asked once: a holder may let go, on another thread, at any moment.
+        # Read once: another thread may release its handle at any moment.
         held = [lent.handle() is not None for lent in self._lent]
         free = [lent for lent, is_held in zip(self._lent, held, strict=True) if not is_held]
         self._lent = [lent for lent, is_held in zip(self._lent, held, strict=True) if is_held]

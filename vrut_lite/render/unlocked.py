@@ -1,7 +1,7 @@
-"""GL calls that may take long, made so that Python's other threads run meanwhile.
+"""Slow GL calls, made without Python's lock so that other threads run meanwhile.
 
-A software renderer computes inside the call that needs a result, for seconds sometimes. moderngl
-holds Python's lock all the while, and a window with it; PyOpenGL, by ctypes, lets it go. All of
+A software renderer computes inside the call that needs a result, sometimes for seconds. moderngl
+holds Python's lock meanwhile, which stops a window; PyOpenGL, by ctypes, releases it. All of
 this on the GL thread.
 """
 

@@ -1,4 +1,4 @@
-"""What draws the scene: OpenGL, a path tracer, or nothing at all."""
+"""The interface of renderers: OpenGL, a path tracer, or none."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -17,9 +17,9 @@ class SceneBackend(Protocol):
     """Draws the scene; calls come from one thread at a time."""
 
     def prepare(self, state: SceneState) -> None:
-        """Bring to the GPU what has changed since the last call, before a picture is wanted.
+        """Upload the parts that changed since the last call, before a picture is wanted.
 
-        `draw` does so too; whoever must hear of an error at once calls this.
+        `draw` does so too; call this to get an error at once.
 
         Raises:
             UserError: the background's own shader does not compile; its cube map is drawn.
@@ -30,11 +30,11 @@ class SceneBackend(Protocol):
     ) -> Picture:
         """Draw a frame.
 
-        A still is finished; in a frame of many, what changes slowly may lag behind.
+        A still is complete; in other frames slow work (reflections) may lag behind.
 
         Raises:
             RuntimeError: scene, light or camera is still missing.
-            GivenUp: `is_given_up()`, asked again and again, said so.
+            GivenUp: `is_given_up()` returned true; it is called repeatedly.
         """
 
 
@@ -49,6 +49,6 @@ class SceneView:
         self._backend = backend
 
     def prepare(self) -> None:
-        """Let the backend take what has changed; UserError as `SceneBackend.prepare` says."""
+        """Let the backend upload the changes; UserError as in `SceneBackend.prepare`."""
         if self._backend is not None:
             self._backend.prepare(self.state)

@@ -25,7 +25,7 @@ SUPPORTED_EXTENSIONS = (
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-# What the document's objects and the values in them take, measured.
+# Measured memory of the document's objects and of their values.
 _OBJECT_BYTES, _VALUE_BYTES = 256, 96
 Item = TypeVar("Item")
 

@@ -1,4 +1,4 @@
-"""The part of glTF 2.0 that is read, as types: msgspec refuses whatever does not fit them."""
+"""The part of glTF 2.0 that is read, as types: msgspec refuses all else."""
 
 from typing import Annotated, Literal
 

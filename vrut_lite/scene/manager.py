@@ -41,8 +41,8 @@ class SceneSettings(msgspec.Struct, frozen=True):
 class SceneManager(Module):
     """Owns the state of a `SceneView`; draws nothing itself.
 
-    It demands light, of a sky's cube map in `cube_size` texels where that is named, and a light map
-    unless the view's backend draws none.
+    It demands light (the sky's cube map in `cube_size` texels, if given), and a light map unless
+    the view's backend draws none.
     """
 
     manifest = Manifest(name=NAME, title="Scene", version=__version__)
@@ -138,7 +138,7 @@ class SceneManager(Module):
 
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
-        """Light with the sum of sky and layers, and mirror it, where there are layers."""
+        """Light and reflect with the sum of sky and layers, where there are layers."""
         self._change(sky_light=message if message.layers else None)
 
     @handles(AirChanged)
@@ -182,7 +182,7 @@ class SceneManager(Module):
     # --- what that needs ----------------------------------------------------------------
 
     def _look(self) -> None:
-        """Post what this camera needs of light and air."""
+        """Post the light and the air that this camera needs."""
         camera, aspect = self.state.camera, self.state.aspect
         if camera is None:
             return
@@ -222,7 +222,7 @@ class SceneManager(Module):
         self._change(air=last and last.volume)
 
     def _want_scene_light(self) -> None:
-        """Demand what only a scene has a use for: clouds, and the light on its surfaces."""
+        """Demand what only a scene needs: clouds, and the light on its surfaces."""
         if self._wants_scene_light:
             return
         self._wants_scene_light = True

@@ -25,7 +25,7 @@ _NAME_BYTES = 256
 
 @dataclass(frozen=True)
 class ObjFile:
-    """What an OBJ file holds.
+    """The content of an OBJ file.
 
     positions (V, 3), colours (V, 3) or none, texture coordinates (T, 2), normals (N, 3);
     `corners` (F, 3, 3) are the triangles' corners, each with the numbers of its position, texture
@@ -45,7 +45,7 @@ class ObjFile:
 
 @dataclass
 class _Reading:
-    """What has been read so far."""
+    """The content that has been read so far."""
 
     budget: SceneBudget
     counts: dict[bytes, int] = field(default_factory=lambda: dict.fromkeys(_KINDS, 0))

@@ -1,4 +1,4 @@
-"""A loaded scene as the message that tells it: immutable arrays."""
+"""Packs a loaded scene into its message: immutable arrays."""
 
 from typing import Any
 
@@ -55,7 +55,7 @@ class _Rows:
 
 
 class _Geometry:
-    """Joins the arrays of meshes; what several meshes share is there once."""
+    """Joins the arrays of meshes; shared arrays are stored once."""
 
     def __init__(self) -> None:
         self._positions, self._normals = _Rows(3, np.float64), _Rows(3, np.float64)
@@ -65,7 +65,7 @@ class _Geometry:
         self._table: list[tuple[int, ...]] = []
 
     def add(self, mesh: trimesh.Trimesh, material: int) -> None:
-        """Add a mesh that wears this material."""
+        """Add a mesh with this material."""
         attributes = mesh.vertex_attributes
         normals = np.asarray(mesh.vertex_normals)
         first = self._first_row(self._positions, mesh.vertices, normals)
@@ -85,9 +85,9 @@ class _Geometry:
         )
 
     def _first_row(self, rows: _Rows, values: Any, *beside: NDArray[Any]) -> int:
-        """The first row of values in the joined ones, as often as they come; NONE for None.
+        """The first row of values in the joined array, the same for equal values; NONE for None.
 
-        Arrays that are kept here keep their memory, so that addresses stand for contents.
+        Kept arrays keep their memory, so that addresses identify contents.
         """
         if values is None:
             return NONE
@@ -98,7 +98,7 @@ class _Geometry:
         return self._first_rows[key]
 
     def joined(self, part_mesh: list[int], world_from_part: list[NDArray]) -> SceneGeometry:
-        """All meshes, and where they stand."""
+        """All meshes, and their places."""
         return SceneGeometry(
             positions_m=self._positions.array(),
             normals=self._normals.array(),
@@ -112,12 +112,12 @@ class _Geometry:
 
 
 def _place(array: NDArray[Any]) -> tuple[Any, ...]:
-    """What two arrays share that are the same values in memory."""
+    """Key of an array: equal for arrays of the same memory."""
     return array.__array_interface__["data"][0], array.shape, array.strides
 
 
 def packed(loaded: LoadedScene) -> SceneOpened:
-    """The message that tells a scene, with the ground that it stands on."""
+    """The message of a scene, with the ground under it."""
     own, camera = loaded.camera, None
     if own is not None:
         camera = camera_from_pose(own.world_from_camera, own.vertical_field_of_view_rad)

@@ -2,4 +2,4 @@
 
 
 class SceneFileError(ValueError):
-    """What is wrong with a scene file and what to do; the path is added by `load_scene`."""
+    """A fault in a scene file and its remedy; `load_scene` adds the path."""

@@ -1,4 +1,4 @@
-"""What every sky must do on the bus: tests for authors.
+"""The contract of every sky on the bus: tests for authors.
 
     class TestMySky(SkyContract):
         module_type = MySky
@@ -57,7 +57,7 @@ class SkyContract:
 
     @pytest.fixture
     def sky(self) -> Iterator[SkyOnBus]:
-        """The sky on a kernel; whatever it raises fails the test."""
+        """The sky on a kernel; every fault fails the test."""
         sky = SkyOnBus(self.module_type, **self.settings)
         yield sky
         sky.kernel.close()
@@ -98,7 +98,7 @@ class SkyContract:
         assert by_day.taken() == before
 
     def test_unchanged_inputs_post_nothing(self, by_day: SkyOnBus) -> None:
-        """The same sun, demand or tolerance again is no news."""
+        """The same sun, demand or tolerance again posts nothing."""
         by_day.taken()
         by_day.sun(35.0, 120.0)
         by_day.tell(SetTolerance(tolerance=DEFAULT_TOLERANCE))
@@ -138,7 +138,7 @@ class SkyContract:
         assert sky.last(BackgroundChanged).cube.shape[1] == SIZE  # type: ignore[union-attr]
 
     def test_unseen_moves_stay_within_the_tolerance(self, by_day: SkyOnBus) -> None:
-        """While the sun creeps, what is shown is the present sun's sky within the tolerance."""
+        """While the sun creeps, the shown sky equals the present sun's sky within the tolerance."""
         fresh = SkyOnBus(self.module_type, **self.settings)
         fresh.want(*LIGHT, size=SIZE)
         for step in range(1, 9):
@@ -189,7 +189,7 @@ class SkyContract:
         np.testing.assert_allclose(east, north, rtol=0.01, atol=0.01 * north.max())
 
     def test_below_the_horizon_is_the_ground(self, by_day: SkyOnBus) -> None:
-        """The lower half holds the ground's radiance: of what falls on it, all at most."""
+        """The lower half holds the ground's radiance: at most all of the light on it."""
         background, cube = by_day.last(BackgroundChanged), cube_of(by_day)
         ground = np.array(background.ground_radiance_rgb)
         if not background.ground_through_air:
@@ -228,7 +228,7 @@ class SkyContract:
     # --- air and spectrum ----------------------------------------------------------------
 
     def test_air_is_posted_where_things_stand_in_it(self, sky: SkyOnBus) -> None:
-        """Nothing before a scene tells of things; then one volume or none, sound to the last."""
+        """No air before a scene has surfaces; then one valid volume or none."""
         sky.sun(30.0)
         sky.want(AirChanged)
         assert sky.taken() == []
@@ -282,7 +282,7 @@ class SkyContract:
         assert on_gpu.faults == []
 
     def test_radiance_on_the_ground_is_the_cpus(self, on_gpu: SkyOnBus) -> None:
-        """Who adds up light reads it, wherever the background is made."""
+        """Consumers of light get an array, wherever the background is made."""
         on_gpu.taken()
         on_gpu.want(SkyRadianceChanged, size=SIZE)
         (ground,) = on_gpu.taken()

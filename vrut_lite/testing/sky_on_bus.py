@@ -1,4 +1,4 @@
-"""One sky on a real kernel, under a sun and before an eye that a test moves."""
+"""One sky on a real kernel, with a sun and an eye that a test moves."""
 
 import math
 from typing import Any, TypeVar
@@ -35,7 +35,7 @@ class SunAndEye(Module):
     """Stands in for the sun's module and for the scene manager.
 
     A place puts the sun at the elevation of its latitude and the azimuth of its longitude; a camera
-    puts the eye at its height, and things as far off as its target.
+    puts the eye at its height, and surfaces at the distance of its target.
     """
 
     manifest = Manifest(name="sun_and_eye", title="Sun and eye", version="1", provides=("sun",))
@@ -60,7 +60,7 @@ class SunAndEye(Module):
 
     @handles(MoveCamera)
     def camera_moved(self, camera: MoveCamera) -> None:
-        """Tell where the eye is and how far off things stand."""
+        """Post the eye's height and the distance of surfaces."""
         self.link.post(
             SceneNeeds(
                 sky_in_view=True,
@@ -73,7 +73,7 @@ class SunAndEye(Module):
 
 
 class AnotherSky(Module):
-    """A sky that says nothing."""
+    """A sky that posts nothing."""
 
     manifest = Manifest(
         name="another_sky", title="Another sky", version="1", provides=("sky",), stand_in=False
@@ -83,8 +83,7 @@ class AnotherSky(Module):
 class SkyOnBus:
     """A kernel with one sky, `SunAndEye` and `AnotherSky`; every method acts until all is done.
 
-    Background jobs are done where they are asked for, unless `holding` is set: then `finish` does
-    them.
+    Background jobs run when they are started, unless `holding` is set: then `finish` runs them.
     """
 
     def __init__(self, module_type: type[SkyModule], **settings: Any):
@@ -137,7 +136,7 @@ class SkyOnBus:
         self.tell(SetPlace(**place, altitude_m=ground_m))
 
     def eye(self, height_m: float, reach_m: float = 1.0) -> None:
-        """Move the eye to a height, with things so far off."""
+        """Move the eye to a height, with surfaces at a distance."""
         self.tell(
             MoveCamera(eye_m=(0.0, height_m, 0.0), target_m=(0.0, height_m, -reach_m)),
         )
@@ -147,11 +146,11 @@ class SkyOnBus:
         self.tell(SetSetting(module=self.name, name=name, value=value))
 
     def lose_slot(self) -> None:
-        """Let another sky be shown."""
+        """Give the slot to another sky."""
         self.tell(ChooseSlot(slot="sky", module=AnotherSky.manifest.name))
 
     def regain_slot(self) -> None:
-        """Let the sky be shown."""
+        """Give the slot to the sky."""
         self.tell(ChooseSlot(slot="sky", module=self.name))
 
     def answer(self, job: GpuJob, error: str = "") -> None:
@@ -163,12 +162,12 @@ class SkyOnBus:
     # --- what a test asks ----------------------------------------------------------------
 
     def taken(self) -> list[Derived]:
-        """What the sky has posted since this was last asked."""
+        """Messages that the sky has posted since the last call."""
         posted, self._posted = self._posted, []
         return posted
 
     def kinds_taken(self) -> list[type[Derived]]:
-        """The types of what the sky has posted since this was last asked."""
+        """Types of the messages that the sky has posted since the last call."""
         return [type(message) for message in self.taken()]
 
     def last(self, kind: type[M]) -> M:
@@ -184,5 +183,5 @@ class SkyOnBus:
 
     @property
     def ledger(self) -> Ledger:
-        """What the sky did and skipped."""
+        """The sky's ledger."""
         return self.kernel.seats[self.name].ledger

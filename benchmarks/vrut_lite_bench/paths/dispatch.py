@@ -8,12 +8,12 @@ import importlib
 from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
-from typing import Any, NamedTuple
+from typing import Any
 
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
-from vrut_lite_bench.bench_path import BenchPath, Errors, Group, Work
+from vrut_lite_bench.bench_path import BenchPath, Errors, Group
 
 MESSAGES, THOUSANDS = 10_000, 10
 
@@ -53,11 +53,9 @@ class Counter:
         self.count += 1
 
 
-class Contestant(NamedTuple):
-    """`run()` passes `MESSAGES` messages to the `counters`."""
-
-    run: Callable[[], None]
-    counters: list[Counter]
+# Passes `MESSAGES` messages and returns the subscribers: it keeps them alive, since some libraries
+# hold subscribers by weak reference.
+Run = Callable[[], list[Counter]]
 
 
 class _Poster(Module):
@@ -94,32 +92,34 @@ def _kernel(subscribers: int) -> tuple[Kernel, list[Counter]]:
     return kernel, counters
 
 
-def kernel_posts(subscribers: int) -> Contestant:
+def kernel_posts(subscribers: int) -> Run:
     """The kernel: one input, whose handler posts."""
     kernel, counters = _kernel(subscribers)
 
-    def run() -> None:
+    def run() -> list[Counter]:
         kernel.inject(Burst(count=MESSAGES))
         kernel.pump()
+        return counters
 
-    return Contestant(run, counters)
+    return run
 
 
-def kernel_inputs(subscribers: int) -> Contestant:
+def kernel_inputs(subscribers: int) -> Run:
     """The kernel: an input each, pumped at once."""
     kernel, counters = _kernel(subscribers)
     single = Single(elevation_rad=0.5)
 
-    def run() -> None:
+    def run() -> list[Counter]:
         inject, pump = kernel.inject, kernel.pump
         for _ in range(MESSAGES):
             inject(single)
             pump()
+        return counters
 
-    return Contestant(run, counters)
+    return run
 
 
-def pluggy_hook(subscribers: int) -> Contestant:
+def pluggy_hook(subscribers: int) -> Run:
     """A pluggy hook with a plugin for each subscriber."""
     pluggy = importlib.import_module("pluggy")
     specify, implement = pluggy.HookspecMarker("bench"), pluggy.HookimplMarker("bench")
@@ -138,15 +138,16 @@ def pluggy_hook(subscribers: int) -> Contestant:
     for counter in counters:
         manager.register(counter)
 
-    def run() -> None:
+    def run() -> list[Counter]:
         hook, moved = manager.hook.on_moved, Moved(elevation_rad=0.5)
         for _ in range(MESSAGES):
             hook(message=moved)
+        return counters
 
-    return Contestant(run, counters)
+    return run
 
 
-def pyside_signal(subscribers: int) -> Contestant:
+def pyside_signal(subscribers: int) -> Run:
     """A PySide6 signal, connected directly."""
     core: Any = importlib.import_module("PySide6.QtCore")
     counters = [Counter() for _ in range(subscribers)]
@@ -158,15 +159,16 @@ def pyside_signal(subscribers: int) -> Contestant:
     for counter in counters:
         owner.moved.connect(counter.on_moved)
 
-    def run() -> None:
+    def run() -> list[Counter]:
         emit, moved = owner.moved.emit, Moved(elevation_rad=0.5)
         for _ in range(MESSAGES):
             emit(moved)
+        return counters
 
-    return Contestant(run, counters)
+    return run
 
 
-CONTESTANTS: dict[str, tuple[str, Callable[[int], Contestant]]] = {
+CONTESTANTS: dict[str, tuple[str, Callable[[int], Run]]] = {
     "vrut_lite, posts after one input": ("vrut_lite", kernel_posts),
     "vrut_lite, an input each": ("vrut_lite", kernel_inputs),
     "pluggy": ("pluggy", pluggy_hook),
@@ -200,22 +202,10 @@ def _path(name: str, subscribers: int) -> BenchPath:
         name=name,
         family=name,
         parameters={"subscribers": subscribers},
-        prepare=partial(_prepare, name, subscribers),
+        prepare=partial(CONTESTANTS[name][1], subscribers),
         error=_check,
         units=THOUSANDS,
     )
-
-
-def _prepare(name: str, subscribers: int) -> Work:
-    """The contestant's work; `_check` sees that no message was lost."""
-    contestant = CONTESTANTS[name][1](subscribers)
-
-    def work() -> list[Counter]:
-        # The closure keeps the counters alive: some libraries hold subscribers by weak reference.
-        contestant.run()
-        return contestant.counters
-
-    return work
 
 
 def _check(counters: list[Counter]) -> dict[str, Errors]:

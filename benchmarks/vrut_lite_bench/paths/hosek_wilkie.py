@@ -84,6 +84,8 @@ def _formats(quick: bool) -> Group:
     left_out = {}
     if find_spec("mitsuba") is None:
         left_out["mitsuba's sunsky"] = "mitsuba is not installed (the extra `ref`)"
+    elif not hosek_wilkie_mitsuba.llvm_library():
+        left_out["mitsuba's sunsky"] = "mitsuba finds no LLVM 19"
     else:
         paths += _mitsuba_paths(QUICK_SIZES if quick else MITSUBA_SIZES)
     if missing_gl():

@@ -102,11 +102,33 @@ def _by_rule(name: str, rule: Rule, samples: Samples) -> BenchPath:
 
 
 def _compiled(name: str, nodes: int) -> BenchPath:
-    return _path(name, "compiled, gauss-legendre", nodes, partial(_all_compiled, name, nodes))
+    def light(r: Rays) -> FloatArray:
+        return r.light(
+            *fast_scattered_without_phase(r.atmosphere, r.height_m, r.mu, r.mu_s, r.nu, nodes)
+        )
+
+    return _path(name, "compiled, gauss-legendre", nodes, lambda: _of_all_rays(name, light))
 
 
 def _by_bins(name: str, counts: tuple[int, int]) -> BenchPath:
-    return _path(name, "ray bins, float32", counts, partial(_all_by_bins, name, counts))
+    def prepare() -> Work:
+        field = _dark(air(name), counts)
+        return _of_all_rays(
+            name, lambda r: r.light(*single_scattering_fast(field, r.height_m, r.mu, r.mu_s, r.nu))
+        )
+
+    return _path(name, "ray bins, float32", counts, prepare)
+
+
+def _all_by_rule(name: str, rule: Rule, samples: Samples) -> Work:
+    return _of_all_rays(
+        name,
+        lambda r: single_scattering(r.atmosphere, r.height_m, r.mu, r.mu_s, r.nu, rule, samples),
+    )
+
+
+def _of_all_rays(name: str, light: Callable[[Rays], FloatArray]) -> Work:
+    return lambda: [light(rays) for rays in all_rays(name)]
 
 
 def _path(name: str, family: str, samples: Samples, prepare: Callable[[], Work]) -> BenchPath:
@@ -130,40 +152,6 @@ def _error(name: str, found: list[FloatArray]) -> dict[str, Errors]:
         rays.name: relative_errors(light, right)
         for rays, light, right in zip(all_rays(name), found, truths(name), strict=True)
     }
-
-
-def _all_by_rule(name: str, rule: Rule, samples: Samples) -> Work:
-    def work() -> list[FloatArray]:
-        return [
-            single_scattering(r.atmosphere, r.height_m, r.mu, r.mu_s, r.nu, rule, samples)
-            for r in all_rays(name)
-        ]
-
-    return work
-
-
-def _all_compiled(name: str, nodes: int) -> Work:
-    def work() -> list[FloatArray]:
-        return [
-            r.light(
-                *fast_scattered_without_phase(r.atmosphere, r.height_m, r.mu, r.mu_s, r.nu, nodes)
-            )
-            for r in all_rays(name)
-        ]
-
-    return work
-
-
-def _all_by_bins(name: str, counts: tuple[int, int]) -> Work:
-    field = _dark(air(name), counts)
-
-    def work() -> list[FloatArray]:
-        return [
-            r.light(*single_scattering_fast(field, r.height_m, r.mu, r.mu_s, r.nu))
-            for r in all_rays(name)
-        ]
-
-    return work
 
 
 def _dark(atmosphere: Atmosphere, counts: tuple[int, int]) -> SourceField:

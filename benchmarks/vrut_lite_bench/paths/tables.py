@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from bruneton_sky import Tables, TableSizes, precompute
@@ -12,15 +11,7 @@ from bruneton_sky.reference.pipeline.pipeline import run_pipeline
 from numpy.typing import NDArray
 
 from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors
-from vrut_lite_bench.gl import (
-    GlWork,
-    gl_clock,
-    gl_owner,
-    gl_read_back_clock,
-    has_timer,
-    missing_gl,
-    renderer,
-)
+from vrut_lite_bench.gl import gl_owner, gl_read_back_clock, missing_gl
 from vrut_lite_bench.skies import DEMO, Condition, air, conditions, sky_directions
 from vrut_lite_bench.sky_truth import exact_skies, in_words
 
@@ -55,8 +46,6 @@ def groups(quick: bool) -> list[Group]:
     else:
         on_gpu = ("quarter",) if quick else ("quarter", "published")
         paths += [_gpu_path(quick, size) for size in on_gpu]
-        if has_timer(renderer()):
-            paths += [_shaders_path(size) for size in on_gpu]
     return [
         Group(
             name="tables",
@@ -91,23 +80,6 @@ def _gpu_path(quick: bool, size: str) -> BenchPath:
 def _prepare_gpu(size: str) -> Work:
     pipeline = gl_owner().call(lambda context: GpuPipeline(context, SIZES[size]))
     return lambda: gl_owner().call(lambda _: pipeline.run(air(DEMO), _USUAL_ORDERS))
-
-
-def _shaders_path(size: str) -> BenchPath:
-    """The card's time alone, without reading anything back."""
-    name = "published pipeline, GPU shaders without read-back"
-    made = _path(True, name, name, _USUAL_ORDERS, size, lambda: GlWork(partial(_shaders, size)))
-    return replace(made, clock=gl_clock(), error=None, device="GPU", batch="GPU")
-
-
-def _shaders(size: str, context: Any) -> Callable[[], None]:
-    pipeline = GpuPipeline(context, SIZES[size])
-
-    def work() -> None:
-        for made in pipeline.run_on_gpu(air(DEMO), _USUAL_ORDERS):
-            made.release()
-
-    return work
 
 
 def _path(

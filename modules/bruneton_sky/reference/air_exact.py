@@ -1,7 +1,7 @@
 """The air before a point, in float64: the reference for `air_volume`.
 
-A ray is cut where it meets the level, the edges of the planet's shadow and its own perigee, and
-each piece is integrated by Gauss and Legendre's rule on shrinking intervals, with optical depths
+A ray is cut at ground level, at the edges of the planet's shadow and at its perigee; each piece is
+integrated by Gauss and Legendre's rule on shrinking intervals, with optical depths
 in closed form. Light scattered more than once has the solver's source function, looked up in
 float64. As in an `AirVolume`, a ray does not end on the ground: below level 0 density, source
 and sun's transmittance are those of level 0.
@@ -31,7 +31,7 @@ _NODES = 6
 
 
 class AirLight(NamedTuple):
-    """What air does along a ray up to n distances, (n, C) each, W m^-2 sr^-1 nm^-1.
+    """Light and transmittance along a ray up to n distances, (n, C) each, W m^-2 sr^-1 nm^-1.
 
     `molecules` and `aerosol`: sunlight scattered once, without phase functions; `more`: light
     scattered twice or more.
@@ -54,8 +54,8 @@ def light_before(
 ) -> AirLight:
     """The air before rising distances (n,) on one ray from an altitude inside the air.
 
-    Past the edge of the air nothing is added. `pieces`: into how many intervals the ray is cut
-    between two of the distances, at least.
+    Past the edge of the air nothing is added. `pieces`: least number of intervals between two of
+    the distances.
     """
     air = field.atmosphere
     planet = air.ground_radius_m, air.top_altitude_m

@@ -1,6 +1,6 @@
 """Midpoint, trapezoid and Simpson with even intervals: the textbook rules.
 
-They know nothing of y, of closed forms or of the shadow's edge, and so check the other rule
+They use neither y nor closed forms nor the shadow's edge, and so check the other rule
 independently. The view ray's optical depth is accumulated by the rule itself: a midpoint
 takes half of its own cell, and Simpson's odd nodes the parabola through their neighbours.
 """
@@ -90,14 +90,14 @@ def accumulate(rule: str, values: FloatArray, step: FloatArray) -> FloatArray:
         return integral * step
     first, middle, last = values[..., :-2:2], values[..., 1::2], values[..., 2::2]
     integral[..., 2::2] = np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1)
-    # Where values grow a lot from node to node the parabola dips below zero: a depth may not.
+    # Where values grow steeply the parabola dips below zero, which a depth must not.
     part = np.maximum(5.0 * first + 8.0 * middle - last, 0.0) / 12.0
     integral[..., 1::2] = integral[..., :-2:2] + part
     return integral * step
 
 
 def checked_intervals(rule: str, samples: int | tuple[int, int]) -> tuple[int, int]:
-    """The intervals (view, light) if they suit the rule.
+    """The intervals (view, light), checked for the rule.
 
     Raises:
         ValueError: they do not, or there is no such rule.

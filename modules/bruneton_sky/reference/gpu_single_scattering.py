@@ -42,7 +42,7 @@ def single_scattering_cube_job(
     compiled shader. Texels of faces that are not wanted are left undefined.
 
     Args:
-        module, job: names of the module that asks and of the job.
+        module, job: names of the asking module and of the job.
         atmosphere: with three wavelengths.
         altitude_m: of the observer, from 0 to the top of the atmosphere.
         sun_direction: unit vector (3,) to the sun, world axes.
@@ -118,7 +118,7 @@ def atmosphere_uniforms(atmosphere: Atmosphere) -> dict[str, UniformValue]:
 
 
 def _absorber_nodes(atmosphere: Atmosphere) -> int:
-    """None where nothing absorbs: the shaders then skip the absorber's paths."""
+    """None without an absorber: the shaders then skip its paths."""
     absorbs = any(atmosphere.absorption_extinction) and any(atmosphere.absorber_density)
     return len(atmosphere.absorber_altitude_m) if absorbs else 0
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from bruneton_sky import Atmosphere
+from bruneton_sky.atmosphere import SPECTRAL_FIELDS
 
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY, StudyAtmosphere
@@ -18,14 +19,6 @@ from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM, at_wavelength, l
 from vrut_lite_studies.models.bruneton import Bruneton
 
 _WAVELENGTHS = 15
-_SPECTRA = (
-    "solar_irradiance",
-    "rayleigh_scattering",
-    "mie_scattering",
-    "mie_extinction",
-    "absorption_extinction",
-    "ground_albedo",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +56,7 @@ class Elek:
 def at_wavelengths(air: Atmosphere, wavelength_nm: FloatArray) -> Atmosphere:
     """An atmosphere of 40 wavelengths at others (n,), linear between."""
     spectra: dict[str, Any] = {
-        name: tuple(at_wavelength(getattr(air, name), wavelength_nm)) for name in _SPECTRA
+        name: tuple(at_wavelength(getattr(air, name), wavelength_nm)) for name in SPECTRAL_FIELDS
     }
     return replace(air, wavelength_nm=tuple(wavelength_nm), **spectra)
 

@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 import grazing_ray
 import numpy as np
 import pytest
-from bruneton_reference import SIZES, reference, reference_atmosphere
+from bruneton_reference import SIZES, STEPS, reference, reference_atmosphere
 from bruneton_sky import Atmosphere
 from bruneton_sky.reference.gpu_pipeline import GpuPipeline, passes, pipeline
 from bruneton_sky.reference.pipeline.pipeline import run_pipeline
@@ -97,17 +97,7 @@ def hazy_planet() -> Atmosphere:
 
 @pytest.mark.parametrize(
     ("name", "order", "key"),
-    [
-        ("transmittance", 0, "transmittance"),
-        ("delta_irradiance", 1, "delta_irradiance_direct"),
-        ("single_rayleigh", 1, "single_rayleigh"),
-        ("single_mie", 1, "single_mie"),
-        *(
-            (name, order, f"{name}_order{order}")
-            for order in (2, 3, 4)
-            for name in ("scattering_density", "delta_irradiance", "delta_multiple_scattering")
-        ),
-    ],
+    STEPS,
 )
 def test_each_shader_makes_brunetons_table(reference_steps, name, order, key):
     """Every intermediate of every order, against his implementation of 2017 in float64."""

@@ -136,7 +136,7 @@ def test_shader_skips_an_absorber_that_absorbs_nothing() -> None:
         ),
     ],
 )
-def test_what_does_not_fit_the_shader_is_refused(options: dict, words: str) -> None:
+def test_arguments_beyond_the_shader_are_refused(options: dict, words: str) -> None:
     """One sentence, before anything reaches the GPU."""
     given = {"air": preset("earth-clear")} | options
     with pytest.raises(ValueError, match=words):

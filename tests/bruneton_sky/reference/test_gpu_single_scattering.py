@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
+from bruneton_sky.atmosphere import SPECTRAL_FIELDS
 from bruneton_sky.geometry import end_of_ray, horizon_mu, make_ray
 from bruneton_sky.presets import preset
 from bruneton_sky.single_scattering import optical_depth
@@ -37,18 +38,7 @@ def probe(gl_owner) -> ShaderProbe:
 @pytest.fixture(scope="module")
 def alien(other_planet: Atmosphere) -> Atmosphere:
     """The other planet at three of its wavelengths."""
-    thirds = {
-        name: getattr(other_planet, name)[:3]
-        for name in (
-            "wavelength_nm",
-            "solar_irradiance",
-            "rayleigh_scattering",
-            "mie_scattering",
-            "mie_extinction",
-            "absorption_extinction",
-            "ground_albedo",
-        )
-    }
+    thirds = {name: getattr(other_planet, name)[:3] for name in ("wavelength_nm", *SPECTRAL_FIELDS)}
     return replace(other_planet, **thirds)
 
 

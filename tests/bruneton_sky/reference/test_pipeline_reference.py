@@ -2,19 +2,7 @@
 
 import numpy as np
 import pytest
-from bruneton_reference import reference, twin_run
-
-STEPS = [
-    ("transmittance", 0, "transmittance"),
-    ("delta_irradiance", 1, "delta_irradiance_direct"),
-    ("single_rayleigh", 1, "single_rayleigh"),
-    ("single_mie", 1, "single_mie"),
-    *(
-        (name, order, f"{name}_order{order}")
-        for order in (2, 3, 4)
-        for name in ("scattering_density", "delta_irradiance", "delta_multiple_scattering")
-    ),
-]
+from bruneton_reference import STEPS, reference, twin_run
 
 
 def assert_same(ours, truth) -> None:

@@ -62,8 +62,8 @@ class SkyComparison(QObject):
     `refused` (a line), `shared_changed` (name, value).
 
     Works only while it is active. `haze` is that of both skies, whatever their presets; `shared`
-    are the other settings that both have by one name. They are set alike, by hand or as the
-    window's own sky was set last; a new haze is told as `HAZE`.
+    are the other settings that both have by one name. Both get the same value, typed here or last
+    set for the window's own sky; a new haze is emitted as `HAZE`.
     """
 
     compared = Signal(object)
@@ -79,7 +79,7 @@ class SkyComparison(QObject):
         self._modules: tuple[str, str] | None = None
         self._direction: Vector = (0.0, 1.0, 0.0)
         self._active = False
-        # The latest wish and direction, and the wish of the skies that were made last.
+        # The latest request and direction, and the request of the latest skies.
         self._asked: tuple[SkyWish, Vector] | None = None
         self._made: SkyWish | None = None
         session.listen(SettingChanged, self._setting_changed)
@@ -94,7 +94,7 @@ class SkyComparison(QObject):
         self._look()
 
     def choose(self, left: ModuleInfo, right: ModuleInfo) -> list[SettingSpec]:
-        """Compare these modules' skies; the settings that both have."""
+        """Compare these modules' skies; returns the settings that both have."""
         self._modules = (left.name, right.name)
         specs = shared_settings(left, right)
         self.shared = {spec.name: _value_of(spec, left, right) for spec in specs}
@@ -146,7 +146,7 @@ class SkyComparison(QObject):
         if not self._active or self._modules is None or place is None or clock is None:
             return
         roster = self._session.roster
-        # By number, for a preset's own haze would not be equal.
+        # As a number, since a preset's own haze would differ.
         alike = {**self.shared, OWN_HAZE: max(self.haze.turbidity, LEAST_TURBIDITY)}
         settings = {key: alike.get(key[1], value) for key, value in roster.settings_of().items()}
         wish = SkyWish(
@@ -167,7 +167,7 @@ class SkyComparison(QObject):
                 )
 
     def _compare(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Compared | None:
-        """On the second kernel's thread: both skies, unless they are made or others are asked."""
+        """On the second kernel's thread: both skies, unless they exist or others were requested."""
         wish, _ = asked
         if asked is not self._asked or wish == self._made:
             return None
@@ -182,7 +182,7 @@ class SkyComparison(QObject):
         return answer
 
     def _see_spectra(self, asked: tuple[SkyWish, Vector], second: SecondKernel) -> Spectra | None:
-        """On the same thread: the spectra of skies that were made."""
+        """On the same thread: the spectra of the latest skies."""
         wish, direction = asked
         if asked is not self._asked or wish != self._made:
             return None

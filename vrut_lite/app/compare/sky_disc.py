@@ -46,7 +46,7 @@ class SkyDisc(QWidget):
         return width
 
     def show_sky(self, pixels: NDArray[np.uint8], sun: Vector, north_offset_rad: float) -> None:
-        """Show a fisheye (n, n, 3), and where the sun stands."""
+        """Show a fisheye (n, n, 3) and the sun's place."""
         self._image = rgb_image(pixels)
         self._sun, self._north_offset_rad = sun, north_offset_rad
         self.update()
@@ -57,7 +57,7 @@ class SkyDisc(QWidget):
         self.update()
 
     def position_of(self, direction: Vector) -> QPointF | None:
-        """Where a world direction lies on the widget; None below the horizon."""
+        """The point of a world direction on the widget; None below the horizon."""
         azimuth, elevation = angles_from_direction(
             enu_from_world(direction, self._north_offset_rad)
         )

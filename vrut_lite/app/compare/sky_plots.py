@@ -1,8 +1,8 @@
 """Plots of two skies: luminance along the sun's meridian, spectra of one direction.
 
-pyqtgraph is imported with the window's other parts, though it takes 0.4 s. It goes through all
-of Qt's classes, which PySide makes when they are first asked for: on a thread of its own, beside
-a window at work, that ended the process now and then.
+pyqtgraph is imported with the window's other parts, though it takes 0.4 s. Its import visits all of
+Qt's classes, which PySide creates on first use: done on another thread beside a working window, it
+sometimes crashed the process.
 """
 
 from typing import Any

@@ -1,7 +1,7 @@
-"""Two skies of one hour, asked of the second kernel: each module in turn holds the slot `sky`.
+"""Two skies of one hour from the second kernel: each module in turn holds the slot `sky`.
 
-Both have the same haze, by optical depth. What both modules call by one name, albedo say, has one
-value for both.
+Both have the same optical depth of haze. Settings of equal names, such as albedo, have one value
+for both.
 """
 
 from typing import NamedTuple
@@ -29,9 +29,9 @@ _FISHEYE_SIZE = 64
 
 
 class SkyWish(NamedTuple):
-    """Which skies are asked for: two modules of the slot `sky`, and who holds `sun`.
+    """A request for skies: two modules of the slot `sky`, and the holder of `sun`.
 
-    `settings` are by module and name; `shared` are those among them that both have alike.
+    `settings` are by module and name; `shared` are those that both have.
     """
 
     modules: tuple[str, str]
@@ -59,7 +59,7 @@ class TwoSkies(NamedTuple):
 
 
 def look_at_skies(second: SecondKernel, wish: SkyWish) -> TwoSkies:
-    """Both skies of a wish.
+    """Both skies of a request.
 
     Raises:
         UserError: a module has no such sky.
@@ -71,7 +71,7 @@ def look_at_skies(second: SecondKernel, wish: SkyWish) -> TwoSkies:
         sun = _set_up(second, wish)
         left, right = (_sky_of(second, module) for module in wish.modules)
     finally:
-        # The search for another day's sun must not make a sky for each sample.
+        # A search in another day's sun must not compute a sky for each sample.
         _demand_sky(second, 0)
     return TwoSkies(wish, (left, right), sun)
 
@@ -79,7 +79,7 @@ def look_at_skies(second: SecondKernel, wish: SkyWish) -> TwoSkies:
 def spectra_along(
     second: SecondKernel, wish: SkyWish, direction: Vector
 ) -> list[SpectrumSeen | None]:
-    """The spectra of both skies in a world direction; None of a module that has none."""
+    """The spectra of both skies in a world direction; None for a module without spectra."""
     _set_up(second, wish)
     spectra = []
     for module in wish.modules:

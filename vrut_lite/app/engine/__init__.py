@@ -1,1 +1,1 @@
-"""The host on a thread of its own, and its state as known on Qt's thread. No widgets."""
+"""The host on its own thread, and a copy of its state on Qt's thread. No widgets."""

@@ -34,12 +34,12 @@ _ADAPTED_S = 1.5
 _SETTLED_EV = 0.02
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
-# What changes the light of the scene that is shown.
+# Messages that change the light of the shown scene.
 _HOLDING = (Tick, SetSetting, SetTolerance, SetHaze, ChooseSlot, EnableModule)
 
 
 class Adaptation:
-    """Says how the next picture is exposed, and learns from each picture; one thread only.
+    """Chooses the exposure of the next picture, and learns from each picture; one thread only.
 
     `wakes_at_s` is when the next picture is due although the scene's state has not changed.
     """
@@ -50,7 +50,7 @@ class Adaptation:
         self._ev100: float | None = None
         self._seen_ev100 = 0.0
         self._stepped_s = 0.0
-        # Whether the exposure follows the picture, and until when only the camera decides that.
+        # Whether the exposure follows the picture, and until when only camera moves do.
         self._follows = True
         self._follows_until_s = 0.0
         # Hours that are set before this time belong to one drag; whether that drag is still held.
@@ -67,7 +67,7 @@ class Adaptation:
 
     @property
     def held(self) -> bool:
-        """Whether automatic exposure stays as it is, whatever the picture shows."""
+        """Whether automatic exposure stays fixed."""
         return not self._follows
 
     @property
@@ -104,7 +104,7 @@ class Adaptation:
         return msgspec.structs.replace(wish, mode="manual", ev100=self._ev100)
 
     def next_exposure(self, state: SceneState, now_s: float) -> SetExposure:
-        """The exposure of the next quick picture, a step nearer to what is seen."""
+        """The exposure of the next quick picture, a step nearer to the metered one."""
         if state.scene is not self._state.scene or state.exposure.mode == "manual":
             self.meter_anew()
         elif state.camera != self._state.camera or (self._dragged and now_s >= self._drag_ends_s):

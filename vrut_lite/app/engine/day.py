@@ -57,7 +57,7 @@ class Day:
         return (self.end - self.start).total_seconds()
 
     def share_of(self, instant: datetime) -> float:
-        """Where an instant lies: 0 at the first midnight, 1 at the next."""
+        """The share of an instant: 0 at the first midnight, 1 at the next."""
         return (instant - self.start).total_seconds() / self.length_s
 
     def instant_at(self, share: float) -> datetime:
@@ -72,17 +72,18 @@ class Day:
         return float(np.interp(seconds, self.seconds, self.elevation_deg))
 
     def when_elevation(self, elevation_deg: float, near: datetime) -> datetime | None:
-        """When the sun has an elevation, on the same side of noon if it does there, or None."""
+        """The instant at which the sun has an elevation, on the same side of noon if possible, or
+        None."""
         return self._nearest(self.elevation_deg - elevation_deg, near)
 
     def when_azimuth(self, azimuth_deg: float, near: datetime) -> datetime | None:
-        """When the sun has an azimuth, nearest in time to `near`, or None."""
+        """The instant nearest to `near` at which the sun has an azimuth, or None."""
         off = (self.azimuth_deg - azimuth_deg + 180.0) % 360.0 - 180.0
         # A jump from 180 to -180 degrees is no root.
         return self._nearest(np.where(np.abs(off) > 90.0, np.nan, off), near)
 
     def _nearest(self, off: NDArray[np.float64], near: datetime) -> datetime | None:
-        """Where a sampled curve passes zero, nearest in time."""
+        """The zero of a sampled curve that is nearest in time."""
         here, there = off[:-1], off[1:]
         with np.errstate(invalid="ignore", divide="ignore"):
             crosses = (here == 0.0) | (here * there < 0.0)

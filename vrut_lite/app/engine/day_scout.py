@@ -48,7 +48,8 @@ class DayScout(QObject):
             )
 
     def _search(self, second: SecondKernel, wanted: _Wanted) -> Day | None:
-        """Compute the day, on the second kernel's thread; None if another day is wanted by now."""
+        """Compute the day, on the second kernel's thread; None if another day was requested
+        since."""
         if wanted is not self._wanted:
             return None
         second.set_up(wanted.place, wanted.sun_holder, wanted.settings)

@@ -1,8 +1,8 @@
 """Records a live session from its beginning, so that a journal can be saved at any moment.
 
-The kernel's thread only hands over what it admits and delivers, with copies of what a handler
-could still change; a thread of the recorder's own makes digests and writes entries to a temporary
-file. A journal is written from there, as often as wished, while the session and its recording
+The kernel's thread only queues inputs and messages, with copies of mutable values; the recorder's
+own thread makes digests and writes entries to a temporary file. A journal is written from there, as
+often as wished, while the session and its recording
 go on.
 """
 
@@ -63,7 +63,7 @@ class FlightRecorder:
         self._observer = Observer(kernel, self._saw)
 
     def save(self, path: str | Path) -> "Future[Recorded]":
-        """Write all that has happened until now as a light journal; from any thread.
+        """Write the session until now as a light journal; from any thread.
 
         The future raises UserError if the file cannot be written.
         """

@@ -11,7 +11,7 @@ _HOST_PACKAGE = __name__.partition(".")[0]
 
 
 class ModuleState(NamedTuple):
-    """One module; `needed` are the host's own and those that hold a slot by default."""
+    """One module; `needed` marks the host's own and the default holders of slots."""
 
     name: str
     title: str

@@ -4,8 +4,8 @@
 QUICK_S = 0.11
 # Few sizes: each needs framebuffers of its own.
 SCALES = (1.0, 0.7, 0.5, 0.35, 0.25)
-# Seconds without a change before the finished picture begins: more where a picture takes long,
-# since interrupting it costs the piece that is being drawn.
+# Seconds without a change before the finished picture begins: more for slow pictures, since an
+# interruption costs the piece that is being drawn.
 _SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.5
 _REST_SHARE = 0.3
 _MEMORY = 0.5

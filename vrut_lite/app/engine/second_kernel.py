@@ -1,4 +1,4 @@
-"""A second kernel, asked for other hours and other skies without disturbing the window's own."""
+"""A second kernel for other hours and other skies, beside the window's own."""
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
@@ -33,7 +33,7 @@ class SecondKernel:
         return self._thread.submit(self._answer, question)
 
     def close(self) -> None:
-        """Cancel what is asked, the running question's answer included."""
+        """Cancel all questions, the running one included."""
         if not self._closed:
             self._closed = True
             self._thread.submit(self._close_kernel)
@@ -81,7 +81,7 @@ class SecondKernel:
         self.kernel.pump()
 
     def sun_at(self, instant: datetime) -> SunMoved | None:
-        """Where the sun stands at an instant; None if no module holds the sun."""
+        """The sun at an instant; None if no module holds the slot."""
         self.kernel.inject(SetClock(instant=instant))
         self.kernel.pump()
         return self.kernel.last(SunMoved)

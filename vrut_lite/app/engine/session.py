@@ -107,11 +107,11 @@ class Session(QObject):
 
     @property
     def recorded(self) -> Recorded:
-        """How much of this session a journal would hold."""
+        """The extent of the session's recording."""
         return Recorded() if self._recorder is None else self._recorder.recorded
 
     def save_journal(self, path: str, then: Callable[[Recorded], None]) -> None:
-        """Write all that happened since the session began; the window goes on meanwhile."""
+        """Write the session's journal; the window goes on meanwhile."""
 
         def save(stage: Stage) -> "Future[Recorded]":
             if self._recorder is None:

@@ -29,7 +29,7 @@ _SCENE = "scene"
 
 
 def project_of(session: Session) -> Project:
-    """What the session shows now, with the settings that differ from their defaults."""
+    """The present session as a project, with the settings that differ from their defaults."""
     modules = session.roster.modules
     project = Project(
         slots={slot: holder for slot, holder in session.roster.holders.items() if holder},
@@ -63,7 +63,7 @@ def project_of(session: Session) -> Project:
 
 
 def folder_of(session: Session) -> str:
-    """The folder of the scene that is shown; empty if there is none."""
+    """The folder of the open scene; empty if there is none."""
     scene = session.last(SceneOpened)
     return "" if scene is None else str(Path(scene.path).resolve().parent)
 

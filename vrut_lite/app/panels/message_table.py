@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHeaderView, QTreeView
 from vrut_lite.app import theme
 from vrut_lite.app.engine.message_rows import MessageRow
 
-# Live messages that are kept; a journal is shown whole.
+# Number of live messages kept; a journal is shown whole.
 MOST_LIVE = 5000
 _TITLES = ("No.", "Message", "From", "To", "ms")
 _WIDTHS = (46, 132, 96, 80, 44)

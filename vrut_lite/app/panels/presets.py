@@ -11,7 +11,7 @@ Values = dict[str, Any]
 
 
 class PresetStore:
-    """Presets of all modules in one folder, made when the first is kept."""
+    """Presets of all modules in one folder, created with the first preset."""
 
     def __init__(self, folder: Path | None = None):
         self._folder = folder or user_config_path("vrut_lite") / "presets"

@@ -79,7 +79,7 @@ class WorldMap(QWidget):
         )
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Choose what was pointed at, to a tenth of a degree."""
+        """Choose the clicked place, to a tenth of a degree."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         longitude_deg = event.position().x() / self.width() * 360.0 - 180.0
@@ -160,7 +160,7 @@ def world_outline() -> list[NDArray[np.float64]]:
 
 
 def _night_shade(latitude_deg: float, longitude_deg: float) -> QImage:
-    """Black, as opaque as it is night; full from 12 degrees below the horizon."""
+    """Black with the opacity of the night; opaque from 12 degrees below the horizon."""
     width, height = _SHADE_SIZE
     longitude = np.radians((np.arange(width) + 0.5) / width * 360.0 - 180.0 - longitude_deg)
     latitude = np.radians(90.0 - (np.arange(height) + 0.5) / height * 180.0)[:, None]

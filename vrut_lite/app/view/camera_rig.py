@@ -14,7 +14,7 @@ _NEAREST_M, _FARTHEST_M = 0.05, 5e7
 _ZOOM, _CLIMB = 0.9, 1.125
 _EYE_HEIGHT_M = 1.7
 _HIGHEST_M = 4e7
-# The Earth's radius: it affects only how fast the view tips as it climbs.
+# The Earth's radius: it affects only the view's tilt with height.
 _GROUND_RADIUS_M = 6.36e6
 NARROWEST_RAD, WIDEST_RAD = math.radians(5.0), math.radians(120.0)
 
@@ -116,7 +116,7 @@ class CameraRig:
         self.field_of_view_rad = min(max(wanted, NARROWEST_RAD), WIDEST_RAD)
 
     def fly(self, right_m: float, up_m: float, forward_m: float) -> None:
-        """Go by metres to the right, up, and where one looks."""
+        """Move by metres to the right, up, and along the view."""
         way = right_m * self.right + np.array([0.0, up_m, 0.0]) + forward_m * self.forward
         self.eye_m = self.eye_m + way
 

@@ -12,12 +12,12 @@ from vrut_lite.daylight.picture import PictureClicked
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.light_meter import Illuminance
 
-# The pointer stands still for so long before lux is measured.
+# Seconds of rest of the pointer before lux is measured.
 _STILL_MS = 120
 
 
 class LightProbe(QObject):
-    """`text` holds the picture's luminance and the surface's lux; `changed` tells a new text."""
+    """`text` holds the picture's luminance and the surface's lux; `changed` emits a new text."""
 
     changed = Signal()
 
@@ -33,12 +33,12 @@ class LightProbe(QObject):
 
     @property
     def text(self) -> str:
-        """cd/m2, and lux on the surface; empty while nothing is pointed at."""
+        """cd/m2, and lux on the surface; empty without a pointer."""
         parts = (self._luminance, self._illuminance) if self._at is not None else ()
         return "   ".join(part for part in parts if part)
 
     def point_at(self, x: float, y: float) -> None:
-        """Point at shares of the picture's width and height."""
+        """Set the pointer, in shares of the picture's width and height."""
         self._at = (min(max(x, 0.0), 0.9999), min(max(y, 0.0), 0.9999))
         self._illuminance = ""
         if self._session.shown is not None:
@@ -46,7 +46,7 @@ class LightProbe(QObject):
         self._measuring.start()
 
     def leave(self) -> None:
-        """Point at nothing."""
+        """Remove the pointer."""
         self._at = None
         self._measuring.stop()
         self.changed.emit()

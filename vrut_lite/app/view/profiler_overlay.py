@@ -91,7 +91,7 @@ class ProfilerOverlay(QWidget):
 
     def _take(self, profile: Profile) -> None:
         self._asking = False
-        # While nothing happens the last profile with work in it stays.
+        # Without work the last profile with work stays.
         if profile.modules or self._latest is None:
             self._latest = profile
         shown = self._session.shown

@@ -11,7 +11,7 @@ def project_directions(
 ) -> NDArray[np.float64]:
     """Points (n, 2) of unit directions (n, 3) in a picture, as fractions of width and height.
 
-    x counts from the left, y from the top; what lies behind the eye is nan.
+    x counts from the left, y from the top; points behind the eye are nan.
     """
     rotation = look_at(np.zeros(3), np.subtract(camera.target_m, camera.eye_m))[:3, :3]
     right, up, back = np.moveaxis(np.asarray(directions, dtype=float) @ rotation.T, -1, 0)

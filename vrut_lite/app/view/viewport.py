@@ -1,9 +1,9 @@
 """The picture, and the camera in the user's hands.
 
-Frames are drawn on the GL owner's thread and handed over as images. A `QOpenGLWidget` would draw
-them on the window's own thread instead: with a software renderer a frame takes some hundred
-milliseconds, during which no slider moves; and modules' GPU jobs, which live in the owner's
-context, would need a second one to share with. The frame is read back anyway, for its exposure.
+Frames are drawn on the GL owner's thread and arrive as images. A `QOpenGLWidget` would draw on Qt's
+thread: with a software renderer a frame takes some hundred milliseconds, during which no slider
+would move. Modules' GPU jobs would then need a second, shared context. The frame is read back in
+any case, for its exposure.
 """
 
 from enum import Enum
@@ -190,7 +190,7 @@ class Viewport(QWidget):
             self.sky_pointed.emit((x, y, z))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End to drag; without one it was a click."""
+        """End the drag; without a drag it was a click."""
         way = event.position() - (self._pressed or event.position())
         self._grip = self._pressed = None
         if event.button() == Qt.MouseButton.LeftButton and way.manhattanLength() <= _CLICK_PX:
@@ -290,7 +290,7 @@ class Viewport(QWidget):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open what was dropped."""
+        """Open the dropped file."""
         path = _scene_of(event)
         if path is not None:
             event.acceptProposedAction()

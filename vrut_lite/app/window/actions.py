@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 
 class ActionSpec(NamedTuple):
-    """What `act` does, once it is triggered; a `checkable` one is called with whether it is on.
+    """Calls `act` when triggered; a `checkable` action passes its new state.
 
-    Of the checkable actions of a `group` one is on.
+    Exactly one checkable action of a `group` is on.
     """
 
     name: str

@@ -1,8 +1,8 @@
 """The docks of the window: the host's own, and those of the modules.
 
 A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
-QWidget class with a `title` and, if it is to have a shortcut, `keys`; it is called with the
-`Session`. It is imported when the window is ready, so that a module needs no Qt elsewhere.
+QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. It is
+imported when the window is ready, so that the rest of a module needs no Qt.
 """
 
 from collections.abc import Callable
@@ -49,7 +49,7 @@ class DockSpec(NamedTuple):
     keys: str = ""
 
 
-# Where each group stands, from top to bottom.
+# The groups from top to bottom.
 GROUPS: dict[str, Area] = {
     "where and when": Area.RightDockWidgetArea,
     "light": Area.RightDockWidgetArea,

@@ -26,7 +26,7 @@ class WindowShape(NamedTuple):
 
 
 class Kept:
-    """Files in one folder, which the first of them makes; without a folder nothing is kept.
+    """Files in one folder, created with the first file; without a folder nothing is kept.
 
     A damaged file counts as missing; it is renamed before a new one is written.
     """
@@ -45,7 +45,7 @@ class Kept:
         listed = self._read().get("recent")
         paths = listed if isinstance(listed, list) else []
         texts = [path for path in paths[:_MOST_LISTED] if isinstance(path, str)]
-        # Unlike Path.is_file it accepts names that no file can have.
+        # Unlike Path.is_file it accepts invalid names.
         return [path for path in dict.fromkeys(texts) if os.path.isfile(path)]
 
     def add_recent(self, path: str) -> None:

@@ -34,7 +34,7 @@ _ANYWHERE = (
 
 
 class ShortcutList(QDialog):
-    """Type to find a key or what it does."""
+    """Type to find a key or its action."""
 
     def __init__(self, actions: list[ActionSpec], parent: QWidget | None = None):
         super().__init__(parent)

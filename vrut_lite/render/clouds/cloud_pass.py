@@ -1,7 +1,7 @@
 """Clouds over sky and meshes: marched into a picture of their own, then blended into the frame.
 
-Each sample of the frame gets what is before the sky or what is before its mesh, told apart by its
-own depth: edges with several samples stay smooth.
+Each sample of the frame gets the clouds before the sky or those before its mesh, by its own depth:
+edges with several samples stay smooth.
 """
 
 import os
@@ -23,8 +23,8 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
 # Pixels of the frame to one of the clouds', along each side; a still has one for each.
 COARSER = 2
-# What is below the clouds takes no time, what is among them does: no piece is to learn from the
-# former how large it may be. Two for each thread that a software renderer may have.
+# Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
+# size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
 
 

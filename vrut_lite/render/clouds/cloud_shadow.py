@@ -1,8 +1,8 @@
-"""The cloud shadow map: how much of the sun the layer takes, for all places around the eye.
+"""The cloud shadow map: the layer's optical depth towards the sun for places around the eye.
 
 Texels lie at its base and grow away from the middle: x = near u / (1 - growth |u|), u in [-1, 1]
-along each axis. The wind moves the map as it is; it is drawn anew when sun or layer are others,
-or the eye has left its middle.
+along each axis. The wind shifts the map; it is drawn again when sun or layer change, or the eye has
+left its middle.
 """
 
 from typing import Any
@@ -22,11 +22,11 @@ UNIT = 14
 _SIZE = 512
 _NEAR_M, _FARTHEST_M = 6_000.0, 70_000.0
 _GROWTH = 1.0 - _NEAR_M / _FARTHEST_M
-# The eye may go so far from the middle before texels are too wide for what is near.
+# Distance of the eye from the middle at which near texels become too wide.
 _OFF_CENTRE_M = 1_500.0
 # At the zenith it moves shadows of a base at 1.5 km by a texel.
 _SUN_STEP_RAD = 0.01
-# A lower sun casts shadows as this one does: they would be longer than the map.
+# A lower sun casts this sun's shadows: its own would be longer than the map.
 _LEAST_SINE = 0.04
 
 
@@ -82,7 +82,7 @@ class CloudShadowMap:
             thing.release()
 
     def _holds(self, layer: CloudLayer, sun: Vector, eye_m: NDArray) -> bool:
-        """Whether the map serves this eye, counted where the wind had the clouds then."""
+        """Whether the map serves this eye, after the shift by the wind since then."""
         if self._layer is None or not _is_blown(layer, self._layer):
             return False
         # A low sun's shadows move farther.
@@ -109,6 +109,6 @@ def _difference(layer: CloudLayer, before: CloudLayer) -> NDArray[np.float64]:
 
 
 def _is_blown(layer: CloudLayer, before: CloudLayer) -> bool:
-    """Whether the wind alone has made a layer another."""
+    """Whether two layers differ by the wind's drift alone."""
     same = layer.shape.values is before.shape.values
     return same and msgspec.structs.replace(layer, drift_m=before.drift_m) == before

@@ -31,12 +31,12 @@ _SUNS, _LOWEST_SUN = 256, -0.1
 
 
 class CloudSurroundings(NamedTuple):
-    """What else the clouds of a frame depend on.
+    """Further inputs of the clouds of a frame.
 
     Attributes:
         eye_m: (3,), world axes.
         ground_level_m: y of the ground behind the scene.
-        pixel_rad: what a pixel of the cloud picture spans.
+        pixel_rad: angle of a pixel of the cloud picture.
     """
 
     eye_m: NDArray[np.float64]
@@ -75,7 +75,7 @@ class CloudsOnGpu:
         if layer is None:
             return
         noises = layer.weather.values, layer.shape.values, layer.detail.values
-        # The module keeps a seed's noises: what is the same object is on the GPU already.
+        # The module keeps a seed's noises: the same object is on the GPU already.
         if [id(noise) for noise in noises] != [id(noise) for noise in self._uploaded]:
             self._upload(*noises)
             self._uploaded = noises
@@ -100,7 +100,7 @@ class CloudsOnGpu:
         self._block.bind_to_uniform_block(CLOUDS.binding)
 
     def bind_noises(self) -> None:
-        """Hand over what densities are made of."""
+        """Set the inputs of the densities."""
         units = (_WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT)
         for unit, texture in zip(units, [*self._noises, self._suns], strict=True):
             texture.use(location=unit)

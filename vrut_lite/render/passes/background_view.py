@@ -25,7 +25,7 @@ class ViewScreen(FullScreen):
 
 
 class BackgroundView:
-    """The shader that is shown, compiled once for each text, and what it reads.
+    """The present shader, compiled once for each text, and its inputs.
 
     Made and used on the GL thread only.
     """
@@ -37,10 +37,10 @@ class BackgroundView:
         self._shown: ViewShader | None = None
 
     def show(self, view: ViewShader | None) -> None:
-        """Draw this from the next frame on; with None, or what does not compile, the cube map.
+        """Draw this from the next frame on; the cube map with None or where it does not compile.
 
         Raises:
-            UserError: it does not compile; said once of each text.
+            UserError: it does not compile; raised once for each text.
         """
         self._shown = view
         self._release_buffers()

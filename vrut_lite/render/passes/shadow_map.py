@@ -1,7 +1,7 @@
 """The sun's shadow maps: orthographic depth from the sun, of the scene and of the eye's vicinity.
 
-In a scene of kilometres a texel of the one map is metres wide, and nothing of a person's size
-casts a shadow in it. A second map then holds what is around the eye. Each is drawn when scene, sun
+In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
+A second map then covers the eye's surroundings. Each is drawn when scene, sun
 or place have changed.
 """
 
@@ -18,17 +18,17 @@ from vrut_lite.render.pyrender_scene import PyrenderScene
 SHADOW_SIZE = 4096
 # Half the width of the near map: its texels are then a hand's breadth.
 NEAR_RADIUS_M = 400.0
-# Of a scene that is not many times larger one map is enough.
+# One map is enough for a scene that is not many times larger.
 _LARGE_RADII = 4.0
-# The near map follows the eye in steps of so much of its radius. Its rim is faded over more.
+# The near map follows the eye in steps of this share of its radius. Its rim fades over more.
 _STEP = 1.0 / 64.0
 
 
 class ShadowMap:
     """A depth texture; made and used on the GL thread only.
 
-    The ledger counts its name done, and skipped where no sun shines in or where scene, sun and
-    place are those of the last.
+    The ledger counts its name as done, and as skipped without sun or where scene, sun and place are
+    unchanged.
     """
 
     def __init__(self, context: Any, ledger: Ledger, name: str = "shadow map"):
@@ -76,7 +76,7 @@ class ShadowMap:
 
 
 class ShadowMaps:
-    """That of the scene, and one around the eye, made when a large scene first wants it."""
+    """The scene's map, and one around the eye, made when a large scene first needs it."""
 
     def __init__(self, context: Any, ledger: Ledger):
         self._context = context

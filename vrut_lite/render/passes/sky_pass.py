@@ -39,7 +39,7 @@ class SkyPass:
         self._context = context
         self._screens: dict[Defines, FullScreen] = {}
         self._view = BackgroundView(context)
-        # moderngl has queries too, but none that can be released.
+        # moderngl's queries cannot be released.
         self._query = int(GL.glGenQueries(1)[0])
 
     def show_view(self, view: ViewShader | None) -> None:
@@ -55,7 +55,7 @@ class SkyPass:
     ) -> int:
         """Draw the sky, also where something was drawn unless `only_uncovered`.
 
-        The `defines` say what else the shader does, as air.py has it.
+        `defines`: further features of the shader, as in air.py.
 
         Returns:
             The number of samples that were drawn.

@@ -32,7 +32,7 @@ _FACES = 6
 
 
 def reflection_change(tolerance: float) -> float:
-    """Share by which no coarse cell of the sky may differ from the one that is mirrored.
+    """Largest relative difference of a coarse cell between the sky and its reflected copy.
 
     The one knob of the frame that follows the tolerance; it bounds the change itself, so that no
     front has to be measured. Sizes and samples of the filtered map do not follow: they err by 1 %
@@ -46,8 +46,7 @@ class SpecularFilter:
 
     Work is done on a copy and shown when it is whole, so that a sky that changes in every
     frame neither tears a reflection nor starves it. The ledger counts each "reflection slice",
-    and skips where the sky is the same or where nobody would see that it differs: by
-    `change_seen` at most.
+    and skips where the sky is the same or differs by `change_seen` at most.
     """
 
     def __init__(self, context: Any, ledger: Ledger):
@@ -86,7 +85,7 @@ class SpecularFilter:
         if self._shown is None:
             slices = None
         if slices is None and self._slices and self._measured is not sky.owner:
-            # Nobody will see what is half done.
+            # A half-filtered map is never shown.
             self._slices.clear()
             self._cells = None
         if not self._slices:
@@ -164,7 +163,8 @@ class SpecularFilter:
         self._shown = (shown, self._source_scale)
 
     def _cube(self, old: Any, size: int) -> Any:
-        """A cube map of this size in half precision, all its mip levels there: the old one?"""
+        """A cube map of this size in half precision with all its mip levels; the old one if it
+        fits."""
         if old is not None and old.size[0] == size:
             return old
         if old is not None:

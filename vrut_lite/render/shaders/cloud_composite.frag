@@ -1,5 +1,5 @@
 #version 430 core
-// Clouds over what is drawn already: blended as radiance + transmittance * what is behind.
+// Clouds blended over the frame: radiance + transmittance * the frame's radiance.
 
 uniform sampler2D cloud;
 

@@ -1,4 +1,4 @@
-// How dense clouds are: the twin of geometry/clouds.py, which explains it.
+// Density of clouds: the twin of daylight/cloud_density.py, which explains it.
 
 layout(binding = 0) uniform sampler2D cloud_weather;
 layout(binding = 1) uniform sampler3D cloud_shape;
@@ -29,7 +29,7 @@ struct Column {
     float top;
 };
 
-// `width_m`: of what a sample stands for. Weather is never smoothed so far that the threshold
+// `width_m`: width of a sample. Weather is never smoothed so far that the threshold
 // would find other clouds in it.
 const float SMOOTHEST_WEATHER = 2.0;
 
@@ -60,7 +60,7 @@ float cloud_noise(sampler3D volume, vec2 origin, float period_m, vec2 level, flo
     return textureLod(volume, vec3(at, over_base_m / period_m), lod).r;
 }
 
-// Density in [0, 1] of what the envelope leaves of the noise; where the detail cannot change it,
+// Density in [0, 1]: the noise cut by the envelope; where the detail cannot change it,
 // it is not looked up.
 float cloud_density(float envelope, vec2 level, float over_base_m, float width_m) {
     if (envelope <= 0.0) return 0.0;

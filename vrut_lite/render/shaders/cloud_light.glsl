@@ -1,4 +1,4 @@
-// What light a point in a cloud sends towards the eye.
+// Light from a point in a cloud towards the eye.
 
 layout(binding = 3) uniform sampler2D sun_aloft;  // the sun at base and top, by its height
 
@@ -6,7 +6,7 @@ const float CLOUD_PI = 3.141592653589793;
 // Light scattered more than once, as isotropic terms (Wrenninge 2013's octaves): share, and
 // extinction relative to the cloud's. How far from discrete ordinates: docs/clouds.md.
 const vec2 OCTAVES[3] = vec2[3](vec2(2.0, 1.0), vec2(0.8, 0.03), vec2(0.28, 0.0066));
-// 3/4 (1 - g), of Eddington's two streams: through an optical depth comes 1 / (1 + this * it).
+// 3/4 (1 - g) of Eddington's two streams: the transmittance of tau is 1 / (1 + this * tau).
 const float DIFFUSION = 0.2;
 // Of a cloud's full density, in the mean over the paths of light from the sky.
 const float MEAN_DENSITY = 0.5;

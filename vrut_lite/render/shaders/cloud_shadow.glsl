@@ -29,7 +29,7 @@ float cloud_transmittance(vec3 from_eye) {
     return mix(mean, exp(-depth * share), inside);
 }
 
-// What bare ground of an open sky keeps of its radiance under the clouds.
+// Share of the ground's radiance under an open sky that remains under the clouds.
 vec3 ground_under_clouds(vec3 from_eye) {
     return clouds.ground_by_sun * cloud_transmittance(from_eye) + clouds.ground_by_sky;
 }

@@ -1,5 +1,5 @@
 // Sunlight that the air before a point lacks, because clouds shade it: differences of the tables'
-// sums, each with what the clouds take of it.
+// sums, each times the share that the clouds remove.
 
 const int CLOUD_SHAFT_STEPS = 24;
 

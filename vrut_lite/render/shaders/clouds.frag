@@ -1,6 +1,5 @@
 #version 430 core
-// The layer along each ray: radiance and transmittance of all that is before the sky, and of what
-// is before the meshes.
+// The layer along each ray: radiance and transmittance before the sky, and before the meshes.
 
 //!include cloud_block.glsl
 //!include cloud_density.glsl
@@ -35,7 +34,7 @@ const float NEVER = 1e30;
 // Distances to where the ray enters and leaves a sphere, and half the chord; none if negative.
 vec3 chord(float along, float perigee_m, float squares_m2) {
     float radius = sqrt(clouds.eye_radius_m * clouds.eye_radius_m + squares_m2);
-    // Of two forms of one square, that which cancels less.
+    // Two equal forms of one square; this one has less cancellation.
     float squared = squares_m2 < 0.0 && perigee_m < 0.7 * radius
         ? (radius - perigee_m) * (radius + perigee_m) : along * along + squares_m2;
     if (squared <= 0.0) return vec3(NEVER, -NEVER, -1.0);
@@ -105,7 +104,7 @@ float density_in(Place place) {
     return cloud_density(place.envelope, place.level, place.over_base_m, place.width_m);
 }
 
-// From clear air into a cloud: where it begins, so that its surface shows no steps.
+// From clear air into a cloud: finds its surface, so that no steps are visible.
 float surface_between(vec3 d, float along, float clear_m, float cloudy_m, float fine_m) {
     for (int k = 0; k < SURFACE_HALVINGS; ++k) {
         float middle = 0.5 * (clear_m + cloudy_m);
@@ -182,7 +181,7 @@ void main() {
     march_piece(march, d, piece.xy, along, dither, phase, mesh_m);
     if (march.transmittance >= OPAQUE)
         march_piece(march, d, piece.zw, along, dither, phase, mesh_m);
-    // What is left of an opaque cloud is rounding.
+    // The rest behind an opaque cloud is rounding.
     float hidden = march.transmittance < OPAQUE ? 1.0 : 0.0;
     march.radiance /= 1.0 - hidden * march.transmittance;
     march.transmittance *= 1.0 - hidden;

@@ -1,6 +1,6 @@
 // Sunlight that the air before a point lacks, because the scene shades it. The tables hold light
 // summed up from the eye, so each shaded piece of the ray is a difference of two look-ups, exact
-// however many pieces there are; the steps only have to find where shadows begin and end.
+// for any number of pieces; the steps only find where shadows begin and end.
 
 layout(binding = 9) uniform sampler2DShadow shaft_shadow_map;
 

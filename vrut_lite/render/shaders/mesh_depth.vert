@@ -1,5 +1,5 @@
 #version 430 core
-// Depth from the sun, and what a cut-out texture needs to cast its own shape.
+// Depth from the sun, and the inputs of a cut-out texture's shadow.
 
 layout(location = 0) in vec3 position;
 #ifdef TEXCOORD_0_LOC

@@ -1,4 +1,4 @@
-// What stands around a glossy part, as a cube map from its middle sees it: radiance weighed by
+// The surroundings of a glossy part as a cube map seen from its middle: radiance weighed by
 // alpha, the share that is neither sky nor open ground. render/mirror_cubes.py uploads it.
 
 layout(binding = 16) uniform samplerCube mirror;
@@ -13,9 +13,9 @@ float mirror_fade(float roughness) {
     return smoothstep(MIRROR_FADES.x, MIRROR_FADES.y, roughness);
 }
 
-// What a ray from a point relative to the eye sees, blurred by the lobe of an alpha.
+// Radiance along a ray from a point relative to the eye, blurred by the lobe of an alpha.
 vec4 mirror_image(vec3 point, vec3 d, float alpha) {
-    // The ray ends where it is as far from the middle as what is seen that way from there: found
+    // The ray ends where its distance from the middle equals the cube's in that direction: found
     // step by step (Szirmay-Kalos et al. 2005, "Approximate ray-tracing on the GPU with distance
     // impostors").
     vec3 p = mirror_eye_m + point, towards = d;

@@ -5,26 +5,20 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.atmosphere import SPECTRAL_FIELDS, Atmosphere
 from bruneton_sky.geometry import distance_to_top
 from bruneton_sky.phase import mie_phase_parameters
 from bruneton_sky.tables import ray_lengths
 
 LANES = 4
-_SPECTRAL = (
-    "solar_irradiance",
-    "rayleigh_scattering",
-    "mie_scattering",
-    "mie_extinction",
-    "absorption_extinction",
-    "ground_albedo",
-)
 
 
 def buffers_of_air(atmosphere: Atmosphere) -> Iterator[bytes]:
     """The contents of a buffer for each four wavelengths; those missing in the last are dark."""
     for first in range(0, len(atmosphere.wavelength_nm), LANES):
-        lanes = (_lanes(getattr(atmosphere, name)[first : first + LANES]) for name in _SPECTRAL)
+        lanes = (
+            _lanes(getattr(atmosphere, name)[first : first + LANES]) for name in SPECTRAL_FIELDS
+        )
         parts = *lanes, *_scalars(atmosphere), *_absorber(atmosphere)
         yield np.concatenate(parts).astype(np.float32).tobytes()
 

@@ -35,11 +35,11 @@ class Pass(NamedTuple):
         shader: its name.
         order: of scattering; 0 for the transmittance.
         results: textures by the names that `run_pipeline` gives its observer.
-        images: what is written, by image unit.
-        inputs: what is read, by texture unit; None where nothing is.
+        images: written textures, by image unit.
+        inputs: read textures, by texture unit; None for unused units.
         groups: work groups along x and y.
         layers: along z.
-        scattered_once: whether the light that comes in is of the first order.
+        scattered_once: whether the incoming light is of the first order.
     """
 
     shader: str
@@ -52,7 +52,7 @@ class Pass(NamedTuple):
     scattered_once: bool = False
 
     def dispatches(self, program: Any, air: Any) -> Iterator[None]:
-        """Run it slice by slice; between slices anything else may use the context.
+        """Run it slice by slice; other work may use the context between slices.
 
         Args:
             program: the compiled shader.

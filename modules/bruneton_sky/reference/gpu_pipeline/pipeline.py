@@ -22,7 +22,7 @@ Observe = Callable[[Pass], None]
 class GpuPipeline:
     """The precomputation for tables of fixed sizes, on the thread of its context.
 
-    Shaders are compiled once, here: atmospheres and numbers of orders come and go.
+    Shaders are compiled once, for all atmospheres and numbers of orders.
 
     Args:
         context: a moderngl context of OpenGL 4.3 or newer; without one, a context of its own
@@ -48,7 +48,7 @@ class GpuPipeline:
         """The tables of an atmosphere, read back.
 
         Args:
-            orders: scatterings and reflections of light at most, 1 or more.
+            orders: highest order of scattering and reflection, 1 or more.
             progress: called with the share done, from 0 to 1.
 
         Raises:

@@ -19,7 +19,7 @@ NAMES = (
     "indirect_irradiance",
     "multiple_scattering",
 )
-# As the shaders say: texels of a work group.
+# Texels of a work group, as in the shaders.
 FLAT_GROUP, DENSITY_GROUP, RAY_GROUP = 8, 128, 64
 _VERSION = "#version 430\n"
 _VEC4_BYTES = 16
@@ -28,7 +28,7 @@ _SHARED_BYTES = 32768
 
 
 def check_sizes(sizes: TableSizes) -> None:
-    """Refuse tables that the shaders cannot make.
+    """Check that the shaders can make these tables.
 
     Raises:
         ValueError: a work group's shared memory has no room for them.
@@ -48,7 +48,7 @@ def compile_programs(context: Any, sizes: TableSizes) -> dict[str, Any]:
 
 
 def _shared_bytes(sizes: TableSizes) -> int:
-    """Of `scattering_density`, which has most."""
+    """Shared memory of `scattering_density`, the largest."""
     light = 2 * DENSITY_ZENITH_ANGLES * sizes.nu * _VEC4_BYTES
     angles = DENSITY_ZENITH_ANGLES * (_VEC4_BYTES + 4 + 2 * 8)
     return light + angles + sizes.irradiance_mu_s * _VEC4_BYTES

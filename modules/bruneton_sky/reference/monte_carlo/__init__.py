@@ -1,4 +1,4 @@
-"""A backward Monte Carlo path tracer, the truth that tables and solver are held against.
+"""A backward Monte Carlo path tracer, the reference for tables and solver.
 
 Importing this package imports numba.
 """

@@ -1,8 +1,8 @@
-"""Where a traced path goes from a scatterer or from the ground.
+"""Directions of a traced path after a scatterer or the ground.
 
 A scattered path's direction is drawn from a mixture: the aerosol's Henyey-Greenstein lobe about
-the old direction, even directions for the molecules, and two lobes toward the sun or, where it
-is down, toward the horizon below which it went. The mixture's density is exact, so that it
+the old direction, uniform directions for the molecules, and two lobes toward the sun or, after
+sunset, toward the horizon below which it is. The mixture's density is exact, so that it
 changes the noise alone.
 """
 
@@ -12,8 +12,8 @@ from bruneton_sky.reference.monte_carlo.medium import compiled, dot
 
 # The lobes toward the sun, a wide and a narrow asymmetry in equal parts, and the least sine of
 # their elevation. Their share of the directions grows from LOBE_DAY to LOBE_DUSK as the sun's
-# cosine falls from LOBE_BELOW to 0. All this was chosen by the noise it leaves, from noon to the
-# sun 6 degrees down, with thin aerosol and thick; the optimum is flat.
+# cosine falls from LOBE_BELOW to 0. All values were chosen for least noise, from noon to the sun 6
+# degrees down, with thin and thick aerosol; the optimum is flat.
 LOBE_G_WIDE, LOBE_G_NARROW, LOBE_TILT = 0.6, 0.92, 0.1
 LOBE_DAY, LOBE_DUSK, LOBE_BELOW = 0.05, 0.5, 0.4
 
@@ -55,9 +55,9 @@ def draw_direction(g, aerosol_share, lobes, lobe, u, v, direction):  # type: ign
 
 @compiled
 def lobe_share(mu_s, fog_share):  # type: ignore[no-untyped-def]
-    """Share of the directions drawn toward the sun: none in fog, whose light has no direction.
+    """Share of the directions drawn toward the sun: none in fog, whose light is diffuse.
 
-    There a path scatters so often that its weight would grow beyond bounds.
+    There paths scatter so often that their weights would grow without bound.
     """
     dusk = min(max(1.0 - mu_s / LOBE_BELOW, 0.0), 1.0)
     return (LOBE_DAY + (LOBE_DUSK - LOBE_DAY) * dusk) * (1.0 - fog_share)

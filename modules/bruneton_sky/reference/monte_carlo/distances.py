@@ -1,4 +1,4 @@
-"""How far a traced path goes to its next scatterer.
+"""Distances of a traced path to its next scatterer.
 
 A ray is cut into bins, finer toward its low end. Distances are drawn by density and
 transmittance; where the sun is low, a share of them by their product with the direct sunlight,
@@ -50,8 +50,8 @@ def set_edges(medium, ray, edges):  # type: ignore[no-untyped-def]
 def _set_edges_in_fog(medium, ray, edges):  # type: ignore[no-untyped-def]
     """A quarter of the bins before fog, half in it, a quarter beyond; any may be empty.
 
-    In fog light comes from a few mean free paths away, however long the ray: half of its bins
-    shrink toward the start of the ray, so that the first is about as deep as one.
+    In fog light comes from a few mean free paths away: half of its bins shrink toward the start of
+    the ray, so that the first has about that length.
     """
     n = edges.size - 1
     quarter, middle = n // 4, n // 2
@@ -91,8 +91,7 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
     """Cumulative shares (2, bins) of the bins, without and with the sunlight that reaches them.
 
     The sun is taken to stand at `least_cosine` where it is lower. `depth` (C,) receives the
-    optical depth of the whole ray. All by the midpoint rule: it only makes probabilities, in
-    which nothing needs to be exact.
+    optical depth of the whole ray. The midpoint rule suffices, since these are only probabilities.
     """
     extinction, scattering = medium.extinction, medium.scattering
     bins = edges.size - 1
@@ -161,7 +160,7 @@ def draw_distance(cumulative, edges, sunlit_share, u):  # type: ignore[no-untype
 
 @compiled
 def _draw(cumulative, u):  # type: ignore[no-untyped-def]
-    """The bin that holds the share u of the total, and where in it u falls."""
+    """The bin at the share u of the total, and the place of u in it."""
     target = u * cumulative[-1]
     k = 0
     while k < cumulative.size - 1 and cumulative[k] <= target:

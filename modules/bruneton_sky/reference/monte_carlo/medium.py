@@ -1,4 +1,4 @@
-"""An atmosphere for the compiled path tracer: its numbers, and the light that a ray loses.
+"""An atmosphere for the compiled path tracer: its parameters, and transmittances along rays.
 
 Rays and optical paths are those of `path_kernels`: one geometry for the whole package. A ray is
 (altitude, radius, perigee radius, perigee altitude, y, radius * mu), see `geometry`.
@@ -14,8 +14,8 @@ from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
 from bruneton_sky.phase import MiePhase, mie_phase_parameters
 from vrut_lite.numeric_types import FloatArray
 
-# Wavelengths share a path by their scattering to this power: 0 would leave the weak ones noisy, -2
-# the strong ones. Below this share of the strongest, scattering counts as that share.
+# Weights of wavelengths that share a path: their scattering to this power (0 makes weak ones noisy,
+# -2 strong ones). The second number is the least scattering, as a share of the strongest.
 IMPORTANCE_POWER, LEAST_SCATTERING = -1.5, 1e-2
 
 
@@ -97,7 +97,7 @@ def path_to(ray, altitude, y, scale):  # type: ignore[no-untyped-def]
 
 @compiled
 def y_at_top(medium, ray):  # type: ignore[no-untyped-def]
-    """y where a ray leaves the atmosphere."""
+    """Coordinate y at which a ray leaves the atmosphere."""
     return max(math.sqrt(max(medium.top - ray[3], 0.0)), ray[4])
 
 

@@ -1,9 +1,9 @@
-"""The compiled path tracer: from event to event, and at each the sun.
+"""The compiled path tracer: it goes from event to event and adds the direct sun at each.
 
-A path starts at the eye and goes from scatterer to scatterer, or to the ground; it never leaves
-the air, its weight does instead. At each event the sun is sought directly (next-event
-estimation) through the closed-form optical paths. All wavelengths share one path: the geometry
-is what costs, and the noise of colours against each other stays small.
+A path starts at the eye and goes from scatterer to scatterer, or to the ground; it never leaves the
+air; its weight falls instead. Each event adds the direct sun (next-event estimation) through the
+closed-form optical paths. All wavelengths share one path: geometry takes most of the time, and the
+noise between colours stays small.
 """
 
 # ruff: noqa: NPY002 (inside compiled code the seed is set and used where nothing else draws)
@@ -39,11 +39,11 @@ from bruneton_sky.reference.monte_carlo.medium import (
     y_at_top,
 )
 
-# A path goes on by chance only where its weight falls below this share of that after one event.
+# Russian roulette begins where a path's weight falls below this share of that after one event.
 ROULETTE = 0.2
 # How distances are drawn under a low sun, at the first event of a path and at the later ones: the
-# share drawn by sunlight, and the least cosine at which the sun is taken to stand. The first is
-# there for the higher orders' sake; what lights it in twilight is the glow at the horizon.
+# share drawn by sunlight, and the least cosine of the sun that is assumed. The first event serves
+# the higher orders; in twilight the glow at the horizon lights it.
 FIRST_AIM, LATER_AIM = (0.55, 0.0), (0.75, -1.0)
 
 
@@ -52,8 +52,8 @@ def trace(medium, altitudes, points, directions, sun, numbers, seed, may_land, s
     """Add the radiance of n paths, by order of scattering, to sums (orders, C).
 
     Paths start at points (n, 3) of known altitudes (n,) in directions (n, 3), all in the
-    planet's frame. `numbers` (n, events, 3) are uniform; what comes after them is numba's own
-    generator's, seeded here. With `may_land` the first event may be a reflection by the ground.
+    planet's frame. `numbers` (n, events, 3) are uniform; later numbers come from numba's generator,
+    seeded here. With `may_land` the first event may be a reflection by the ground.
     """
     np.random.seed(seed)
     orders, count = sums.shape
@@ -107,10 +107,11 @@ def _goes_on(weight, faint):  # type: ignore[no-untyped-def]
 def _advance(  # type: ignore[no-untyped-def]
     medium, altitude, point, direction, sun, weight, depth, edges, cumulative, u, aim, may_land
 ):
-    """Move the point to the next event: its altitude (negative: none) and if it is the ground.
+    """Move the point to the next event; returns its altitude (negative: no event) and whether it is
+    the ground.
 
-    The weight takes in transmittance over probability density; what the event itself does to it
-    is for `_scatter` and `_reflect`.
+    The weight is multiplied by transmittance over probability density; `_scatter` and `_reflect`
+    add the event's own factor.
     """
     radius = medium.radius + altitude
     ray = make_ray(medium.radius, altitude, cosine_at(point, direction, radius))
@@ -151,7 +152,7 @@ def _add_sun(medium, altitude, point, sun, weight, factor, out):  # type: ignore
 
 @compiled
 def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out):  # type: ignore[no-untyped-def]
-    """Add the sun's light scattered here, and draw the direction that the path goes on in."""
+    """Add the sun's light scattered here, and draw the path's next direction."""
     thin, haze, fog = densities(medium, altitude)
     set_scattering(medium, thin, haze, fog, dot(direction, sun), factor)
     _add_sun(medium, altitude, point, sun, weight, factor, out)
@@ -185,7 +186,7 @@ def _reflect(medium, point, direction, sun, weight, factor, v, w, out):  # type:
 
 @compiled
 def _move(point, direction, distance, radius):  # type: ignore[no-untyped-def]
-    """Go on, and stay at the radius that the altitude says."""
+    """Move along the direction, to the radius of the given altitude."""
     for i in range(3):
         point[i] += distance * direction[i]
     point *= radius / math.sqrt(dot(point, point))

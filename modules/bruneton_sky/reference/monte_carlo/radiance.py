@@ -1,4 +1,4 @@
-"""Backward Monte Carlo path tracer: the truth for light scattered more than once.
+"""Backward Monte Carlo path tracer: the reference for light scattered more than once.
 
 Unbiased in every order, on any planet, in float64: spherical shells, point sun, sharp planet
 shadow, Lambertian ground; no refraction, no polarisation. Its transmittances are the closed
@@ -53,8 +53,8 @@ class MonteCarloEstimate:
     def standard_error(self) -> FloatArray:
         """Standard errors (n, orders, C) of `per_order`, each itself uncertain by 18 %.
 
-        More so, and then too small, where few paths carry most light: the sixth order and
-        beyond, and the air in the planet's shadow.
+        They are more uncertain, and too small, where few paths carry most light: from the sixth
+        order on, and in the planet's shadow.
         """
         return _standard_error(self.batches)
 
@@ -92,7 +92,7 @@ def monte_carlo_radiance(
         nu: cosine of the angle between view direction and sun.
         paths: per ray, rounded up to BATCHES times a power of two.
         seed: equal seeds give equal results; ray i depends on the seed and i alone.
-        max_order: the last order told apart; higher ones are added to it.
+        max_order: the last separate order; higher ones are added to it.
         ground_seen: include the radiance of the ground at the end of the ray.
 
     Raises:
@@ -157,7 +157,7 @@ def monte_carlo_leaving(
 
 
 def unscattered_share(atmosphere: Atmosphere, nodes: int = 64) -> FloatArray:
-    """Share (C,) of the entering sunlight that passes the planet and meets nothing."""
+    """Share (C,) of the entering sunlight that passes the planet without an event."""
     x, weight = np.polynomial.legendre.leggauss(nodes)
     top = atmosphere.top_altitude_m
     perigee = 0.5 * top * (x + 1.0)
@@ -188,7 +188,7 @@ def enter_atmosphere(
 
 
 class _Tracer:
-    """What the estimates of one atmosphere share: its numbers, the batches, the seeds."""
+    """The common part of estimates in one atmosphere: its parameters, the batches, the seeds."""
 
     def __init__(self, atmosphere: Atmosphere, paths: int, seed: int, max_order: int) -> None:
         as_count("paths", paths, 1, _MOST_PATHS)
@@ -209,12 +209,12 @@ class _Tracer:
 
         Args:
             index: of the quantity; with the seed it makes the random numbers.
-            extra: how many uniform numbers the start of a path takes.
+            extra: number of uniform numbers for the start of a path.
             start: altitudes (n,), zeniths (n, 3) and directions (n, 3) from those (n, extra).
             sun: unit vector (3,) toward the sun.
             may_land: whether a path may go to the ground at once.
         """
-        from scipy.stats.qmc import Sobol  # Here: it takes longer to import than this package.
+        from scipy.stats.qmc import Sobol  # Here: its import takes longer than this package's.
 
         means = np.zeros((BATCHES, *self._shape))
         for batch, mean in enumerate(means):

@@ -53,7 +53,7 @@ def direct_irradiance(setting: Setting, transmittance: FloatArray) -> FloatArray
 
 
 def disc_cosine(air: Atmosphere, mu_s: FloatArray) -> FloatArray:
-    """Mean cosine (...,) over a disc of which a level surface cuts a part, nearly.
+    """Approximate mean cosine (...,) over the part of a disc above a level surface.
 
     mu_s itself where the whole disc shows, 0 where none does, a parabola between them.
     """

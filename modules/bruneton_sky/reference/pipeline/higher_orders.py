@@ -1,4 +1,4 @@
-"""Algorithms 6 and 7: what one order of scattering sheds on the ground and sends into views."""
+"""Algorithms 6 and 7: irradiance of the ground and radiance of views by one order of scattering."""
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def multiple_scattering(
 ) -> FloatArray:
     """Algorithm 7: radiance (altitude, mu, nu, mu_s, C), W m^-2 sr^-1 nm^-1.
 
-    The light that a scattering density (of the same axes) sends into views, gathered along them.
+    The integral of a scattering density (of the same axes) along the views.
     """
     air, nodes = setting.atmosphere, setting.nodes()
     gathered = np.zeros_like(density)

@@ -36,7 +36,7 @@ def run_pipeline(
     """The tables of an atmosphere.
 
     Args:
-        orders: scatterings and reflections of light at most, 1 or more.
+        orders: highest order of scattering and reflection, 1 or more.
         observe: called after every step with its name, order of scattering and array:
             transmittance (order 0); delta_irradiance (1: of the sun's disc; n: of the sky's light
             scattered n - 1 times), single_rayleigh and single_mie (1); scattering_density and

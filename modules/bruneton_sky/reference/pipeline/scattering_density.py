@@ -44,7 +44,7 @@ def scattering_density(
 
     Args:
         light: of the order before.
-        irradiance: (altitude, mu_s, C) that this light, or the sun's own, sheds on the ground.
+        irradiance: (altitude, mu_s, C) of the ground by this light, or by the sun.
     """
     nodes = setting.nodes()
     density = np.zeros((*setting.sizes.scattering_shape, transmittance.shape[-1]))
@@ -64,7 +64,7 @@ def scattering_density(
 
 
 def _scattering(setting: Setting, nodes: State, nu: FloatArray) -> FloatArray:
-    """What is scattered (altitude, mu, 1, 1, C) by an angle, in 1/m and per steradian."""
+    """Scattering (altitude, mu, 1, 1, C) by an angle, in 1/m and per steradian."""
     air = setting.atmosphere
     rayleigh_density, mie_density = densities(air, nodes.altitude_m)
     rayleigh, mie = scattering_coefficients(air)
@@ -74,7 +74,7 @@ def _scattering(setting: Setting, nodes: State, nu: FloatArray) -> FloatArray:
 
 
 def _sun_across(nodes: State) -> tuple[FloatArray, FloatArray]:
-    """The sun's direction along the view's azimuth and across it; any, where the view has none."""
+    """The sun's direction along the view's azimuth and across it; any for a vertical view."""
     across = nodes.nu - nodes.mu * nodes.mu_s
     view_x = np.broadcast_to(_sine(nodes.mu), across.shape)
     x = np.divide(across, view_x, out=np.zeros_like(across), where=view_x > 0)

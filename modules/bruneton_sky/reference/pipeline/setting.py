@@ -1,4 +1,4 @@
-"""What every algorithm of the pipeline needs: sample counts, look-ups, light of one order."""
+"""Common parts of the pipeline's algorithms: sample counts, look-ups, light of one order."""
 
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -40,7 +40,7 @@ class Setting(NamedTuple):
         return node_states(self.atmosphere, self.sizes, self.parametrisation)
 
     def coordinates(self, state: State) -> Coordinates:
-        """Where states lie in a scattering table."""
+        """Table coordinates of states in a scattering table."""
         mapping = parametrisation_of(self.parametrisation)
         return mapping.to_coordinates(self.atmosphere, self.sizes, state)
 
@@ -77,12 +77,12 @@ class Part(NamedTuple):
 def light_scattered_once(
     air: Atmosphere, rayleigh: FloatArray, mie: FloatArray
 ) -> tuple[Part, ...]:
-    """Its two tables lack different phase functions."""
+    """Two tables, each divided by another phase function."""
     return Part(rayleigh, rayleigh_phase), Part(mie, lambda nu: mie_phase(air, nu))
 
 
 def light_scattered_often(radiance: FloatArray) -> tuple[Part, ...]:
-    """Its table lacks none."""
+    """One table of radiance."""
     return (Part(radiance, np.ones_like),)
 
 

@@ -1,4 +1,4 @@
-// The atmosphere as uniforms, for three wavelengths: a changed parameter compiles nothing anew.
+// The atmosphere as uniforms, for three wavelengths: a changed parameter needs no compilation.
 // `gpu_atmosphere.py` fills them from an Atmosphere, which explains each. Lengths in metres.
 
 uniform float ground_radius_m;

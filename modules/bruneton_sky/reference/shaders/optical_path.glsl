@@ -21,7 +21,7 @@ vec2 erfcx(vec2 x) {
     return p / (1.0 + 2.0 * x);
 }
 
-// What lies beyond a place, away from the perigee, over sqrt(pi H).
+// Path beyond a place, away from the perigee, over sqrt(pi H).
 vec2 tail(float y, vec2 density, vec2 scale) {
     return density * erfcx(abs(y) * inversesqrt(scale));
 }

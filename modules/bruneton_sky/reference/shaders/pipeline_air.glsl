@@ -1,5 +1,5 @@
 // The atmosphere for the precomputation, four wavelengths at a time, in a buffer: a changed
-// parameter compiles nothing anew. `gpu_pipeline/air.py` fills it; Atmosphere explains each.
+// parameter needs no compilation. `gpu_pipeline/air.py` fills it; Atmosphere explains each.
 // Lengths in metres, coefficients in 1/m.
 
 layout(std430, binding = 0) restrict readonly buffer Air {

@@ -1,5 +1,5 @@
-// Altitudes and directions told by lengths of rays, as tables/ray_lengths.py does in double
-// precision. Squares stay factored: nothing is lost at the ground, the horizon or the top.
+// Altitudes and directions as lengths of rays, as tables/ray_lengths.py has them in double
+// precision. Squares stay factored: no cancellation at the ground, the horizon or the top.
 
 // Length of the tangent to the ground.
 float tangent(float altitude) {

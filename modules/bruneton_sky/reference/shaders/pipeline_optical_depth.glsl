@@ -1,4 +1,4 @@
-// Looking up the transmittance, of which the table holds the optical depth: in haze the
+// Look-up of the transmittance; the table holds the optical depth, since in haze the
 // transmittances themselves are zero in single precision where their ratio is not.
 //
 // Between nodes it is the transmittances that are blended linearly, as in the double precision
@@ -12,13 +12,13 @@ struct Transmittance {
     vec4 factor;
 };
 
-// Depth of a node, out of the way where the node has no weight.
+// Depth of a node, infinite where the node has no weight.
 vec4 node_depth(ivec2 at, float weight) {
     return weight > 0.0 ? texelFetch(optical_depth, at, 0) : vec4(3e38);
 }
 
-// To the top of the atmosphere, from a point in a direction that has a deficit: its ray is so
-// much shorter than the longest that misses the ground.
+// To the top of the atmosphere, from a point in a direction with a deficit: the difference of its
+// ray to the longest that misses the ground.
 Transmittance transmittance_to_top(Point point) {
     const ivec2 size = ivec2(TRANSMITTANCE_MU, TRANSMITTANCE_ALTITUDE);
     float lacking = point.deficit / room_to_top(point.altitude);

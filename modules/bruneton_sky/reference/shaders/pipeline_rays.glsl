@@ -1,10 +1,10 @@
 // Rays at the nodes of tables, and the points on them.
 //
-// The axes of mu are lengths of rays: what is exact at a node is its ray's deficit, the length
-// that it lacks to the longest of its kind, which grazes the ground. In haze light fades so
-// steeply toward that one that a rounding error of its place in the table would show. So every
-// ray is described from its lowest point upward, and all that is asked of its points is a sum of
-// positive terms: the squared tangent, of which the altitude is made, and the deficit to the top.
+// The axes of mu are lengths of rays: exact at a node is its ray's deficit, the difference to the
+// longest ray of its kind, which grazes the ground. In haze light fades so steeply toward that ray
+// that a rounding error of the table coordinate would show. So every ray is described from its
+// lowest point upward, and all values at its points are sums of positive terms: the squared
+// tangent, of which the altitude is made, and the deficit to the top.
 
 struct Line {
     float squared;      // of the tangent at the lowest point, which is the ground or the perigee
@@ -40,7 +40,7 @@ Point point_on(Ray ray, float distance) {
 }
 
 // Sine of a zenith angle whose ray exceeds the shortest, straight up or down, by a length: at
-// zenith and nadir the cosine does not tell. `sum` is the other factor of that difference of
+// zenith and nadir the cosine has too few digits. `sum` is the other factor of that difference of
 // squares.
 float sine_of_excess(float altitude, float ray_length, float excess, float sum) {
     float twice = 2.0 * (ground_radius_m + altitude) * ray_length;

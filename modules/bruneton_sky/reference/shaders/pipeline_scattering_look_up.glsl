@@ -1,14 +1,14 @@
-// Where states lie in a scattering table, in nodes from the first, and what is there.
+// Coordinates of states in a scattering table, in nodes from the first, and look-ups there.
 
 float altitude_place(float altitude) {
     return tangent(altitude) / top_tangent_m * float(ALTITUDE - 1);
 }
 
-// Of a ray to the ground or to the top, by how much shorter it is than the longest.
+// Coordinate of a ray to the ground or to the top, from its difference to the longest.
 float mu_place(float altitude, float deficit, bool hits) {
     const float last = float(MU / 2 - 1);
     float room = hits ? tangent(altitude) - altitude : room_to_top(altitude);
-    // On the ground there is no room: all rays count as the one straight down.
+    // On the ground all downward rays have length 0 and count as the one straight down.
     float lacking = room > 0.0 ? clamp(deficit / room, 0.0, 1.0) : 1.0;
     return hits ? last * lacking : float(MU - 1) - last * lacking;
 }

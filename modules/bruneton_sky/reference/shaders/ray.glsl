@@ -57,8 +57,8 @@ float altitude_after(Ray ray, float distance) {
     return ray.altitude + rise / (sqrt(rise + ray.radius * ray.radius) + ray.radius);
 }
 
-// The place after a distance, or the end if that comes first. Altitudes decide which: y, on a
-// steep ray of a few metres, does not tell the start from the end.
+// The place after a distance, or the end if that comes first. Altitudes decide, since y is equal at
+// both ends of a steep ray of a few metres.
 Place place_before_end(Ray ray, float distance, Place end) {
     float d = ray.along + distance;
     float altitude = altitude_after(ray, distance);
@@ -73,7 +73,7 @@ Place place_before_end(Ray ray, float distance, Place end) {
 
 // Extent in y from a to b, both on one side of the perigee, of which b lies further along.
 float extent(Place a, Place b) {
-    // Of y and altitude take the one that rounding harms less: a level ray at 60 km rises by
+    // Use y or altitude, whichever has less rounding error: a level ray at 60 km rises by
     // too little for its altitudes to tell, a steep one gains too little y.
     float total = a.y + b.y;
     bool level = abs(total) * max(abs(a.y), abs(b.y)) <= max(a.altitude, b.altitude);

@@ -1,0 +1,217 @@
+"""A valid sample of every type of message, and ways to spoil it."""
+
+from datetime import UTC, datetime
+
+import msgspec
+import numpy as np
+from light_messages import small_air
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirChanged, AirVolume
+from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.gpu_job import GpuJob
+from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.light_map import (
+    GroundChart,
+    LightMapLaid,
+    Mirrors,
+    ProbeGrid,
+    SurfaceLightChanged,
+)
+from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
+from vrut_lite.daylight.sky import (
+    AmbientChanged,
+    BackgroundChanged,
+    LookAlong,
+    SkyRadianceChanged,
+    SpectrumSeen,
+    ViewShader,
+)
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import (
+    ChooseSlot,
+    ClockMoved,
+    Demand,
+    EnableModule,
+    Fault,
+    JobResult,
+    ReloadModule,
+    RestartModule,
+    SetClock,
+    SetClockRate,
+    SetSetting,
+    SettingChanged,
+    SlotChanged,
+    Tick,
+)
+from vrut_lite.kernel.module import Manifest, Module, handles
+
+UP, NOON = (0.0, 1.0, 0.0), datetime(2026, 6, 21, 12, tzinfo=UTC)
+AIR = small_air(np.ones((3, 2, 4, 2, 3), np.float16)).volume
+CLOUDS = CloudLayer(
+    base_m=1000.0, thickness_m=800.0, extinction_per_m=0.05, coverage=0.5, threshold=0.4,
+    column_density=0.2, drift_m=(0.0, 10.0), phase=(0.8, -0.2, 0.7),
+    weather=Array(np.zeros((4, 4), np.uint16)), shape=Array(np.zeros((4, 4, 4), np.uint8)),
+    detail=Array(np.zeros((2, 2, 2), np.uint8)),
+)  # fmt: skip
+SCENE = SceneOpened(
+    path="a.glb", lower_m=UP, upper_m=UP, triangles=1,
+    geometry=SceneGeometry(
+        positions_m=Array(np.eye(3)), normals=Array(np.eye(3)), uv=Array(np.zeros((0, 2))),
+        colours_rgba=Array(np.zeros((0, 4), np.float32)),
+        triangles=Array(np.array([[0, 1, 2]], np.int32)),
+        meshes=Array(np.array([[0, 3, 0, 1, -1, -1, -1, 0]], np.int64)),
+        part_mesh=Array(np.zeros(1, np.int32)), world_from_part=Array(np.eye(4)[None].copy()),
+    ),
+    materials=SceneMaterials(
+        names=Array(np.frombuffer(b"grey", np.uint8)), base_colour_rgba=Array(np.ones((1, 4))),
+        metallic=Array(np.zeros(1)), roughness=Array(np.ones(1)),
+        emission_rgb=Array(np.zeros((1, 3))), alpha_mode=Array(np.zeros(1, np.uint8)),
+        alpha_cutoff=Array(np.ones(1)), double_sided=Array(np.zeros(1, bool)),
+        normal_scale=Array(np.ones(1)), occlusion_strength=Array(np.ones(1)),
+        map_image=Array(np.full((1, 5), -1, np.int32)),
+        map_uv_layer=Array(np.zeros((1, 5), np.uint8)),
+        images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
+    ),
+    ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
+)  # fmt: skip
+VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
+NESTED = (
+    AirVolume
+    | CloudLayer
+    | ViewShader
+    | SceneGeometry
+    | SceneMaterials
+    | GroundChart
+    | ProbeGrid
+    | Mirrors
+)
+LAID = LightMapLaid(
+    content_key="c", layout_key="l", size_px=(8, 6),
+    shapes=Array(np.array([[0, 0, 3, 0, 1]], np.int64)),
+    source_vertex=Array(np.arange(3, dtype=np.int32)), uv=Array(np.ones((3, 2), np.float32)),
+    triangles=Array(np.array([[0, 1, 2]], np.int32)),
+    part_shape=Array(np.array([0, -1], np.int32)),
+    part_corner_px=Array(np.zeros((2, 2), np.int32)),
+    ground=GroundChart(corner_px=(4, 2), edge_px=4, half_width_m=40.0, warp=3.0),
+    probes=ProbeGrid(lower_m=UP, step_m=(1.0, 2.0, 1.0), counts=(3, 2, 4)), source="s",
+    mirrors=Mirrors(
+        part=Array(np.array([1], np.int32)), centre_m=Array(np.zeros((1, 3))),
+        nearness=Array(np.ones((1, 6, 4, 4), np.float32)),
+    ),
+)  # fmt: skip
+SURFACE_LIGHT = SurfaceLightChanged(
+    layout_key="l", texels=Array(np.ones((6, 8, 4), np.float16)),
+    probes=Array(np.ones((4, 2, 3, 6, 4), np.float16)), radiance_scale=2.0, rays=64, source="s",
+    mirrors=Array(np.ones((1, 6, 4, 4, 4), np.float16)),
+)  # fmt: skip
+CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
+SOUND = [
+    SetSetting(module="m", name="n", value=1.0),
+    EnableModule(module="m"),
+    RestartModule(module="m"),
+    ReloadModule(module="m"),
+    ChooseSlot(slot="s", module="m"),
+    Demand(consumer="c", message="SunMoved", size=7, encoding="u8"),
+    JobResult(module="m", job="j", value=object()),
+    Fault(module="m", where="w", error="e"),
+    ClockMoved(instant=NOON),
+    SetClock(instant=NOON),
+    SetClockRate(rate=-60.0),
+    Tick(elapsed_s=0.5),
+    SetPlace(latitude_deg=50.0, longitude_deg=14.0, altitude_m=200.0, north_offset_rad=0.1),
+    LoadScene(path="a.glb"),
+    MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
+    Resize(width_px=64, height_px=32),
+    PictureClicked(
+        position_m=(1.0, 0.0, -2.0), normal=UP, material="brick", radiance_rgb=(9.0, 8.0, 7.0)
+    ),
+    SetExposure(),
+    LookAlong(direction=UP),
+    SetTolerance(tolerance=0.1),
+    SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
+    SCENE,
+    SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
+    SunMoved(
+        direction=UP, azimuth_rad=3.0, elevation_rad=1.5, apparent_elevation_rad=1.5,
+        visible_disc_fraction=1.0,
+    ),
+    BackgroundChanged(
+        cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s", view=VIEW,
+        seen_sun_irradiance_rgb=(1.0, 1.0, 1.0),
+    ),
+    KeyLightChanged(
+        direction=UP, irradiance_rgb=(1.0, 1.0, 1.0), angular_radius_rad=0.005,
+        limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
+    ),
+    SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
+    AirChanged(volume=AIR, source="s"),
+    CloudsChanged(layer=CLOUDS, source="s"),
+    AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+    SkyRadianceChanged(
+        cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"
+    ),
+    GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
+    LAID,
+    SURFACE_LIGHT,
+    SkyLightChanged(
+        background=BackgroundChanged(
+            cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"
+        ),
+        key_light=KeyLightChanged(
+            direction=UP, irradiance_rgb=(1.0, 1.0, 1.0), angular_radius_rad=0.005,
+            limb_darkening_rgb=((1.0,), (0.5, 0.5), (1.0,)), source="s",
+        ),
+        ambient=AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
+        layers=("clouds",),
+        source="s",
+    ),
+]  # fmt: skip
+# Only the kernel posts these.
+NEVER_POSTED = (SlotChanged, SettingChanged)
+
+
+def named(message):
+    return type(message).__name__
+
+
+class Poster(Module):
+    """Posts the message it is given."""
+
+    manifest = Manifest(name="poster", title="Poster", version="1", provides=("sun", "sky"))
+    given = None
+
+    @handles(Tick)
+    def on_tick(self, message):
+        self.link.post(type(self).given)
+
+
+def kernel_that_posts(message):
+    kernel = Kernel()
+    poster = type("Given", (Poster,), {"given": message})
+    kernel.add_module(poster)
+    kernel.pump()
+    return kernel
+
+
+def holes(message):
+    """All fields of a message and of the structures in it, which tests replace by junk."""
+    for name in message.__struct_fields__:
+        yield (name,)
+        if isinstance(part := getattr(message, name), NESTED):
+            yield from ((name, *rest) for rest in holes(part))
+
+
+def spoilt(message, place, junk):
+    name, *rest = place
+    if rest:
+        junk = spoilt(getattr(message, name), rest, junk)
+    return msgspec.structs.replace(message, **{name: junk})
