@@ -35,8 +35,7 @@ class SkyPlots(QWidget):
         self.meridian.setAccessibleName("luminance along the sun's meridian")
         self.spectrum = _plot(
             "wavelength, nm",
-            "W m\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT TWO} sr\N{SUPERSCRIPT MINUS}"
-            "\N{SUPERSCRIPT ONE} nm\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}",
+            "W/(m\N{SUPERSCRIPT TWO} sr nm)",
         )
         self.spectrum.setAccessibleName("spectrum of the direction that is pointed at")
         self.curves = [self.meridian.plot(pen=_pen(*line)) for line in LINES]

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.number_field import NumberField, Scale
 from vrut_lite.kernel.settings import SettingSpec
 
@@ -36,7 +37,7 @@ class SettingRow(QObject):
         self.name = self._name(parent)
         self.editor, self._show = self._editor()
         self.reset = QToolButton()
-        self.reset.setText("\N{ANTICLOCKWISE OPEN CIRCLE ARROW}")
+        put_sign(self.reset, "reset")
         self.reset.setProperty("flat", True)
         self.reset.setAccessibleName(f"reset {label_of(spec)}")
         self.reset.setToolTip(f"Back to {spec.default_text()}")

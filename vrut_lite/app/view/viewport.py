@@ -32,6 +32,7 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.view.camera_rig import CameraRig, height_text
 from vrut_lite.app.view.light_probe import LightProbe
+from vrut_lite.app.view.loading import Loading
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
@@ -39,6 +40,7 @@ from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
+_INVITATION = "Drop a glTF or OBJ file here, or open one with Ctrl+O"
 _SETTLED_MS, _FLIGHT_MS = 60, 16
 _SMALLEST_PX = 16
 # A press that moves farther is a drag.
@@ -70,6 +72,7 @@ class Viewport(QWidget):
         self.rig = CameraRig()
         self.mode = CameraMode.ORBIT
         self.probe = LightProbe(session, self)
+        self.loading = Loading(session, self)
         self._sun_path = sun_path
         self._image: QImage | None = None
         self._sent: MoveCamera | None = None
@@ -92,6 +95,7 @@ class Viewport(QWidget):
         session.listen(SceneOpened, self._note_scene)
         sun_path.changed.connect(self.update)
         self.probe.changed.connect(self.update)
+        self.loading.changed.connect(self._move_loading)
 
     def sizeHint(self) -> QSize:
         """As large as there is room."""
@@ -159,6 +163,13 @@ class Viewport(QWidget):
     def _send_size(self) -> None:
         width, height = self.pixels
         self._session.send(Resize(width_px=width, height_px=height))
+
+    def _move_loading(self) -> None:
+        """Paint again only what moves, or all when it ends."""
+        if self.loading.is_on:
+            self.update(self.loading.region(QRectF(self.rect())).toAlignedRect())
+        else:
+            self.update()
 
     # --- by mouse ----------------------------------------------------------------------------
 
@@ -303,7 +314,9 @@ class Viewport(QWidget):
         painter = QPainter(self)
         if self._image is None:
             painter.fillRect(self.rect(), QColor("#101012"))
-            self._write(painter, self.rect(), Qt.AlignmentFlag.AlignCenter, self._invitation())
+            if not self.loading.is_on:
+                self._write(painter, self.rect(), Qt.AlignmentFlag.AlignCenter, _INVITATION)
+            self.loading.paint(painter, QRectF(self.rect()))
             return
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.drawImage(self.rect(), self._image)
@@ -315,11 +328,7 @@ class Viewport(QWidget):
         if self.mode is CameraMode.SPACE or self.rig.eye_m[1] > 1000.0:
             height = height_text(float(self.rig.eye_m[1]))
             self._write(painter, edge, corner.AlignRight | corner.AlignBottom, height)
-
-    def _invitation(self) -> str:
-        if self._scene is None and self._session.roster.modules:
-            return "Drop a glTF or OBJ file here, or open one with Ctrl+O"
-        return "Opening \N{HORIZONTAL ELLIPSIS}"
+        self.loading.paint(painter, QRectF(self.rect()))
 
     def _write(self, painter: QPainter, place: object, where: object, text: str) -> None:
         """Write text with a shadow, legible on any picture."""

@@ -32,7 +32,6 @@ class Files:
     def open_path(self, path: str) -> None:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
-            self._status.show_news(f"Opening {path} \N{HORIZONTAL ELLIPSIS}")
             self._session.send(LoadScene(path=path))
             return
         try:
@@ -51,6 +50,8 @@ class Files:
 
     def open_project(self, project: Project) -> None:
         """Show a project."""
+        if project.scene:
+            self._desk.viewport.loading.begin(project.scene)
         self._session.ask(
             lambda stage: inputs_of(project, stage.kernel),
             lambda inputs: self._session.begin_with(*inputs),
