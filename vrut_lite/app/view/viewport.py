@@ -6,6 +6,7 @@ milliseconds, during which no slider moves; and modules' GPU jobs, which live in
 context, would need a second one to share with. The frame is read back anyway, for its exposure.
 """
 
+from copy import copy
 from enum import Enum
 from pathlib import Path
 from time import perf_counter
@@ -34,6 +35,7 @@ from vrut_lite.app.view.camera_rig import CameraRig, height_text
 from vrut_lite.app.view.light_probe import LightProbe
 from vrut_lite.app.view.loading import Loading
 from vrut_lite.app.view.sun_path import SunPath
+from vrut_lite.app.view.surroundings import Surroundings
 from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.daylight.picture import Resize
@@ -51,7 +53,7 @@ _MOST_FLIGHT_S = 0.1
 class CameraMode(Enum):
     """The camera's modes, each with a hint for the mouse."""
 
-    ORBIT = "drag to turn, right drag to shift, wheel to go nearer"
+    ORBIT = "drag to turn (among walls: to look around), right drag to shift, wheel to go nearer"
     FLY = "drag to look, W A S D to fly, Q E down and up, Shift faster, wheel for the view's angle"
     SPACE = "wheel to climb, drag to look around"
 
@@ -78,6 +80,9 @@ class Viewport(QWidget):
         self._sent: MoveCamera | None = None
         self._scene: SceneOpened | None = None
         self._held: set[Qt.Key] = set()
+        self._surroundings: Surroundings | None = None
+        # Whether this drag looks around, since the eye stands among walls.
+        self._looks_around = False
         self._grip: QPointF | None = None
         self._pressed: QPointF | None = None
         self._flew_s = 0.0
@@ -143,7 +148,12 @@ class Viewport(QWidget):
         self.update()
 
     def _note_scene(self, scene: SceneOpened) -> None:
-        self._scene = scene
+        self._scene, self._surroundings = scene, None
+        self._session.look_up(lambda _: (scene, Surroundings(scene)), self._take_surroundings)
+
+    def _take_surroundings(self, found: tuple[SceneOpened, Surroundings]) -> None:
+        if found[0] is self._scene:
+            self._surroundings = found[1]
 
     def _adopt(self, camera: MoveCamera) -> None:
         """Take over the camera of a scene or a project; not the echo of our own."""
@@ -176,6 +186,7 @@ class Viewport(QWidget):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin to drag, or to click."""
         self._grip = self._pressed = event.position()
+        self._looks_around = self._is_enclosed()
         self.probe.leave()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -215,11 +226,29 @@ class Viewport(QWidget):
     def _drag(self, right: float, up: float, shifting: bool) -> None:
         if shifting:
             self.rig.pan(right, up)
-        elif self.mode is CameraMode.ORBIT:
-            self.rig.orbit(right, up)
+        elif self.mode is CameraMode.ORBIT and not self._looks_around:
+            self._turn(right, up)
         else:
             self.rig.look_around(right, up)
         self.send_camera()
+
+    def _is_enclosed(self) -> bool:
+        around = self._surroundings
+        return around is not None and around.encloses(self.rig.eye_m, self.rig.target_m)
+
+    def _turn(self, right: float, up: float) -> None:
+        """Turn around the target, along a wall where one is in the way; in a corner look around."""
+        around = self._surroundings
+        if around is None:
+            self.rig.orbit(right, up)
+            return
+        for way in ((right, up), (right, 0.0), (0.0, up)):
+            turned = copy(self.rig)
+            turned.orbit(*way, lowest_m=around.lowest_m)
+            if around.is_free(self.rig.eye_m, turned.eye_m):
+                self.rig = turned
+                return
+        self.rig.look_around(right, up)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Move nearer, narrow the view or climb, by the mode."""
@@ -244,6 +273,7 @@ class Viewport(QWidget):
             Qt.Key.Key_Up: (0.0, -0.02), Qt.Key.Key_Down: (0.0, 0.02),
         }  # fmt: skip
         if key in turns:
+            self._looks_around = self._is_enclosed()
             self._drag(*turns[key], shifting=False)
         elif key in _FLIGHT and self.mode is CameraMode.FLY:
             if not event.isAutoRepeat():
