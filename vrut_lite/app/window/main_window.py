@@ -79,7 +79,7 @@ class MainWindow(QMainWindow):
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
         self.setStatusBar(self._status)
-        self.files = Files(self.desk, kept or Kept(None), self._status)
+        self.files = Files(self.desk, kept or Kept(None), self._status, self._show_title)
         self.menus = Menus(
             self, self._specs(), lambda: self.files.kept.recent, self.files.open_path
         )
@@ -287,9 +287,16 @@ class MainWindow(QMainWindow):
             self.restoreState(shape.docks)
 
     def _scene_loaded(self, scene: SceneOpened) -> None:
-        self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
+        self._show_title()
         self._status.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
         self.files.add_recent(scene.path)
+
+    def _show_title(self) -> None:
+        """The project, the scene, the application, as far as there are such."""
+        scene = self.session.last(SceneOpened)
+        files = [self.files.project, Path(scene.path) if scene is not None else None]
+        names = [file.name for file in files if file is not None]
+        self.setWindowTitle(" \N{EN DASH} ".join([*names, TITLE]))
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)
