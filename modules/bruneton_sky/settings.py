@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 import numpy as np
@@ -17,6 +17,7 @@ from vrut_lite.daylight.aerosol import (
     LEAST_TURBIDITY,
     MOST_TURBIDITY,
     optical_depth_of_turbidity,
+    turbidity_of_optical_depth,
 )
 from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
@@ -25,6 +26,8 @@ from vrut_lite.kernel.settings import setting
 PresetName = Literal[
     "earth", "earth-clear", "earth-hazy", "earth-2008", "earth-twilight", "mars-like"
 ]
+# Where haze is measured, and red, which ozone absorbs.
+_OPEN_NM = (550.0, 600.0)
 SCALE_HEIGHT_SOURCE = "Bruneton and Neyret 2008, section 2"
 PHASE_SOURCE = "Cornette and Shanks 1992; Henyey and Greenstein 1941"
 
@@ -32,6 +35,15 @@ PHASE_SOURCE = "Cornette and Shanks 1992; Henyey and Greenstein 1941"
 class BrunetonSkySettings(msgspec.Struct, frozen=True):
     """Settings of the Bruneton sky; what is none stays as the preset has it."""
 
+    # A desert's dust absorbs little; snow and sand reflect much (Oke 1987, table 1.1).
+    presets: ClassVar[dict[str, dict[str, object]]] = {
+        "Clear": {"turbidity": 2.0},
+        "Hazy": {"turbidity": 6.0},
+        "Desert": {"turbidity": 5.0, "albedo": 0.35, "mie_albedo": 0.96},
+        "Alpine": {"turbidity": 1.5, "albedo": 0.6},
+        "Fog": {"fog_visibility_m": 300.0},
+        "Mars": {"preset": "mars-like"},
+    }
     preset: Annotated[
         PresetName,
         setting(
@@ -120,6 +132,32 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
         Literal["cpu", "gpu"],
         setting("What computes the sky's cube map and air; the GPU where there is one"),
     ] = "cpu"
+
+    def left_open(self, haze: SetHaze) -> dict[str, object]:
+        """What the settings that are none stand for, by name; fog that is none is none."""
+        return _left_open(self, haze)
+
+
+def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object]:
+    """Values of the air that the settings make, for those of them that are none."""
+    air = _atmosphere(msgspec.structs.replace(settings, fog_visibility_m=None), 0.0, haze, _OPEN_NM)
+    extinction, scattering = np.asarray(air.mie_extinction), np.asarray(air.mie_scattering)
+    column_m = _column_m(air.mie_scale_height_m, air.top_altitude_m)
+    turbidity = turbidity_of_optical_depth(float(extinction[0]) * column_m)
+    per_unit = ozone_absorption(air.wavelength_nm, 1.0, 1.0)
+    layer_m = float(np.trapezoid(air.absorber_density, air.absorber_altitude_m))
+    return {
+        "turbidity": min(max(turbidity, LEAST_TURBIDITY), MOST_TURBIDITY),
+        "albedo": float(np.mean(air.ground_albedo)),
+        "ozone_du": float(np.mean(np.asarray(air.absorption_extinction) / per_unit)) * layer_m,
+        "rayleigh_scale_height_m": air.rayleigh_scale_height_m,
+        "mie_scale_height_m": air.mie_scale_height_m,
+        "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
+        "mie_g": air.mie_g,
+        "mie_phase": air.mie_phase,
+        "ground_radius_m": air.ground_radius_m,
+        "top_altitude_m": air.top_altitude_m,
+    }
 
 
 def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:

@@ -1,6 +1,6 @@
 """The settings of the clouds."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import msgspec
 
@@ -13,6 +13,12 @@ Share = setting("Share of the zenith that is cloud; 0 is none.", 0, 1, source=SH
 class CloudSettings(msgspec.Struct, frozen=True):
     """One layer of cumulus, or of stratocumulus where it covers most of the sky."""
 
+    presets: ClassVar[dict[str, dict[str, object]]] = {
+        "Clear": {"coverage": 0.0},
+        "Fair weather": {"coverage": 0.3},
+        "Mostly cloudy": {"coverage": 0.7},
+        "Overcast": {"coverage": 1.0, "base_m": 900.0, "thickness_m": 700.0},
+    }
     coverage: Annotated[float, Share] = 0.0
     base_m: Annotated[float, setting("Altitude of the bases.", 50, 12000, unit="m")] = 1300.0
     thickness_m: Annotated[

@@ -1,6 +1,6 @@
 """The settings of DynamicSkyLight; time and place belong to the host."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
@@ -15,6 +15,13 @@ Device = Literal["cpu", "gpu"]
 class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
     """The settings of the module."""
 
+    # Snow and sand reflect much (Oke 1987, table 1.1).
+    presets: ClassVar[dict[str, dict[str, object]]] = {
+        "Clear": {"turbidity": 2.0},
+        "Hazy": {"turbidity": 6.0},
+        "Desert": {"turbidity": 5.0, "albedo": 0.35},
+        "Alpine": {"turbidity": 1.7, "albedo": 0.6},
+    }
     turbidity: Annotated[
         float | None,
         setting(

@@ -13,6 +13,7 @@ from stateful_backend import opened
 
 from vrut_lite.geometry import reflection
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.render.staleness import age_factor
 
 TOP = np.array([0.0, 1.0, 0.0])
 
@@ -201,22 +202,46 @@ def test_a_rough_metal_shows_the_mean_over_its_lobe(backend, tmp_path, roughness
 
 @pytest.mark.gl
 def test_a_film_follows_the_sky_in_slices_and_a_still_is_finished(backend, tmp_path):
-    """A brighter sky reaches a rough metal some frames later, whole; a still shows it at once."""
+    """Another colour reaches a rough metal some frames later, whole; a still shows it at once."""
     backend.change(scene=opened(square(tmp_path, surface(1.0, 0.8))))
     cube = np.full((6, 16, 16, 3), 1.0)
     light(backend, cube)
     view = ((0, 1, 0), (0, 0, 0), 0.1)
     np.testing.assert_allclose(look(backend, *view, still=False).radiance, 1.0, rtol=5e-3)
-    light(backend, 2.0 * cube)
+    green = np.array([0.0, 1.0, 0.0])
+    light(backend, green * cube)
     shown = [look(backend, *view, still=False).radiance for _ in range(40)]
-    levels = {round(float(picture.mean()), 1) for picture in shown}
-    assert levels == {1.0, 2.0}
+    reds = [round(float(picture[..., 0].mean()), 2) for picture in shown]
+    # White of green's luminance, then green: nothing between.
+    assert sorted(set(reds)) == [0.0, 0.72]
     assert backend.ledger.done["reflection slice"] == 2 * 24
-    np.testing.assert_allclose(shown[-1], 2.0, rtol=5e-3)
+    np.testing.assert_allclose(shown[-1][..., 1], 1.0, rtol=5e-3)
     light(backend, 3.0 * cube)
     look(backend, *view, still=False)
     light(backend, 4.0 * cube)
     np.testing.assert_allclose(look(backend, *view).radiance, 4.0, rtol=5e-3)
+
+
+@pytest.mark.gl
+def test_a_reflection_that_lags_is_as_bright_as_the_present_sky(backend, tmp_path):
+    """A sky that falls to a thousandth between two moving pictures: no old light outshines it."""
+    backend.change(scene=opened(square(tmp_path, surface(1.0, 0.8))))
+    view = ((0, 1, 0), (0, 0, 0), 0.1)
+    day = np.full((6, 16, 16, 3), 8.0)
+    light(backend, day)
+    look(backend, *view, still=False)
+    for factor in (1e-1, 1e-2, 1e-3):
+        light(backend, factor * day)
+        shown = look(backend, *view, still=False).radiance
+        np.testing.assert_allclose(shown, 8.0 * factor, rtol=1e-2)
+
+
+def test_what_is_of_the_present_sky_is_left_exactly_as_it_is():
+    """Pictures that do not lag are the same to the bit; from darkness nothing is blown up."""
+    assert age_factor(0.3, 0.3) == 1.0
+    assert age_factor(0.0, 0.0) == 1.0
+    assert age_factor(0.0, 0.5) == 0.0
+    assert age_factor(1.0, 1e-9) == 16.0
 
 
 @pytest.mark.gl

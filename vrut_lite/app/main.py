@@ -10,11 +10,11 @@ from PySide6.QtWidgets import QApplication
 from vrut_lite.app.engine.module_states import into_safe_mode, states_of
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.theme import apply_theme
+from vrut_lite.app.window.first_size import first_place
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.project import Project
 
-_SIZE = (1600, 1000)
 _SIGNAL_MS = 200
 
 
@@ -32,7 +32,7 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     window = MainWindow(session, kept=kept)
     # Otherwise garbage collection scans all these objects and stops the window for 0.1 s.
     session.ready.connect(lambda roster: gc.freeze())
-    window.resize(*_SIZE)
+    window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
     window.show()
     session.start()
     if safe_mode:

@@ -24,7 +24,7 @@ QLineEdit, QComboBox, QAbstractSpinBox {{
 QLineEdit:focus, QComboBox:focus, QAbstractSpinBox:focus {{ border-color: {ACCENT}; }}
 QLineEdit:disabled, QComboBox:disabled, QAbstractSpinBox:disabled {{ color: #5c5c60; }}
 QSpinBox::up-button, QSpinBox::down-button, QDoubleSpinBox::up-button,
-QDoubleSpinBox::down-button, QTimeEdit::up-button, QTimeEdit::down-button {{
+QDoubleSpinBox::down-button {{
     width: 0; border: none;
 }}
 QPushButton, QToolButton {{
@@ -74,7 +74,13 @@ QScrollBar::handle:hover {{ background: #55555a; }}
 QScrollBar::add-line, QScrollBar::sub-line {{ width: 0; height: 0; }}
 QScrollBar::add-page, QScrollBar::sub-page {{ background: none; }}
 QMenuBar, QMenu {{ background: {PANEL}; }}
-QMenu::item:selected, QMenuBar::item:selected {{ background: {LINE}; }}
+QMenu::item:selected, QMenuBar::item:selected {{ background: {LINE}; color: {TEXT}; }}
+QMenu::item:disabled {{ color: #5c5c60; }}
+QMenu::separator {{ background: {LINE}; height: 1px; margin: 4px 8px; }}
+QComboBox QAbstractItemView, QListView {{
+    background: {BACKGROUND}; border: 1px solid {LINE}; outline: none;
+    selection-background-color: {ACCENT}; selection-color: {BACKGROUND};
+}}
 """
 
 

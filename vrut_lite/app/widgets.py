@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, Qt, QTimer
-from PySide6.QtGui import QImage
+from PySide6.QtCore import QObject, QSize, Qt, QTimer
+from PySide6.QtGui import QFontMetrics, QImage, QResizeEvent
 from PySide6.QtWidgets import QFormLayout, QLabel, QWidget
 
 
@@ -30,6 +30,47 @@ def faint_label(text: str = "", wraps: bool = False) -> QLabel:
     label = _label(text, "faint")
     label.setWordWrap(wraps)
     return label
+
+
+class ShortenedLabel(QLabel):
+    """A faint label of one line that may be narrower than its text, which then ends in dots.
+
+    `setText` and `text` are of the whole text; the tooltip has it too.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._whole = ""
+        self.setProperty("role", "faint")
+        self.setMinimumWidth(1)
+
+    def setText(self, text: str) -> None:
+        """Show as much of a text as there is room for."""
+        self._whole = text
+        self.setToolTip(text)
+        self._shorten()
+        self.updateGeometry()
+
+    def text(self) -> str:
+        """The whole text."""
+        return self._whole
+
+    def sizeHint(self) -> QSize:
+        """Room for the whole text."""
+        hint = super().sizeHint()
+        return QSize(QFontMetrics(self.font()).horizontalAdvance(self._whole) + 2, hint.height())
+
+    def minimumSizeHint(self) -> QSize:
+        """Any width will do."""
+        return QSize(1, super().minimumSizeHint().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show more of the text, or less."""
+        self._shorten()
+
+    def _shorten(self) -> None:
+        end = Qt.TextElideMode.ElideRight
+        super().setText(QFontMetrics(self.font()).elidedText(self._whole, end, self.width()))
 
 
 def make_timer(parent: QObject, ms: int, act: Callable[[], Any], once: bool = False) -> QTimer:

@@ -36,6 +36,7 @@ from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.size_cache import SizeCache
+from vrut_lite.render.staleness import sky_level
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
 from vrut_lite.render.targets import Targets
 from vrut_lite.scene.backend import IsGivenUp
@@ -246,7 +247,8 @@ class Frame:
             self.ledger.skip("reflection: no sky reaches what is seen")
         elif glossy or not self._skips.reflection:
             slices = None if still else SLICES_A_FRAME
-            self._filter.update(light.mirrored, slices, not self._skips.reflection)
+            always = not self._skips.reflection
+            self._filter.update(light.mirrored, slices, always, sky_level(light))
         else:
             self.ledger.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture

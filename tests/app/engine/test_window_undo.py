@@ -115,7 +115,7 @@ def test_controls_show_what_was_taken_back(driver):
     action = driver.window.actions_by_name["undo"]
     editor.slider.setValue(900)
     driver.settled()
-    assert action.text() == f"Undo albedo {editor.value:.4g}"
+    assert action.text() == f"&Undo albedo {editor.value:.4g}"
     undo(driver)
     assert editor.value == 0.1
     assert "albedo" in driver.window.news.text()

@@ -72,13 +72,16 @@ def test_the_path_of_the_day_passes_through_the_sun(driver):
 
 
 def test_a_screenshot_is_what_one_sees(driver, tmp_path):
-    """The widget's own pixels, overlay included, named by scene and hour, never written over."""
+    """The widget's own pixels, overlay included; named by what is seen, never written over."""
     driver.window.files.pictures = tmp_path / "pictures"
     driver.window.actions_by_name["sun path"].trigger()
     for _ in range(2):
         driver.window.actions_by_name["screenshot"].trigger()
     names = sorted(path.name for path in driver.window.files.pictures.iterdir())
-    assert names == ["sundial 2026-06-21 13.00.00 (2).png", "sundial 2026-06-21 13.00.00.png"]
+    assert names == [
+        "sundial Prague 2026-06-21 13.00.00 (2).png",
+        "sundial Prague 2026-06-21 13.00.00.png",
+    ]
     assert names[0] in driver.window.news.text()
     with Image.open(driver.window.files.pictures / names[0]) as image:
         assert image.size == driver.view.pixels

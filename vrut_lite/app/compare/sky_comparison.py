@@ -136,9 +136,14 @@ class SkyComparison(QObject):
         if ours and message.name == OWN_HAZE:
             self._follow_haze(self._set if message.value is None else _haze(message.value))
             return
-        if ours and message.name in self.shared and message.value is not None:
-            self.shared[message.name] = float(message.value)
-            self.shared_changed.emit(message.name, self.shared[message.name])
+        if ours and message.name in self.shared:
+            value = message.value
+            if value is None:
+                module = self._session.roster.modules[message.module]
+                value = module.left_open(self._set).get(message.name)
+            if value is not None:
+                self.shared[message.name] = float(value)
+                self.shared_changed.emit(message.name, self.shared[message.name])
         self._look()
 
     def _look(self) -> None:

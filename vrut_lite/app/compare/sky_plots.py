@@ -5,6 +5,7 @@ Qt's classes, which PySide creates on first use: done on another thread beside a
 sometimes crashed the process.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ from vrut_lite.daylight.sky import SpectrumSeen
 LINES = ((theme.ACCENT, Qt.PenStyle.SolidLine), ("#8fb4e8", Qt.PenStyle.DashLine))
 _HEIGHT_PX = 170
 _LEAST_CD_M2 = 1e-6
+# Of a label on the axis of luminance, and the range in which powers of ten are too few labels.
+_LABEL_PX, _FEW_DECADES = 28.0, 2.5
 
 
 class SkyPlots(QWidget):
@@ -28,15 +31,16 @@ class SkyPlots(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.meridian = _plot(
-            "angle from the zenith towards the sun, degrees", "cd/m\N{SUPERSCRIPT TWO}"
+            "angle from the zenith towards the sun, \N{DEGREE SIGN}",
+            "cd/m\N{SUPERSCRIPT TWO}",
+            logarithmic=True,
         )
         self.meridian.setLogMode(y=True)
         self.meridian.setXRange(-90.0, 90.0, padding=0.02)
         self.meridian.setAccessibleName("luminance along the sun's meridian")
         self.spectrum = _plot(
             "wavelength, nm",
-            "W m\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT TWO} sr\N{SUPERSCRIPT MINUS}"
-            "\N{SUPERSCRIPT ONE} nm\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}",
+            "W/(m\N{SUPERSCRIPT TWO} sr nm)",
         )
         self.spectrum.setAccessibleName("spectrum of the direction that is pointed at")
         self.curves = [self.meridian.plot(pen=_pen(*line)) for line in LINES]
@@ -65,8 +69,35 @@ class SkyPlots(QWidget):
                 curve.setData(seen.wavelength_nm, seen.radiance)
 
 
-def _plot(bottom: str, left: str) -> Any:
-    plot = pg.PlotWidget(background=theme.PANEL)
+class LogAxis(pg.AxisItem):
+    """An axis of decimal logarithms that is labelled at powers of ten, or at 2 and 5 between.
+
+    pyqtgraph's own labels each line of its grid, one over the other.
+    """
+
+    def tickValues(self, low: float, high: float, size: float) -> list[tuple[float, list[float]]]:
+        """Levels of (spacing, places); only the first is labelled."""
+        decades = list(range(math.ceil(low), math.floor(high) + 1))
+        step = max(1, math.ceil((high - low) / max(size / _LABEL_PX, 1.0)))
+        labelled = [float(n) for n in decades if n % step == 0]
+        if high - low < _FEW_DECADES:
+            parts = [math.log10(part) for part in (1, 2, 5)]
+            every = [n + part for n in range(math.floor(low), math.ceil(high)) for part in parts]
+            labelled = [place for place in every if low <= place <= high]
+        return [(1.0, labelled), (1.0, [float(n) for n in decades if float(n) not in labelled])]
+
+    def logTickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
+        """Luminances as people write them: 0.002, 5, 20,000."""
+        return [_figure(10.0**value) for value in values]
+
+
+def _figure(value: float) -> str:
+    return f"{value:,.0f}" if value >= 1.0 else f"{value:.1g}"
+
+
+def _plot(bottom: str, left: str, logarithmic: bool = False) -> Any:
+    axes = {"left": LogAxis("left")} if logarithmic else {}
+    plot = pg.PlotWidget(background=theme.PANEL, axisItems=axes)
     plot.setFixedHeight(_HEIGHT_PX)
     plot.setMenuEnabled(False)
     plot.hideButtons()

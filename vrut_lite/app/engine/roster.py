@@ -5,6 +5,8 @@ from typing import NamedTuple
 import msgspec
 
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.left_open import left_open, presets_of
 from vrut_lite.kernel.messages import Message, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec, describe
 
@@ -17,8 +19,18 @@ class ModuleInfo(NamedTuple):
     version: str
     provides: tuple[str, ...]
     auxiliary: bool
+    settings_type: type[msgspec.Struct]
     specs: dict[str, SettingSpec]
     values: dict[str, object]
+
+    def left_open(self, haze: SetHaze) -> dict[str, object]:
+        """What settings that are none stand for."""
+        return left_open(self.settings_type(**self.values), haze)
+
+    @property
+    def presets(self) -> dict[str, dict[str, object]]:
+        """Settings that the module proposes, by name."""
+        return presets_of(self.settings_type)
 
     @property
     def changed_values(self) -> dict[str, object]:
@@ -70,6 +82,7 @@ def roster_of(stage: Stage) -> Roster:
             version=seat.manifest.version,
             provides=seat.manifest.provides,
             auxiliary=seat.manifest.auxiliary,
+            settings_type=type(seat.settings),
             specs=describe(type(seat.settings)),
             values=msgspec.structs.asdict(seat.settings),
         )

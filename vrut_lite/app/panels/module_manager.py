@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
-from vrut_lite.app.engine.session import Session, fault_line
+from vrut_lite.app.engine.session import Session, fault_line, one_line
 from vrut_lite.app.widgets import heading
 from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
 
@@ -34,6 +34,8 @@ class ModuleManager(QWidget):
         self._states = ModuleStates({}, ())
         self._asking = False
         self._before_safe_mode: set[str] = set()
+        # The last fault of each module before it was restarted or reloaded.
+        self._before_restart: dict[str, Fault | None] = {}
         self._make_parts()
         self._lay_out()
         self.list.itemChanged.connect(self._checked)
@@ -42,6 +44,8 @@ class ModuleManager(QWidget):
         self.reload.clicked.connect(lambda: self._session.send(ReloadModule(module=self.chosen)))
         self.safe_mode.clicked.connect(self.set_safe_mode)
         session.ready.connect(lambda _: self._ask())
+        session.listen(RestartModule, lambda message: self._note_restart(message.module))
+        session.listen(ReloadModule, lambda message: self._note_restart(message.module))
         for kind in _TELLING:
             session.listen(kind, lambda _: self._ask())
 
@@ -118,6 +122,11 @@ class ModuleManager(QWidget):
 
     # --- messages ----------------------------------------------------------------------------
 
+    def _note_restart(self, name: str) -> None:
+        module = self._states.modules.get(name)
+        if module is not None:
+            self._before_restart[module.name] = module.fault
+
     def _ask(self) -> None:
         """Ask for the states, once for all messages that came until the answer."""
         if not self._asking:
@@ -172,8 +181,10 @@ class ModuleManager(QWidget):
         self.reload.setEnabled(not module.of_host)
         self.title.setText(module.title)
         fault = module.fault
-        self.status.setText("No fault so far." if fault is None else fault_line(fault))
-        self.status.setStyleSheet(f"color: {theme.FAINT if fault is None else theme.ALARM};")
+        mended = fault is not None and fault is self._before_restart.get(module.name)
+        self.status.setText(status_line(fault, mended))
+        alarming = fault is not None and not mended
+        self.status.setStyleSheet(f"color: {theme.ALARM if alarming else theme.FAINT};")
         self.trace.setVisible(fault is not None)
         trace = "" if fault is None else fault.trace
         if trace != self.trace.toPlainText():
@@ -184,3 +195,12 @@ class ModuleManager(QWidget):
     def _checked(self, item: QTreeWidgetItem) -> None:
         wanted = item.checkState(0) == Qt.CheckState.Checked
         self._session.send(EnableModule(module=str(item.data(0, _NAME)), enabled=wanted))
+
+
+def status_line(fault: Fault | None, mended: bool) -> str:
+    """Of a module's last fault, which is over if the module was restarted since."""
+    if fault is None:
+        return "No fault so far."
+    if mended:
+        return f"No fault since it was restarted. Before: {one_line(fault.error)}"
+    return fault_line(fault)

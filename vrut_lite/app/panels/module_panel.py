@@ -20,6 +20,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore, Values
 from vrut_lite.app.panels.setting_row import SettingRow
 from vrut_lite.app.widgets import faint_label, heading
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
 
@@ -43,8 +44,10 @@ class ModulePanel(QWidget):
         self._settings = self._grid()
         column.addWidget(self._settings)
         column.addStretch(1)
+        self._show_left_open()
         self._show_resettable()
         session.listen(SettingChanged, self._changed)
+        session.listen(SetHaze, lambda _: self._show_left_open())
         session.listen(Fault, self._refused)
         session.roster_renewed.connect(self._renew)
 
@@ -109,8 +112,18 @@ class ModulePanel(QWidget):
 
     def _changed(self, message: SettingChanged) -> None:
         if message.module == self._name and message.name in self.rows:
-            self.rows[message.name].show_value(message.value)
+            if message.value is not None:
+                self.rows[message.name].show_value(message.value)
+            # One setting may say what others stand for: a preset does.
+            self._show_left_open()
             self._show_resettable()
+
+    def _show_left_open(self) -> None:
+        """Show what settings that are none stand for."""
+        known = self._module.left_open(self._session.last(SetHaze) or DEFAULT_HAZE)
+        for name, row in self.rows.items():
+            if self._module.values[name] is None:
+                row.show_value(None, known.get(name))
 
     def _show_resettable(self) -> None:
         self.reset.setEnabled(bool(self._module.changed_values))
@@ -126,6 +139,7 @@ class ModulePanel(QWidget):
         assert layout is not None
         layout.replaceWidget(old, self._settings)
         old.deleteLater()
+        self._show_left_open()
         self._show_resettable()
         self.remade.emit(self._settings)
 
@@ -133,7 +147,9 @@ class ModulePanel(QWidget):
         """Show the setting's value again after a refused one."""
         if fault.module == self._name:
             for name, row in self.rows.items():
-                row.show_value(self._module.values[name])
+                if self._module.values[name] is not None:
+                    row.show_value(self._module.values[name])
+            self._show_left_open()
 
     # --- presets -----------------------------------------------------------------------------
 
@@ -141,6 +157,8 @@ class ModulePanel(QWidget):
         """Fill the menu with the presets that are kept."""
         self.preset_menu.clear()
         self.preset_menu.addAction("Defaults", lambda: self.choose(self._defaults()))
+        for title, values in self._module.presets.items():
+            self.preset_menu.addAction(title, partial(self.choose, {**self._defaults(), **values}))
         names = self._presets.names(self._name)
         if names:
             self.preset_menu.addSeparator()

@@ -11,6 +11,7 @@ _NOTCHES = 1000
 _LOGARITHMIC_FROM = 100.0
 _TYPED_WIDTH_PX = 92
 _UNBOUNDED = 1e9
+_DEGREES = "\N{DEGREE SIGN}"
 
 
 class NumberField(QWidget):
@@ -36,7 +37,7 @@ class NumberField(QWidget):
             0 if whole else _decimals(low, high) if decimals is None else decimals
         )
         self.spin.setSingleStep(1.0 if whole else 10.0 ** -max(self.spin.decimals() - 1, 0))
-        self.spin.setSuffix(f" {unit}" if unit else "")
+        self.spin.setSuffix(suffix_of(unit))
         self.spin.setKeyboardTracking(False)
         self.spin.setFixedWidth(_TYPED_WIDTH_PX)
         self.spin.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -69,9 +70,12 @@ class NumberField(QWidget):
 
     def show_nothing(self) -> None:
         """Show that there is no value."""
-        self.spin.lineEdit().setText("\N{EN DASH}")
+        self._show(self.spin.minimum(), slider=True)
+        # Qt shows it in place of the lowest value.
+        self.spin.setSpecialValueText("\N{EN DASH}")
 
     def _show(self, value: float, slider: bool) -> None:
+        self.spin.setSpecialValueText("")
         for part in (self.spin, self.slider):
             part.blockSignals(True)
         self.spin.setValue(value)
@@ -88,6 +92,13 @@ class NumberField(QWidget):
     def _typed(self, value: float) -> None:
         self._show(value, slider=True)
         self.edited.emit(value)
+
+
+def suffix_of(unit: str) -> str:
+    """What stands after a number: degrees as their sign, close to it, other units after a space."""
+    if unit in ("deg", _DEGREES):
+        return _DEGREES
+    return f" {unit}" if unit else ""
 
 
 class _Slider(QSlider):

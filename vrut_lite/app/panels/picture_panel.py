@@ -57,7 +57,8 @@ class PicturePanel(QWidget):
              "2008), or none"),
             ("White", self.white_temperature_k, "Daylight of this colour temperature is shown "
              "white (CIE 15, Bradford)"),
-            ("Off locus", self.white_duv, "Duv in CIE 1960 (u, v): positive is greener"),
+            ("Green or pink", self.white_duv, "Of the white: greener above 0, pinker below (Duv in "
+             "CIE 1960 u, v)"),
         ):  # fmt: skip
             part.setToolTip(tip)
             part.setAccessibleName(title)

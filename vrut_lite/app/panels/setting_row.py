@@ -14,12 +14,26 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.number_field import NumberField, Scale
 from vrut_lite.kernel.settings import SettingSpec
 
 # Endings of names that are left out, since the unit stands beside the number.
 _UNIT_ENDINGS = ("_per_m", "_m_s", "_deg", "_rad", "_nm", "_du", "_km", "_m", "_s", "_k")
 LEFT_OPEN = "as it is"
+# Where a name that scripts use says little to people.
+_PLAIN_LABELS = {
+    "cube_device": "Computed on",
+    "rayleigh_factor": "Density of air",
+    "rayleigh_scale_height_m": "Height of air",
+    "mie_scale_height_m": "Height of haze",
+    "mie_albedo": "Haze scatters",
+    "mie_g": "Haze, forward",
+    "mie_phase": "Haze, phase function",
+    "spp": "Samples a pixel",
+    "orders": "Scattering orders",
+}
+_ABBREVIATIONS = ("cpu", "gpu")
 
 
 class SettingRow(QObject):
@@ -34,9 +48,11 @@ class SettingRow(QObject):
         super().__init__(parent)
         self.spec = spec
         self.name = self._name(parent)
+        # What the setting stands for while it is none, as far as it is known.
+        self._stands_for: Any = None
         self.editor, self._show = self._editor()
         self.reset = QToolButton()
-        self.reset.setText("\N{ANTICLOCKWISE OPEN CIRCLE ARROW}")
+        put_sign(self.reset, "reset")
         self.reset.setProperty("flat", True)
         self.reset.setAccessibleName(f"reset {label_of(spec)}")
         self.reset.setToolTip(f"Back to {spec.default_text()}")
@@ -51,16 +67,22 @@ class SettingRow(QObject):
         for column, part in enumerate((self.name, self.editor, self.reset)):
             grid.addWidget(part, row, column)
 
-    def show_value(self, value: Any) -> None:
-        """Show the setting's present value."""
+    def show_value(self, value: Any, stands_for: Any = None) -> None:
+        """Show the setting's present value; where that is none, what it stands for."""
+        self._stands_for = stands_for
         self.reset.setEnabled(value != self.spec.default)
         if isinstance(self.name, QCheckBox):
             self.name.blockSignals(True)
             self.name.setChecked(value is not None)
             self.name.blockSignals(False)
             self.editor.setEnabled(value is not None)
+        if isinstance(self.editor, QComboBox) and self.spec.may_be_none:
+            known = "" if stands_for is None else f" ({choice_label(stands_for)})"
+            self.editor.setItemText(0, LEFT_OPEN + known)
         if value is not None or self.spec.choices:
             self._show(value)
+        elif stands_for is not None:
+            self._show(stands_for)
         elif isinstance(self.editor, NumberField):
             self.editor.show_nothing()
 
@@ -73,8 +95,10 @@ class SettingRow(QObject):
         return box
 
     def _start(self) -> Any:
-        """The first value of a setting that was none."""
+        """The first value of a setting that was none: what it stood for."""
         spec = self.spec
+        if self._stands_for is not None:
+            return spec.type(self._stands_for)
         if spec.type not in (int, float):
             return spec.type()
         if spec.at_least is None or spec.at_most is None:
@@ -95,7 +119,7 @@ class SettingRow(QObject):
         if self.spec.may_be_none:
             box.addItem(LEFT_OPEN, None)
         for choice in self.spec.choices:
-            box.addItem(choice, choice)
+            box.addItem(choice_label(choice), choice)
         box.activated.connect(lambda index: self.edited.emit(box.itemData(index)))
         return box, lambda value: box.setCurrentIndex(box.findData(value))
 
@@ -130,12 +154,19 @@ class SettingRow(QObject):
 
 def label_of(spec: SettingSpec) -> str:
     """The setting's name as a label: without the unit, which stands beside the number."""
+    if spec.name in _PLAIN_LABELS:
+        return _PLAIN_LABELS[spec.name]
     name = spec.name
     if spec.unit:
         ending = next((ending for ending in _UNIT_ENDINGS if name.endswith(ending)), "")
         name = name.removesuffix(ending)
     words = name.replace("_", " ")
     return words[:1].upper() + words[1:]
+
+
+def choice_label(choice: str) -> str:
+    """A choice as people read it."""
+    return choice.upper() if choice in _ABBREVIATIONS else choice.replace("-", " ")
 
 
 def tooltip_of(spec: SettingSpec) -> str:

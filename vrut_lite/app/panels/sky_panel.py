@@ -8,6 +8,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from vrut_lite.app import theme
 from vrut_lite.app.engine.roster import Roster
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.haze_field import HazeField
@@ -20,7 +21,7 @@ from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 
 SHOWN_SLOT = "sky"
-_NOBODY = "nobody"
+_EMPTY = "none"
 _LOWEST_PERCENT = 0.1
 
 
@@ -47,9 +48,15 @@ class SkyPanel(QWidget):
         self._choices = aligned_form()
         self._choices.setContentsMargins(10, 10, 10, 0)
         self._stack = QStackedWidget()
+        self.lack = QLabel()
+        self.lack.setWordWrap(True)
+        self.lack.setContentsMargins(10, 4, 10, 0)
+        self.lack.setStyleSheet(f"color: {theme.ALARM};")
+        self.lack.setVisible(False)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(self._choices)
+        column.addWidget(self.lack)
         column.addWidget(self._stack, 1)
         self.haze.edited.connect(lambda depth: session.send(SetHaze(optical_depth_550=depth)))
         session.listen(SetHaze, lambda m: self.haze.show_value(m.optical_depth_550))
@@ -65,7 +72,7 @@ class SkyPanel(QWidget):
         for slot in sorted(roster.slots, key=lambda slot: (slot != SHOWN_SLOT, slot)):
             chooser = QComboBox()
             chooser.setAccessibleName(slot)
-            chooser.addItem(_NOBODY, "")
+            chooser.setPlaceholderText(_EMPTY)
             for module in roster.providers(slot):
                 chooser.addItem(module.title, module.name)
             chooser.activated.connect(lambda _, slot=slot: self._choose(slot))
@@ -89,9 +96,23 @@ class SkyPanel(QWidget):
         for slot, holder in self._session.roster.holders.items():
             if slot in self.choosers:
                 self._show(slot, holder)
+        empty = [slot for slot, holder in self._session.roster.holders.items() if not holder]
+        self.lack.setText(lack_line(sorted(empty)))
+        self.lack.setVisible(bool(empty))
 
     def _show(self, slot: str, holder: str) -> None:
         chooser = self.choosers[slot]
-        chooser.setCurrentIndex(max(0, chooser.findData(holder)))
+        chooser.setCurrentIndex(chooser.findData(holder) if holder else -1)
         if slot == SHOWN_SLOT and holder in self.panels:
             self._stack.setCurrentWidget(self.panels[holder])
+
+
+def lack_line(slots: list[str]) -> str:
+    """What it means that no module holds these slots; empty if none is without."""
+    if not slots:
+        return ""
+    named = " and no ".join(slots)
+    return (
+        f"There is no {named} now: no module that runs gives it, and its light is missing. Choose "
+        "one here, or switch one on in Modules (F4)."
+    )

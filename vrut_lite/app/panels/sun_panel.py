@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import aligned_form
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import SunMoved
@@ -15,6 +16,7 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock
 
 _TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
               (-18.0, "astronomical twilight"))  # fmt: skip
+_NO_SUN = "none, it is below the horizon"
 
 
 class SunPanel(QWidget):
@@ -48,8 +50,8 @@ class SunPanel(QWidget):
         lowest, highest = day.elevation_deg.min(), day.elevation_deg.max()
         self._go_to(
             day.when_elevation(wanted, now),
-            f"the sun never stands at {wanted:.2f} degrees on this day: it goes from "
-            f"{lowest:.2f} to {highest:.2f}",
+            f"the sun never stands at {wanted:.2f}\N{DEGREE SIGN} on this day: it goes from "
+            f"{lowest:.2f}\N{DEGREE SIGN} to {highest:.2f}\N{DEGREE SIGN}",
         )
 
     def _go_to_azimuth(self) -> None:
@@ -59,7 +61,7 @@ class SunPanel(QWidget):
         wanted = self.azimuth.value()
         self._go_to(
             day.when_azimuth(wanted, now),
-            f"the sun never stands at azimuth {wanted:.2f} degrees on this day",
+            f"the sun never stands at azimuth {wanted:.2f}\N{DEGREE SIGN} on this day",
         )
 
     def _go_to(self, instant: datetime | None, refusal: str) -> None:
@@ -85,7 +87,7 @@ class SunPanel(QWidget):
         from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 
         lux = float(luminance(light.key_light.irradiance_rgb)) * LUMENS_PER_WATT
-        self.sunlight.setText(lux_text(lux))
+        self.sunlight.setText(lux_text(lux) if lux > 0.0 else _NO_SUN)
         up = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
         self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
 
@@ -96,11 +98,6 @@ def phase_of(sun: SunMoved) -> str:
         return "day"
     elevation_deg = degrees(sun.elevation_rad)
     return next((name for lowest, name in _TWILIGHTS if elevation_deg >= lowest), "night")
-
-
-def lux_text(lux: float) -> str:
-    """Lux in three figures and more, from starlight to noon."""
-    return f"{lux:,.0f} lx" if lux >= 100.0 else f"{lux:.3g} lx"
 
 
 def _angle(low: float, high: float, tip: str) -> QDoubleSpinBox:

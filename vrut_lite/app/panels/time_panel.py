@@ -8,7 +8,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDateEdit,
     QHBoxLayout,
-    QTimeEdit,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -17,8 +16,10 @@ from PySide6.QtWidgets import (
 from vrut_lite.app.engine.day import Day
 from vrut_lite.app.engine.day_scout import DayScout, place_of
 from vrut_lite.app.engine.session import Session
+from vrut_lite.app.icons import put_sign
+from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_bar import DayBar
-from vrut_lite.app.widgets import faint_label, make_timer
+from vrut_lite.app.widgets import ShortenedLabel, make_timer
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.errors import UserError
@@ -116,7 +117,7 @@ class TimePanel(QWidget):
 
     def step_days(self, days: int) -> None:
         """Go to the same local time, days later."""
-        self._go_to_local(self.date.date().addDays(days), self.clock.time())
+        self._go_to_local(self.date.date().addDays(days), self.clock.time)
 
     def go_to_now(self) -> None:
         """Go to the present moment."""
@@ -132,7 +133,7 @@ class TimePanel(QWidget):
     # --- widgets -----------------------------------------------------------------------------
 
     def _make_controls(self) -> None:
-        self.play = _button("\N{BLACK RIGHT-POINTING TRIANGLE}", "Play or pause (Space)")
+        self.play = _sign_button("play", "Play or pause (Space)")
         self.play.setCheckable(True)
         self.play.clicked.connect(self.toggle_play)
         self.speed = QComboBox()
@@ -141,24 +142,25 @@ class TimePanel(QWidget):
             self.speed.addItem(title, rate)
         self.speed.activated.connect(lambda _: self.player.set_rate(self.speed.currentData()))
         self.speed.setCurrentText(_FIRST_SPEED)
-        self.now = _button("Now", "Go to the present moment")
+        self.now = QToolButton()
+        self.now.setText("Now")
+        self.now.setToolTip("Go to the present moment")
         self.now.clicked.connect(self.go_to_now)
-        self.before = _button("\N{SINGLE LEFT-POINTING ANGLE QUOTATION MARK}", "A day earlier")
-        self.after = _button("\N{SINGLE RIGHT-POINTING ANGLE QUOTATION MARK}", "A day later")
+        self.before = _sign_button("before", "A day earlier")
+        self.after = _sign_button("after", "A day later")
         self.before.clicked.connect(lambda: self.step_days(-1))
         self.after.clicked.connect(lambda: self.step_days(1))
-        self.date, self.clock = QDateEdit(), QTimeEdit()
+        self.date, self.clock = QDateEdit(), ClockField()
         self.date.setCalendarPopup(True)
         self.date.setDisplayFormat("d MMMM yyyy")
         self.date.setDateRange(QDate(FIRST_YEAR, 1, 1), QDate(LAST_YEAR, 12, 31))
         self.date.setKeyboardTracking(False)
-        self.date.dateChanged.connect(lambda date: self._go_to_local(date, self.clock.time()))
-        self.clock.setDisplayFormat("HH:mm:ss")
-        self.clock.setKeyboardTracking(False)
-        self.clock.timeChanged.connect(lambda time: self._go_to_local(self.date.date(), time))
+        self.date.dateChanged.connect(lambda date: self._go_to_local(date, self.clock.time))
+        self.clock.time_typed.connect(lambda time: self._go_to_local(self.date.date(), time))
+        self.clock.refused.connect(self._session.problem)
         for part, name in ((self.date, "date"), (self.clock, "time of day"), (self.speed, "speed")):
             part.setAccessibleName(name)
-        self.zone, self.sun = faint_label(), faint_label()
+        self.zone, self.sun = ShortenedLabel(), ShortenedLabel()
 
     def _controls_row(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -170,8 +172,7 @@ class TimePanel(QWidget):
         row.addSpacing(12)
         for part in second:
             row.addWidget(part)
-        row.addWidget(self.zone)
-        row.addStretch(1)
+        row.addWidget(self.zone, 1)
         row.addWidget(self.sun)
         return row
 
@@ -196,13 +197,10 @@ class TimePanel(QWidget):
         if self._instant is None:
             return
         local = self._instant.astimezone(time_zone_at(self._place))
-        for part in (self.date, self.clock):
-            part.blockSignals(True)
+        self.date.blockSignals(True)
         self.date.setDate(QDate(local.year, local.month, local.day))
-        if not self.clock.hasFocus() or not self.clock.lineEdit().isModified():
-            self.clock.setTime(QTime(local.hour, local.minute, local.second))
-        for part in (self.date, self.clock):
-            part.blockSignals(False)
+        self.date.blockSignals(False)
+        self.clock.show_time(QTime(local.hour, local.minute, local.second))
         self.zone.setText(zone_text(local))
 
     def _go_to_local(self, date: QDate, time: QTime) -> None:
@@ -215,9 +213,7 @@ class TimePanel(QWidget):
 
     def _playing_changed(self, playing: bool) -> None:
         self.play.setChecked(playing)
-        self.play.setText(
-            "\N{DOUBLE VERTICAL BAR}" if playing else "\N{BLACK RIGHT-POINTING TRIANGLE}"
-        )
+        put_sign(self.play, "pause" if playing else "play")
 
 
 def zone_text(local: datetime) -> str:
@@ -244,8 +240,8 @@ def _length_of_light(day: Day) -> str:
     return f"day of {minutes // 60} h {minutes % 60:02d} min, noon sun {highest:.1f}\N{DEGREE SIGN}"
 
 
-def _button(text: str, tip: str) -> QToolButton:
+def _sign_button(name: str, tip: str) -> QToolButton:
     button = QToolButton()
-    button.setText(text)
+    put_sign(button, name)
     button.setToolTip(tip)
     return button

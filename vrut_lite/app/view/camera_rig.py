@@ -79,10 +79,15 @@ class CameraRig:
 
     # --- motion ----------------------------------------------------------------------------
 
-    def orbit(self, right: float, up: float) -> None:
-        """Turn around the target, by fractions of the view's height, as if dragging the scene."""
-        target = self.target_m
+    def orbit(self, right: float, up: float, lowest_m: float = -math.inf) -> None:
+        """Turn around the target, by fractions of the view's height, as if dragging the scene.
+
+        An eye above `lowest_m` stays above it, one below goes no lower.
+        """
+        target, lowest_m = self.target_m, min(lowest_m, float(self.eye_m[1]))
         self.look(-right, -up)
+        steepest = (target[1] - lowest_m) / self.distance_m
+        self._tilt(min(self.elevation_rad, math.asin(min(max(steepest, -1.0), 1.0))))
         self.eye_m = target - self.distance_m * self.forward
 
     def look(self, right: float, up: float) -> None:

@@ -7,6 +7,7 @@ from PySide6.QtCore import QObject, Signal
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
+from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import make_timer
 from vrut_lite.daylight.picture import PictureClicked
 from vrut_lite.numeric_types import Vector
@@ -120,8 +121,10 @@ def luminance_text(cd_m2: float) -> str:
 
 
 def illuminance_text(light: Illuminance) -> str:
-    """Lux by sun and by sky."""
-    return f"{light.lux:,.0f} lx (sun {light.sun_lux:,.0f} + sky {light.sky_lux:,.0f})"
+    """Lux by sun and by sky, from noon to night."""
+    if light.sun_lux <= 0.0:
+        return lux_text(light.lux)
+    return f"{lux_text(light.lux)} (sun {lux_text(light.sun_lux)} + sky {lux_text(light.sky_lux)})"
 
 
 def _vector(values: ArrayLike) -> Vector:

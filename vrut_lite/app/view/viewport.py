@@ -6,6 +6,7 @@ would move. Modules' GPU jobs would then need a second, shared context. The fram
 any case, for its exposure.
 """
 
+from copy import copy
 from enum import Enum
 from pathlib import Path
 from time import perf_counter
@@ -32,13 +33,16 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.view.camera_rig import CameraRig, height_text
 from vrut_lite.app.view.light_probe import LightProbe
+from vrut_lite.app.view.loading import Loading
 from vrut_lite.app.view.sun_path import SunPath
+from vrut_lite.app.view.surroundings import Surroundings
 from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
 
 SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
+_INVITATION = "Drop a glTF or OBJ file here, or open one with Ctrl+O"
 _SETTLED_MS, _FLIGHT_MS = 60, 16
 _SMALLEST_PX = 16
 # A press that moves farther is a drag.
@@ -49,7 +53,7 @@ _MOST_FLIGHT_S = 0.1
 class CameraMode(Enum):
     """The camera's modes, each with a hint for the mouse."""
 
-    ORBIT = "drag to turn, right drag to shift, wheel to go nearer"
+    ORBIT = "drag to turn (among walls: to look around), right drag to shift, wheel to go nearer"
     FLY = "drag to look, W A S D to fly, Q E down and up, Shift faster, wheel for the view's angle"
     SPACE = "wheel to climb, drag to look around"
 
@@ -70,11 +74,15 @@ class Viewport(QWidget):
         self.rig = CameraRig()
         self.mode = CameraMode.ORBIT
         self.probe = LightProbe(session, self)
+        self.loading = Loading(session, self)
         self._sun_path = sun_path
         self._image: QImage | None = None
         self._sent: MoveCamera | None = None
         self._scene: SceneOpened | None = None
         self._held: set[Qt.Key] = set()
+        self._surroundings: Surroundings | None = None
+        # Whether this drag looks around, since the eye stands among walls.
+        self._looks_around = False
         self._grip: QPointF | None = None
         self._pressed: QPointF | None = None
         self._flew_s = 0.0
@@ -92,6 +100,7 @@ class Viewport(QWidget):
         session.listen(SceneOpened, self._note_scene)
         sun_path.changed.connect(self.update)
         self.probe.changed.connect(self.update)
+        self.loading.changed.connect(self._move_loading)
 
     def sizeHint(self) -> QSize:
         """As large as there is room."""
@@ -139,7 +148,12 @@ class Viewport(QWidget):
         self.update()
 
     def _note_scene(self, scene: SceneOpened) -> None:
-        self._scene = scene
+        self._scene, self._surroundings = scene, None
+        self._session.look_up(lambda _: (scene, Surroundings(scene)), self._take_surroundings)
+
+    def _take_surroundings(self, found: tuple[SceneOpened, Surroundings]) -> None:
+        if found[0] is self._scene:
+            self._surroundings = found[1]
 
     def _adopt(self, camera: MoveCamera) -> None:
         """Take over the camera of a scene or a project; not the echo of our own."""
@@ -160,11 +174,19 @@ class Viewport(QWidget):
         width, height = self.pixels
         self._session.send(Resize(width_px=width, height_px=height))
 
+    def _move_loading(self) -> None:
+        """Paint again only what moves, or all when it ends."""
+        if self.loading.is_on:
+            self.update(self.loading.region(QRectF(self.rect())).toAlignedRect())
+        else:
+            self.update()
+
     # --- by mouse ----------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin to drag, or to click."""
         self._grip = self._pressed = event.position()
+        self._looks_around = self._is_enclosed()
         self.probe.leave()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -204,11 +226,29 @@ class Viewport(QWidget):
     def _drag(self, right: float, up: float, shifting: bool) -> None:
         if shifting:
             self.rig.pan(right, up)
-        elif self.mode is CameraMode.ORBIT:
-            self.rig.orbit(right, up)
+        elif self.mode is CameraMode.ORBIT and not self._looks_around:
+            self._turn(right, up)
         else:
             self.rig.look_around(right, up)
         self.send_camera()
+
+    def _is_enclosed(self) -> bool:
+        around = self._surroundings
+        return around is not None and around.encloses(self.rig.eye_m, self.rig.target_m)
+
+    def _turn(self, right: float, up: float) -> None:
+        """Turn around the target, along a wall where one is in the way; in a corner look around."""
+        around = self._surroundings
+        if around is None:
+            self.rig.orbit(right, up)
+            return
+        for way in ((right, up), (right, 0.0), (0.0, up)):
+            turned = copy(self.rig)
+            turned.orbit(*way, lowest_m=around.lowest_m)
+            if around.is_free(self.rig.eye_m, turned.eye_m):
+                self.rig = turned
+                return
+        self.rig.look_around(right, up)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Move nearer, narrow the view or climb, by the mode."""
@@ -233,6 +273,7 @@ class Viewport(QWidget):
             Qt.Key.Key_Up: (0.0, -0.02), Qt.Key.Key_Down: (0.0, 0.02),
         }  # fmt: skip
         if key in turns:
+            self._looks_around = self._is_enclosed()
             self._drag(*turns[key], shifting=False)
         elif key in _FLIGHT and self.mode is CameraMode.FLY:
             if not event.isAutoRepeat():
@@ -303,7 +344,9 @@ class Viewport(QWidget):
         painter = QPainter(self)
         if self._image is None:
             painter.fillRect(self.rect(), QColor("#101012"))
-            self._write(painter, self.rect(), Qt.AlignmentFlag.AlignCenter, self._invitation())
+            if not self.loading.is_on:
+                self._write(painter, self.rect(), Qt.AlignmentFlag.AlignCenter, _INVITATION)
+            self.loading.paint(painter, QRectF(self.rect()))
             return
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.drawImage(self.rect(), self._image)
@@ -315,11 +358,7 @@ class Viewport(QWidget):
         if self.mode is CameraMode.SPACE or self.rig.eye_m[1] > 1000.0:
             height = height_text(float(self.rig.eye_m[1]))
             self._write(painter, edge, corner.AlignRight | corner.AlignBottom, height)
-
-    def _invitation(self) -> str:
-        if self._scene is None and self._session.roster.modules:
-            return "Drop a glTF or OBJ file here, or open one with Ctrl+O"
-        return "Opening \N{HORIZONTAL ELLIPSIS}"
+        self.loading.paint(painter, QRectF(self.rect()))
 
     def _write(self, painter: QPainter, place: object, where: object, text: str) -> None:
         """Write text with a shadow, legible on any picture."""

@@ -123,7 +123,7 @@ def action_entries(actions: Iterable[QAction]) -> Iterator[PaletteEntry]:
     """The enabled actions, with their keys."""
     for action in actions:
         if action.isEnabled():
-            title = action.text().removesuffix("\N{HORIZONTAL ELLIPSIS}")
+            title = action.text().replace("&", "").removesuffix("\N{HORIZONTAL ELLIPSIS}")
             keys = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
             yield PaletteEntry(title, keys, action.trigger)
 

@@ -1,5 +1,6 @@
 """The commands of the File menu: open, save, export, screenshot, and their file dialogs."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from platformdirs import user_pictures_path
@@ -7,6 +8,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
+from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.screenshot import save_screenshot
@@ -24,15 +26,20 @@ class Files:
     Screenshots go to the folder `pictures`.
     """
 
-    def __init__(self, desk: Desk, kept: Kept, status: StatusLine):
+    def __init__(
+        self, desk: Desk, kept: Kept, status: StatusLine, title_changed: Callable[[], None]
+    ):
         self._desk, self._session, self._status = desk, desk.session, status
         self.kept = kept
+        # The project that was opened or saved last, if no other scene was opened since.
+        self.project: Path | None = None
+        self.title_changed = title_changed
         self.pictures = user_pictures_path() / "vrut_lite"
 
     def open_path(self, path: str) -> None:
         """Open a scene or a project; a file that cannot be opened changes nothing."""
         if Path(path).suffix.lower() != PROJECT_SUFFIX:
-            self._status.show_news(f"Opening {path} \N{HORIZONTAL ELLIPSIS}")
+            self.project = None
             self._session.send(LoadScene(path=path))
             return
         try:
@@ -40,6 +47,8 @@ class Files:
         except UserError as error:
             self._status.show_problem(str(error))
         else:
+            self.project = Path(path)
+            self.title_changed()
             self.add_recent(path)
 
     def add_recent(self, path: str) -> None:
@@ -51,6 +60,8 @@ class Files:
 
     def open_project(self, project: Project) -> None:
         """Show a project."""
+        if project.scene:
+            self._desk.viewport.loading.begin(project.scene)
         self._session.ask(
             lambda stage: inputs_of(project, stage.kernel),
             lambda inputs: self._session.begin_with(*inputs),
@@ -63,6 +74,9 @@ class Files:
         except UserError as error:
             self._status.show_problem(str(error))
         else:
+            self.project = Path(path)
+            self.title_changed()
+            self.add_recent(path)
             self._status.show_news(f"Saved {path}")
 
     def export(self, path: str) -> None:
@@ -88,16 +102,19 @@ class Files:
 
     def ask_to_save(self) -> None:
         """Let a name be chosen, and save the project."""
-        path = self._new_name("Save project", "Projects (*.toml)")
+        proposed = self.project or Path(
+            folder_of(self._session), file_title(self._session) + PROJECT_SUFFIX
+        )
+        path = self._new_name("Save project", str(proposed), "Projects (*.toml)")
         if path:
             self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
 
     def ask_to_export(self) -> None:
         """Let a name be chosen, and write the picture."""
-        path = self._new_name("Export picture", "Pictures (*.png *.exr)")
+        proposed = str(Path(folder_of(self._session), file_title(self._session) + ".png"))
+        path = self._new_name("Export picture", proposed, "Pictures (*.png *.exr)")
         if path:
             self.export(path)
 
-    def _new_name(self, title: str, kinds: str) -> str:
-        viewport, folder = self._desk.viewport, folder_of(self._session)
-        return QFileDialog.getSaveFileName(viewport, title, folder, kinds)[0]
+    def _new_name(self, title: str, proposed: str, kinds: str) -> str:
+        return QFileDialog.getSaveFileName(self._desk.viewport, title, proposed, kinds)[0]

@@ -11,13 +11,16 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QAbstractSpinBox,
     QComboBox,
+    QDoubleSpinBox,
     QLineEdit,
+    QSpinBox,
     QWidget,
 )
 
 from vrut_lite.app.panels.module_panel import ModulePanel
 
 _TAKING_BACK = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _PLAIN = (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.KeypadModifier)
 
 
@@ -34,28 +37,54 @@ class KeyJudge(QObject):
 
     def eventFilter(self, control: QObject, event: QEvent) -> bool:
         """Qt asks whether a control wants a key for itself before it tries shortcuts."""
-        if event.type() != QEvent.Type.ShortcutOverride or not isinstance(event, QKeyEvent):
+        if not isinstance(event, QKeyEvent):
+            return False
+        if event.type() == QEvent.Type.KeyPress:
+            return _opens(control, event)
+        if event.type() != QEvent.Type.ShortcutOverride:
             return False
         if any(event.matches(key) for key in _TAKING_BACK):
             if _has_typed(control):
                 return False
             event.ignore()
             return True
-        if event.modifiers() in _PLAIN and _uses(control, event):
-            event.accept()
-            return True
+        if event.modifiers() in _PLAIN:
+            if _uses(control, event):
+                event.accept()
+                return True
+            if _leaves(control, event):
+                event.ignore()
+                return True
         return False
 
 
-_CHOOSERS = (QAbstractItemView, QComboBox)
-_CONTROLS = (*_CHOOSERS, QAbstractButton, QAbstractSpinBox, QLineEdit)
+_CONTROLS = (QAbstractItemView, QComboBox, QAbstractButton, QAbstractSpinBox, QLineEdit)
+_NUMBERS = (QSpinBox, QDoubleSpinBox)
+
+
+def _opens(control: QObject, event: QKeyEvent) -> bool:
+    """Enter opens a closed drop-down; in an open one it chooses, which Qt sees to."""
+    if not isinstance(control, QComboBox) or event.key() not in _ENTER:
+        return False
+    control.showPopup()
+    return True
 
 
 def _uses(control: QObject, event: QKeyEvent) -> bool:
-    """Space presses buttons; a letter selects an entry of a list or chooser."""
+    """Space presses buttons; letters go to an entry of a list, also of an open drop-down."""
     if isinstance(control, QAbstractButton):
         return event.key() == Qt.Key.Key_Space
-    return isinstance(control, _CHOOSERS) and bool(event.text())
+    # Qt chooses in an open drop-down when it is asked who wants Enter: it must hear of it.
+    return (
+        isinstance(control, QAbstractItemView) and bool(event.text()) and event.key() not in _ENTER
+    )
+
+
+def _leaves(control: QObject, event: QKeyEvent) -> bool:
+    """A closed drop-down leaves Space and letters to the window, a field of numbers letters."""
+    if isinstance(control, QComboBox):
+        return event.text().isprintable() and bool(event.text())
+    return isinstance(control, _NUMBERS) and event.text().isalpha()
 
 
 def _has_typed(control: QObject) -> bool:

@@ -24,6 +24,7 @@ from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
+from vrut_lite.app.widgets import make_timer
 from vrut_lite.app.window.actions import ActionSpec
 from vrut_lite.app.window.command_palette import (
     CommandPalette,
@@ -33,6 +34,7 @@ from vrut_lite.app.window.command_palette import (
     slot_entries,
 )
 from vrut_lite.app.window.desk import Desk
+from vrut_lite.app.window.dock_title import DockTitle
 from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks, scrolled
 from vrut_lite.app.window.files import Files
 from vrut_lite.app.window.kept import Kept, WindowShape
@@ -48,7 +50,7 @@ from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
 
 TITLE = "vrut_lite"
-_RIGHT_PX = 420
+_RIGHT_PX, _MOST_RIGHT = 420, 0.3
 
 
 class MainWindow(QMainWindow):
@@ -69,13 +71,15 @@ class MainWindow(QMainWindow):
             presets=presets or PresetStore(),
         )
         self.docks: dict[str, QDockWidget] = {}
+        self.titles: dict[str, DockTitle] = {}
+        self._names_changed = make_timer(self, 0, self._show_names, once=True)
         self.panels: dict[str, QWidget] = {}
         self._keys = KeyJudge(self)
         self.setCentralWidget(self.desk.viewport)
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
         self.setStatusBar(self._status)
-        self.files = Files(self.desk, kept or Kept(None), self._status)
+        self.files = Files(self.desk, kept or Kept(None), self._status, self._show_title)
         self.menus = Menus(
             self, self._specs(), lambda: self.files.kept.recent, self.files.open_path
         )
@@ -113,8 +117,16 @@ class MainWindow(QMainWindow):
         dock = QDockWidget(spec.title, self)
         dock.setObjectName(spec.name)
         dock.setWidget(scrolled(panel) if spec.scrolled else panel)
-        # The dock's tab shows its title.
-        dock.setTitleBarWidget(QWidget())
+        beside = spec.group == "time"
+        if beside:
+            # A bar above would take the picture's height.
+            dock.setFeatures(
+                dock.features() | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
+            )
+        self.titles[spec.name] = DockTitle(dock, beside)
+        dock.setTitleBarWidget(self.titles[spec.name])
+        dock.visibilityChanged.connect(lambda _: self._names_changed.start())
+        dock.dockLocationChanged.connect(lambda _: self._names_changed.start())
         group = [dock for dock in self.docks.values() if dock.property("group") == spec.group]
         dock.setProperty("group", spec.group)
         self.addDockWidget(GROUPS[spec.group], dock)
@@ -129,11 +141,18 @@ class MainWindow(QMainWindow):
                            partial(self.toggle_dock, spec.name))
             )  # fmt: skip
 
+    def _show_names(self) -> None:
+        """A dock alone in its place has no tab to show its name."""
+        for name, dock in self.docks.items():
+            beside = self.tabifiedDockWidgets(dock)
+            self.titles[name].show_name(all(other.isHidden() for other in beside))
+
     def _arrange(self) -> None:
         self.setDockNestingEnabled(True)
         self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, _TABS_ABOVE)
         right = [dock for dock in self.docks.values() if dock.property("group") != "time"]
-        self.resizeDocks(right, [_RIGHT_PX] * len(right), Qt.Orientation.Horizontal)
+        width_px = min(_RIGHT_PX, round(_MOST_RIGHT * self.width()))
+        self.resizeDocks(right, [width_px] * len(right), Qt.Orientation.Horizontal)
         self.resizeDocks(
             [self.docks["place"], self.docks["sky"]], [430, 440], Qt.Orientation.Vertical
         )
@@ -191,7 +210,7 @@ class MainWindow(QMainWindow):
                        lambda: self.time.step_days(1)),
             ActionSpec("sun path", "View", "Sun path", "P", self.desk.sun_path.show, True),
             ActionSpec("compare", "View", "Compare two skies", "C",
-                       partial(self.show_dock, "compare")),
+                       partial(self.toggle_dock, "compare")),
             ActionSpec("profiler", "View", "Profiler", "F3", self.profiler.setVisible, True),
             ActionSpec("modules", "View", "Module manager", "F4",
                        partial(self.toggle_dock, "modules")),
@@ -268,9 +287,16 @@ class MainWindow(QMainWindow):
             self.restoreState(shape.docks)
 
     def _scene_loaded(self, scene: SceneOpened) -> None:
-        self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
+        self._show_title()
         self._status.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
         self.files.add_recent(scene.path)
+
+    def _show_title(self) -> None:
+        """The project, the scene, the application, as far as there are such."""
+        scene = self.session.last(SceneOpened)
+        files = [self.files.project, Path(scene.path) if scene is not None else None]
+        names = [file.name for file in files if file is not None]
+        self.setWindowTitle(" \N{EN DASH} ".join([*names, TITLE]))
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)
@@ -306,4 +332,5 @@ class MainWindow(QMainWindow):
             self._status.show_problem(str(error))
 
 
+_TITLE_BESIDE = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
 _TABS_ABOVE = QTabWidget.TabPosition.North

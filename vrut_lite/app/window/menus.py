@@ -30,19 +30,20 @@ class Menus:
         self._recent, self._open_path = recent, open_path
         self._menus: dict[str, QMenu] = {}
         self._groups: dict[str, QActionGroup] = {}
+        self._letters: dict[str, set[str]] = {}
         for spec in specs:
             self.add(spec)
             if spec.name == _RECENT_AFTER:
-                self.recent = self._menus[spec.menu].addMenu("Open recent")
+                self.recent = self._submenu(spec.menu, "Open recent")
         self.recent.aboutToShow.connect(self.fill_recent)
-        self.panels = self._menus["View"].addMenu("Panels")
+        self.panels = self._submenu("View", "Panels")
         self.actions["orbit"].setChecked(True)
         self.show_steps(Steps())
 
     def add(self, spec: ActionSpec) -> None:
         """Append an action to its menu."""
         if spec.menu not in self._menus:
-            self._menus[spec.menu] = self._window.menuBar().addMenu(spec.menu)
+            self._menus[spec.menu] = self._window.menuBar().addMenu(f"&{spec.menu}")
         action = self._action(spec)
         self._menus[spec.menu].addAction(action)
         if spec.group:
@@ -52,7 +53,7 @@ class Menus:
     def show_steps(self, steps: Steps) -> None:
         """Show the titles of the steps to undo and redo."""
         for name, verb, title in (("undo", "Undo", steps.undo), ("redo", "Redo", steps.redo)):
-            self.actions[name].setText(f"{verb} {title}".rstrip())
+            self.actions[name].setText(f"&{verb} {title}".rstrip())
             self.actions[name].setEnabled(bool(title))
 
     def show_exposure(self, exposure: SetExposure) -> None:
@@ -71,8 +72,20 @@ class Menus:
         if self.recent.isEmpty():
             self.recent.addAction("nothing yet").setEnabled(False)
 
+    def _submenu(self, menu: str, title: str) -> QMenu:
+        return self._menus[menu].addMenu(self._with_letter(menu, title))
+
+    def _with_letter(self, menu: str, title: str) -> str:
+        """The title with a mark before the first letter that no other entry of the menu has."""
+        taken = self._letters.setdefault(menu, set())
+        for place, letter in enumerate(title.lower()):
+            if letter.isalpha() and letter not in taken:
+                taken.add(letter)
+                return f"{title[:place]}&{title[place:]}"
+        return title
+
     def _action(self, spec: ActionSpec) -> QAction:
-        action = QAction(spec.title, self._window)
+        action = QAction(self._with_letter(spec.menu, spec.title), self._window)
         action.setShortcuts([QKeySequence(keys) for keys in spec.keys.split(", ")])
         action.setCheckable(spec.checkable)
         action.triggered.connect(lambda on: spec.act(bool(on)) if spec.checkable else spec.act())

@@ -13,6 +13,7 @@ from vrut_lite.daylight.tolerance import budget
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Sky
 from vrut_lite.render.shader_files import shader_source
+from vrut_lite.render.staleness import age_factor
 from vrut_lite.render.unlocked import run_compute
 
 # Roughness of the filtered map's mip levels; a mirror looks up the sky itself.
@@ -58,7 +59,9 @@ class SpecularFilter:
             for name in ("specular_filter", "cube_copy", "cube_summary")
         }
         self._summary = context.buffer(reserve=_FACES * _CELLS * _CELLS * 16)
-        self._shown: tuple[Any, float] | None = None
+        # The map, its factor to radiance, and the level of the sky that it is of.
+        self._shown: tuple[Any, float, float] | None = None
+        self._level = self._source_level = 1.0
         self._next: Any = None
         self._source: Any = None
         self._source_scale = 1.0
@@ -74,14 +77,20 @@ class SpecularFilter:
 
     @property
     def scale(self) -> float:
-        """The factor from the texture's values to radiance."""
-        return 1.0 if self._shown is None else self._shown[1]
+        """The factor from the texture's values to radiance, as bright as the present sky."""
+        if self._shown is None:
+            return 1.0
+        return self._shown[1] * age_factor(self._level, self._shown[2])
 
-    def update(self, sky: Sky, slices: int | None, always: bool = False) -> None:
+    def update(
+        self, sky: Sky, slices: int | None, always: bool = False, level: float = 1.0
+    ) -> None:
         """Follow the sky by so many slices of work, or without a number until it is done.
 
-        The first sky is always done at once; `always` filters also what has not changed.
+        The first sky is always done at once; `always` filters also what has not changed. A map of
+        an earlier sky is shown as bright as this one, whose `sky_level` is told.
         """
+        self._level = level
         if self._shown is None:
             slices = None
         if slices is None and self._slices and self._measured is not sky.owner:
@@ -116,7 +125,7 @@ class SpecularFilter:
         if not always and self._looks_like(cells):
             self._ledger.skip("reflection: no change to be seen")
             return
-        self._cells, self._source_scale = cells, sky.scale
+        self._cells, self._source_scale, self._source_level = cells, sky.scale, self._level
         size = sky.texture.size[0]
         self._source = self._cube(self._source, min(size, _SOURCE_SIZE))
         self._next = self._cube(self._next, min(max(size, _SMALLEST), _LARGEST))
@@ -160,7 +169,7 @@ class SpecularFilter:
         """Show what was filtered; the map that was shown so far becomes the next to fill."""
         self._context.memory_barrier()
         self._next, shown = self.texture, self._next
-        self._shown = (shown, self._source_scale)
+        self._shown = (shown, self._source_scale, self._source_level)
 
     def _cube(self, old: Any, size: int) -> Any:
         """A cube map of this size in half precision with all its mip levels; the old one if it

@@ -1,0 +1,29 @@
+"""What a module's settings stand for where they are none, and values that it proposes by name.
+
+A settings class may say both, for panels that show them: a method `left_open(haze)` gives a value
+for each setting by its name, as the present preset and the place's haze have it; a class variable
+`presets` holds settings by the name of a preset. A sky's `turbidity` that is none is the place's.
+"""
+
+from typing import Any
+
+import msgspec
+
+from vrut_lite.daylight.haze import OWN_HAZE, SetHaze
+
+Values = dict[str, Any]
+
+
+def left_open(settings: msgspec.Struct, haze: SetHaze) -> Values:
+    """Values of the settings that are none, as far as they are known."""
+    said = getattr(settings, "left_open", None)
+    known: Values = {OWN_HAZE: haze.turbidity}
+    if said is not None:
+        known |= said(haze)
+    now = msgspec.structs.asdict(settings)
+    return {name: value for name, value in known.items() if name in now and now[name] is None}
+
+
+def presets_of(settings_type: type[msgspec.Struct]) -> dict[str, Values]:
+    """Settings by the name of a preset, in the order in which they are offered."""
+    return dict(getattr(settings_type, "presets", {}))
