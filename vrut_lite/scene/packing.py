@@ -133,6 +133,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         materials=_materials(materials),
         ground=ground,
         camera=camera,
+        notices=loaded.notices,
     )
 
 
