@@ -28,11 +28,12 @@ from vrut_lite.scene.uv_layers import UvLayer, layers_of
 _FAN, _TRIANGLES = 6, 4
 _READ = ("POSITION", "NORMAL", "COLOR_0")
 _INDEX_BYTES = 4
+_LONGEST_NAME = 80
 _STILL = Node()
 
 
-def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | None]:
-    """The meshes of the default scene, in world axes, and its first perspective camera.
+def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], list[SceneCamera]]:
+    """The meshes of the default scene, in world axes, and its perspective cameras.
 
     A mesh that several nodes place is one object, shared.
 
@@ -49,7 +50,7 @@ def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | Non
         if node.mesh is not None
         for name, mesh in meshes.get(node.mesh)
     ]
-    return placed, _first_camera(file, nodes)
+    return placed, list(_cameras(file, nodes))
 
 
 def _placed_nodes(file: GltfFile) -> Iterator[tuple[Node, NDArray[np.float64]]]:
@@ -105,23 +106,26 @@ def _local_matrix(node: Node) -> NDArray[np.float64]:
     return matrix
 
 
-def _first_camera(
+def _cameras(
     file: GltfFile, nodes: list[tuple[Node, NDArray[np.float64]]]
-) -> SceneCamera | None:
+) -> Iterator[SceneCamera]:
+    """The perspective cameras in the order of their nodes, under their nodes' or own names."""
     for node, world_from_node in nodes:
         if node.camera is None:
             continue
         camera = item_at(file.document.cameras, node.camera, "camera")
-        axes = world_from_node[:3, :3]
-        if camera.perspective is None or not np.all(np.isfinite(world_from_node)):
+        if camera.perspective is None:
+            file.notices.tell("orthographic camera", "not offered")
             continue
-        if np.linalg.matrix_rank(axes) < 3:
+        axes = world_from_node[:3, :3]
+        if not np.all(np.isfinite(world_from_node)) or np.linalg.matrix_rank(axes) < 3:
+            file.notices.tell("camera without a direction", "not offered")
             continue
         pose = world_from_node.copy()
         left, _, right = np.linalg.svd(axes)
         pose[:3, :3] = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
-        return SceneCamera(pose, camera.perspective.yfov)
-    return None
+        name = " ".join((node.name or camera.name or f"camera {node.camera + 1}").split())
+        yield SceneCamera(pose, camera.perspective.yfov, name[:_LONGEST_NAME])
 
 
 class _Shape(NamedTuple):

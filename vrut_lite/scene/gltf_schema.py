@@ -204,6 +204,7 @@ class Perspective(Part, frozen=True):
 class Camera(Part, frozen=True):
     """A camera; an orthographic one has no `perspective` and is passed over."""
 
+    name: str = ""
     perspective: Perspective | None = None
 
 

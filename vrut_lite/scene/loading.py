@@ -1,25 +1,33 @@
-"""Opens a scene file (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
+"""Opens scene files (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
 
 import os
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.errors import UserError
+from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.mesh import mirrored
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_scene import read_obj_scene
-from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 SUFFIXES = (".glb", ".gltf", ".obj")
 MAX_REACH_M = 1e7
+_UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
+# What a glTF file is by its standard.
+_AS_IT_SAYS = Placement()
+_GLTF = Placement(up="y", metres_per_unit=1.0)
 
 
 @dataclass(frozen=True)
@@ -27,7 +35,9 @@ class LoadedScene:
     """A scene in world axes: metres, +Y up, east +X, north -Z.
 
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
-    once for each place. `notices` are lines on what the files have and the meshes do not.
+    once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
+    files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
+    asked for, with what was guessed filled in.
     """
 
     path: Path
@@ -36,48 +46,176 @@ class LoadedScene:
     upper_m: NDArray[np.float64]
     triangles: int
     camera: SceneCamera | None
+    cameras: tuple[SceneCamera, ...] = ()
     notices: tuple[str, ...] = ()
+    placement: Placement = _GLTF
+    beside: tuple[PlacedFile, ...] = ()
 
 
-def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
-    """Read a scene file with its materials, textures and camera.
+@dataclass
+class _File:
+    """What one file holds, in its own axes and units; `says` is what it says of these."""
 
-    `budget` limits memory; by default it comes from the environment.
+    placed: list[PlacedMesh]
+    cameras: list[SceneCamera]
+    notices: Notices
+    says: Placement
+
+
+@dataclass
+class _Files:
+    """The files of one scene, each read once and under one budget."""
+
+    budget: SceneBudget
+    _read: dict[Path, _File] = field(default_factory=dict)
+
+    def get(self, path: Path) -> _File:
+        """A file's meshes; errors name it."""
+        try:
+            _check_path(path)
+            real = path.resolve()
+            if real not in self._read:
+                self._read[real] = _read(real, self.budget)
+            return self._read[real]
+        except SceneFileError as fault:
+            raise UserError(f"cannot open the scene {path}: {fault}") from fault
+
+
+def load_scene(
+    path: str | os.PathLike[str],
+    budget: SceneBudget | None = None,
+    *,
+    placement: Placement = _AS_IT_SAYS,
+    beside: Sequence[PlacedFile] = (),
+    camera: str = "",
+) -> LoadedScene:
+    """Read a scene file with its materials, textures and cameras, and others beside it.
+
+    `budget` limits memory; by default it comes from the environment. Axes and units that a
+    placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1.
 
     Raises:
-        UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
-            anything outside its own folder.
+        UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
+            anything outside its own folder, or if there is no such camera.
     """
-    file = Path(path)
+    files = _Files(budget or budget_of_environment())
+    main = PlacedFile(scene=str(path), placement=placement)
+    stood = [_stand(files, one) for one in (main, *beside)]
     try:
-        return _load(file, budget or budget_of_environment())
+        return _joined(Path(path), stood, files.budget, camera)
     except SceneFileError as fault:
-        raise UserError(f"cannot open the scene {file}: {fault}") from fault
+        raise UserError(f"cannot open the scene {path}: {fault}") from fault
 
 
-def _load(path: Path, budget: SceneBudget) -> LoadedScene:
-    _check_path(path)
-    real = path.resolve()
-    camera: SceneCamera | None = None
-    notices = Notices()
-    if real.suffix.lower() == ".obj":
-        placed = read_obj_scene(real, budget, notices)
+@dataclass(frozen=True)
+class _Stood:
+    """A file as it stands in the world."""
+
+    asked: PlacedFile
+    placed: list[PlacedMesh]
+    cameras: list[SceneCamera]
+    notices: list[str]
+
+
+def _stand(files: _Files, asked: PlacedFile) -> _Stood:
+    """Place what a file holds."""
+    file = files.get(Path(asked.scene))
+    placement = _filled(asked.placement, file)
+    matrix = placement.world_from_file()
+    lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
+    if np.array_equal(matrix, np.eye(4)):
+        placed, cameras = file.placed, file.cameras
     else:
-        placed, camera = read_gltf_scene(read_gltf_file(real, budget, notices))
+        with np.errstate(over="ignore", invalid="ignore"):
+            placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in file.placed]
+        cameras = [camera.moved(matrix) for camera in file.cameras]
+    return _Stood(msgspec.structs.replace(asked, placement=placement), placed, cameras, lines)
+
+
+def _filled(asked: Placement, file: _File) -> Placement:
+    """The placement with what it leaves open: said by the file, or guessed."""
+    up = asked.up or file.says.up or guess_up(file.placed)
+    unit = asked.metres_per_unit or file.says.metres_per_unit
+    if unit is None:
+        upright = msgspec.structs.replace(asked, up=up, metres_per_unit=1.0, heading_deg=0.0)
+        unit = guess_metres_per_unit(_extent(file.placed, upright.world_from_file()))
+    return msgspec.structs.replace(asked, up=up, metres_per_unit=unit)
+
+
+def _told_guesses(asked: Placement, filled: Placement, file: _File) -> list[str]:
+    """Lines on guesses that change the scene."""
+    lines = []
+    if asked.up is None and file.says.up is None and filled.up != "y":
+        lines.append(
+            "taken to stand along +Z, for it has a floor there and none along +Y: "
+            "up = y if that is wrong"
+        )
+    unit = filled.metres_per_unit
+    if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
+        name = _UNIT_NAMES[unit or 1.0]
+        lines.append(
+            f"taken to be in {name}, for it is too high in metres: metres-per-unit = 1 if that is "
+            "wrong"
+        )
+    return lines
+
+
+def _joined(path: Path, stood: list[_Stood], budget: SceneBudget, camera: str) -> LoadedScene:
+    placed = [place for one in stood for place in one.placed]
     triangles = sum(len(place.mesh.faces) for place in placed)
-    if triangles == 0:
-        raise SceneFileError("it has no triangles; export the scene with its meshes")
+    check_places(len(placed))
     check_triangles(triangles)
     lower_m, upper_m = _bounds(placed)
+    cameras = [camera for one in stood for camera in one.cameras]
     return LoadedScene(
-        path,
-        tuple(_wound_outwards(placed, budget)),
-        lower_m,
-        upper_m,
-        triangles,
-        camera,
-        notices.lines(),
+        path=path,
+        meshes=tuple(_wound_outwards(placed, budget)),
+        lower_m=lower_m,
+        upper_m=upper_m,
+        triangles=triangles,
+        camera=_chosen(cameras, camera),
+        cameras=tuple(cameras),
+        notices=_lines(stood),
+        placement=stood[0].asked.placement,
+        beside=tuple(one.asked for one in stood[1:]),
     )
+
+
+def _lines(stood: list[_Stood]) -> tuple[str, ...]:
+    """The notices, each file's once; of several files each under its name."""
+    if len(stood) == 1:
+        return tuple(stood[0].notices)
+    named = [f"{Path(one.asked.scene).name}: {line}" for one in stood for line in one.notices]
+    return tuple(dict.fromkeys(named))
+
+
+def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:
+    """The camera of this name or number; the first if nothing is asked for."""
+    if not name:
+        return cameras[0] if cameras else None
+    for camera in cameras:
+        if camera.name == name:
+            return camera
+    if name.isdecimal() and 1 <= int(name) <= len(cameras):
+        return cameras[int(name) - 1]
+    there = ", ".join(f"{number} ({camera.name})" for number, camera in enumerate(cameras, 1))
+    raise SceneFileError(
+        f"it has no camera {ascii(name)[:60]}: there are {there[:200]}"
+        if cameras
+        else f"it has no camera {ascii(name)[:60]}, for it has no cameras; leave it out"
+    )
+
+
+def _read(real: Path, budget: SceneBudget) -> _File:
+    notices = Notices()
+    if real.suffix.lower() == ".obj":
+        file = _File(read_obj_scene(real, budget, notices), [], notices, Placement())
+    else:
+        placed, cameras = read_gltf_scene(read_gltf_file(real, budget, notices))
+        file = _File(placed, cameras, notices, _GLTF)
+    if not any(len(place.mesh.faces) for place in file.placed):
+        raise SceneFileError("it has no triangles; export the scene with its meshes")
+    return file
 
 
 def _check_path(path: Path) -> None:
@@ -113,7 +251,7 @@ def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[Place
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     with np.errstate(over="ignore", invalid="ignore"):
-        corners = [_corners(place) for place in placed]
+        corners = [_corners(place, place.world_from_model) for place in placed]
     lower_m = np.min([pair[0] for pair in corners], axis=0)
     upper_m = np.max([pair[1] for pair in corners], axis=0)
     reach_m = np.max(np.abs([lower_m, upper_m]))
@@ -125,7 +263,17 @@ def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.f
     return lower_m, upper_m
 
 
-def _corners(place: PlacedMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extent(placed: list[PlacedMesh], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The size (3,) of meshes under a further matrix."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        corners = [_corners(place, matrix @ place.world_from_model) for place in placed]
+    low, high = (np.stack(values) for values in zip(*corners, strict=True))
+    return np.asarray(high.max(axis=0) - low.min(axis=0))
+
+
+def _corners(
+    place: PlacedMesh, matrix: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     vertices = np.asarray(place.mesh.vertices)
-    world = vertices @ place.world_from_model[:3, :3].T + place.world_from_model[:3, 3]
+    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
     return world.min(axis=0), world.max(axis=0)

@@ -78,8 +78,14 @@ class SceneManager(Module):
 
     @handles(LoadScene)
     def on_load(self, message: LoadScene) -> None:
-        """Open the file and look through its own camera; a bad file leaves the old scene."""
-        scene = packed(load_scene(message.path))
+        """Open the files and look through their own camera; a bad file leaves the old scene."""
+        loaded = load_scene(
+            message.path,
+            placement=message.placement,
+            beside=message.beside,
+            camera=message.camera,
+        )
+        scene = packed(loaded)
         self._change(scene=scene, moved_camera=None)
         self._take_surface_light()
         self.link.post(scene)

@@ -44,6 +44,10 @@ def project_of(session: Session) -> Project:
         found |= {name: modules[_SCENE].values[name] for name in ("air", "light_shafts")}
     if (scene := session.last(SceneOpened)) is not None:
         found["scene"] = scene.path
+        if scene.opened is not None:
+            opened = scene.opened
+            found |= {"placement": opened.placement, "beside": opened.beside}
+            found["scene_camera"] = opened.camera
     if (clock := session.last(ClockMoved)) is not None:
         found["at"] = clock.instant.isoformat()
     if (place := session.last(SetPlace)) is not None:
