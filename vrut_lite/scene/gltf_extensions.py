@@ -9,6 +9,7 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 # The reader honours these.
 HONOURED = frozenset(
     {
+        "EXT_mesh_gpu_instancing",
         "EXT_texture_webp",
         "KHR_draco_mesh_compression",
         "KHR_mesh_quantization",

@@ -181,6 +181,18 @@ class Mesh(Part, frozen=True):
     weights: list[float] = []
 
 
+class Instancing(Part, frozen=True):
+    """EXT_mesh_gpu_instancing: accessors of translations, rotations and scales."""
+
+    attributes: dict[str, Index]
+
+
+class NodeExtensions(Part, frozen=True):
+    """The extensions of a node that are honoured."""
+
+    instancing: Instancing | None = field(default=None, name="EXT_mesh_gpu_instancing")
+
+
 class Node(Part, frozen=True):
     """A node of the tree; `matrix` is column-major and excludes the other three."""
 
@@ -193,6 +205,8 @@ class Node(Part, frozen=True):
     translation: Vector3 = (0.0, 0.0, 0.0)
     rotation: Vector4 = (0.0, 0.0, 0.0, 1.0)
     scale: Vector3 = (1.0, 1.0, 1.0)
+    weights: list[float] = []
+    extensions: NodeExtensions = NodeExtensions()
 
 
 class Perspective(Part, frozen=True):
@@ -217,13 +231,38 @@ class Scene(Part, frozen=True):
 class Skin(Part, frozen=True):
     """Joints that bend a mesh."""
 
-    joints: list[Index]
+    joints: Annotated[list[Index], Meta(min_length=1)]
+    inverse_bind_matrices: Index | None = None
+
+
+class AnimationTarget(Part, frozen=True):
+    """Which part of which node moves; other paths than a node's belong to extensions."""
+
+    path: str
+    node: Index | None = None
+
+
+class AnimationChannel(Part, frozen=True):
+    """A sampler that moves a target."""
+
+    sampler: Index
+    target: AnimationTarget
+
+
+class AnimationSampler(Part, frozen=True):
+    """Keys: accessors of times and of values."""
+
+    input: Index
+    output: Index
+    interpolation: Literal["LINEAR", "STEP", "CUBICSPLINE"] = "LINEAR"
 
 
 class Animation(Part, frozen=True):
     """Movements of nodes over time."""
 
     name: str = ""
+    channels: list[AnimationChannel] = []
+    samplers: list[AnimationSampler] = []
 
 
 class Gltf(Part, frozen=True):
