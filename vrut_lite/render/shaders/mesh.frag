@@ -32,6 +32,7 @@ struct Material {
 
 uniform Material material;
 uniform float alpha_cutoff;          // below it a fragment is dropped; 0 for opaque and blended
+uniform float alpha_end;             // and from it on: what is solid is drawn before
 uniform float opaque;                // 1: alpha is ignored
 uniform int base_color_layer;        // of texture coordinates: 0 the first, 1 the second
 uniform int metallic_roughness_layer;
@@ -331,7 +332,7 @@ vec4 base_color() {
 
 void main() {
     vec4 base = base_color();
-    if (base.a < alpha_cutoff) discard;
+    if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
     float metallic = material.metallic_factor, roughness = material.roughness_factor;
     vec3 emission = material.emissive_factor;
     float occlusion = 1.0;
