@@ -13,14 +13,17 @@ from numpy.typing import NDArray
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
+from vrut_lite.scene.gltf_terms import DRAWN_EXTENSIONS, PLAINLY_READ_EXTENSIONS
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-# Extensions a file may require: each is honoured by the reader.
+# Extensions a file may require: each is honoured by the reader, or read plainly.
 SUPPORTED_EXTENSIONS = (
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    *DRAWN_EXTENSIONS,
+    *PLAINLY_READ_EXTENSIONS,
 )
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
