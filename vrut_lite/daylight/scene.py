@@ -25,7 +25,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     """A scene is open: its bounds in metres, world axes, and all that is in it.
 
     `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
-    brings a ground of its own; `camera` the first that the file brings.
+    brings a ground of its own; `camera` the first that the file brings. `notices` are lines on what
+    the file has and the scene has not, or has otherwise.
     """
 
     path: str
@@ -36,6 +37,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     materials: SceneMaterials
     ground: GroundDisc | None
     camera: MoveCamera | None
+    notices: tuple[str, ...] = ()
 
     @property
     def content_key(self) -> str:
@@ -64,6 +66,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         checks.instance(self, "camera", (MoveCamera, type(None)))
         if self.camera is not None:
             self.camera.check()
+        checks.lines(self, "notices")
 
     def check_arrays(self) -> None:
         """Arrays that refer to each other within their lengths."""

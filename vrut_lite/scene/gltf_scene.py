@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.draco import decode_draco
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
+from vrut_lite.scene.gltf_notices import tell_unread
 from vrut_lite.scene.gltf_schema import Material, Node, Primitive
 from vrut_lite.scene.materials import GltfMaterials
 from vrut_lite.scene.mesh import (
@@ -39,6 +40,7 @@ def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | Non
         SceneFileError: for references, counts or values that do not hold, or are too many.
     """
     nodes = list(_placed_nodes(file))
+    tell_unread(file, [node for node, _ in nodes])
     _check_size(file, Counter(node.mesh for node, _ in nodes if node.mesh is not None))
     meshes = _Meshes(file)
     placed = [

@@ -180,6 +180,7 @@ class Primitive(Part, frozen=True):
     extensions: PrimitiveExtensions = PrimitiveExtensions()
     indices: Index | None = None
     material: Index | None = None
+    targets: list[dict[str, Index]] = []
     mode: Annotated[int, Meta(ge=0, le=6)] = 4
 
 
@@ -188,6 +189,7 @@ class Mesh(Part, frozen=True):
 
     primitives: list[Primitive]
     name: str = ""
+    weights: list[float] = []
 
 
 class Node(Part, frozen=True):
@@ -196,6 +198,7 @@ class Node(Part, frozen=True):
     name: str = ""
     children: list[Index] = []
     mesh: Index | None = None
+    skin: Index | None = None
     camera: Index | None = None
     matrix: Annotated[list[float], Meta(min_length=16, max_length=16)] | None = None
     translation: Vector3 = (0.0, 0.0, 0.0)
@@ -221,10 +224,23 @@ class Scene(Part, frozen=True):
     nodes: list[Index] = []
 
 
+class Skin(Part, frozen=True):
+    """Joints that bend a mesh."""
+
+    joints: list[Index]
+
+
+class Animation(Part, frozen=True):
+    """Movements of nodes over time."""
+
+    name: str = ""
+
+
 class Gltf(Part, frozen=True):
     """The whole document."""
 
     asset: Asset
+    extensions_used: list[str] = []
     extensions_required: list[str] = []
     buffers: list[Buffer] = []
     buffer_views: list[BufferView] = []
@@ -237,4 +253,6 @@ class Gltf(Part, frozen=True):
     nodes: list[Node] = []
     cameras: list[Camera] = []
     scenes: list[Scene] = []
+    animations: list[Animation] = []
+    skins: list[Skin] = []
     scene: Index | None = None

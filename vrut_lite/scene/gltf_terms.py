@@ -30,13 +30,6 @@ DRAWN_EXTENSIONS = (
     "KHR_materials_unlit",
     "KHR_materials_volume",
 )
-# In whose place a plain reading is shown.
-PLAINLY_READ_EXTENSIONS = (
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_iridescence",
-    "KHR_materials_variants",
-)
 # What black leaves: a logarithm needs some.
 _LEAST_LEFT = 1e-4
 _WHITE: Vector = (1.0, 1.0, 1.0)

@@ -13,6 +13,7 @@ from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.mesh import mirrored
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
@@ -26,7 +27,7 @@ class LoadedScene:
     """A scene in world axes: metres, +Y up, east +X, north -Z.
 
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
-    once for each place.
+    once for each place. `notices` are lines on what the files have and the meshes do not.
     """
 
     path: Path
@@ -35,6 +36,7 @@ class LoadedScene:
     upper_m: NDArray[np.float64]
     triangles: int
     camera: SceneCamera | None
+    notices: tuple[str, ...] = ()
 
 
 def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
@@ -57,17 +59,24 @@ def _load(path: Path, budget: SceneBudget) -> LoadedScene:
     _check_path(path)
     real = path.resolve()
     camera: SceneCamera | None = None
+    notices = Notices()
     if real.suffix.lower() == ".obj":
-        placed = read_obj_scene(real, budget)
+        placed = read_obj_scene(real, budget, notices)
     else:
-        placed, camera = read_gltf_scene(read_gltf_file(real, budget))
+        placed, camera = read_gltf_scene(read_gltf_file(real, budget, notices))
     triangles = sum(len(place.mesh.faces) for place in placed)
     if triangles == 0:
         raise SceneFileError("it has no triangles; export the scene with its meshes")
     check_triangles(triangles)
     lower_m, upper_m = _bounds(placed)
     return LoadedScene(
-        path, tuple(_wound_outwards(placed, budget)), lower_m, upper_m, triangles, camera
+        path,
+        tuple(_wound_outwards(placed, budget)),
+        lower_m,
+        upper_m,
+        triangles,
+        camera,
+        notices.lines(),
     )
 
 

@@ -136,6 +136,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         materials=_materials(materials),
         ground=ground,
         camera=camera,
+        notices=loaded.notices,
     )
 
 
