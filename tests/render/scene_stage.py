@@ -15,7 +15,14 @@ ORDER = (0, 1, 2, 0, 2, 3)
 
 
 def square(
-    folder, material=None, images=(), attributes=None, nodes=None, corners=CORNERS, order=ORDER
+    folder,
+    material=None,
+    images=(),
+    attributes=None,
+    nodes=None,
+    corners=CORNERS,
+    order=ORDER,
+    sampler=None,
 ):
     """A glTF of one square; extra attributes are (4, n) arrays, images (h, w, c) uint8."""
     arrays = {"POSITION": corners, "TEXCOORD_0": UV, **(attributes or {})}
@@ -53,7 +60,8 @@ def square(
         "bufferViews": views,
         "buffers": [{"uri": "square.bin", "byteLength": len(blob.getvalue())}],
         "images": [{"uri": f"{number}.png"} for number in range(len(images))],
-        "textures": [{"source": number} for number in range(len(images))],
+        "textures": [{"source": number, "sampler": 0} for number in range(len(images))],
+        "samplers": [sampler or {}],
     }
     path = folder / "square.gltf"
     path.write_text(json.dumps(document))

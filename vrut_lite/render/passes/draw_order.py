@@ -47,6 +47,9 @@ def has_solid_texels(primitive: Any) -> bool:
 def alpha_range(primitive: Any, blended: bool) -> tuple[float, float]:
     """From which alpha on, and below which, fragments are drawn: among the blended or the solid."""
     material = primitive.material
+    if material.is_cut_out:
+        # Shaders cover samples by it.
+        return 0.0, _NO_END
     if material.alphaMode == "MASK":
         return float(material.alphaCutoff), _NO_END
     if not is_blended(material):

@@ -115,7 +115,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             primitive = placed.primitive
-            self._program_cache.also = (*defines, *surface_light.defines(placed))
+            own = (*_surface_defines(primitive.material), *surface_light.defines(placed))
+            self._program_cache.also = (*defines, *own)
             program = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
             )
@@ -155,13 +156,13 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glEnable(GL.GL_DEPTH_TEST)
         # What stands between the sun and the map's box casts into it too.
         GL.glEnable(GL.GL_DEPTH_CLAMP)
-        self._program_cache.also = ()
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
             if placed.is_ground:
                 continue
             primitive = placed.primitive
+            self._program_cache.also = _surface_defines(primitive.material)
             program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
             program._bind()
             program.set_uniform("V", np.eye(4))
@@ -186,6 +187,11 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         if texture is not None:
             program.set_uniform("alpha_layer", material.layer_of.get("base_colour", 0))
             self._bind_texture(texture, "alpha_texture", program)
+
+
+def _surface_defines(material: Any) -> Defines:
+    """What programs are compiled with by what a material is."""
+    return ("CUT_OUT",) if material.is_cut_out else ()
 
 
 def _textures(material: Any) -> Iterable[tuple[str, Any]]:
