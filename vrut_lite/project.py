@@ -68,6 +68,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
     missing `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
+    `animation` and `animation_time_s` say how the scene's own animations stand.
     """
 
     scene: str = ""
@@ -86,6 +87,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     haze: Haze | None = None
     air: bool = True
     light_shafts: bool = False
+    animation: Literal["rest", "time", "clock"] = "rest"
+    animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -231,11 +234,13 @@ def daylight_inputs(project: Project) -> list[Input]:
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """Air, light shafts, size, exposure, scene and camera as inputs."""
+    """Air, light shafts, animations, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
         SetSetting(module="scene", name="air", value=project.air),
         SetSetting(module="scene", name="light_shafts", value=project.light_shafts),
+        SetSetting(module="scene", name="animation", value=project.animation),
+        SetSetting(module="scene", name="animation_time_s", value=project.animation_time_s),
         Resize(width_px=project.size[0], height_px=project.size[1]),
         exposure,
         LoadScene(

@@ -1,4 +1,4 @@
-"""Options on how a scene is read: --up, --metres-per-unit and --scene-camera."""
+"""Options on the scene: --up, --metres-per-unit, --scene-camera and --animation."""
 
 from typing import Any
 
@@ -9,12 +9,15 @@ from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import Command
 from vrut_lite.daylight.placement import LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT, UP_AXES
 from vrut_lite.errors import UserError
+from vrut_lite.plain_numbers import plain_float
 from vrut_lite.project import Project
 
 
 def scene_options(command: Command) -> Command:
     """Add the options."""
     for option in (
+        click.option("--animation", metavar="rest|clock|SECONDS", help="The scene's own "
+                     "animations: at rest (default), by the clock, or at a time."),
         click.option("--scene-camera", metavar="NAME|N", help="Which of the scene's own cameras to "
                      "look through, by name or counted from 1. Default: the first."),
         click.option("--metres-per-unit", metavar="METRES",
@@ -34,6 +37,7 @@ def with_scene_options(project: Project, options: dict[str, Any]) -> Project:
     Raises:
         UserError: there is no scene that they could be about.
     """
+    project = _animated(project, options.pop("animation"))
     up, unit, camera = (options.pop(name) for name in ("up", "metres_per_unit", "scene_camera"))
     if (up, unit, camera) == (None, None, None):
         return project
@@ -46,3 +50,19 @@ def with_scene_options(project: Project, options: dict[str, Any]) -> Project:
     # The scene's own camera is asked for: the project's gives way to it.
     seen = {} if camera is None else {"scene_camera": camera, "camera": None}
     return msgspec.structs.replace(project, placement=placement, **seen)
+
+
+def _animated(project: Project, text: str | None) -> Project:
+    """The project with what --animation says."""
+    if text is None:
+        return project
+    if text in ("rest", "clock"):
+        return msgspec.structs.replace(project, animation=text)
+    try:
+        return msgspec.structs.replace(
+            project, animation="time", animation_time_s=plain_float(text)
+        )
+    except ValueError:
+        raise UserError(
+            f"--animation {text} is neither rest nor clock nor a number of seconds"
+        ) from None

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
-from vrut_lite.scene.gltf_nodes import Pose
+from vrut_lite.scene.gltf_nodes import REST, Pose
 from vrut_lite.scene.gltf_schema import Animation, AnimationChannel, AnimationSampler
 from vrut_lite.scene.scene_file_error import SceneFileError
 
@@ -47,8 +47,10 @@ class GltfAnimations:
 
     def pose(self, time_s: float | None) -> Pose:
         """The pose at a time, seconds; None is the rest."""
+        if time_s is None:
+            return REST
         moved: dict[int, dict[str, tuple[float, ...]]] = {}
-        for track in self._tracks if time_s is not None else ():
+        for track in self._tracks:
             turns = track.path == "rotation"
             value = sampled(track.times_s, track.values, track.interpolation, time_s, turns=turns)
             moved.setdefault(track.node, {})[track.path] = tuple(value.tolist())

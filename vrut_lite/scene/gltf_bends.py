@@ -22,15 +22,18 @@ class Bend(NamedTuple):
 UNBENT = Bend()
 
 
-def bend_of(file: GltfFile, placed: PlacedNode, pose: Pose) -> Bend:
+def bend_of(file: GltfFile, placed: PlacedNode, pose: Pose, skins: "Skins") -> Bend:
     """How a node bends its mesh: the pose's weights, else the node's, else the mesh's."""
     node = placed.node
     mesh = item_at(file.document.meshes, node.mesh or 0, "mesh")
-    weights = tuple(pose.moved.get(placed.index, {}).get("weights") or node.weights or mesh.weights)
+    weights = tuple(
+        pose.moved.get(placed.number, {}).get("weights") or node.weights or mesh.weights
+    )
     if not all(map(np.isfinite, weights)):
         raise SceneFileError("weights of morph targets in it are not finite; export it again")
     has_joints = any("JOINTS_0" in primitive.attributes for primitive in mesh.primitives)
-    return Bend(weights if any(weights) else (), node.skin if has_joints else None)
+    skin = node.skin if has_joints and node.skin in skins else None
+    return Bend(weights if any(weights) else (), skin)
 
 
 class Skins:
@@ -41,7 +44,7 @@ class Skins:
     """
 
     def __init__(self, file: GltfFile, nodes: Sequence[PlacedNode]) -> None:
-        there = {placed.index for placed in nodes}
+        there = {placed.number for placed in nodes}
         numbers = {
             placed.node.skin
             for placed in nodes
@@ -55,6 +58,9 @@ class Skins:
             else:
                 file.notices.tell("skin whose joints are not in the scene", "unbent")
 
+    def __contains__(self, number: int | None) -> bool:
+        return number in self._skins
+
     def palettes(self, nodes: Sequence[PlacedNode]) -> dict[int, NDArray[np.float64]]:
         """The joints' matrices (J, 4, 4) of each skin, from the mesh's axes to the scene's.
 
@@ -62,7 +68,7 @@ class Skins:
         """
         if not self._skins:
             return {}
-        at = {placed.index: placed.scene_from_node for placed in nodes}
+        at = {placed.number: placed.scene_from_node for placed in nodes}
         return {
             number: np.array([at[joint] for joint in joints]) @ inverse_bind
             for number, (joints, inverse_bind) in self._skins.items()

@@ -5,11 +5,10 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_file import GltfFile, normalised
 from vrut_lite.scene.gltf_nodes import matrices_of
-from vrut_lite.scene.gltf_schema import Node
+from vrut_lite.scene.gltf_schema import Instancing
 from vrut_lite.scene.placed import check_places
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-_ONE_PLACE = np.eye(4)[None]
 _AT_REST = {
     "TRANSLATION": (0.0, 0.0, 0.0),
     "ROTATION": (0.0, 0.0, 0.0, 1.0),
@@ -17,19 +16,16 @@ _AT_REST = {
 }
 
 
-def instances_of(file: GltfFile, node: Node) -> NDArray[np.float64]:
+def instances_of(file: GltfFile, instancing: Instancing) -> NDArray[np.float64]:
     """The matrices (n, 4, 4) to the node's axes of the places of its mesh.
 
     Raises:
         SceneFileError: their attributes differ in number or width, or are too many.
     """
-    instancing = node.extensions.instancing
-    if instancing is None:
-        return _ONE_PLACE
     numbers = {key: at for key, at in instancing.attributes.items() if key in _AT_REST}
     counts = {file.accessor(number).count for number in numbers.values()}
     if not numbers:
-        return _ONE_PLACE
+        return np.eye(4)[None]
     if len(counts) != 1:
         raise SceneFileError("instances in it have attributes of different numbers; export again")
     (count,) = counts

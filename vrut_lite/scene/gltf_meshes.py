@@ -116,7 +116,7 @@ class GltfMeshes:
             ]
             if key in arrays and deltas:
                 arrays[key] = morphed(arrays[key], deltas)
-        if shape.skin is None or shape.skin not in self._palettes:
+        if shape.skin is None:
             return faces
         palette = self._palettes[shape.skin]
         matrices = skin_matrices(*joints_and_weights(arrays, len(palette)), palette)

@@ -39,7 +39,7 @@ REST = Pose()
 class PlacedNode(NamedTuple):
     """A node of the scene, by its number, and the matrix (4, 4) from its axes to the scene's."""
 
-    index: int
+    number: int
     node: Node
     scene_from_node: Matrix
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_animation import GltfAnimations
-from vrut_lite.scene.gltf_bends import Bend, Skins, bend_of
+from vrut_lite.scene.gltf_bends import UNBENT, Bend, Skins, bend_of
 from vrut_lite.scene.gltf_file import GltfFile
 from vrut_lite.scene.gltf_instances import instances_of
 from vrut_lite.scene.gltf_meshes import GltfMeshes
@@ -30,7 +30,11 @@ class GltfScene:
         tell_unread(file, [node for _, node, _ in nodes])
         self.cameras = list(cameras_of(file, nodes))
         self._skins = Skins(file, nodes)
-        self._instances = {one.index: instances_of(file, one.node) for one in nodes}
+        self._instances = {
+            one.number: instances_of(file, one.node.extensions.instancing)
+            for one in nodes
+            if one.node.extensions.instancing is not None
+        }
         self._sizes = Sizes(file)
         self._meshes: GltfMeshes | None = None
 
@@ -46,16 +50,24 @@ class GltfScene:
         """
         file, pose = self._file, self._animations.pose(time_s)
         nodes = list(placed_nodes(file, pose))
-        uses = [(one, bend_of(file, one, pose)) for one in nodes if one.node.mesh is not None]
+        uses = [
+            (one, bend_of(file, one, pose, self._skins))
+            for one in nodes
+            if one.node.mesh is not None
+        ]
         places = [self._places(one) for one, _ in uses]
         numbers: Counter[tuple[int, Bend]] = Counter()
         for (one, bend), matrices in zip(uses, places, strict=True):
             numbers[one.node.mesh or 0, bend] += len(matrices)
-        self._sizes.check(numbers)
+        placed: list[PlacedMesh] = []
         if self._meshes is None:
+            self._sizes.check(numbers)
             self._meshes = GltfMeshes(file)
-        self._meshes.begin(self._skins.palettes(nodes))
-        placed = []
+            self._meshes.begin(self._skins.palettes(nodes))
+        else:
+            self._meshes.begin(self._skins.palettes(nodes))
+            bent = {key: times for key, times in numbers.items() if key[1] != UNBENT}
+            self._sizes.check(Counter(bent))
         for (one, bend), matrices in zip(uses, places, strict=True):
             for name, mesh in self._meshes.get(one.node.mesh or 0, bend):
                 for matrix in matrices if bend.skin is None else (np.eye(4),):
@@ -64,5 +76,7 @@ class GltfScene:
 
     def _places(self, placed: PlacedNode) -> NDArray[np.float64]:
         """The matrices (n, 4, 4) to the scene's axes of the places of a node's mesh."""
+        if placed.number not in self._instances:
+            return placed.scene_from_node[None]
         with np.errstate(over="ignore", invalid="ignore"):
-            return np.asarray(placed.scene_from_node @ self._instances[placed.index])
+            return np.asarray(placed.scene_from_node @ self._instances[placed.number])

@@ -2,8 +2,9 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -14,20 +15,15 @@ from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.errors import UserError
 from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
-from vrut_lite.scene.gltf_file import read_gltf_file
-from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.mesh import mirrored
-from vrut_lite.scene.notices import Notices
-from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.scene_files import SceneFile, SceneFiles
 
-SUFFIXES = (".glb", ".gltf", ".obj")
 MAX_REACH_M = 1e7
 _UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
-# What a glTF file is by its standard.
 _AS_IT_SAYS = Placement()
-_GLTF = Placement(up="y", metres_per_unit=1.0)
+_SAY_ANIMATION = "--animation TIME or --animation clock moves them"
 
 
 @dataclass(frozen=True)
@@ -37,7 +33,7 @@ class LoadedScene:
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
     once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
     files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
-    asked for, with what was guessed filled in.
+    asked for, with what was guessed filled in. `animation_s`: how long the animations last.
     """
 
     path: Path
@@ -48,63 +44,63 @@ class LoadedScene:
     camera: SceneCamera | None
     cameras: tuple[SceneCamera, ...] = ()
     notices: tuple[str, ...] = ()
-    placement: Placement = _GLTF
+    placement: Placement = _AS_IT_SAYS
     beside: tuple[PlacedFile, ...] = ()
+    animation_s: float = 0.0
 
 
-@dataclass
-class _File:
-    """What one file holds, in its own axes and units; `says` is what it says of these."""
-
-    placed: list[PlacedMesh]
-    cameras: list[SceneCamera]
-    notices: Notices
-    says: Placement
-
-
-@dataclass
-class _Files:
-    """The files of one scene, each read once and under one budget."""
-
-    budget: SceneBudget
-    _read: dict[Path, _File] = field(default_factory=dict)
-
-    def get(self, path: Path) -> _File:
-        """A file's meshes; errors name it."""
-        try:
-            _check_path(path)
-            real = path.resolve()
-            if real not in self._read:
-                self._read[real] = _read(real, self.budget)
-            return self._read[real]
-        except SceneFileError as fault:
-            raise UserError(f"cannot open the scene {path}: {fault}") from fault
-
-
-def load_scene(
-    path: str | os.PathLike[str],
-    budget: SceneBudget | None = None,
-    *,
-    placement: Placement = _AS_IT_SAYS,
-    beside: Sequence[PlacedFile] = (),
-    camera: str = "",
-) -> LoadedScene:
-    """Read a scene file with its materials, textures and cameras, and others beside it.
+class OpenScene:
+    """Scene files that stay in memory, for one pose of their animations after another.
 
     `budget` limits memory; by default it comes from the environment. Axes and units that a
     placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1.
 
     Raises:
         UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
-            anything outside its own folder, or if there is no such camera.
+            anything outside its own folder.
     """
-    files = _Files(budget or budget_of_environment())
-    main = PlacedFile(scene=str(path), placement=placement)
-    stood = [_stand(files, one) for one in (main, *beside)]
-    try:
-        return _joined(Path(path), stood, files.budget, camera)
-    except SceneFileError as fault:
-        raise UserError(f"cannot open the scene {path}: {fault}") from fault
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        budget: SceneBudget | None = None,
+        *,
+        placement: Placement = _AS_IT_SAYS,
+        beside: Sequence[PlacedFile] = (),
+        camera: str = "",
+    ) -> None:
+        self._path, self._camera = Path(path), camera
+        self._files = SceneFiles(budget or budget_of_environment())
+        main = PlacedFile(scene=str(path), placement=placement)
+        self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
+        self._filled = [_filled(one.placement, file) for one, file in self._asked]
+
+    @property
+    def duration_s(self) -> float:
+        """How long the longest animation of its files lasts; 0 without any."""
+        return max(file.duration_s for _, file in self._asked)
+
+    def at(self, time_s: float | None = None) -> LoadedScene:
+        """The scene at a time of its animations, or at rest.
+
+        Raises:
+            UserError: it is too large, or there is no such camera.
+        """
+        try:
+            stood = [
+                _stand(one, file, placement, time_s)
+                for (one, file), placement in zip(self._asked, self._filled, strict=True)
+            ]
+            return _joined(self._path, stood, self._files.budget, self._camera, self.duration_s)
+        except SceneFileError as fault:
+            raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
+
+
+def load_scene(
+    path: str | os.PathLike[str], budget: SceneBudget | None = None, **how: Any
+) -> LoadedScene:
+    """A scene with its materials, textures and cameras, at rest; `how` as `OpenScene` takes it."""
+    return OpenScene(path, budget, **how).at()
 
 
 @dataclass(frozen=True)
@@ -117,22 +113,23 @@ class _Stood:
     notices: list[str]
 
 
-def _stand(files: _Files, asked: PlacedFile) -> _Stood:
+def _stand(
+    asked: PlacedFile, file: SceneFile, placement: Placement, time_s: float | None
+) -> _Stood:
     """Place what a file holds."""
-    file = files.get(Path(asked.scene))
-    placement = _filled(asked.placement, file)
     matrix = placement.world_from_file()
     lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
-    if np.array_equal(matrix, np.eye(4)):
-        placed, cameras = file.placed, file.cameras
-    else:
+    if time_s is None and file.duration_s > 0.0:
+        lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
+    placed, cameras = file.posed(time_s), file.cameras
+    if not np.array_equal(matrix, np.eye(4)):
         with np.errstate(over="ignore", invalid="ignore"):
-            placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in file.placed]
-        cameras = [camera.moved(matrix) for camera in file.cameras]
+            placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
+        cameras = [camera.moved(matrix) for camera in cameras]
     return _Stood(msgspec.structs.replace(asked, placement=placement), placed, cameras, lines)
 
 
-def _filled(asked: Placement, file: _File) -> Placement:
+def _filled(asked: Placement, file: SceneFile) -> Placement:
     """The placement with what it leaves open: said by the file, or guessed."""
     up = asked.up or file.says.up or guess_up(file.placed)
     unit = asked.metres_per_unit or file.says.metres_per_unit
@@ -142,7 +139,7 @@ def _filled(asked: Placement, file: _File) -> Placement:
     return msgspec.structs.replace(asked, up=up, metres_per_unit=unit)
 
 
-def _told_guesses(asked: Placement, filled: Placement, file: _File) -> list[str]:
+def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[str]:
     """Lines on guesses that change the scene."""
     lines = []
     if asked.up is None and file.says.up is None and filled.up != "y":
@@ -160,7 +157,9 @@ def _told_guesses(asked: Placement, filled: Placement, file: _File) -> list[str]
     return lines
 
 
-def _joined(path: Path, stood: list[_Stood], budget: SceneBudget, camera: str) -> LoadedScene:
+def _joined(
+    path: Path, stood: list[_Stood], budget: SceneBudget, camera: str, animation_s: float
+) -> LoadedScene:
     placed = [place for one in stood for place in one.placed]
     triangles = sum(len(place.mesh.faces) for place in placed)
     check_places(len(placed))
@@ -178,6 +177,7 @@ def _joined(path: Path, stood: list[_Stood], budget: SceneBudget, camera: str) -
         notices=_lines(stood),
         placement=stood[0].asked.placement,
         beside=tuple(one.asked for one in stood[1:]),
+        animation_s=animation_s,
     )
 
 
@@ -204,36 +204,6 @@ def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:
         if cameras
         else f"it has no camera {ascii(name)[:60]}, for it has no cameras; leave it out"
     )
-
-
-def _read(real: Path, budget: SceneBudget) -> _File:
-    notices = Notices()
-    if real.suffix.lower() == ".obj":
-        file = _File(read_obj_scene(real, budget, notices), [], notices, Placement())
-    else:
-        placed, cameras = read_gltf_scene(read_gltf_file(real, budget, notices))
-        file = _File(placed, cameras, notices, _GLTF)
-    if not any(len(place.mesh.faces) for place in file.placed):
-        raise SceneFileError("it has no triangles; export the scene with its meshes")
-    return file
-
-
-def _check_path(path: Path) -> None:
-    try:
-        if path.is_dir():
-            raise SceneFileError("it is a folder; name the scene file in it")
-        if not path.exists():
-            raise SceneFileError("there is no such file; check its name")
-        if not path.is_file():
-            raise SceneFileError("it is not a regular file; name a scene file")
-    except (OSError, ValueError) as fault:
-        if isinstance(fault, SceneFileError):
-            raise
-        raise SceneFileError(f"its path cannot be used ({fault}); check its name") from fault
-    if path.resolve().suffix.lower() not in SUFFIXES:
-        raise SceneFileError(
-            f"its name does not end in {', '.join(SUFFIXES)}; export it as one of these"
-        )
 
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
