@@ -20,11 +20,50 @@ class Asset(Part, frozen=True):
     version: str
 
 
+class MeshoptBuffer(Part, frozen=True):
+    """A buffer that may lack its bytes, since all its views are packed elsewhere."""
+
+    fallback: bool = False
+
+
+class BufferExtensions(Part, frozen=True):
+    """The extensions of a buffer that are honoured; both names mean the same."""
+
+    ext: MeshoptBuffer | None = field(default=None, name="EXT_meshopt_compression")
+    khr: MeshoptBuffer | None = field(default=None, name="KHR_meshopt_compression")
+
+
 class Buffer(Part, frozen=True):
     """Raw bytes; without a URI they are the GLB's binary chunk."""
 
     byte_length: Size
     uri: str | None = None
+    extensions: BufferExtensions = BufferExtensions()
+
+    @property
+    def may_be_empty(self) -> bool:
+        """Whether it only stands for what is packed elsewhere."""
+        packed = self.extensions.ext or self.extensions.khr
+        return packed is not None and packed.fallback
+
+
+class MeshoptView(Part, frozen=True):
+    """Where a view's bytes are packed, and how."""
+
+    buffer: Index
+    byte_length: Size
+    byte_stride: Annotated[int, Meta(ge=1, le=256)]
+    count: Annotated[int, Meta(ge=1, le=2**31)]
+    mode: Literal["ATTRIBUTES", "TRIANGLES", "INDICES"]
+    filter: Literal["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"] = "NONE"
+    byte_offset: Size = 0
+
+
+class BufferViewExtensions(Part, frozen=True):
+    """The extensions of a buffer view that are honoured; both names mean the same."""
+
+    ext: MeshoptView | None = field(default=None, name="EXT_meshopt_compression")
+    khr: MeshoptView | None = field(default=None, name="KHR_meshopt_compression")
 
 
 class BufferView(Part, frozen=True):
@@ -34,6 +73,12 @@ class BufferView(Part, frozen=True):
     byte_length: Size
     byte_offset: Size = 0
     byte_stride: Annotated[int, Meta(ge=1, le=252)] | None = None
+    extensions: BufferViewExtensions = BufferViewExtensions()
+
+    @property
+    def packed(self) -> MeshoptView | None:
+        """Where its bytes are packed."""
+        return self.extensions.ext or self.extensions.khr
 
 
 class SparseIndices(Part, frozen=True):
@@ -78,8 +123,8 @@ class Image(Part, frozen=True):
     buffer_view: Index | None = None
 
 
-class WebpSource(Part, frozen=True):
-    """EXT_texture_webp: the image to take instead."""
+class OtherSource(Part, frozen=True):
+    """EXT_texture_webp and KHR_texture_basisu: the image to take instead."""
 
     source: Index
 
@@ -87,7 +132,8 @@ class WebpSource(Part, frozen=True):
 class TextureExtensions(Part, frozen=True):
     """The extensions of a texture that are honoured."""
 
-    webp: WebpSource | None = field(default=None, name="EXT_texture_webp")
+    webp: OtherSource | None = field(default=None, name="EXT_texture_webp")
+    basis: OtherSource | None = field(default=None, name="KHR_texture_basisu")
 
 
 class Sampler(Part, frozen=True):
