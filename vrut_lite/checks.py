@@ -125,6 +125,13 @@ def text(message: object, *names: str) -> None:
             _refuse(message, name, "", "be a text", getattr(message, name))
 
 
+def lines(message: object, name: str) -> None:
+    """Check that a field is a tuple of texts."""
+    value = getattr(message, name)
+    if not (isinstance(value, tuple) and all(isinstance(line, str) for line in value)):
+        _refuse(message, name, "", "be lines of text", value)
+
+
 def flag(message: object, *names: str, of: str = "") -> None:
     """Check that fields are true or false."""
     for name in names:

@@ -22,8 +22,9 @@ from vrut_lite.daylight.light_map import (
 )
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
+from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
 from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -34,6 +35,7 @@ from vrut_lite.daylight.sky import (
 )
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
@@ -77,11 +79,14 @@ SCENE = SceneOpened(
         emission_rgb=Array(np.zeros((1, 3))), alpha_mode=Array(np.zeros(1, np.uint8)),
         alpha_cutoff=Array(np.ones(1)), double_sided=Array(np.zeros(1, bool)),
         normal_scale=Array(np.ones(1)), occlusion_strength=Array(np.ones(1)),
-        map_image=Array(np.full((1, 5), -1, np.int32)),
-        map_uv_layer=Array(np.zeros((1, 5), np.uint8)),
+        terms=Array(as_row(SurfaceTerms())[None].copy()),
+        map_image=Array(np.full((1, len(MAP_NAMES)), -1, np.int32)),
+        map_uv_layer=Array(np.zeros((1, len(MAP_NAMES)), np.uint8)),
+        map_sampler=Array(np.zeros((1, len(MAP_NAMES), 3), np.uint8)),
         images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
     ),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
+    notices=("points or lines: not drawn",), opened=LoadScene(path="a.glb"), cameras=("gate",),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
@@ -128,7 +133,7 @@ SOUND = [
     SetClockRate(rate=-60.0),
     Tick(elapsed_s=0.5),
     SetPlace(latitude_deg=50.0, longitude_deg=14.0, altitude_m=200.0, north_offset_rad=0.1),
-    LoadScene(path="a.glb"),
+    LoadScene(path="a.glb", beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),)),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),
     PictureClicked(

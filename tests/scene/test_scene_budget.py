@@ -29,8 +29,9 @@ from vrut_lite.scene.budget import (
 )
 from vrut_lite.scene.draco_header import read_draco_counts
 from vrut_lite.scene.gltf_file import read_gltf_file
-from vrut_lite.scene.gltf_scene import read_gltf_scene
+from vrut_lite.scene.gltf_scene import GltfScene
 from vrut_lite.scene.loading import LoadedScene, load_scene
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 GIB = 2**30
@@ -324,7 +325,7 @@ def test_damaged_draco_heads(data):
 def test_draco_may_not_hold_more_than_is_promised(tmp_path, promised):
     """Draco data that exceed the glTF's accessors are refused."""
     path = MODELS / "pmndrs_draco.glb"
-    file = read_gltf_file(path, SceneBudget(4 * GIB))
+    file = read_gltf_file(path, SceneBudget(4 * GIB), Notices())
     primitive = file.document.meshes[0].primitives[0]
     name, count = promised
     number = primitive.indices if name == "indices" else primitive.attributes[name]
@@ -333,7 +334,7 @@ def test_draco_may_not_hold_more_than_is_promised(tmp_path, promised):
         file.document.accessors[number], count=count
     )
     with pytest.raises(SceneFileError, match=r"promised"):
-        read_gltf_scene(file)
+        GltfScene(file).posed(None)
 
 
 def test_the_table_of_broken_files(tmp_path):

@@ -13,7 +13,10 @@ from vrut_lite.commands.headless_scene import add_headless_scene
 from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight.place_time import parse_instant
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
@@ -34,6 +37,7 @@ MOST_STEPS = 100_000
 
 @click.command(name="record")
 @daylight_options
+@scene_options
 @click.argument("scene", required=False)
 @click.option("-o", "--output", required=True, metavar="JOURNAL", help="An MCAP file.")
 @click.option("--full", is_flag=True, help="Keep the content of arrays, not only their digests.")
@@ -76,7 +80,7 @@ def record(
     Example: vrut-lite record -o day.mcap --from 2026-06-21T04:00 --to 2026-06-21T22:00 --step 30
     """
     check_writable(output)
-    plan = with_options(project_of_path(scene), options)
+    plan = with_options(with_scene_options(project_of_path(scene), options), options)
     passing = _passing(plan, start, end, step_minutes)
     from vrut_lite.daylight.daylight_kernel import demand_light
 
@@ -94,6 +98,8 @@ def record(
         demand_light(kernel, "record command", size)
         _play(kernel, [*script, *passing])
         recorder.close()
+        opened = kernel.last(SceneOpened)
+    tell_notices(opened.notices if opened else ())
     told = f", {len(faults)} of them faults, the first: {faults[0].error}" if faults else ""
     click.echo(f"{output}: {recorder.inputs} inputs and {recorder.messages} messages{told}")
 

@@ -12,16 +12,12 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
-from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
+from vrut_lite.scene.gltf_extensions import check_extensions
+from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, MeshoptView, Sparse
+from vrut_lite.scene.meshopt_views import admit_meshopt, unpack_meshopt
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-# Extensions a file may require: each is honoured by the reader.
-SUPPORTED_EXTENSIONS = (
-    "EXT_texture_webp",
-    "KHR_draco_mesh_compression",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-)
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -32,12 +28,17 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class GltfFile:
-    """A parsed document and its buffers in memory; buffers of the same bytes are one object."""
+    """A parsed document and its buffers in memory; buffers of the same bytes are one object.
+
+    `notices` takes what a reader leaves out.
+    """
 
     document: Gltf
     buffers: tuple[bytes | memoryview, ...]
     folder: SceneFolder
+    notices: Notices
     _sparse: dict[int, NDArray[Any]] = field(default_factory=dict)
+    _unpacked: dict[int, bytes] = field(default_factory=dict)
 
     def array(self, index: int) -> NDArray[Any]:
         """Elements (count, components) of an accessor as they are stored, sparse ones resolved.
@@ -97,12 +98,26 @@ class GltfFile:
     def _view(self, index: int) -> memoryview:
         view = item_at(self.document.buffer_views, index, "buffer view")
         data = item_at(self.buffers, view.buffer, "buffer")
+        if view.packed is not None and not len(data):
+            return self._unpacked_view(index, view.packed)
         if view.byte_offset + view.byte_length > len(data):
             raise SceneFileError(
                 f"buffer view {index} reaches beyond buffer {view.buffer}, which has "
                 f"{len(data)} bytes; export the scene again"
             )
         return memoryview(data)[view.byte_offset : view.byte_offset + view.byte_length]
+
+    def _unpacked_view(self, index: int, packed: MeshoptView) -> memoryview:
+        if index not in self._unpacked:
+            data = item_at(self.buffers, packed.buffer, "buffer")
+            end = packed.byte_offset + packed.byte_length
+            if end > len(data):
+                raise SceneFileError(
+                    f"packed buffer view {index} reaches beyond its buffer; export it again"
+                )
+            inside = memoryview(data)[packed.byte_offset : end]
+            self._unpacked[index] = unpack_meshopt(inside, packed)
+        return memoryview(self._unpacked[index])
 
     def _slice(
         self, what: str, start: tuple[int, int], shape: tuple[int, int], dtype: np.dtype[Any]
@@ -135,22 +150,28 @@ class GltfFile:
         return replaced
 
 
-def read_gltf_file(path: Path, budget: SceneBudget) -> GltfFile:
-    """Parse a .gltf or .glb file and fetch its buffers.
+def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFile:
+    """Parse a .gltf or .glb file and fetch its buffers; tell the extensions that are not read.
 
     Raises:
-        SceneFileError: if it is damaged, needs an unsupported extension, names files that are
+        SceneFileError: if it is damaged, requires an unsupported extension, names files that are
             missing or outside its folder, or does not fit the budget.
     """
     folder = SceneFolder(path.parent, budget)
     data = folder.read(path)
-    text, binary = _glb_chunks(data) if path.suffix.lower() == ".glb" else (data, None)
-    document = _parse(bytes(text), budget)
+    chunk, binary = _glb_chunks(data) if path.suffix.lower() == ".glb" else (data, None)
+    text = bytes(chunk)
+    document = _parse(text, budget)
     _check_version(document)
+    check_extensions(text, document.extensions_used, document.extensions_required, notices)
     for image in document.images:
         if image.uri is not None:
             folder.check_uri(image.uri)
-    return GltfFile(document, _fetch_buffers(document, folder, binary), folder)
+    buffers = _fetch_buffers(document, folder, binary)
+    for view in document.buffer_views:
+        if view.packed is not None and not len(item_at(buffers, view.buffer, "buffer")):
+            admit_meshopt(view.packed, budget)
+    return GltfFile(document, buffers, folder, notices)
 
 
 def item_at(items: Sequence[Item], index: int, what: str) -> Item:
@@ -182,12 +203,6 @@ def _check_version(document: Gltf) -> None:
     if document.asset.version.split(".")[0] != "2":
         raise SceneFileError(
             f"it is glTF {ascii(document.asset.version)[:20]}, not glTF 2; export it as glTF 2"
-        )
-    unknown = [name for name in document.extensions_required if name not in SUPPORTED_EXTENSIONS]
-    if unknown:
-        names = ", ".join(ascii(name)[1:-1][:60] for name in unknown[:4])
-        raise SceneFileError(
-            f"it requires the glTF extension {names}, which is not supported; export it without"
         )
 
 
@@ -237,6 +252,9 @@ def _fetch_buffers(
             data: bytes | memoryview = folder.get_uri(buffer.uri)
         elif index == 0 and binary is not None:
             data = binary
+        elif buffer.may_be_empty:
+            buffers.append(b"")
+            continue
         else:
             raise SceneFileError(f"buffer {index} has no data; export the scene again")
         if len(data) < buffer.byte_length:

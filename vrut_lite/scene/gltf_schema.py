@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Raw, Struct, field
 
 Index = Annotated[int, Meta(ge=0, le=2**31)]
 Size = Annotated[int, Meta(ge=0, le=2**40)]
@@ -20,11 +20,50 @@ class Asset(Part, frozen=True):
     version: str
 
 
+class MeshoptBuffer(Part, frozen=True):
+    """A buffer that may lack its bytes, since all its views are packed elsewhere."""
+
+    fallback: bool = False
+
+
+class BufferExtensions(Part, frozen=True):
+    """The extensions of a buffer that are honoured; both names mean the same."""
+
+    ext: MeshoptBuffer | None = field(default=None, name="EXT_meshopt_compression")
+    khr: MeshoptBuffer | None = field(default=None, name="KHR_meshopt_compression")
+
+
 class Buffer(Part, frozen=True):
     """Raw bytes; without a URI they are the GLB's binary chunk."""
 
     byte_length: Size
     uri: str | None = None
+    extensions: BufferExtensions = BufferExtensions()
+
+    @property
+    def may_be_empty(self) -> bool:
+        """Whether it only stands for what is packed elsewhere."""
+        packed = self.extensions.ext or self.extensions.khr
+        return packed is not None and packed.fallback
+
+
+class MeshoptView(Part, frozen=True):
+    """Where a view's bytes are packed, and how."""
+
+    buffer: Index
+    byte_length: Size
+    byte_stride: Annotated[int, Meta(ge=1, le=256)]
+    count: Annotated[int, Meta(ge=1, le=2**31)]
+    mode: Literal["ATTRIBUTES", "TRIANGLES", "INDICES"]
+    filter: Literal["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"] = "NONE"
+    byte_offset: Size = 0
+
+
+class BufferViewExtensions(Part, frozen=True):
+    """The extensions of a buffer view that are honoured; both names mean the same."""
+
+    ext: MeshoptView | None = field(default=None, name="EXT_meshopt_compression")
+    khr: MeshoptView | None = field(default=None, name="KHR_meshopt_compression")
 
 
 class BufferView(Part, frozen=True):
@@ -34,6 +73,12 @@ class BufferView(Part, frozen=True):
     byte_length: Size
     byte_offset: Size = 0
     byte_stride: Annotated[int, Meta(ge=1, le=252)] | None = None
+    extensions: BufferViewExtensions = BufferViewExtensions()
+
+    @property
+    def packed(self) -> MeshoptView | None:
+        """Where its bytes are packed."""
+        return self.extensions.ext or self.extensions.khr
 
 
 class SparseIndices(Part, frozen=True):
@@ -78,8 +123,8 @@ class Image(Part, frozen=True):
     buffer_view: Index | None = None
 
 
-class WebpSource(Part, frozen=True):
-    """EXT_texture_webp: the image to take instead."""
+class OtherSource(Part, frozen=True):
+    """EXT_texture_webp and KHR_texture_basisu: the image to take instead."""
 
     source: Index
 
@@ -87,13 +132,23 @@ class WebpSource(Part, frozen=True):
 class TextureExtensions(Part, frozen=True):
     """The extensions of a texture that are honoured."""
 
-    webp: WebpSource | None = field(default=None, name="EXT_texture_webp")
+    webp: OtherSource | None = field(default=None, name="EXT_texture_webp")
+    basis: OtherSource | None = field(default=None, name="KHR_texture_basisu")
+
+
+class Sampler(Part, frozen=True):
+    """How texels are looked up beyond the image's edges and between each other; OpenGL's codes."""
+
+    wrap_s: int = 10497
+    wrap_t: int = 10497
+    mag_filter: int | None = None
 
 
 class Texture(Part, frozen=True):
     """An image as it is sampled; a texture without a source is empty."""
 
     source: Index | None = None
+    sampler: Index | None = None
     extensions: TextureExtensions = TextureExtensions()
 
 
@@ -147,6 +202,8 @@ class Material(Part, frozen=True):
     alpha_mode: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    # JSON that gltf_terms.py reads.
+    extensions: Raw = Raw(b"{}")
 
 
 class DracoMesh(Part, frozen=True):
@@ -169,6 +226,7 @@ class Primitive(Part, frozen=True):
     extensions: PrimitiveExtensions = PrimitiveExtensions()
     indices: Index | None = None
     material: Index | None = None
+    targets: list[dict[str, Index]] = []
     mode: Annotated[int, Meta(ge=0, le=6)] = 4
 
 
@@ -177,6 +235,19 @@ class Mesh(Part, frozen=True):
 
     primitives: list[Primitive]
     name: str = ""
+    weights: list[float] = []
+
+
+class Instancing(Part, frozen=True):
+    """EXT_mesh_gpu_instancing: accessors of translations, rotations and scales."""
+
+    attributes: dict[str, Index]
+
+
+class NodeExtensions(Part, frozen=True):
+    """The extensions of a node that are honoured."""
+
+    instancing: Instancing | None = field(default=None, name="EXT_mesh_gpu_instancing")
 
 
 class Node(Part, frozen=True):
@@ -185,11 +256,14 @@ class Node(Part, frozen=True):
     name: str = ""
     children: list[Index] = []
     mesh: Index | None = None
+    skin: Index | None = None
     camera: Index | None = None
     matrix: Annotated[list[float], Meta(min_length=16, max_length=16)] | None = None
     translation: Vector3 = (0.0, 0.0, 0.0)
     rotation: Vector4 = (0.0, 0.0, 0.0, 1.0)
     scale: Vector3 = (1.0, 1.0, 1.0)
+    weights: list[float] = []
+    extensions: NodeExtensions = NodeExtensions()
 
 
 class Perspective(Part, frozen=True):
@@ -201,6 +275,7 @@ class Perspective(Part, frozen=True):
 class Camera(Part, frozen=True):
     """A camera; an orthographic one has no `perspective` and is passed over."""
 
+    name: str = ""
     perspective: Perspective | None = None
 
 
@@ -210,19 +285,60 @@ class Scene(Part, frozen=True):
     nodes: list[Index] = []
 
 
+class Skin(Part, frozen=True):
+    """Joints that bend a mesh."""
+
+    joints: Annotated[list[Index], Meta(min_length=1)]
+    inverse_bind_matrices: Index | None = None
+
+
+class AnimationTarget(Part, frozen=True):
+    """Which part of which node moves; other paths than a node's belong to extensions."""
+
+    path: str
+    node: Index | None = None
+
+
+class AnimationChannel(Part, frozen=True):
+    """A sampler that moves a target."""
+
+    sampler: Index
+    target: AnimationTarget
+
+
+class AnimationSampler(Part, frozen=True):
+    """Keys: accessors of times and of values."""
+
+    input: Index
+    output: Index
+    interpolation: Literal["LINEAR", "STEP", "CUBICSPLINE"] = "LINEAR"
+
+
+class Animation(Part, frozen=True):
+    """Movements of nodes over time."""
+
+    name: str = ""
+    channels: list[AnimationChannel] = []
+    samplers: list[AnimationSampler] = []
+
+
 class Gltf(Part, frozen=True):
     """The whole document."""
 
     asset: Asset
+    extensions_used: list[str] = []
     extensions_required: list[str] = []
     buffers: list[Buffer] = []
     buffer_views: list[BufferView] = []
     accessors: list[Accessor] = []
     images: list[Image] = []
     textures: list[Texture] = []
+    samplers: list[Sampler] = []
     materials: list[Material] = []
     meshes: list[Mesh] = []
     nodes: list[Node] = []
     cameras: list[Camera] = []
     scenes: list[Scene] = []
+    animations: list[Animation] = []
+    skins: list[Skin] = []
     scene: Index | None = None

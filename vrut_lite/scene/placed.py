@@ -1,6 +1,6 @@
 """The parts of a loaded scene: placed meshes and a camera."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
@@ -51,7 +51,16 @@ def check_places(count: int) -> None:
 
 @dataclass(frozen=True)
 class SceneCamera:
-    """The camera of a scene file: a rigid 4 x 4 pose, looking along its own -Z with +Y up."""
+    """A camera of a scene file: a rigid 4 x 4 pose, looking along its own -Z with +Y up."""
 
     world_from_camera: NDArray[np.float64]
     vertical_field_of_view_rad: float
+    name: str = ""
+
+    def moved(self, world_from_file: NDArray[np.float64]) -> "SceneCamera":
+        """The camera where the file stands; a scale moves it and leaves it rigid."""
+        matrix = world_from_file.copy()
+        matrix[:3, :3] /= np.cbrt(np.linalg.det(matrix[:3, :3]))
+        pose = matrix @ self.world_from_camera
+        pose[:3, 3] = (world_from_file @ self.world_from_camera)[:3, 3]
+        return replace(self, world_from_camera=pose)

@@ -43,7 +43,7 @@ from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
@@ -78,6 +78,7 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(self.desk.viewport)
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
+        self._opened: LoadScene | None = None
         self.setStatusBar(self._status)
         self.files = Files(self.desk, kept or Kept(None), self._status, self._show_title)
         self.menus = Menus(
@@ -288,8 +289,12 @@ class MainWindow(QMainWindow):
 
     def _scene_loaded(self, scene: SceneOpened) -> None:
         self._show_title()
-        self._status.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
-        self.files.add_recent(scene.path)
+        news = f"{Path(scene.path).name}: {scene.triangles:,} triangles"
+        # An animated scene is opened anew in each pose.
+        if scene.opened is None or scene.opened != self._opened:
+            self._status.show_notices(news, scene.notices)
+            self.files.add_recent(scene.path)
+        self._opened = scene.opened
 
     def _show_title(self) -> None:
         """The project, the scene, the application, as far as there are such."""
