@@ -8,32 +8,14 @@ import numpy as np
 import pytest
 from scene_stage import light, look, square
 from stateful_backend import opened
-
-from vrut_lite.daylight.ground_disc import GroundDisc
+from term_stage import ALBEDO, F0, GROUND, material
 
 pytestmark = pytest.mark.gl
-# A level below, whose radiance under the sky of 1 is its albedo.
-GROUND = GroundDisc((0.0, 0.0), -1.0, 500.0)
-ALBEDO = 0.3
-# Schlick's reflectance at normal incidence of an index of 1.5.
-F0 = 0.04
 
 
 @pytest.fixture
 def backend(shared_gl_backend):
     return shared_gl_backend(size_px=(32, 32))
-
-
-def material(colour=(1.0, 1.0, 1.0), roughness=0.0, metallic=0.0, **extensions):
-    """A glTF material with KHR_materials_* by their last words."""
-    return {
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [*colour, 1.0],
-            "roughnessFactor": roughness,
-            "metallicFactor": metallic,
-        },
-        "extensions": {f"KHR_materials_{name}": values for name, values in extensions.items()},
-    }
 
 
 def seen(backend, folder, paint, ground=GROUND, elevation_deg=90.0, images=(), sky=1.0, **sun):
