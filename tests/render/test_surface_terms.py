@@ -6,7 +6,7 @@ and transmittance make of that.
 
 import numpy as np
 import pytest
-from scene_stage import light, look, square
+from scene_stage import CORNERS, light, look, square
 from stateful_backend import opened
 from term_stage import ALBEDO, F0, GROUND, material
 
@@ -183,3 +183,45 @@ def test_emissive_strength_multiplies_the_emission(backend, tmp_path):
             "emissiveFactor": [0.5, 1.0, 0.0]}  # fmt: skip
     shown = seen(backend, tmp_path, glow, sky=0.0)
     np.testing.assert_allclose(shown, [1.0, 2.0, 0.0], rtol=1e-3, atol=1e-3)
+
+
+def under_glass(backend, folder, extensions, at_x=0.0, height=0.5, direction=(0.0, 1.0, 1e-6)):
+    """Radiance (3,) of ground of albedo 0.3, 1 m below a pane, seen from below the pane."""
+    path = square(folder, material((1.0, 0.5, 0.1), **extensions), corners=4.0 * CORNERS)
+    backend.change(scene=opened(path, GROUND), ground_albedo_rgb=(ALBEDO,) * 3)
+    sun = {"sun_direction": direction, "sun_irradiance": (np.pi,) * 3}
+    light(backend, np.zeros((6, 8, 8, 3)), **sun)
+    eye = (at_x, -1.0 + height, 1e-3)
+    return look(backend, eye, (at_x, -1.0, 0.0), 0.1).radiance[16, 16]
+
+
+def test_the_sun_shines_through_glass(backend, tmp_path):
+    """Below the pane what its coat and its colour leave, beside it all: no black shadow."""
+    glass = {"transmission": {"transmissionFactor": 1.0}}
+    shown = under_glass(backend, tmp_path, glass)
+    np.testing.assert_allclose(shown, ALBEDO * 0.96 * np.array([1.0, 0.5, 0.1]), rtol=0.02)
+    np.testing.assert_allclose(under_glass(backend, tmp_path, glass, 10.0), ALBEDO, rtol=0.02)
+
+
+def test_what_stands_before_glass_is_not_tinted(backend, tmp_path):
+    """On the sunny side of the pane all of the sun arrives."""
+    glass = {"transmission": {"transmissionFactor": 1.0}}
+    # The sun from below: ground above it would be lit through, the pane is behind.
+    before = under_glass(backend, tmp_path, glass, 0.0, direction=(0.0, 1.0, 1e-6))
+    path = square(
+        tmp_path,
+        material((1.0, 0.5, 0.1), **glass),
+        corners=4.0 * CORNERS - [0.0, 1.5, 0.0],
+    )
+    backend.change(scene=opened(path, GROUND))
+    shown = look(backend, (0.0, -0.5, 1e-3), (0.0, -1.0, 0.0), 0.1).radiance[16, 16]
+    np.testing.assert_allclose(shown, ALBEDO, rtol=0.02)
+    assert before[2] < 0.2 * shown[2]
+
+
+def test_a_scene_without_glass_has_no_map_for_it(backend, tmp_path):
+    """What a scene does not use costs nothing."""
+    path = square(tmp_path, material())
+    backend.change(scene=opened(path, GROUND))
+    seen(backend, tmp_path, material())
+    assert not backend.backend._scene.has_glass

@@ -6,12 +6,15 @@ A material without any has programs without any: it costs nothing.
 from typing import Any
 
 import numpy as np
-from OpenGL import GL
 
 from vrut_lite.daylight.scene_content import MapName
 from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import SURFACE_TERMS
+
+import_pyrender()
+from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 
 # As surface_terms.glsl binds them.
 _MAP_UNITS: dict[MapName, int] = {

@@ -249,6 +249,23 @@ float sun_visibility(vec3 face) {
 #endif
 }
 
+#ifdef GLASS_SHADOW
+layout(binding = 23) uniform sampler2D glass_shadow;  // of the nearest of the maps
+const float GLASS_DEPTH = 2e-3;                      // half floats tell no less apart
+
+// What glass before this point leaves of the sun.
+vec3 sun_through_glass(vec3 face) {
+#ifdef NEAR_SHADOW
+    vec3 at = (near_shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
+#else
+    vec3 at = (shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
+#endif
+    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
+    vec4 glass = textureLod(glass_shadow, at.xy, 0.0);
+    return at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
+}
+#endif
+
 // Share of the sun that is left where a triangle of a rounded surface turns away from it, so that
 // no edge of a triangle shows there; 1 where triangle and normal agree (Chiang et al. 2019,
 // "Taming the shadow terminator").
@@ -456,6 +473,9 @@ void main() {
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
         vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face));
+#ifdef GLASS_SHADOW
+        sun *= sun_through_glass(face);
+#endif
 #ifdef CLOUD_SHADOWS
         sun *= cloud_transmittance(eye_to_sample);
 #endif
