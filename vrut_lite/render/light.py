@@ -38,13 +38,15 @@ class Light:
 class Shadow(NamedTuple):
     """A depth texture from the sun, the width of its texels, and the matrix (4, 4) into it.
 
-    The matrix maps positions that count from a centre (3,) in the world to clip space.
+    The matrix maps positions that count from a centre (3,) in the world to clip space. `tint` is
+    what glass leaves of the light, and the depth of the glass, None where there is none.
     """
 
     texture: Any
     matrix: NDArray
     texel_m: float
     centre_m: NDArray
+    tint: Any = None
 
 
 class Shadows(NamedTuple):

@@ -68,6 +68,7 @@ class PyrenderScene:
         self.ground_level_m = 0.0 if ground is None else ground.height_m
         self.ground_centre_xz_m = np.array((0.0, 0.0) if ground is None else ground.centre_xz_m)
         self._surfaces = [_surface(material) for material in opened.materials.all()]
+        self.has_glass = any(surface.terms.transmits for surface in self._surfaces)
         self._ground = None if ground is None else _ground(ground)
         # By the number of the mesh and of its shape in the light map.
         self._cuts: dict[tuple[int, int], _Cut] = {}
@@ -184,7 +185,7 @@ class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
     matte = False
 
     def _compute_textures(self) -> set[Any]:
-        return super()._compute_textures() | set(self.further.values())  # type: ignore[no-any-return]
+        return super()._compute_textures() | set(self.further.values())
 
 
 def _surface(material: Material) -> Surface:

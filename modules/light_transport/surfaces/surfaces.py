@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.surfaces.map_means import linear, triangle_means
+from light_transport.surfaces.terms import SentBack, sent_back
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
-from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 GROUND = -1
@@ -105,11 +105,12 @@ class _Piece:
 def _skin(mesh: Mesh, materials: list[Material]) -> _Skin:
     material = materials[mesh.material]
     vertex_rgba = _of_triangles(mesh)
+    back = _sent_back(mesh, material, vertex_rgba[:, :3])
     return _Skin(
         mesh.normals[mesh.triangles],
-        _reflectance_rgb(mesh, material, vertex_rgba[:, :3]),
+        back.reflectance_rgb,
         _emitted_rgb(mesh, material),
-        _opacity(mesh, material, vertex_rgba[:, 3]),
+        _opacity(mesh, material, vertex_rgba[:, 3]) * (1.0 - back.passing),
         material.double_sided,
     )
 
@@ -132,8 +133,8 @@ def _map_means(mesh: Mesh, material: Material, name: MapName) -> Float32Array | 
     )
 
 
-def _reflectance_rgb(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> Float32Array:
-    """Paint under a coat that reflects the share c of diffuse light, or metal."""
+def _sent_back(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> SentBack:
+    """Of paint under its coat, of metal or of glass."""
     colour = vertex_rgb * np.asarray(material.base_colour_rgba[:3], np.float32)
     texels = _map_means(mesh, material, "base_colour")
     if texels is not None:
@@ -143,10 +144,7 @@ def _reflectance_rgb(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -
     both = _map_means(mesh, material, "metallic_roughness")
     if both is not None:
         roughness, metallic = roughness * both[:, 1:2], metallic * both[:, 2:3]
-    table = reflectance_table()
-    coat = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
-    sent_back = metallic * colour + (1.0 - metallic) * (colour * (1.0 - coat) + coat)
-    return np.asarray(np.clip(sent_back, 0.0, 1.0), np.float32)
+    return sent_back(mesh, material, colour.astype(np.float64), roughness, metallic)
 
 
 def _emitted_rgb(mesh: Mesh, material: Material) -> Float32Array:

@@ -16,11 +16,12 @@ from vrut_lite.daylight.scene_content import MapName
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
-from vrut_lite.render.passes.draw_order import alpha_range
+from vrut_lite.render.passes.draw_order import alpha_range, casts_shadow
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
+from vrut_lite.render.surface_terms import SurfaceTermsOnGpu, scale_of, term_defines
 
 pyrender = import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
@@ -29,6 +30,7 @@ from pyrender.shader_program import ShaderProgram, ShaderProgramCache  # noqa: E
 
 # As mesh.frag binds them; the first units are a material's textures, which pyrender numbers.
 _SKY_UNIT, SHADOW_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT, _NEAR_SHADOW_UNIT = 8, 9, 10, 11, 15
+_GLASS_SHADOW_UNIT = 23
 _LAYER_UNIFORMS: dict[str, MapName] = {
     "base_color_layer": "base_colour",
     "metallic_roughness_layer": "metallic_roughness",
@@ -80,9 +82,15 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
     def __init__(self) -> None:
         super().__init__(1, 1)
         self._program_cache = _Programs(shader_dir=str(SHADERS))
+        self._terms = SurfaceTermsOnGpu()
 
     def __del__(self) -> None:
         """Do nothing: pyrender would free GL objects from whatever thread collects garbage."""
+
+    def delete(self) -> None:
+        """Free all that it keeps on the GPU."""
+        self._terms.release()
+        super().delete()
 
     def update(self, scene: PyrenderScene) -> None:
         """Bring the scene's buffers and textures to the GPU, and free those that left it."""
@@ -110,12 +118,17 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthMask(GL.GL_FALSE if blended else GL.GL_TRUE)
         defines = (*defines, "NEAR_SHADOW") if shadows.near else defines
+        defines = (*defines, "GLASS_SHADOW") if shadows.scene.tint else defines
         shadow_uniforms = _shadow_uniforms(shadows, view)
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             primitive = placed.primitive
-            own = (*_surface_defines(primitive.material), *surface_light.defines(placed))
+            own = (
+                *_surface_defines(primitive.material),
+                *term_defines(primitive.material, blended),
+                *surface_light.defines(placed),
+            )
             self._program_cache.also = (*defines, *own)
             program = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
@@ -134,6 +147,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             if surface_light.mirrors(placed):
                 program.set_uniform("mirror_eye_m", surface_light.bind_mirror(placed, view.eye_m))
             pose = translation(-view.eye_m) @ placed.world_from_model
+            self._terms.bind(primitive.material, scale_of(placed.world_from_model))
             program.set_uniform("M", pose)
             self._bind_material(program, primitive.material)
             _draw_sides(primitive, blended)
@@ -159,28 +173,63 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
-            if placed.is_ground:
-                continue
-            primitive = placed.primitive
-            self._program_cache.also = _surface_defines(primitive.material)
-            program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
-            program._bind()
-            program.set_uniform("V", np.eye(4))
-            program.set_uniform("P", shadow.matrix)
-            program.set_uniform("M", translation(-shadow.centre_m) @ placed.world_from_model)
-            self._set_cut_out(program, primitive.material)
-            GL.glDisable(GL.GL_CULL_FACE)
-            GL.glDisable(GL.GL_BLEND)
-            _draw_triangles(primitive)
-            self._reset_active_textures()
+            if not placed.is_ground and casts_shadow(placed.primitive):
+                self._draw_caster(placed, shadow, ())
         GL.glDisable(GL.GL_DEPTH_CLAMP)
         GL.glUseProgram(0)
+
+    def draw_tint(self, scene: PyrenderScene, shadow: Shadow, texels: int) -> None:
+        """Multiply what glass before the depth in the bound framebuffer leaves of sunlight.
+
+        Alpha becomes the depth of the glass that is nearest to the sun.
+        """
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glEnable(GL.GL_DEPTH_CLAMP)
+        GL.glDepthFunc(GL.GL_LEQUAL)
+        GL.glDepthMask(GL.GL_FALSE)
+        GL.glBlendEquationSeparate(GL.GL_FUNC_ADD, GL.GL_MIN)
+        GL.glBlendFuncSeparate(GL.GL_ZERO, GL.GL_SRC_COLOR, GL.GL_ONE, GL.GL_ONE)
+        for placed in scene.placed:
+            if placed.primitive.material.terms.transmits:
+                self._draw_caster(placed, shadow, ("TINT",), float(texels))
+        GL.glBlendEquation(GL.GL_FUNC_ADD)
+        GL.glDisable(GL.GL_BLEND)
+        GL.glDepthMask(GL.GL_TRUE)
+        GL.glDepthFunc(GL.GL_LESS)
+        GL.glDisable(GL.GL_DEPTH_CLAMP)
+        GL.glUseProgram(0)
+
+    def _draw_caster(
+        self, placed: PlacedPrimitive, shadow: Shadow, defines: Defines, texels: float = 0.0
+    ) -> None:
+        primitive = placed.primitive
+        material = primitive.material
+        has_map = ("HAS_TRANSMISSION_TEX",) if "transmission" in material.further else ()
+        self._program_cache.also = (*_surface_defines(material), *has_map, *defines)
+        program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
+        program._bind()
+        program.set_uniform("V", np.eye(4))
+        program.set_uniform("P", shadow.matrix)
+        program.set_uniform("M", translation(-shadow.centre_m) @ placed.world_from_model)
+        if material.terms.transmits:
+            self._terms.bind(material, scale_of(placed.world_from_model))
+        if defines:
+            program.set_uniform("map_texels", texels)
+            program.set_uniform("base_tint", np.asarray(material.baseColorFactor[:3]))
+            GL.glEnable(GL.GL_BLEND)
+        else:
+            GL.glDisable(GL.GL_BLEND)
+        self._set_cut_out(program, material)
+        GL.glDisable(GL.GL_CULL_FACE)
+        _draw_triangles(primitive)
+        self._reset_active_textures()
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
         """A masked surface casts by its own cut-off, a blended one where alpha exceeds 0.5."""
         cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": 0.5}
         cut_off = cut_offs.get(material.alphaMode, 0.0)
-        texture = material.baseColorTexture if cut_off > 0.0 else None
+        looked_up = cut_off > 0.0 or material.terms.transmits
+        texture = material.baseColorTexture if looked_up else None
         program.set_uniform("alpha_cutoff", cut_off)
         program.set_uniform("base_alpha", float(material.baseColorFactor[3]))
         program.set_uniform("has_alpha_texture", 0.0 if texture is None else 1.0)
@@ -208,7 +257,11 @@ def _draw_sides(primitive: Any, blended: bool) -> None:
     GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
     if blended:
         GL.glEnable(GL.GL_BLEND)
-        GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
+        if primitive.material.terms.transmits:
+            # What is behind times a colour that the shader says.
+            GL.glBlendFunc(GL.GL_ONE, GL.GL_SRC1_COLOR)
+        else:
+            GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
     else:
         GL.glDisable(GL.GL_BLEND)
     if primitive.material.doubleSided and blended:
@@ -260,6 +313,9 @@ def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
     shadows.scene.texture.use(location=SHADOW_UNIT)
     if shadows.near is not None:
         shadows.near.texture.use(location=_NEAR_SHADOW_UNIT)
+    nearest = shadows.near or shadows.scene
+    if nearest.tint is not None:
+        nearest.tint.use(location=_GLASS_SHADOW_UNIT)
     reflection.texture.use(location=_REFLECTION_UNIT)
     reflection.reflectance.use(location=_REFLECTANCE_UNIT)
 

@@ -38,6 +38,10 @@ class ShadowMap:
         self._texture.compare_func = "<="
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._buffer = context.framebuffer(depth_attachment=self._texture)
+        self._context = context
+        self._tint: Any = None
+        self._tint_buffer: Any = None
+        self._tint_alone: Any = None
         self._drawn: tuple[Any, ...] = ()
 
     def update(
@@ -55,6 +59,7 @@ class ShadowMap:
             matrix=light_matrix(light.sun_direction, radius_m),
             texel_m=2 * radius_m / SHADOW_SIZE,
             centre_m=centre_m,
+            tint=self._tint_of(scene),
         )
         now = (scene, light.sun_direction, tuple(centre_m))
         if not always and not any(light.sun_irradiance):
@@ -65,14 +70,32 @@ class ShadowMap:
             self._buffer.use()
             self._buffer.clear()
             meshes.draw_depth(scene, shadow)
+            if shadow.tint is not None:
+                self._tint_alone.clear(1.0, 1.0, 1.0, 1.0)
+                # With the depth: what is behind solid things tints nothing.
+                self._tint_buffer.use()
+                meshes.draw_tint(scene, shadow, SHADOW_SIZE)
             self._drawn = now
             self._ledger.did(self._name)
         return shadow
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        self._buffer.release()
-        self._texture.release()
+        for thing in (self._tint_buffer, self._tint_alone, self._tint, self._buffer, self._texture):
+            if thing is not None:
+                thing.release()
+
+    def _tint_of(self, scene: PyrenderScene) -> Any:
+        """The texture of what glass leaves, made when a scene first has some."""
+        if not scene.has_glass:
+            return None
+        if self._tint is None:
+            size = (SHADOW_SIZE, SHADOW_SIZE)
+            self._tint = self._context.texture(size, 4, dtype="f2")
+            self._tint.repeat_x = self._tint.repeat_y = False
+            self._tint_buffer = self._context.framebuffer([self._tint], self._texture)
+            self._tint_alone = self._context.framebuffer([self._tint])
+        return self._tint
 
 
 class ShadowMaps:

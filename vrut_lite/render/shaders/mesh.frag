@@ -42,6 +42,7 @@ uniform int emissive_layer;
 uniform float normal_scale;
 uniform float occlusion_strength;
 uniform float dielectric_f0;         // reflectance at normal incidence of what is no metal
+const float TABLE_F0 = 0.04;         // of the table's means
 
 uniform vec3 sun_direction;          // towards the sun
 uniform vec3 sun_irradiance;         // on a plane that faces it
@@ -81,7 +82,12 @@ centroid in vec2 place_px;
 uniform vec2 light_corner_px;        // of its rectangle in the light map
 #endif
 
+#ifdef GLASS
+layout(location = 0, index = 0) out vec4 frag_radiance;
+layout(location = 0, index = 1) out vec4 share_of_behind;
+#else
 out vec4 frag_radiance;
+#endif
 
 #ifdef TEXCOORD_0_LOC
 vec2 uv_of(int layer) {
@@ -243,7 +249,24 @@ float sun_visibility(vec3 face) {
 #endif
 }
 
-// Share of the sun on a triangle of a rounded surface that turns away from it, so that
+#ifdef GLASS_SHADOW
+layout(binding = 23) uniform sampler2D glass_shadow;  // of the nearest of the maps
+const float GLASS_DEPTH = 2e-3;                      // half floats tell no less apart
+
+// What glass before this point leaves of the sun.
+vec3 sun_through_glass(vec3 face) {
+#ifdef NEAR_SHADOW
+    vec3 at = (near_shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
+#else
+    vec3 at = (shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
+#endif
+    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
+    vec4 glass = textureLod(glass_shadow, at.xy, 0.0);
+    return at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
+}
+#endif
+
+// Share of the sun that is left where a triangle of a rounded surface turns away from it, so that
 // no edge of a triangle shows there; 1 where triangle and normal agree (Chiang et al. 2019,
 // "Taming the shadow terminator").
 float before_terminator(float nl, float cos_face, float cos_between) {
@@ -259,13 +282,13 @@ vec3 grazing(vec3 f0) {
 
 // GGX distribution times height-correlated Smith visibility (Heitz 2014), with Schlick's
 // Fresnel term: glTF 2.0, appendix B.3.
-vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0) {
+vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0, vec3 f90) {
     float a2 = alpha * alpha;
     float d = nh * nh * (a2 - 1.0) + 1.0;
     float distribution = a2 / (PI * d * d);
     float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2)
                               + nv * sqrt(nl * nl * (1.0 - a2) + a2));
-    return distribution * visibility * (f0 + (grazing(f0) - f0) * pow(1.0 - vh, 5.0));
+    return distribution * visibility * (f0 + (f90 - f0) * pow(1.0 - vh, 5.0));
 }
 
 //!include sky_lookup.glsl
@@ -283,9 +306,8 @@ vec3 bounces(vec3 f0, vec2 share) {
 }
 
 // Share of the light that the coat of a dielectric reflects, all bounces.
-float coat(vec2 share) {
-    vec3 f0 = vec3(dielectric_f0);
-    return ((f0 * share.x + grazing(f0) * share.y) * bounces(f0, share)).r;
+float coat(vec2 share, float f0, float f90) {
+    return (f0 * share.x + f90 * share.y) * (1.0 + f0 * (1.0 / (share.x + share.y) - 1.0));
 }
 
 // Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
@@ -330,6 +352,10 @@ vec4 base_color() {
     return base;
 }
 
+#ifdef TERMS
+//!include surface_terms.glsl
+#endif
+
 #ifdef CUT_OUT
 //!include cut_out.glsl
 
@@ -355,6 +381,16 @@ void main() {
     cover(alpha_of_map);
 #endif
     if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
+#ifdef UNLIT
+    // As bright as level ground of its colour in the open.
+    vec3 on_ground = sky_irradiance(vec3(0.0, 1.0, 0.0)) + sun_irradiance * max(sun_direction.y, 0.0);
+    vec3 shown = base.rgb * on_ground / PI;
+#ifdef AIR
+    shown = through_air(shown, normalize(eye_to_sample), length(eye_to_sample), 1.0);
+#endif
+    frag_radiance = vec4(shown, mix(base.a, 1.0, opaque));
+    return;
+#endif
     float metallic = material.metallic_factor, roughness = material.roughness_factor;
     vec3 emission = material.emissive_factor;
     float occlusion = 1.0;
@@ -374,8 +410,28 @@ void main() {
 #endif
     roughness = clamp(roughness, 0.0, 1.0);
     float alpha = max(roughness * roughness, SMALLEST_ALPHA);
-    vec3 f0 = mix(vec3(dielectric_f0), base.rgb, metallic);
+    vec3 coat_f0 = vec3(dielectric_f0);
+    float coat_peak = dielectric_f0, coat_f90 = grazing(coat_f0).r;
+#ifdef TERMS
+    float clearcoat, transmission;
+    look_up_terms(coat_f0, coat_f90, clearcoat, transmission);
+    coat_peak = peak(coat_f0);
+#endif
+    vec3 f0 = mix(coat_f0, base.rgb, metallic);
+    vec3 f90 = grazing(f0);
+#ifdef TERMS
+    f90 = mix(vec3(coat_f90), f90, metallic);
+#endif
     vec3 albedo = base.rgb * (1.0 - metallic);
+#ifdef GLASS
+    transmission *= 1.0 - metallic;
+    albedo *= 1.0 - transmission;
+#ifdef HAS_TRANSMISSION_TEX
+    if (transmission <= 0.0) discard;  // drawn among what is solid
+#endif
+#elif defined(HAS_TRANSMISSION_TEX)
+    if (transmission > 0.0) discard;   // drawn after all that is solid
+#endif
 
     vec3 view = normalize(-eye_to_sample);
     vec3 face = face_normal(view);
@@ -390,7 +446,13 @@ void main() {
     vec3 more = bounces(f0, share.xy);
     // The coat transmits the rest to the paint below it (Kelemen and Szirmay-Kalos
     // 2001): reciprocal, and a white surface gives back all of any light.
-    float through = 1.0 - coat(share.xy);
+    float through = 1.0 - coat(share.xy, coat_peak, coat_f90);
+#ifdef SHEEN
+    // Fibres take their light from all that is below them.
+    float below_sheen = 1.0 - peak(terms.sheen_rgb) * sheen_share(nv);
+    through *= below_sheen;
+    more *= below_sheen;
+#endif
 #ifdef SURFACE_LIGHT
     vec4 reached = surface_light(face, smooth_n, n, behind);
 #ifndef LIGHT_MAP
@@ -401,6 +463,9 @@ void main() {
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
 #endif
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
+#ifdef CLEARCOAT
+    vec3 sun_on_clearcoat = vec3(0.0);  // facing it
+#endif
 #ifdef NO_SKY
     // Shadow maps let the sun through where walls meet.
     nl = 0.0;
@@ -408,22 +473,47 @@ void main() {
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
         vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face));
+#ifdef GLASS_SHADOW
+        sun *= sun_through_glass(face);
+#endif
 #ifdef CLOUD_SHADOWS
         sun *= cloud_transmittance(eye_to_sample);
 #endif
-        float mean = share.z * grazing(vec3(dielectric_f0)).r;
-        diffuse += sun * (through * (1.0 - coat(shares(nl, roughness).xy)) / (1.0 - mean));
+#ifdef CLEARCOAT
+        sun_on_clearcoat = sun / nl;
+        sun *= sun_below_clearcoat(clearcoat, dot(smooth_n, sun_direction));
+#endif
+        float mean = share.z * coat_f90;
+#ifdef TERMS
+        // In proportion: all at an f0 of 1, and the table's own at that of the table.
+        mean += (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
+        mean = min(mean, 0.999);
+#endif
+        float in_again = 1.0 - coat(shares(nl, roughness).xy, coat_peak, coat_f90);
+        diffuse += sun * (through * in_again / (1.0 - mean));
         // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
         vec3 h = normalize(sun_direction + view);
         float nh = clamp(dot(n, h), 0.0, 1.0), vh = clamp(dot(view, h), 0.0, 1.0);
-        radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0);
+#ifdef ANISOTROPY
+        vec3 l = sun_direction;
+        radiance += sun * more * stretched_brdf(n, l, view, h, nl, nv, vh, alpha, f0, f90);
+#else
+        radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0, f90);
+#endif
+#ifdef SHEEN
+        radiance += sun * sheen_brdf(nl, nv, nh);
+#endif
     }
     radiance += albedo * diffuse / PI;
-    vec3 once = f0 * share.x + grazing(f0) * share.y;
+    vec3 once = f0 * share.x + f90 * share.y;
+    vec3 mirror_n = n;
+#ifdef ANISOTROPY
+    mirror_n = bent_normal(n, view, roughness);
+#endif
 #ifdef SURFACE_LIGHT
-    if (dielectric_f0 + metallic > 0.0) {
+    if (coat_f90 + metallic > 0.0) {
         // The share of the sky that arrives; the rest arrives evenly from all directions.
-        vec3 to_image = reflect(-view, n), far = reflected_sky(to_image, roughness);
+        vec3 to_image = reflect(-view, mirror_n), far = reflected_sky(to_image, roughness);
         vec3 mirrored = reached.a * far;
         mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
 #ifdef MIRROR
@@ -433,7 +523,37 @@ void main() {
         radiance += once * more * mirrored;
     }
 #else
-    radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
+    radiance += once * more * occlusion * reflected_sky(reflect(-view, mirror_n), roughness);
+#endif
+#ifdef SHEEN
+#ifdef SURFACE_LIGHT
+    vec3 on_sheen = reached.rgb;
+#else
+    vec3 on_sheen = sky_irradiance(n) * occlusion;
+#endif
+    radiance += terms.sheen_rgb * sheen_share(nv) * on_sheen / PI;
+#endif
+#ifdef GLASS
+    // The coat reflects; of what it lets in, what is behind is seen, tinted by the base colour.
+    vec3 tint = base.rgb * (transmission * through);
+#ifdef BACKDROP
+    radiance += tint * seen_through(eye_to_sample, n, view, roughness);
+    tint = vec3(0.0);
+#endif
+#endif
+#ifdef CLEARCOAT
+    radiance = under_clearcoat(
+        radiance, clearcoat, smooth_n, view, sun_on_clearcoat,
+#ifdef SURFACE_LIGHT
+        reached.a * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
+            + max(reached.rgb - reached.a * open_irradiance(smooth_n), 0.0) / PI
+#else
+        occlusion * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
+#endif
+    );
+#ifdef GLASS
+    tint *= 1.0 - clearcoat * clearcoat_share(max(dot(smooth_n, view), 1e-4));
+#endif
 #endif
 #ifdef AIR
     float metres = length(eye_to_sample), lit_air = 1.0;
@@ -442,5 +562,11 @@ void main() {
 #endif
     radiance = through_air(radiance, -view, metres, lit_air);
 #endif
+#ifdef GLASS
+    // A blended pane is there by the share alpha.
+    frag_radiance = vec4(radiance * base.a, 1.0);
+    share_of_behind = vec4(mix(vec3(1.0), tint, base.a), 1.0);
+#else
     frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
+#endif
 }

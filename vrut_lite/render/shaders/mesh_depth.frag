@@ -1,5 +1,6 @@
 #version 430 core
-// A cut-out leaf casts the shadow of the leaf, not of its quad.
+// A cut-out leaf casts the shadow of the leaf, not of its quad; glass is no part of it. With TINT,
+// what glass leaves of the sun's light, to be multiplied, and how near to the sun it is.
 
 uniform float base_alpha;
 uniform float alpha_cutoff;
@@ -14,8 +15,47 @@ in vec2 uv;
 //!include cut_out.glsl
 #endif
 
+#ifdef TINT
+//!include surface_terms_block.glsl
+uniform vec3 base_tint;
+uniform float map_texels;  // along a side of the shadow map
+out vec4 left;
+
+vec4 left_by_glass(vec3 texel) {
+    // Sides of the sun's box are as long as it is deep.
+    vec2 slope = map_texels * vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
+    float nl = inversesqrt(1.0 + dot(slope, slope));
+    float f0 = max(terms.f0.r, max(terms.f0.g, terms.f0.b));
+    float through = 1.0 - mix(f0, terms.f90, pow(1.0 - nl, 5.0));
+    vec3 tint = base_tint * texel;
+    // The sides of a body tint half each.
+    if (terms.thickness_m > 0.0) tint = sqrt(tint * exp(-terms.extinction_per_m * terms.thickness_m));
+    return vec4(tint * (through * terms.transmission), gl_FragCoord.z);
+}
+#endif
+
+#ifdef HAS_TRANSMISSION_TEX
+layout(binding = 21) uniform sampler2D transmission_map;
+#endif
+
 void main() {
     float alpha = base_alpha;
+#if defined(HAS_TRANSMISSION_TEX) && defined(TEXCOORD_0_LOC)
+    bool is_glass = texture(transmission_map, uv).r >= 0.5;
+#ifdef TINT
+    if (!is_glass) discard;
+#else
+    if (is_glass) discard;
+#endif
+#endif
+#ifdef TINT
+    vec3 texel = vec3(1.0);
+#ifdef TEXCOORD_0_LOC
+    if (has_alpha_texture > 0.5) texel = texture(alpha_texture, uv).rgb;
+#endif
+    left = left_by_glass(texel);
+    return;
+#endif
 #if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
     float share = covered_share(alpha_texture, uv, texture(alpha_texture, uv).a);
     if (share <= threshold()) discard;

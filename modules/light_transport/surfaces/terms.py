@@ -1,0 +1,80 @@
+"""Coats and glass of materials, as means over all directions: what a triangle sends back, and how
+much passes straight on.
+
+What light transport keeps of glass: each triangle lets a share of all rays through, whatever their
+colour; tinted panes pass the luminance of their tint. Bodies let rays straight on too, half of
+what they take away at either side.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from light_transport.surfaces.map_means import linear, triangle_means
+from vrut_lite.daylight.scene_content import MapName, Material, Mesh
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+
+class SentBack(NamedTuple):
+    """Shares of diffuse light: sent back (F, 3), of what does not pass, and passing (F,)."""
+
+    reflectance_rgb: Float32Array
+    passing: Float32Array
+
+
+def sent_back(
+    mesh: Mesh, material: Material, colour: FloatArray, roughness: FloatArray, metallic: FloatArray
+) -> SentBack:
+    """Of paint (F, 3) or metal, where `metallic` (F, 1) is 1, under coats of `roughness` (F, 1)."""
+    terms = material.terms
+    f0 = terms.f0_rgb * _channel_means(mesh, material, "specular", 3)
+    tint = triangle_means_of(mesh, material, "specular_colour")
+    f0 = f0 if tint is None else f0 * tint
+    f90 = terms.f90 * _channel_means(mesh, material, "specular", 3)
+    peak = f0.max(axis=1, keepdims=True)
+    coat = mean_coat(roughness, peak, f90)
+    coat_rgb = coat * np.divide(f0, peak, out=np.ones_like(f0 + coat), where=peak > 0.0)
+    glass = terms.transmission * _channel_means(mesh, material, "transmission", 0)
+    glass = glass * (1.0 - metallic)
+    paint = colour * (1.0 - coat)
+    second = terms.clearcoat * _channel_means(mesh, material, "clearcoat", 0)
+    second = second * mean_coat(np.array(terms.clearcoat_roughness), DIELECTRIC_F0, 1.0)
+    below = metallic * colour + (1.0 - metallic) * (paint * (1.0 - glass) + coat_rgb)
+    back = second + (1.0 - second) * below
+    passing = luminance(_one_side(material, colour)) * ((1.0 - second) * glass * (1.0 - coat))[:, 0]
+    reflectance = np.clip(back / np.maximum(1.0 - passing, 1e-3)[:, None], 0.0, 1.0)
+    return SentBack(reflectance.astype(np.float32), passing.astype(np.float32))
+
+
+def mean_coat(roughness: FloatArray, f0: FloatArray | float, f90: FloatArray | float) -> FloatArray:
+    """Share of diffuse light that a coat sends back, in proportion as mesh.frag has it."""
+    table = reflectance_table()
+    mean = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
+    more = (np.asarray(f0) - DIELECTRIC_F0 * f90) * (1.0 - mean) / (1.0 - DIELECTRIC_F0)
+    return np.asarray(mean * f90 + more)
+
+
+def triangle_means_of(mesh: Mesh, material: Material, name: MapName) -> Float32Array | None:
+    """Means (F, 3) of a map's colour in linear light."""
+    found = material.maps.get(name)
+    return None if found is None else triangle_means(found, mesh, lambda t: linear(t[..., :3]))
+
+
+def _channel_means(mesh: Mesh, material: Material, name: MapName, channel: int) -> FloatArray:
+    """Means (F, 1) of a channel of a map, ones where there is none."""
+    found, ones = material.maps.get(name), np.ones((len(mesh.triangles), 1))
+    if found is None or found.texels.shape[2] <= channel:
+        return ones
+    means = triangle_means(found, mesh, lambda texels: texels[..., channel : channel + 1])
+    return ones if means is None else np.asarray(means, np.float64)
+
+
+def _one_side(material: Material, colour: FloatArray) -> FloatArray:
+    """What one triangle of glass leaves (F, 3): a pane's tint, or half of a body's."""
+    terms = material.terms
+    if terms.is_pane:
+        return np.asarray(colour)
+    left = np.exp(-np.asarray(terms.extinction_per_m) * terms.thickness_m)
+    return np.asarray(np.sqrt(np.asarray(colour, float) * left))
