@@ -17,8 +17,10 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 
 # Extensions a file may require: each is honoured by the reader.
 SUPPORTED_EXTENSIONS = (
+    "EXT_lights_ies",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 )
