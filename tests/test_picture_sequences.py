@@ -230,6 +230,7 @@ class Studio:
         return self
 
     caption = "a picture"
+    notices = ()
 
     def write(self, path):
         path.write_text(f"new {self.shots}")

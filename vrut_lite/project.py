@@ -4,6 +4,7 @@ import math
 import os
 import stat
 import tomllib
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -64,10 +65,11 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
-    missing `haze`.
+    missing `haze`. `luminaires`: IES files by the names of the scene's lamps.
     """
 
     scene: str = ""
+    luminaires: dict[str, str] = {}
     place: str = "50.0755,14.4378,200"
     at: str = "2026-06-21T16:00"
     north_offset_deg: Annotated[float, msgspec.Meta(ge=-360, le=360)] = 0.0
@@ -121,7 +123,13 @@ def load_project(path: str | Path) -> Project:
         raise UserError(f"the project {file} is nested too deeply: write it anew") from None
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
-    return msgspec.structs.replace(project, scene=str(file.parent / project.scene))
+    return _with_paths(project, lambda path: str(file.parent / path))
+
+
+def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
+    """The project with other paths of its files."""
+    luminaires = {name: change(path) for name, path in project.luminaires.items()}
+    return msgspec.structs.replace(project, scene=change(project.scene), luminaires=luminaires)
 
 
 def project_of_path(path: str | None) -> Project:
@@ -142,11 +150,15 @@ def save_project(path: str | Path, project: Project) -> None:
         UserError: it cannot be written.
     """
     file = Path(path)
-    scene = os.path.relpath(Path(project.scene).resolve(), file.resolve().parent)
-    text = project_text(msgspec.structs.replace(project, scene=Path(scene).as_posix()))
+    folder = file.resolve().parent
+
+    def beside(path: str) -> str:
+        return Path(os.path.relpath(Path(path).resolve(), folder)).as_posix()
+
+    text = project_text(_with_paths(project, beside))
     try:
-        with atomic_output(file) as beside:
-            beside.write_text(text, encoding="utf-8")
+        with atomic_output(file) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
     except OSError as error:
         raise UserError(f"cannot write {file}: {error.strerror or error}") from None
 
@@ -208,7 +220,7 @@ def view_inputs(project: Project) -> list[Input]:
         SetSetting(module="scene", name="light_shafts", value=project.light_shafts),
         Resize(width_px=project.size[0], height_px=project.size[1]),
         exposure,
-        LoadScene(path=project.scene),
+        LoadScene(path=project.scene, luminaires=tuple(project.luminaires.items())),
     ]
     if project.camera is not None:
         eye, target = np.array(project.camera.eye_m), np.array(project.camera.target_m)

@@ -101,6 +101,7 @@ SCENE = SceneOpened(
         images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
     ),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
+    notices=("points or lines: not drawn",),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (

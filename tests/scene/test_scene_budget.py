@@ -31,6 +31,7 @@ from vrut_lite.scene.draco_header import read_draco_counts
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.loading import LoadedScene, load_scene
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 GIB = 2**30
@@ -324,7 +325,7 @@ def test_damaged_draco_heads(data):
 def test_draco_may_not_hold_more_than_is_promised(tmp_path, promised):
     """Draco data that exceed the glTF's accessors are refused."""
     path = MODELS / "pmndrs_draco.glb"
-    file = read_gltf_file(path, SceneBudget(4 * GIB))
+    file = read_gltf_file(path, SceneBudget(4 * GIB), Notices())
     primitive = file.document.meshes[0].primitives[0]
     name, count = promised
     number = primitive.indices if name == "indices" else primitive.attributes[name]

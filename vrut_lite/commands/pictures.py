@@ -33,6 +33,10 @@ class Shot(Protocol):
     def caption(self) -> str:
         """The hour and what else is to be told of it."""
 
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """Lines on what the picture lacks of what it is of."""
+
     def write(self, path: Path) -> None:
         """Write the picture, and what goes beside it under longer names."""
 
@@ -59,15 +63,17 @@ class Plan(Protocol):
 
 
 class Made(NamedTuple):
-    """A picture's files by their suffixes, and its caption."""
+    """A picture's files by their suffixes, its caption, and what it lacks."""
 
     files: dict[str, bytes]
     caption: str
+    notices: tuple[str, ...] = ()
 
 
 def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None) -> list[str]:
     """Make and write pictures, here or by workers; their captions.
 
+    What they lack is told once, on the error stream.
     Those that are finished when anything fails, Ctrl-C included, stay.
     """
     captions = _elsewhere(plan, wanted, workers) if workers else _here(plan, wanted)
@@ -80,8 +86,10 @@ def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None
 def _here(plan: Plan, wanted: Sequence[Wanted]) -> Iterator[str]:
     studio = plan.open()
     try:
-        for instant, path in wanted:
+        for number, (instant, path) in enumerate(wanted):
             shot = studio.shoot(instant)
+            if number == 0:
+                tell_notices(shot.notices)
             shot.write(path)
             yield shot.caption
     finally:
@@ -94,9 +102,13 @@ def _elsewhere(plan: Plan, wanted: Sequence[Wanted], workers: Executor) -> Itera
         (path, workers.submit(make_one, plan, instant, path.suffix))
         for (instant, path), _ in zip(waiting, range(AHEAD), strict=False)
     )
+    told = False
     while asked:
         path, promise = asked.popleft()
         made = promise.result()
+        if not told:
+            tell_notices(made.notices)
+        told = True
         for suffix, content in made.files.items():
             with atomic_output(path.with_suffix(suffix)) as beside:
                 beside.write_bytes(content)
@@ -105,6 +117,12 @@ def _elsewhere(plan: Plan, wanted: Sequence[Wanted], workers: Executor) -> Itera
             promise = workers.submit(make_one, plan, following.instant, following.path.suffix)
             asked.append((following.path, promise))
         yield made.caption
+
+
+def tell_notices(notices: Sequence[str]) -> None:
+    """Write what a picture or a journal lacks of the scene's files to the error stream."""
+    for line in notices:
+        click.echo(f"vrut-lite: {line}", err=True)
 
 
 def said_of(wanted: Sequence[Wanted], captions: Sequence[str]) -> str:
@@ -128,7 +146,7 @@ def make_one(plan: Plan, instant: datetime, suffix: str) -> Made:
         shot.write(name.with_suffix(suffix))
         files = {path.name.removeprefix(name.name): path.read_bytes()
                  for path in sorted(Path(folder).iterdir())}  # fmt: skip
-        return Made(files, shot.caption)
+        return Made(files, shot.caption, shot.notices)
 
 
 def _studio(plan: Plan) -> Studio:

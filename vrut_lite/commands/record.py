@@ -13,7 +13,9 @@ from vrut_lite.commands.headless_scene import add_headless_scene
 from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.pictures import tell_notices
 from vrut_lite.daylight.place_time import parse_instant
+from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Fault, Input, Message, SetClock
@@ -94,6 +96,8 @@ def record(
         demand_light(kernel, "record command", size)
         _play(kernel, [*script, *passing])
         recorder.close()
+        opened = kernel.last(SceneOpened)
+    tell_notices(opened.notices if opened else ())
     told = f", {len(faults)} of them faults, the first: {faults[0].error}" if faults else ""
     click.echo(f"{output}: {recorder.inputs} inputs and {recorder.messages} messages{told}")
 

@@ -85,7 +85,8 @@ class SceneStudio:
         }
         if isinstance(self._host, EngineHost):
             metadata["samplesPerPixel"] = self._host.samples
-        return SceneShot(picture, metadata, self._plan)
+        scene = self._host.state.scene
+        return SceneShot(picture, metadata, self._plan, scene.notices if scene else ())
 
     def close(self) -> None:
         """Give the GPU back."""
@@ -94,11 +95,12 @@ class SceneStudio:
 
 @dataclass(frozen=True)
 class SceneShot:
-    """A picture and its metadata."""
+    """A picture, its metadata, and what it lacks of the scene's files."""
 
     picture: Picture
     metadata: Metadata
     plan: ScenePlan
+    notices: tuple[str, ...]
 
     @property
     def caption(self) -> str:

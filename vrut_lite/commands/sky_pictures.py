@@ -183,6 +183,11 @@ class SkyShot:
         """The hour and the sun."""
         return f"{self.metadata['time']}, sun {self.metadata['sunElevationDeg']:.1f} deg high"
 
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """A sky is whole."""
+        return ()
+
     def write(self, path: Path) -> None:
         """Write the picture, and its sidecar if it is to have one."""
         suffix, radiance = path.suffix.lower(), self.radiance

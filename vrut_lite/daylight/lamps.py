@@ -5,7 +5,7 @@ A lamp is a point: its irradiance falls with the square of the distance, without
 
 import msgspec
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite import checks
 from vrut_lite.array import Array
@@ -104,7 +104,7 @@ class SceneLamps(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             raise UserError("a lamp of SceneLamps names a table that is not there")
 
 
-def brightest_first(intensity_rgb: FloatArray) -> FloatArray:
+def brightest_first(intensity_rgb: FloatArray) -> NDArray[np.intp]:
     """The order of lamps (L,) by the luminance of their intensity (L, 3), W sr^-1."""
     return np.argsort(-np.asarray(luminance(intensity_rgb)), kind="stable")
 

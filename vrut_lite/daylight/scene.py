@@ -6,26 +6,30 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Vector
 
 
 class LoadScene(Input, frozen=True, kw_only=True):
-    """Open this scene file."""
+    """Open this scene file; `luminaires` are names of its lamps and paths of their IES files."""
 
     path: str
+    luminaires: tuple[tuple[str, str], ...] = ()
 
     def check(self) -> None:
-        """The file itself tells the rest."""
+        """The files themselves tell the rest."""
         checks.text(self, "path")
+        checks.pairs_of_texts(self, "luminaires")
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):
     """A scene is open: its bounds in metres, world axes, and all that is in it.
 
     `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
-    brings a ground of its own; `camera` the first that the file brings.
+    brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
+    `notices` are lines on what the file has and the scene has not, or has otherwise.
     """
 
     path: str
@@ -36,15 +40,17 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     materials: SceneMaterials
     ground: GroundDisc | None
     camera: MoveCamera | None
+    lamps: SceneLamps | None = None
+    notices: tuple[str, ...] = ()
 
     @property
     def content_key(self) -> str:
-        """Hexadecimal BLAKE2b-128 of geometry and materials, whatever the file is called.
+        """Hexadecimal BLAKE2b-128 of geometry, materials and lamps, whatever the file is called.
 
         The arrays are digested when this or a journal first asks, some 1 GB a second.
         """
         digest = hashlib.blake2b(digest_size=16)
-        for part in (self.geometry, self.materials):
+        for part in filter(None, (self.geometry, self.materials, self.lamps)):
             for name in part.__struct_fields__:
                 array: Array = getattr(part, name)
                 digest.update(array.digest.encode())
@@ -64,10 +70,16 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         checks.instance(self, "camera", (MoveCamera, type(None)))
         if self.camera is not None:
             self.camera.check()
+        checks.instance(self, "lamps", (SceneLamps, type(None)))
+        if self.lamps is not None:
+            self.lamps.check()
+        checks.lines(self, "notices")
 
     def check_arrays(self) -> None:
         """Arrays that refer to each other within their lengths."""
         self.geometry.check_arrays()
+        if self.lamps is not None:
+            self.lamps.check_arrays()
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):

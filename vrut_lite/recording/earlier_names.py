@@ -11,7 +11,7 @@ _RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
 # Fields that earlier messages lack, by today's type names, and what they meant without them.
 _ADDED: dict[str, Plain] = {
     "KeyLightChanged": {"body": "sun"},
-    "SceneOpened": dict.fromkeys(("geometry", "materials", "ground", "camera"), UNKNOWN),
+    "SceneOpened": dict.fromkeys(("geometry", "materials", "ground", "camera", "notices"), UNKNOWN),
 }
 
 

@@ -12,18 +12,11 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.gltf_extensions import check_extensions
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-# Extensions a file may require: each is honoured by the reader.
-SUPPORTED_EXTENSIONS = (
-    "EXT_lights_ies",
-    "EXT_texture_webp",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-)
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -34,11 +27,15 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class GltfFile:
-    """A parsed document and its buffers in memory; buffers of the same bytes are one object."""
+    """A parsed document and its buffers in memory; buffers of the same bytes are one object.
+
+    `notices` takes what a reader leaves out.
+    """
 
     document: Gltf
     buffers: tuple[bytes | memoryview, ...]
     folder: SceneFolder
+    notices: Notices
     _sparse: dict[int, NDArray[Any]] = field(default_factory=dict)
 
     def array(self, index: int) -> NDArray[Any]:
@@ -137,22 +134,24 @@ class GltfFile:
         return replaced
 
 
-def read_gltf_file(path: Path, budget: SceneBudget) -> GltfFile:
-    """Parse a .gltf or .glb file and fetch its buffers.
+def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFile:
+    """Parse a .gltf or .glb file and fetch its buffers; tell the extensions that are not read.
 
     Raises:
-        SceneFileError: if it is damaged, needs an unsupported extension, names files that are
+        SceneFileError: if it is damaged, requires an unsupported extension, names files that are
             missing or outside its folder, or does not fit the budget.
     """
     folder = SceneFolder(path.parent, budget)
     data = folder.read(path)
-    text, binary = _glb_chunks(data) if path.suffix.lower() == ".glb" else (data, None)
-    document = _parse(bytes(text), budget)
+    chunk, binary = _glb_chunks(data) if path.suffix.lower() == ".glb" else (data, None)
+    text = bytes(chunk)
+    document = _parse(text, budget)
     _check_version(document)
+    check_extensions(text, document.extensions_used, document.extensions_required, notices)
     for image in document.images:
         if image.uri is not None:
             folder.check_uri(image.uri)
-    return GltfFile(document, _fetch_buffers(document, folder, binary), folder)
+    return GltfFile(document, _fetch_buffers(document, folder, binary), folder, notices)
 
 
 def item_at(items: Sequence[Item], index: int, what: str) -> Item:
@@ -184,12 +183,6 @@ def _check_version(document: Gltf) -> None:
     if document.asset.version.split(".")[0] != "2":
         raise SceneFileError(
             f"it is glTF {ascii(document.asset.version)[:20]}, not glTF 2; export it as glTF 2"
-        )
-    unknown = [name for name in document.extensions_required if name not in SUPPORTED_EXTENSIONS]
-    if unknown:
-        names = ", ".join(ascii(name)[1:-1][:60] for name in unknown[:4])
-        raise SceneFileError(
-            f"it requires the glTF extension {names}, which is not supported; export it without"
         )
 
 

@@ -29,7 +29,8 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 
 _LONGEST_NAME = 80
 _MOST_INTENSITY = 1e12
-_WHITE = (1.0, 1.0, 1.0)
+# A node's own axis that lies along the light, but for rounding.
+_LEVEL = 1e-9
 
 
 class _Lamp(NamedTuple):
@@ -40,19 +41,12 @@ class _Lamp(NamedTuple):
     photometry: Photometry | None
 
 
-class GltfLamps(NamedTuple):
-    """A scene's lamps, None without any, and how many directional lights are left out."""
-
-    lamps: SceneLamps | None
-    directional: int
-
-
 def read_gltf_lamps(
     file: GltfFile,
     nodes: list[tuple[Node, NDArray[np.float64]]],
     luminaires: Mapping[str, bytes],
-) -> GltfLamps:
-    """The lamps that these nodes with their matrices (4, 4) to world axes carry.
+) -> SceneLamps | None:
+    """The lamps that these nodes with their matrices (4, 4) to world axes carry, None without any.
 
     `luminaires` are IES files by the name of a lamp or of its node: such a lamp has the file's
     candela, in its own colour.
@@ -64,7 +58,7 @@ def read_gltf_lamps(
     for node, world_from_node in nodes:
         reader.read(node, world_from_node)
     reader.check_names()
-    return GltfLamps(_packed(reader.lamps), reader.directional)
+    return _packed(reader.lamps)
 
 
 class _Reader:
@@ -72,7 +66,6 @@ class _Reader:
 
     def __init__(self, file: GltfFile, luminaires: Mapping[str, bytes]) -> None:
         self.lamps: list[_Lamp] = []
-        self.directional = 0
         self._file = file
         self._luminaires = luminaires
         self._used: set[str] = set()
@@ -92,7 +85,7 @@ class _Reader:
         lamps = self._file.document.extensions.punctual.lights
         lamp = item_at(lamps, reference.light, "light")
         if lamp.type == "directional":
-            self.directional += 1
+            self._file.notices.tell("directional light", "the sun of the hour shines instead")
             return
         colour, candela = np.array(lamp.color), lamp.intensity
         cone, photometry = ALL_AROUND, self._named(node.name, lamp.name)
@@ -198,7 +191,7 @@ def _axes(world_from_node: NDArray[np.float64]) -> FloatArray:
     x, y, z = world_from_node[:3, :3].T
     forward = -z / np.linalg.norm(z) if np.any(z) else np.array([0.0, -1.0, 0.0])
     across = x - (x @ forward) * forward
-    if np.linalg.norm(across) < 1e-9 * max(np.linalg.norm(x), 1e-30) or not np.any(across):
+    if not np.linalg.norm(across) > _LEVEL * np.linalg.norm(x):
         helper = np.eye(3)[np.argmin(np.abs(forward))]
         across = helper - (helper @ forward) * forward
     across /= np.linalg.norm(across)

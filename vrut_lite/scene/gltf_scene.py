@@ -1,15 +1,18 @@
 """glTF's tree of nodes as placed triangle meshes and a camera."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.scene.draco import decode_draco
 from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
+from vrut_lite.scene.gltf_lamps import read_gltf_lamps
+from vrut_lite.scene.gltf_notices import tell_unread
 from vrut_lite.scene.gltf_schema import Material, Node, Primitive
 from vrut_lite.scene.materials import GltfMaterials
 from vrut_lite.scene.mesh import (
@@ -30,15 +33,24 @@ _INDEX_BYTES = 4
 _STILL = Node()
 
 
-def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | None]:
-    """The meshes of the default scene, in world axes, and its first perspective camera.
+class GltfScene(NamedTuple):
+    """Placed meshes, the first perspective camera, and the lamps of a scene, in world axes."""
 
-    A mesh that several nodes place is one object, shared.
+    meshes: list[PlacedMesh]
+    camera: SceneCamera | None
+    lamps: SceneLamps | None
+
+
+def read_gltf_scene(file: GltfFile, luminaires: Mapping[str, bytes]) -> GltfScene:
+    """The default scene of a document.
+
+    A mesh that several nodes place is one object, shared. `luminaires`: IES files by lamp.
 
     Raises:
         SceneFileError: for references, counts or values that do not hold, or are too many.
     """
     nodes = list(_placed_nodes(file))
+    tell_unread(file, [node for node, _ in nodes])
     _check_size(file, Counter(node.mesh for node, _ in nodes if node.mesh is not None))
     meshes = _Meshes(file)
     placed = [
@@ -47,7 +59,7 @@ def read_gltf_scene(file: GltfFile) -> tuple[list[PlacedMesh], SceneCamera | Non
         if node.mesh is not None
         for name, mesh in meshes.get(node.mesh)
     ]
-    return placed, _first_camera(file, nodes)
+    return GltfScene(placed, _first_camera(file, nodes), read_gltf_lamps(file, nodes, luminaires))
 
 
 def _placed_nodes(file: GltfFile) -> Iterator[tuple[Node, NDArray[np.float64]]]:

@@ -169,6 +169,7 @@ class Primitive(Part, frozen=True):
     extensions: PrimitiveExtensions = PrimitiveExtensions()
     indices: Index | None = None
     material: Index | None = None
+    targets: list[dict[str, Index]] = []
     mode: Annotated[int, Meta(ge=0, le=6)] = 4
 
 
@@ -177,6 +178,7 @@ class Mesh(Part, frozen=True):
 
     primitives: list[Primitive]
     name: str = ""
+    weights: list[float] = []
 
 
 class LampIndex(Part, frozen=True):
@@ -206,6 +208,7 @@ class Node(Part, frozen=True):
     name: str = ""
     children: list[Index] = []
     mesh: Index | None = None
+    skin: Index | None = None
     camera: Index | None = None
     matrix: Annotated[list[float], Meta(min_length=16, max_length=16)] | None = None
     translation: Vector3 = (0.0, 0.0, 0.0)
@@ -276,10 +279,23 @@ class Scene(Part, frozen=True):
     nodes: list[Index] = []
 
 
+class Skin(Part, frozen=True):
+    """Joints that bend a mesh."""
+
+    joints: list[Index]
+
+
+class Animation(Part, frozen=True):
+    """Movements of nodes over time."""
+
+    name: str = ""
+
+
 class Gltf(Part, frozen=True):
     """The whole document."""
 
     asset: Asset
+    extensions_used: list[str] = []
     extensions_required: list[str] = []
     extensions: GltfExtensions = GltfExtensions()
     buffers: list[Buffer] = []
@@ -292,4 +308,6 @@ class Gltf(Part, frozen=True):
     nodes: list[Node] = []
     cameras: list[Camera] = []
     scenes: list[Scene] = []
+    animations: list[Animation] = []
+    skins: list[Skin] = []
     scene: Index | None = None

@@ -1,4 +1,4 @@
-"""IES files (ANSI/IES LM-63, all editions): how many candela a luminaire sends in each direction."""
+"""IES files (ANSI/IES LM-63, all editions): candela that a luminaire sends in each direction."""
 
 import math
 import re

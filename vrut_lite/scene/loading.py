@@ -1,6 +1,7 @@
 """Opens a scene file (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,11 +9,14 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.errors import UserError
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
+from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.mesh import mirrored
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
@@ -26,7 +30,7 @@ class LoadedScene:
     """A scene in world axes: metres, +Y up, east +X, north -Z.
 
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
-    once for each place.
+    once for each place. `notices` are lines on what the files have and the meshes do not.
     """
 
     path: Path
@@ -35,12 +39,19 @@ class LoadedScene:
     upper_m: NDArray[np.float64]
     triangles: int
     camera: SceneCamera | None
+    lamps: SceneLamps | None = None
+    notices: tuple[str, ...] = ()
 
 
-def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
-    """Read a scene file with its materials, textures and camera.
+def load_scene(
+    path: str | os.PathLike[str],
+    budget: SceneBudget | None = None,
+    luminaires: Mapping[str, str] | None = None,
+) -> LoadedScene:
+    """Read a scene file with its materials, textures, camera and lamps.
 
-    `budget` limits memory; by default it comes from the environment.
+    `budget` limits memory; by default it comes from the environment. `luminaires` are paths of IES
+    files by the names of lamps.
 
     Raises:
         UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
@@ -48,27 +59,47 @@ def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) 
     """
     file = Path(path)
     try:
-        return _load(file, budget or budget_of_environment())
+        return _load(file, budget or budget_of_environment(), luminaires or {})
     except SceneFileError as fault:
         raise UserError(f"cannot open the scene {file}: {fault}") from fault
 
 
-def _load(path: Path, budget: SceneBudget) -> LoadedScene:
+def _load(path: Path, budget: SceneBudget, luminaires: Mapping[str, str]) -> LoadedScene:
     _check_path(path)
     real = path.resolve()
     camera: SceneCamera | None = None
+    lamps: SceneLamps | None = None
+    notices = Notices()
     if real.suffix.lower() == ".obj":
-        placed = read_obj_scene(real, budget)
+        placed = read_obj_scene(real, budget, notices)
+        if luminaires:
+            raise SceneFileError("an OBJ file has no lamps that a luminaire could be given to")
     else:
-        placed, camera = read_gltf_scene(read_gltf_file(real, budget))
+        file = read_gltf_file(real, budget, notices)
+        placed, camera, lamps = read_gltf_scene(file, _ies_files(luminaires, budget))
     triangles = sum(len(place.mesh.faces) for place in placed)
     if triangles == 0:
         raise SceneFileError("it has no triangles; export the scene with its meshes")
     check_triangles(triangles)
     lower_m, upper_m = _bounds(placed)
     return LoadedScene(
-        path, tuple(_wound_outwards(placed, budget)), lower_m, upper_m, triangles, camera
+        path,
+        tuple(_wound_outwards(placed, budget)),
+        lower_m,
+        upper_m,
+        triangles,
+        camera,
+        lamps,
+        notices.lines(),
     )
+
+
+def _ies_files(luminaires: Mapping[str, str], budget: SceneBudget) -> dict[str, bytes]:
+    """The bytes of IES files, each in whatever folder it is."""
+    return {
+        name: SceneFolder(Path(path).parent, budget).read(Path(path))
+        for name, path in luminaires.items()
+    }
 
 
 def _check_path(path: Path) -> None:

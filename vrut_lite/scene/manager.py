@@ -79,7 +79,7 @@ class SceneManager(Module):
     @handles(LoadScene)
     def on_load(self, message: LoadScene) -> None:
         """Open the file and look through its own camera; a bad file leaves the old scene."""
-        scene = packed(load_scene(message.path))
+        scene = packed(load_scene(message.path, luminaires=dict(message.luminaires)))
         self._change(scene=scene, moved_camera=None)
         self._take_surface_light()
         self.link.post(scene)

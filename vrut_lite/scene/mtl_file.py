@@ -9,6 +9,7 @@ from PIL import Image
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 # How many words follow each option of a map statement (Wavefront MTL, "texture map options").
@@ -33,8 +34,9 @@ class MtlMaterials:
         SceneFileError: if a picture is missing, damaged, too large or outside the folder.
     """
 
-    def __init__(self, data: bytes, folder: SceneFolder) -> None:
+    def __init__(self, data: bytes, folder: SceneFolder, notices: Notices) -> None:
         self._folder = folder
+        self._notices = notices
         self._pixels = PixelBudget(folder.budget)
         self._pictures: dict[Hashable, Image.Image] = {}
         self._statements = _read(data, folder)
@@ -46,9 +48,22 @@ class MtlMaterials:
 
     def make(self, name: str | None) -> SurfaceMaterial:
         """The material of this name, or the default one if there is none."""
-        if name is None or name not in self._statements:
+        if name is None:
             return default_material()
+        if name not in self._statements:
+            self._notices.tell("material that no MTL defines", "grey instead")
+            return default_material()
+        self._tell_unread(self._statements[name])
         return from_mtl(name, self._statements[name], self._images.get(name))
+
+    def _tell_unread(self, statements: Statements) -> None:
+        """Tell maps, and options of the one that is read."""
+        for kind, words in statements.items():
+            if _is_map(kind) and kind != "map_kd":
+                self._notices.tell(f"{kind} of the MTL", "left out")
+            for word in words[:-1] if kind == "map_kd" else ():
+                if word.lower() in _OPTION_WORDS:
+                    self._notices.tell(f"map_kd's option {word.lower()}", "left out")
 
     def _picture(self, name: str) -> Image.Image:
         data = self._folder.get(name)
@@ -72,10 +87,14 @@ def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
         if kind == "newmtl":
             statements = materials[" ".join(words[1:])] = {}
             continue
-        if kind.startswith("map_") or kind in _MAP_WORDS:
+        if _is_map(kind):
             folder.locate(_file_name(words[1:]))
         statements[kind] = words[1:]
     return materials
+
+
+def _is_map(kind: str) -> bool:
+    return kind.startswith("map_") or kind in _MAP_WORDS
 
 
 def _lines(data: bytes) -> Iterator[str]:

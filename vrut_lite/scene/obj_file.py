@@ -1,7 +1,7 @@
 """Reads OBJ text into arrays, block by block, in linear time."""
 
 import warnings
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,6 +16,8 @@ _BLOCK_BYTES = 2**22
 # Keeps the words of one line, as Python objects, within the memory that any scene may take.
 _MOST_LINE_BYTES = 2**22
 _KINDS = (b"v", b"vt", b"vn")
+# Statements that draw something that is not drawn here.
+_UNREAD = {word.encode(): word for word in ("p", "l", "curv", "curv2", "surf")}
 _DIGITS = b"0123456789"
 # Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 is none.
 _CORNER = 3
@@ -30,7 +32,8 @@ class ObjFile:
     positions (V, 3), colours (V, 3) or none, texture coordinates (T, 2), normals (N, 3);
     `corners` (F, 3, 3) are the triangles' corners, each with the numbers of its position, texture
     coordinates and normal, counted from 0, -1 if it has none; `group` (F,) is the number of each
-    triangle's material in `materials`.
+    triangle's material in `materials`. `unread` counts statements that draw something else than
+    polygons.
     """
 
     positions: NDArray[np.float64]
@@ -41,6 +44,7 @@ class ObjFile:
     group: NDArray[np.int32]
     materials: tuple[str | None, ...]
     library: str | None
+    unread: dict[str, int]
 
 
 @dataclass
@@ -57,6 +61,7 @@ class _Reading:
     materials: dict[str | None, int] = field(default_factory=lambda: {None: 0})
     group: int = 0
     library: str | None = None
+    unread: Counter[str] = field(default_factory=Counter)
 
     def keep(self, values: NDArray[Any]) -> NDArray[Any]:
         """Counts an array that stays in memory."""
@@ -94,6 +99,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
         np.concatenate([np.zeros(0, np.int32), *reading.groups]),
         tuple(reading.materials),
         reading.library,
+        dict(reading.unread),
     )
 
 
@@ -135,6 +141,8 @@ def _read_block(block: bytes, reading: _Reading) -> None:
             reading.use_material(_text(rest))
         elif kind == b"mtllib" and reading.library is None:
             reading.library = _text(rest)
+        elif kind in _UNREAD:
+            reading.unread[_UNREAD[kind]] += 1
     for kind, found in rows.items():
         reading.counts[kind] += len(found)
         if found:

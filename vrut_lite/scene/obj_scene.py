@@ -18,12 +18,13 @@ from vrut_lite.scene.mesh import (
     used_vertices,
 )
 from vrut_lite.scene.mtl_file import MtlMaterials
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_file import ObjFile, parse_obj
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles
 
 
-def read_obj_scene(path: Path, budget: SceneBudget) -> list[PlacedMesh]:
-    """The meshes of an OBJ file, one for each material.
+def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[PlacedMesh]:
+    """The meshes of an OBJ file, one for each material; `notices` takes what is left out.
 
     Raises:
         SceneFileError: if it is damaged, names files that are missing or outside its folder, or
@@ -33,7 +34,9 @@ def read_obj_scene(path: Path, budget: SceneBudget) -> list[PlacedMesh]:
     obj = parse_obj(folder.read(path), budget)
     check_triangles(len(obj.corners))
     library = b"" if obj.library is None else folder.get(obj.library)
-    materials = MtlMaterials(library, folder)
+    materials = MtlMaterials(library, folder, notices)
+    for kind, count in obj.unread.items():
+        notices.tell(f"{kind} statement of the OBJ", "not drawn", count)
     placed: list[PlacedMesh] = []
     for group, corners in _groups(obj):
         name = obj.materials[group]

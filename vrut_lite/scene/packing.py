@@ -133,6 +133,8 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         materials=_materials(materials),
         ground=ground,
         camera=camera,
+        lamps=loaded.lamps,
+        notices=loaded.notices,
     )
 
 

@@ -44,6 +44,9 @@ def project_of(session: Session) -> Project:
         found |= {name: modules[_SCENE].values[name] for name in ("air", "light_shafts")}
     if (scene := session.last(SceneOpened)) is not None:
         found["scene"] = scene.path
+        load = session.last(LoadScene)
+        if load is not None and load.path == scene.path:
+            found["luminaires"] = dict(load.luminaires)
     if (clock := session.last(ClockMoved)) is not None:
         found["at"] = clock.instant.isoformat()
     if (place := session.last(SetPlace)) is not None:

@@ -269,7 +269,8 @@ class MainWindow(QMainWindow):
 
     def _scene_loaded(self, scene: SceneOpened) -> None:
         self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
-        self._status.show_news(f"{Path(scene.path).name}: {scene.triangles:,} triangles")
+        news = f"{Path(scene.path).name}: {scene.triangles:,} triangles"
+        self._status.show_notices(news, scene.notices)
         self.files.add_recent(scene.path)
 
     def _mode_changed(self, mode: CameraMode) -> None:

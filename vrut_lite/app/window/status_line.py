@@ -1,5 +1,7 @@
 """The status line: the latest message, and facts of the picture."""
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QStatusBar
 
@@ -30,6 +32,13 @@ class StatusLine(QStatusBar):
     def show_news(self, line: str) -> None:
         """Show a result."""
         self._tell(line, theme.TEXT)
+
+    def show_notices(self, line: str, notices: Sequence[str]) -> None:
+        """Show a result, and what is to be noted of it; notices stay until the next line."""
+        self._tell("; ".join((line, *notices)), theme.TEXT)
+        self.news.setToolTip("\n".join((line, *notices)))
+        if notices:
+            self._fades.stop()
 
     def show_facts(self, shown: Shown, renderer: str) -> None:
         """Size and time of a picture, and the renderer's name without its part in brackets."""

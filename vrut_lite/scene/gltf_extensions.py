@@ -1,0 +1,65 @@
+"""Which glTF extensions are read, and what is shown in place of those that are not."""
+
+import re
+from collections.abc import Iterable
+
+from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.scene_file_error import SceneFileError
+
+# The reader honours these.
+HONOURED = frozenset(
+    {
+        "EXT_lights_ies",
+        "EXT_texture_webp",
+        "KHR_draco_mesh_compression",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization",
+        "KHR_texture_transform",
+    }
+)
+# They say nothing of what a picture shows.
+_UNSEEN = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "EXT_structural_metadata", "EXT_mesh_features"})
+# Without them the file still has a plain reading, so that one that requires them is opened too.
+_INSTEAD = {
+    "EXT_lights_image_based": "the sky lights instead",
+    "KHR_animation_pointer": "what it moves rests",
+    "KHR_audio": "silent",
+    "KHR_materials_unlit": "lit like other surfaces",
+    "KHR_materials_variants": "the default variant is shown",
+    "KHR_node_visibility": "everything is shown",
+    "MSFT_lod": "the finest level is shown",
+}
+_PLAIN = re.compile(r"(KHR|EXT|ADOBE|MSFT|FB)_(materials?|physics|interactivity)(_|$)")
+# What would read it, for a file that has no other reading.
+_CONVERT = "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes it without"
+
+
+def check_extensions(
+    text: bytes, used: Iterable[str], required: Iterable[str], notices: Notices
+) -> None:
+    """Tell the extensions of a document (its JSON text) that are not read, with their counts.
+
+    Raises:
+        SceneFileError: it requires one that has no plain reading.
+    """
+    names = dict.fromkeys((*used, *required))
+    unread = [name for name in names if name not in HONOURED | _UNSEEN]
+    refused = [name for name in unread if name in set(required) and not _has_plain_reading(name)]
+    if refused:
+        shown = ", ".join(ascii(name)[1:-1][:60] for name in refused[:4])
+        raise SceneFileError(
+            f"it requires the glTF extension {shown}, which is not supported; export it without "
+            f"({_CONVERT})"
+        )
+    for name in unread:
+        instead = _INSTEAD.get(name, "not drawn")
+        notices.tell(f"extension {name}", instead, max(_occurrences(text, name), 1))
+
+
+def _has_plain_reading(name: str) -> bool:
+    return name in _INSTEAD or _PLAIN.match(name) is not None
+
+
+def _occurrences(text: bytes, name: str) -> int:
+    """How many objects have this extension: how often its name is a key."""
+    return len(re.findall(b'"' + re.escape(name.encode()) + rb'"\s*:', text))

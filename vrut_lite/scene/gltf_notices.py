@@ -1,0 +1,46 @@
+"""Tells what a glTF file has and its scene does not show."""
+
+from collections.abc import Sequence
+
+from vrut_lite.scene.gltf_file import GltfFile, item_at
+from vrut_lite.scene.gltf_schema import Mesh, Node, Primitive
+from vrut_lite.scene.uv_layers import layers_of, texture_infos
+
+_TRIANGLES = 4
+
+
+def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
+    """Tell what the placed nodes have that is not drawn, and what no node of the scene places."""
+    document, notices = file.document, file.notices
+    meshes = {node.mesh for node in nodes if node.mesh is not None}
+    for number in meshes:
+        _tell_mesh(file, item_at(document.meshes, number, "mesh"))
+    notices.tell("animation", "at rest, as its nodes stand in the file", len(document.animations))
+    skinned = [node for node in nodes if node.mesh is not None and node.skin is not None]
+    notices.tell("skinned mesh", "unbent, where its node stands", len(skinned))
+    others = len(document.scenes) - 1
+    notices.tell("scene beside the default one", "not drawn", max(others, 0))
+
+
+def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
+    notices = file.notices
+    unfilled = [primitive for primitive in mesh.primitives if primitive.mode < _TRIANGLES]
+    notices.tell("points or lines", "not drawn", len(unfilled))
+    morphed = [primitive for primitive in mesh.primitives if primitive.targets]
+    notices.tell("mesh with morph targets", "drawn without them", len(morphed))
+    for primitive in mesh.primitives:
+        _tell_maps(file, primitive)
+
+
+def _tell_maps(file: GltfFile, primitive: Primitive) -> None:
+    """Maps whose texture coordinates are a third set, or that the primitive lacks."""
+    if primitive.material is None or primitive.mode < _TRIANGLES:
+        return
+    source = item_at(file.document.materials, primitive.material, "material")
+    layers, numbers = layers_of(source)
+    left_out = [name for name in texture_infos(source) if name not in numbers]
+    for name in left_out:
+        file.notices.tell(f"{name} on a third set of texture coordinates", "left out")
+    for layer in layers:
+        if layer.attribute not in primitive.attributes:
+            file.notices.tell(f"textures without their {layer.attribute}", "left out")
