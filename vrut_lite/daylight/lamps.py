@@ -16,8 +16,8 @@ from vrut_lite.numeric_types import FloatArray
 NONE = -1
 # Cosines of the cone of a lamp that shines all around: the ramp between them is 1 everywhere.
 ALL_AROUND = (-2.0, -2.0)
-# Nodes of a luminaire's table: every 2 degrees from its axis, every 5 degrees around it.
-TABLE_SHAPE = (91, 73)
+# Nodes of a luminaire's table: every degree from its axis, every 5 degrees around it.
+TABLE_SHAPE = (181, 73)
 MOST_LAMPS = 4096
 # So many lamps are drawn with shadow maps of their own; the light map has the light of the others.
 MOST_DRAWN = 8
@@ -36,7 +36,7 @@ class SceneLamps(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         cone_cos: (L, 2) float64, cosines of the angles at which a spot begins to darken and is
             dark; `ALL_AROUND` for others.
         table: (L,) int32, which table shapes the light, or NONE.
-        tables: (T, 91, 73) float32 in [0, 1]: from the axis to its opposite, and once around it.
+        tables: (T, 181, 73) float32 in [0, 1]: from the axis to its opposite, and once around it.
     """
 
     names: Array
@@ -110,7 +110,7 @@ def brightest_first(intensity_rgb: FloatArray) -> NDArray[np.intp]:
 
 
 def _looked_up(table: FloatArray, local: FloatArray) -> FloatArray:
-    """A table (91, 73) at directions (..., 3) in a lamp's axes, linear between its nodes."""
+    """A table (181, 73) at directions (..., 3) in a lamp's axes, linear between its nodes."""
     rows, columns = TABLE_SHAPE
     from_axis = np.arccos(np.clip(local[..., 0], -1.0, 1.0)) / np.pi * (rows - 1)
     around = np.arctan2(local[..., 2], local[..., 1]) / (2.0 * np.pi) % 1.0 * (columns - 1)

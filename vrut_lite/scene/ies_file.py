@@ -20,7 +20,7 @@ _MOST_CANDELA = 1e12
 
 
 class Photometry(NamedTuple):
-    """A luminaire's light: `table` (91, 73) in [0, 1], and the candela where it is 1.
+    """A luminaire's light: `table` (181, 73) in [0, 1], and the candela where it is 1.
 
     Rows go from the luminaire's axis (its nadir) to its opposite, columns once around it.
     """
