@@ -82,7 +82,7 @@ def test_a_spot_shines_along_its_node_and_fades_between_its_cones(write_square: 
 
 
 def test_a_luminaire_has_the_candela_of_its_file(write_square: WriteScene, tmp_path: Path) -> None:
-    """Along its axis 40 cd, at 45 degrees 20 along the file's 0 and 5 along its 90; none upwards."""
+    """40 cd along its axis; at 45 degrees 20 along the angle 0, 5 along 90; none upwards."""
     path = write_square(with_ies)
     (path.parent / "down.ies").write_text(DOWNLIGHT)
     lamps = lamps_of(path)
