@@ -73,6 +73,7 @@ def _lamp(mi: Any) -> Any:
 
     dr: Any = drjit
     rows, columns = TABLE_SHAPE
+    is_scalar = mi.variant().startswith("scalar")
 
     class Lamp(mi.Emitter):
         """A point; nothing of it is seen."""
@@ -108,7 +109,7 @@ def _lamp(mi: Any) -> Any:
             ds = mi.DirectionSample3f()
             ds.p, ds.uv = self.place, mi.Point2f(0.0)
             ds.time, ds.delta, ds.pdf = it.time, True, 1.0
-            ds.emitter = mi.EmitterPtr(self) if hasattr(mi, "EmitterPtr") else self
+            ds.emitter = self if is_scalar else mi.EmitterPtr(self)
             away = self.place - it.p
             squared = dr.squared_norm(away)
             ds.dist = dr.sqrt(squared)
