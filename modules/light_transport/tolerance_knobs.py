@@ -22,7 +22,8 @@ from light_transport.tolerance import FRONTS, Quality, quality_for
 from vrut_lite.array import Array
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import NONE, SceneGeometry, SceneMaterials
+from vrut_lite.daylight.scene_content import MAP_NAMES, NONE, SceneGeometry, SceneMaterials
+from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
 from vrut_lite.daylight.tolerance_knobs import Knob, ToleranceKnobs, Truth
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.cube_map import texel_directions
@@ -165,8 +166,10 @@ def _painted(paint: FloatArray) -> SceneMaterials:
         emission_rgb=Array(np.zeros((count, 3))),
         alpha_mode=Array(np.zeros(count, np.uint8)),
         double_sided=Array(np.zeros(count, bool)),
-        map_image=Array(np.full((count, 5), NONE, np.int32)),
-        map_uv_layer=Array(np.zeros((count, 5), np.uint8)),
+        terms=Array(np.tile(as_row(SurfaceTerms()), (count, 1))),
+        map_image=Array(np.full((count, len(MAP_NAMES)), NONE, np.int32)),
+        map_uv_layer=Array(np.zeros((count, len(MAP_NAMES)), np.uint8)),
+        map_sampler=Array(np.zeros((count, len(MAP_NAMES), 3), np.uint8)),
         images=Array(np.empty((0, 4), np.int64)),
         texels=Array(np.empty(0, np.uint8)),
         **ones,

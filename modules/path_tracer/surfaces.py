@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from path_tracer.bitmaps import bitmap
 from path_tracer.layered import PLUGIN, register
 from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.textures import Maps, maps_of
-from vrut_lite.daylight.scene_content import Material
+from vrut_lite.daylight.scene_content import MapName, Material, Sampler
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.geometry.reflection import reflectance_table
 
@@ -31,6 +32,7 @@ _DIELECTRIC_SPECULAR, _DIELECTRIC_INDEX = 0.5, 1.5
 # mitsuba blends surfaces, and does not add them: a mean of two doubled ones is their sum.
 _DOUBLED = 2.0
 _LEAST_ALPHA = 2e-3
+_REPEATED = Sampler()
 # Half a step of 8 bits: vertex colours that differ by no more are one.
 _SAME_COLOUR = 0.002
 # So far, of the largest channel, colours of one hue may be from shades of it.
@@ -62,7 +64,9 @@ def surface(
     its attribute.
     """
     maps = maps_of(material, layer)
-    metallic = _number_or_map(mitsuba, material.metallic, maps.metallic)
+    metallic = _number_or_map(
+        mitsuba, material.metallic, maps.metallic, _sampler(material, "metallic_roughness")
+    )
     if model == "layered":
         paint = _layered(mitsuba, material, maps, vertex_colours, metallic)
     elif model == "principled" or metallic == 1.0:
@@ -74,7 +78,11 @@ def surface(
             metal = _burleys(mitsuba, material, maps, vertex_colours, 1.0)
             paint = {"type": "blendbsdf", "weight": metallic, "a": paint, "b": metal}
     if maps.normal is not None:
-        paint = {"type": "normalmap", "normalmap": _bitmap(mitsuba, maps.normal), "bsdf": paint}
+        paint = {
+            "type": "normalmap",
+            "normalmap": bitmap(mitsuba, maps.normal, _sampler(material, "normal")),
+            "bsdf": paint,
+        }
     return _cut_out(mitsuba, _both_sides(paint), material, maps)
 
 
@@ -92,7 +100,12 @@ def emission(mitsuba: Any, material: Material, layer: int, repeats: bool) -> Plu
         glow, texels = texels.mean(axis=(0, 1)), None
     if texels is None:
         return {"type": "area", "radiance": _rgb(glow / LUMENS_PER_WATT)}
-    return {"type": "area", "radiance": _bitmap(mitsuba, texels / np.float32(LUMENS_PER_WATT))}
+    return {
+        "type": "area",
+        "radiance": bitmap(
+            mitsuba, texels / np.float32(LUMENS_PER_WATT), _sampler(material, "emission")
+        ),
+    }
 
 
 def painted_vertices(
@@ -134,11 +147,14 @@ def _layered(
     texels = maps.base_colour
     if texels is None:
         texels = np.asarray(material.base_colour_rgba[:3], np.float32)[None, None]
+    base_sampler = _sampler(material, "base_colour")
     colour = texels if varies else np.asarray(texels * tint, np.float32)
     made = {
         "type": PLUGIN,
-        "base_color": _bitmap(mitsuba, colour),
-        "roughness": _number_or_map(mitsuba, material.roughness, maps.roughness),
+        "base_color": bitmap(mitsuba, colour, base_sampler),
+        "roughness": _number_or_map(
+            mitsuba, material.roughness, maps.roughness, _sampler(material, "metallic_roughness")
+        ),
         "metallic": metallic,
     }
     return {**made, "tint": {"type": "mesh_attribute", "name": VERTEX_COLOUR}} if varies else made
@@ -157,7 +173,12 @@ def _burleys(
         return {
             "type": "principled",
             "base_color": colour,
-            "roughness": _number_or_map(mitsuba, material.roughness, maps.roughness),
+            "roughness": _number_or_map(
+                mitsuba,
+                material.roughness,
+                maps.roughness,
+                _sampler(material, "metallic_roughness"),
+            ),
             "metallic": metallic,
             "specular": _DIELECTRIC_SPECULAR,
         }
@@ -176,10 +197,15 @@ def _coated(mitsuba: Any, material: Material, maps: Maps, vertex_colours: NDArra
     coat = {
         "type": "roughconductor",
         "distribution": "ggx",
-        "alpha": _number_or_map(mitsuba, max(roughness**2, _LEAST_ALPHA), squared),
+        "alpha": _number_or_map(
+            mitsuba,
+            max(roughness**2, _LEAST_ALPHA),
+            squared,
+            _sampler(material, "metallic_roughness"),
+        ),
         "eta": _DIELECTRIC_INDEX,
         "k": 0.0,
-        "specular_reflectance": _bitmap(mitsuba, np.full((1, 1, 3), _DOUBLED, np.float32)),
+        "specular_reflectance": bitmap(mitsuba, np.full((1, 1, 3), _DOUBLED, np.float32)),
     }
     paint = _bare(mitsuba, material, maps, vertex_colours, left)
     return {"type": "blendbsdf", "weight": 0.5, "paint": paint, "reflection": coat}
@@ -214,21 +240,23 @@ def _coloured(
     vertex colours: one is the colour, and the other weighs between it and black. Vertices of one
     hue weigh the map, which is exact; else the map's brightness weighs the vertices' colours.
     """
+    sampler = _sampler(material, "base_colour")
     if vertex_colours is None or not colours_vary(vertex_colours):
         tint = 1.0 if vertex_colours is None else vertex_colours[0, :3]
         texels = maps.base_colour
         if texels is None:
             texels = np.asarray(material.base_colour_rgba[:3], np.float32)[None, None]
-        return bsdf_of(_bitmap(mitsuba, np.asarray(texels * tint * scale, np.float32)))
+        tinted = np.asarray(texels * tint * scale, np.float32)
+        return bsdf_of(bitmap(mitsuba, tinted, sampler))
     colour: Plugin = {"type": "mesh_attribute", "name": VERTEX_COLOUR, "scale": scale}
     if maps.base_colour is None:
         return bsdf_of(colour)
     shades = _shades_of_one_hue(vertex_colours)
     if shades is None:
-        weight = _bitmap(mitsuba, _brightness_and_hue(maps.base_colour)[0])
+        weight = bitmap(mitsuba, _brightness_and_hue(maps.base_colour)[0], sampler)
     else:
         weight = {"type": "mesh_attribute", "name": VERTEX_COLOUR}
-        colour = _bitmap(mitsuba, maps.base_colour * shades[1] * np.float32(scale))
+        colour = bitmap(mitsuba, maps.base_colour * shades[1] * np.float32(scale), sampler)
     black = bsdf_of(_rgb(np.zeros(3)))
     return {"type": "blendbsdf", "weight": weight, "black": black, "painted": bsdf_of(colour)}
 
@@ -261,7 +289,8 @@ def _cut_out(mitsuba: Any, inner: Plugin, material: Material, maps: Maps) -> Plu
     if material.alpha_mode == "OPAQUE":
         return inner
     if maps.opacity is not None:
-        return {"type": "mask", "opacity": _bitmap(mitsuba, maps.opacity), "bsdf": inner}
+        opacity = bitmap(mitsuba, maps.opacity, _sampler(material, "base_colour"))
+        return {"type": "mask", "opacity": opacity, "bsdf": inner}
     alpha = float(material.base_colour_rgba[3])
     if material.alpha_mode == "MASK":
         alpha = float(alpha >= material.alpha_cutoff)
@@ -276,10 +305,12 @@ def _rgb(values: NDArray[np.float64]) -> Plugin:
     return {"type": "rgb", "value": [float(value) for value in values]}
 
 
-def _number_or_map(mitsuba: Any, number: float, texels: NDArray | None) -> Any:
-    return float(number) if texels is None else _bitmap(mitsuba, texels)
+def _number_or_map(
+    mitsuba: Any, number: float, texels: NDArray | None, sampler: Sampler = _REPEATED
+) -> Any:
+    return float(number) if texels is None else bitmap(mitsuba, texels, sampler)
 
 
-def _bitmap(mitsuba: Any, texels: NDArray[np.float32]) -> Plugin:
-    bitmap = mitsuba.Bitmap(np.ascontiguousarray(texels))
-    return {"type": "bitmap", "bitmap": bitmap, "raw": True}
+def _sampler(material: Material, name: MapName) -> Sampler:
+    found = material.maps.get(name)
+    return _REPEATED if found is None else found.sampler

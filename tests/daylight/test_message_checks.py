@@ -30,7 +30,7 @@ from vrut_lite.daylight.light_map import (
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
+from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
 from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -41,6 +41,7 @@ from vrut_lite.daylight.sky import (
 )
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.vocabulary import DAYLIGHT_MESSAGES
 from vrut_lite.errors import UserError
@@ -96,8 +97,10 @@ SCENE = SceneOpened(
         emission_rgb=Array(np.zeros((1, 3))), alpha_mode=Array(np.zeros(1, np.uint8)),
         alpha_cutoff=Array(np.ones(1)), double_sided=Array(np.zeros(1, bool)),
         normal_scale=Array(np.ones(1)), occlusion_strength=Array(np.ones(1)),
-        map_image=Array(np.full((1, 5), -1, np.int32)),
-        map_uv_layer=Array(np.zeros((1, 5), np.uint8)),
+        terms=Array(as_row(SurfaceTerms())[None].copy()),
+        map_image=Array(np.full((1, len(MAP_NAMES)), -1, np.int32)),
+        map_uv_layer=Array(np.zeros((1, len(MAP_NAMES)), np.uint8)),
+        map_sampler=Array(np.zeros((1, len(MAP_NAMES), 3), np.uint8)),
         images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
     ),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),

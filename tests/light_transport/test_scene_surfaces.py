@@ -7,7 +7,7 @@ from light_transport.surfaces.map_means import linear, triangle_means
 from light_transport.surfaces.surfaces import GROUND, surfaces_of
 from PIL import Image
 
-from vrut_lite.daylight.scene_content import MaterialMap, Mesh
+from vrut_lite.daylight.scene_content import MaterialMap, Mesh, Sampler
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
@@ -96,3 +96,14 @@ def test_a_cut_out_lets_light_through_its_holes(tmp_path):
     found = surfaces_of(opened(tmp_path, sheet))
     assert found.opacity[0] == pytest.approx(0.5, abs=0.05)
     assert (found.opacity[1:] == 1.0).all()
+
+
+@pytest.mark.parametrize(("wrap", "expected"), [("repeat", 0.0), ("clamp", 1.0), ("mirror", 1.0)])
+def test_a_map_goes_on_beyond_its_edge_as_its_sampler_says(wrap, expected):
+    """A triangle just east of a map whose western half is black and whose eastern is white."""
+    texels = np.zeros((4, 4, 3), np.uint8)
+    texels[:, 2:] = 255
+    uv = np.array([[1.1, 0.2], [1.4, 0.2], [1.1, 0.4]])
+    mesh = Mesh(np.zeros((3, 3)), np.zeros((3, 3)), np.arange(3)[None], uv, None, None, 0)
+    means = triangle_means(MaterialMap(texels, 0, Sampler(wrap, "clamp")), mesh, linear)
+    np.testing.assert_allclose(means[0], expected)

@@ -11,13 +11,23 @@ from vrut_lite.daylight.camera import MoveCamera
 
 CORNERS = np.array([[-0.5, 0, 0.5], [0.5, 0, 0.5], [0.5, 0, -0.5], [-0.5, 0, -0.5]])
 UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], float)
+ORDER = (0, 1, 2, 0, 2, 3)
 
 
-def square(folder, material=None, images=(), attributes=None, nodes=None, corners=CORNERS):
+def square(
+    folder,
+    material=None,
+    images=(),
+    attributes=None,
+    nodes=None,
+    corners=CORNERS,
+    order=ORDER,
+    sampler=None,
+):
     """A glTF of one square; extra attributes are (4, n) arrays, images (h, w, c) uint8."""
     arrays = {"POSITION": corners, "TEXCOORD_0": UV, **(attributes or {})}
     blob, views, accessors = io.BytesIO(), [], []
-    for values in [*arrays.values(), np.array([0, 1, 2, 0, 2, 3])]:
+    for values in [*arrays.values(), np.array(order)]:
         indices = values.ndim == 1
         data = values.astype("<u2" if indices else "<f4")
         views.append({"buffer": 0, "byteOffset": blob.tell(), "byteLength": data.nbytes})
@@ -50,7 +60,8 @@ def square(folder, material=None, images=(), attributes=None, nodes=None, corner
         "bufferViews": views,
         "buffers": [{"uri": "square.bin", "byteLength": len(blob.getvalue())}],
         "images": [{"uri": f"{number}.png"} for number in range(len(images))],
-        "textures": [{"source": number} for number in range(len(images))],
+        "textures": [{"source": number, "sampler": 0} for number in range(len(images))],
+        "samplers": [sampler or {}],
     }
     path = folder / "square.gltf"
     path.write_text(json.dumps(document))

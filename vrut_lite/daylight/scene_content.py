@@ -14,13 +14,28 @@ from numpy.typing import NDArray
 
 from vrut_lite import checks
 from vrut_lite.array import Array
+from vrut_lite.daylight.surface_terms import TERM_COLUMNS, SurfaceTerms, from_row
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
-MapName = Literal["base_colour", "metallic_roughness", "normal", "occlusion", "emission"]
+MapName = Literal[
+    "base_colour",
+    "metallic_roughness",
+    "normal",
+    "occlusion",
+    "emission",
+    "specular",
+    "specular_colour",
+    "clearcoat",
+    "transmission",
+]
+Wrap = Literal["repeat", "clamp", "mirror"]
 ALPHA_MODES: tuple[AlphaMode, ...] = get_args(AlphaMode)
 MAP_NAMES: tuple[MapName, ...] = get_args(MapName)
+# Those whose texels are sRGB-encoded.
+COLOUR_MAPS: tuple[MapName, ...] = ("base_colour", "emission", "specular_colour")
+WRAPS: tuple[Wrap, ...] = get_args(Wrap)
 NONE = -1
 # Columns of `SceneGeometry.meshes`.
 _MESH_COLUMNS = 8
@@ -140,14 +155,27 @@ class SceneGeometry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             raise UserError("a part of a SceneGeometry names a mesh that is not there")
 
 
+class Sampler(NamedTuple):
+    """How a map goes on beyond its edges, along u and along v, and whether texels show as squares.
+
+    Where several texels lie in a pixel, their mean is seen, whatever the sampler.
+    """
+
+    wrap_u: Wrap = "repeat"
+    wrap_v: Wrap = "repeat"
+    nearest: bool = False
+
+
 class MaterialMap(NamedTuple):
     """Texels (h, w, 3 or 4) uint8, row 0 at v = 1, and which layer of coordinates finds them.
 
-    Those of base colour and emission are sRGB-encoded.
+    Those of `COLOUR_MAPS` are sRGB-encoded. What each map multiplies: `specular` by its alpha,
+    `clearcoat` and `transmission` by red, the others as in glTF's core.
     """
 
     texels: NDArray[np.uint8]
     uv_layer: int
+    sampler: Sampler = Sampler()
 
 
 @dataclass(frozen=True)
@@ -168,6 +196,7 @@ class Material:
     normal_scale: float
     occlusion_strength: float
     maps: Mapping[MapName, MaterialMap]
+    terms: SurfaceTerms
 
 
 class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -180,8 +209,10 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         emission_rgb: (K, 3) float64.
         alpha_mode: (K,) uint8, by `ALPHA_MODES`.
         double_sided: (K,) bool.
-        map_image: (K, 5) int32, images by `MAP_NAMES`, -1 where there is none.
-        map_uv_layer: (K, 5) uint8.
+        terms: (K, TERM_COLUMNS) float64, as `surface_terms.as_row` has them.
+        map_image: (K, M) int32, images by `MAP_NAMES`, -1 where there is none.
+        map_uv_layer: (K, M) uint8.
+        map_sampler: (K, M, 3) uint8: along u and v by `WRAPS`, and 1 for the nearest texel.
         images: (I, 4) int64: first texel in bytes, height, width, channels.
         texels: uint8, the images one after another, row by row.
     """
@@ -196,8 +227,10 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     double_sided: Array
     normal_scale: Array
     occlusion_strength: Array
+    terms: Array
     map_image: Array
     map_uv_layer: Array
+    map_sampler: Array
     images: Array
     texels: Array
 
@@ -207,7 +240,7 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         return [self._material(number, name) for number, name in enumerate(names)]
 
     def _material(self, number: int, name: str) -> Material:
-        layers = self.map_uv_layer.values[number]
+        layers, samplers = self.map_uv_layer.values[number], self.map_sampler.values[number]
         images = enumerate(self.map_image.values[number])
         return Material(
             name=name,
@@ -221,10 +254,13 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
             normal_scale=float(self.normal_scale.values[number]),
             occlusion_strength=float(self.occlusion_strength.values[number]),
             maps={
-                MAP_NAMES[column]: MaterialMap(self._image(image), int(layers[column]))
+                MAP_NAMES[column]: MaterialMap(
+                    self._image(image), int(layers[column]), _sampler(samplers[column])
+                )
                 for column, image in images
                 if image != NONE
             },
+            terms=from_row(self.terms.values[number]),
         )
 
     def _image(self, number: int) -> NDArray[np.uint8]:
@@ -249,8 +285,14 @@ class SceneMaterials(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
                 "double_sided": ("|b1", ("K",)),
                 "map_image": ("<i4", ("K", len(MAP_NAMES))),
                 "map_uv_layer": ("|u1", ("K", len(MAP_NAMES))),
+                "map_sampler": ("|u1", ("K", len(MAP_NAMES), 3)),
+                "terms": ("<f8", ("K", TERM_COLUMNS)),
                 "images": ("<i8", ("I", 4)),
                 "texels": ("|u1", ("T",)),
                 **dict.fromkeys(factors, ("<f8", ("K",))),
             },
         )
+
+
+def _sampler(row: NDArray[np.uint8]) -> Sampler:
+    return Sampler(WRAPS[row[0]], WRAPS[row[1]], bool(row[2]))

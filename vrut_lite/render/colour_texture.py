@@ -1,42 +1,101 @@
-"""Maps of colour, which are decoded before they are filtered.
+"""Maps of a material as textures of pyrender, with their samplers.
 
-A mean of sRGB's numbers is darker than the mean of the light they stand for: bricks seen from
-afar lost 3 % of theirs, and a chequerboard more than half (glTF 2.0, section 3.9.2).
+Colours are decoded before they are filtered: a mean of sRGB's numbers is darker than the mean of
+the light they stand for. Bricks seen from afar lost 3 % of theirs, and a chequerboard more than
+half (glTF 2.0, section 3.9.2).
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.scene_content import COLOUR_MAPS, MapName, Material, MaterialMap, Sampler
+from vrut_lite.render.cut_out import cut_out_levels
 from vrut_lite.render.gl_environment import import_pyrender
 
 pyrender = import_pyrender()
+
+# OpenGL's codes.
+_WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
+_NEAREST, _LINEAR = 9728, 9729
+# Which channels are kept, where it is not all of RGB. One alone fails in pyrender for a row or
+# column of pixels.
+_CHANNELS: dict[MapName, str] = {
+    "base_colour": "RGBA",
+    "metallic_roughness": "GB",
+    "specular": "RGBA",
+}
 
 
 class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
     """pyrender's texture, kept in a format that the GPU decodes texel by texel."""
 
     def _add_to_context(self) -> None:
+        super()._add_to_context()
+        self._store([self.source])
+
+    def _store(self, levels: Iterable[NDArray[np.uint8]]) -> None:
+        """Replace pyrender's texels, turned upside down; of one level all others are made."""
         # Not before the environment for EGL is prepared.
         from OpenGL import GL
 
-        super()._add_to_context()
         opaque = self.source_channels == "RGB"
         channels = GL.GL_RGB if opaque else GL.GL_RGBA
         stored_as = GL.GL_SRGB8 if opaque else GL.GL_SRGB8_ALPHA8
-        height, width = self.source.shape[:2]
-        # pyrender has set wrapping and filters; its texels, turned upside down, are replaced.
-        texels = self.source[::-1].tobytes()
         GL.glBindTexture(self.tex_type, self._texid)
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
-        GL.glTexImage2D(
-            self.tex_type, 0, stored_as, width, height, 0, channels, GL.GL_UNSIGNED_BYTE, texels
-        )
-        GL.glGenerateMipmap(self.tex_type)
+        number = -1
+        for number, texels in enumerate(levels):
+            height, width = texels.shape[:2]
+            GL.glTexImage2D(
+                self.tex_type, number, stored_as, width, height, 0, channels, GL.GL_UNSIGNED_BYTE,
+                texels[::-1].tobytes(),
+            )  # fmt: skip
+        if number == 0:
+            GL.glGenerateMipmap(self.tex_type)
         GL.glBindTexture(self.tex_type, 0)
 
 
-def colour_texture(texels: NDArray[np.uint8] | None, channels: str) -> Any:
-    """The texture of sRGB-encoded texels (h, w, 3 or 4); `channels` is RGB or RGBA."""
-    return None if texels is None else ColourTexture(source=texels, source_channels=channels)
+class CutOutTexture(ColourTexture):
+    """A map whose alpha is cut at `cut_off`; `cut_out.py` says what its levels hold."""
+
+    cut_off = 0.5
+
+    def _add_to_context(self) -> None:
+        super()._add_to_context()
+        self._store(cut_out_levels(self.source, self.cut_off))
+
+
+def textures_of(material: Material) -> dict[MapName, Any]:
+    """The textures of a material's maps."""
+    return {name: _texture(material, name, found) for name, found in material.maps.items()}
+
+
+def _texture(material: Material, name: MapName, found: MaterialMap) -> Any:
+    kept = {
+        "source": found.texels,
+        "source_channels": _CHANNELS.get(name, "RGB"),
+        "sampler": _sampler(found.sampler),
+    }
+    if name == "base_colour" and is_cut_out(material):
+        texture = CutOutTexture(**kept)
+        # The factor multiplies alpha before it is cut.
+        texture.cut_off = material.alpha_cutoff / max(float(material.base_colour_rgba[3]), 1e-6)
+        return texture
+    return (ColourTexture if name in COLOUR_MAPS else pyrender.Texture)(**kept)
+
+
+def is_cut_out(material: Material) -> bool:
+    """Whether a map says where there are holes."""
+    found = material.maps.get("base_colour")
+    return material.alpha_mode == "MASK" and found is not None and found.texels.shape[2] == 4
+
+
+def _sampler(sampler: Sampler) -> Any:
+    return pyrender.Sampler(
+        wrapS=_WRAPS[sampler.wrap_u],
+        wrapT=_WRAPS[sampler.wrap_v],
+        magFilter=_NEAREST if sampler.nearest else _LINEAR,
+    )

@@ -21,11 +21,11 @@ from vrut_lite.render.clouds.frame_clouds import FrameClouds
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
+from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.mesh_renderer import (
     SHADOW_UNIT,
     MeshRenderer,
     View,
-    in_order,
     shadow_from_eye,
 )
 from vrut_lite.render.passes.shadow_map import ShadowMaps
@@ -167,32 +167,40 @@ class Frame:
         air: FrameAir,
         still: bool,
     ) -> None:
-        """Opaque meshes, the sky in what they leave, clouds, and what lets all through."""
+        """Solid surfaces, the sky in what they leave, clouds, and what shows all these."""
 
-        def draw_meshes(placed: list[PlacedPrimitive]) -> None:
+        def draw_meshes(placed: list[PlacedPrimitive], blended: bool = False) -> None:
             def draw(piece: Piece) -> None:
                 within = placed
                 if self._skips.meshes and piece[2:] != targets.size:
                     part = part_of(view, targets.size, piece)
                     within = [p for p in placed if in_view(p, part)]
                 self._meshes.draw(
-                    scene, within, view, light, shadows, reflection, self._surface_light, air.mesh
+                    scene,
+                    within,
+                    view,
+                    light,
+                    shadows,
+                    reflection,
+                    self._surface_light,
+                    air.mesh,
+                    blended,
                 )
 
             if placed:
                 self._mesh_pieces.draw(targets.size, draw)
 
-        opaque, blended = in_order(seen, view.eye_m)
+        solid, blended = in_order(seen, view.eye_m)
         if not self._skips.sky:
             self._draw_sky(targets, view, light, disc, air)
         with self.measure("mesh"):
-            draw_meshes(opaque)
+            draw_meshes(solid)
         if self._skips.sky:
             self._draw_sky(targets, view, light, disc, air)
         with self.measure("clouds"):
             self._clouds.draw(scene, targets, view, air, still)
         with self.measure("blended mesh"):
-            draw_meshes(blended)
+            draw_meshes(blended, blended=True)
 
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool

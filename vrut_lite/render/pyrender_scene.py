@@ -12,8 +12,9 @@ from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
 from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, Shape
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh
+from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.numeric_types import FloatArray, Vector
-from vrut_lite.render.colour_texture import colour_texture
+from vrut_lite.render.colour_texture import is_cut_out, textures_of
 from vrut_lite.render.gl_environment import import_pyrender
 
 pyrender = import_pyrender()
@@ -172,35 +173,40 @@ class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
     """pyrender's material, and what of ours it has no place for."""
 
     layer_of: Mapping[MapName, int] = MappingProxyType({})
+    # The textures of glTF's extensions.
+    further: Mapping[MapName, Any] = MappingProxyType({})
+    terms = SurfaceTerms()
     normal_scale = 1.0
     occlusion_strength = 1.0
+    # Alpha lies around one half where the map of its base colour is cut out.
+    is_cut_out = False
     # Reflects nothing: Lambert's surface itself.
     matte = False
 
+    def _compute_textures(self) -> set[Any]:
+        return super()._compute_textures() | set(self.further.values())  # type: ignore[no-any-return]
+
 
 def _surface(material: Material) -> Surface:
-    texels = {name: image.texels for name, image in material.maps.items()}
+    textures = textures_of(material)
     surface = Surface(
         name=material.name,
         baseColorFactor=material.base_colour_rgba,
-        baseColorTexture=colour_texture(texels.get("base_colour"), "RGBA"),
+        baseColorTexture=textures.pop("base_colour", None),
         metallicFactor=material.metallic,
         roughnessFactor=material.roughness,
-        metallicRoughnessTexture=texels.get("metallic_roughness"),
-        normalTexture=texels.get("normal"),
-        occlusionTexture=_rgb_texture(texels.get("occlusion")),
+        metallicRoughnessTexture=textures.pop("metallic_roughness", None),
+        normalTexture=textures.pop("normal", None),
+        occlusionTexture=textures.pop("occlusion", None),
         emissiveFactor=material.emission_rgb,
-        emissiveTexture=colour_texture(texels.get("emission"), "RGB"),
+        emissiveTexture=textures.pop("emission", None),
         alphaMode=material.alpha_mode,
         alphaCutoff=material.alpha_cutoff,
         doubleSided=material.double_sided,
     )
     surface.layer_of = {name: image.uv_layer for name, image in material.maps.items()}
+    surface.further, surface.terms = textures, material.terms
     surface.normal_scale = material.normal_scale
     surface.occlusion_strength = material.occlusion_strength
+    surface.is_cut_out = is_cut_out(material)
     return surface
-
-
-def _rgb_texture(texels: NDArray[np.uint8] | None) -> Any:
-    """All three channels: pyrender's way to one channel fails for a row or column of pixels."""
-    return None if texels is None else pyrender.Texture(source=texels, source_channels="RGB")

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 
+from vrut_lite.scene.gltf_terms import DRAWN_EXTENSIONS
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
@@ -15,6 +16,7 @@ HONOURED = frozenset(
         "KHR_lights_punctual",
         "KHR_mesh_quantization",
         "KHR_texture_transform",
+        *DRAWN_EXTENSIONS,
     }
 )
 # They say nothing of what a picture shows.
@@ -24,7 +26,8 @@ _INSTEAD = {
     "EXT_lights_image_based": "the sky lights instead",
     "KHR_animation_pointer": "what it moves rests",
     "KHR_audio": "silent",
-    "KHR_materials_unlit": "lit like other surfaces",
+    "KHR_materials_dispersion": "light of all colours is bent alike",
+    "KHR_materials_iridescence": "reflects without its thin film",
     "KHR_materials_variants": "the default variant is shown",
     "KHR_node_visibility": "everything is shown",
     "MSFT_lod": "the finest level is shown",

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Raw, Struct, field
 
 Index = Annotated[int, Meta(ge=0, le=2**31)]
 Size = Annotated[int, Meta(ge=0, le=2**40)]
@@ -90,10 +90,19 @@ class TextureExtensions(Part, frozen=True):
     webp: WebpSource | None = field(default=None, name="EXT_texture_webp")
 
 
+class Sampler(Part, frozen=True):
+    """How texels are looked up beyond the image's edges and between each other; OpenGL's codes."""
+
+    wrap_s: int = 10497
+    wrap_t: int = 10497
+    mag_filter: int | None = None
+
+
 class Texture(Part, frozen=True):
     """An image as it is sampled; a texture without a source is empty."""
 
     source: Index | None = None
+    sampler: Index | None = None
     extensions: TextureExtensions = TextureExtensions()
 
 
@@ -147,6 +156,8 @@ class Material(Part, frozen=True):
     alpha_mode: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    # JSON that gltf_terms.py reads.
+    extensions: Raw = Raw(b"{}")
 
 
 class DracoMesh(Part, frozen=True):
@@ -303,6 +314,7 @@ class Gltf(Part, frozen=True):
     accessors: list[Accessor] = []
     images: list[Image] = []
     textures: list[Texture] = []
+    samplers: list[Sampler] = []
     materials: list[Material] = []
     meshes: list[Mesh] = []
     nodes: list[Node] = []

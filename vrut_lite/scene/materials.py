@@ -9,12 +9,18 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 from trimesh.visual.material import PBRMaterial
 
+from vrut_lite.daylight.scene_content import MAP_NAMES, Sampler, Wrap
+from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
+from vrut_lite.scene.gltf_terms import emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
 DEFAULT_ALBEDO = 0.5
+# OpenGL's codes, as glTF has them.
+_WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
+_NEAREST = 9728
 
 
 class SurfaceMaterial(PBRMaterial):
@@ -22,11 +28,15 @@ class SurfaceMaterial(PBRMaterial):
 
     trimesh keeps 8 bits, which turns an albedo of 0.02 into 0.0196. All factors are set;
     textures are RGB or RGBA images with 8 bits, colour textures sRGB-encoded. `layer_of` maps a
-    texture's name to its layer of the mesh's texture coordinates; a missing name means layer 0.
+    texture's name to its layer of the mesh's texture coordinates, where a missing name means
+    layer 0, and `sampler_of` to its sampler. `further_maps` has those of extensions.
     """
 
     uv_layers: Sequence[UvLayer] = ()
     layer_of: Mapping[str, int] = MappingProxyType({})
+    sampler_of: Mapping[str, Sampler] = MappingProxyType({})
+    further_maps: Mapping[str, Image.Image] = MappingProxyType({})
+    terms = SurfaceTerms()
     normal_scale = 1.0
     occlusion_strength = 1.0
 
@@ -72,18 +82,23 @@ class GltfMaterials:
         pbr = source.pbr_metallic_roughness
         layers, numbers = layers_of(source)
         infos = texture_infos(source)
+        further = [name for name in numbers if name in MAP_NAMES]
         material = _material(
             name=source.name,
             baseColorFactor=pbr.base_color_factor,
             metallicFactor=pbr.metallic_factor,
             roughnessFactor=pbr.roughness_factor,
-            emissiveFactor=np.maximum(source.emissive_factor, 0.0),
+            emissiveFactor=np.maximum(source.emissive_factor, 0.0) * emissive_strength(source),
             alphaMode=source.alpha_mode,
             alphaCutoff=source.alpha_cutoff,
             doubleSided=source.double_sided,
-            **{name: self._texture(infos[name]) for name in numbers},
+            **{name: self._texture(infos[name]) for name in numbers if name not in further},
         )
         material.uv_layers, material.layer_of = layers, numbers
+        material.sampler_of = {name: self._sampler(infos[name]) for name in numbers}
+        maps = {name: self._texture(infos[name]) for name in further}
+        material.further_maps = {name: image for name, image in maps.items() if image is not None}
+        material.terms = terms_of(source, self._texture)
         if source.normal_texture is not None:
             material.normal_scale = source.normal_texture.scale
         if source.occlusion_texture is not None:
@@ -99,6 +114,14 @@ class GltfMaterials:
         if key not in self._images:
             self._images[key] = decode_image(self._encoded.pop(key), f"number {index}")
         return self._images[key]
+
+    def _sampler(self, info: TextureInfo) -> Sampler:
+        texture = item_at(self._file.document.textures, info.index, "texture")
+        if texture.sampler is None:
+            return Sampler()
+        found = item_at(self._file.document.samplers, texture.sampler, "sampler")
+        wrap_u, wrap_v = (_WRAPS.get(code, "repeat") for code in (found.wrap_s, found.wrap_t))
+        return Sampler(wrap_u, wrap_v, found.mag_filter == _NEAREST)
 
     def _admitted(self) -> dict[Hashable, Encoded]:
         """The distinct encoded images by key; sets `_keys`, the key of each image number."""

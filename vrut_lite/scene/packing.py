@@ -15,10 +15,13 @@ from vrut_lite.daylight.scene_content import (
     ALPHA_MODES,
     MAP_NAMES,
     NONE,
+    WRAPS,
     MapName,
+    Sampler,
     SceneGeometry,
     SceneMaterials,
 )
+from vrut_lite.daylight.surface_terms import as_row
 from vrut_lite.numeric_types import Vector
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene
@@ -157,15 +160,23 @@ def _materials(materials: list[SurfaceMaterial]) -> SceneMaterials:
     numbers_of_images: dict[int, int] = {}
     maps = np.full((len(materials), len(MAP_NAMES)), NONE, np.int32)
     layers = np.zeros((len(materials), len(MAP_NAMES)), np.uint8)
+    samplers = np.zeros((len(materials), len(MAP_NAMES), 3), np.uint8)
     for number, material in enumerate(materials):
         for column, name in enumerate(MAP_NAMES):
-            image = getattr(material, _TRIMESH_NAMES[name])
+            key = _TRIMESH_NAMES.get(name, name)
+            image = material.further_maps.get(key) or getattr(material, key, None)
             if image is not None:
                 numbers_of_images.setdefault(id(image), len(images))
                 maps[number, column] = numbers_of_images[id(image)]
                 if maps[number, column] == len(images):
                     images.append(image)
-                layers[number, column] = material.layer_of.get(_TRIMESH_NAMES[name], 0)
+                layers[number, column] = material.layer_of.get(key, 0)
+                wrapped = material.sampler_of.get(key, Sampler())
+                samplers[number, column] = (
+                    WRAPS.index(wrapped.wrap_u),
+                    WRAPS.index(wrapped.wrap_v),
+                    wrapped.nearest,
+                )
     image_table, texels = _images(images)
 
     def numbers(name: str, dtype: type = np.float64) -> Array:
@@ -183,8 +194,10 @@ def _materials(materials: list[SurfaceMaterial]) -> SceneMaterials:
         double_sided=numbers("doubleSided", np.bool_),
         normal_scale=numbers("normal_scale"),
         occlusion_strength=numbers("occlusion_strength"),
+        terms=Array(np.array([as_row(material.terms) for material in materials])),
         map_image=Array(maps),
         map_uv_layer=Array(layers),
+        map_sampler=Array(samplers),
         images=image_table,
         texels=texels,
     )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_schema import Material, TextureInfo, TextureTransform
+from vrut_lite.scene.gltf_terms import further_textures
 
 MOST_LAYERS = 2
 
@@ -30,7 +31,10 @@ class UvLayer(NamedTuple):
 
 
 def texture_infos(source: Material) -> dict[str, TextureInfo]:
-    """The textures of a material by trimesh's names, the base colour's first."""
+    """The textures of a material by trimesh's names, the base colour's first.
+
+    Those of extensions follow, by the names of maps.
+    """
     pbr = source.pbr_metallic_roughness
     named = {
         "baseColorTexture": pbr.base_color_texture,
@@ -39,7 +43,8 @@ def texture_infos(source: Material) -> dict[str, TextureInfo]:
         "occlusionTexture": source.occlusion_texture,
         "emissiveTexture": source.emissive_texture,
     }
-    return {name: info for name, info in named.items() if info is not None}
+    core = {name: info for name, info in named.items() if info is not None}
+    return {**core, **further_textures(source)}
 
 
 def layers_of(source: Material) -> tuple[list[UvLayer], dict[str, int]]:

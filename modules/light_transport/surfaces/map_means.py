@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.daylight.scene_content import MaterialMap, Mesh
+from vrut_lite.daylight.scene_content import MaterialMap, Mesh, Sampler, Wrap
 from vrut_lite.numeric_types import Float32Array
 
 _SAMPLES = 16
@@ -21,7 +21,7 @@ def triangle_means(
     """The mean (F, C) of a map over each triangle of a mesh; None if it has no coordinates.
 
     `decode` makes values (h, w, C) of texels (h, w, 3 or 4) in [0, 1]: linear light, a cut-out.
-    Maps repeat, as in glTF's default.
+    Beyond its edges a map goes on as its sampler says.
     """
     coordinates = mesh.second_uv if found.uv_layer == 1 else mesh.uv
     if coordinates is None:
@@ -32,7 +32,7 @@ def triangle_means(
     means = np.empty((len(uv), levels[0].shape[2]), np.float32)
     for number in np.unique(level):
         at = level == number
-        means[at] = _means(levels[number], uv[at])
+        means[at] = _means(levels[number], uv[at], found.sampler)
     return means
 
 
@@ -64,16 +64,27 @@ def _level_of(uv: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.int
     return np.asarray(np.minimum(level, last), np.intp)
 
 
-def _means(texels: Float32Array, uv: NDArray[np.float64]) -> Float32Array:
+def _means(texels: Float32Array, uv: NDArray[np.float64], sampler: Sampler) -> Float32Array:
     height, width = texels.shape[:2]
     total = np.zeros((len(uv), texels.shape[2]), np.float32)
     for weights in _even_points():
         at = np.nan_to_num(np.einsum("k,fkc->fc", weights, uv))
         # Row 0 lies at v = 1.
-        column = np.floor(at[:, 0] % 1.0 * width).astype(np.intp) % width
-        row = np.floor((1.0 - at[:, 1]) % 1.0 * height).astype(np.intp) % height
+        column = _texel(at[:, 0], width, sampler.wrap_u)
+        row = _texel(1.0 - at[:, 1], height, sampler.wrap_v)
         total += texels[row, column]
     return total / np.float32(_SAMPLES)
+
+
+def _texel(along: NDArray[np.float64], count: int, wrap: Wrap) -> NDArray[np.intp]:
+    """The texel (F,) of `count` at places along a map, which spans 0 to 1."""
+    if wrap == "clamp":
+        inside = np.clip(along, 0.0, 1.0)
+    elif wrap == "mirror":
+        inside = 1.0 - np.abs(1.0 - along % 2.0)
+    else:
+        inside = along % 1.0
+    return np.asarray(np.minimum(np.floor(inside * count), count - 1), np.intp)
 
 
 def _even_points() -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from vrut_lite.daylight.scene_content import MapName
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
+from vrut_lite.render.passes.draw_order import alpha_range
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
@@ -99,19 +100,23 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         reflection: Reflection,
         surface_light: SurfaceLightOnGpu,
         defines: Defines,
+        blended: bool = False,
     ) -> None:
         """Draw meshes of the scene, one after another, with the depth test that is set.
 
-        The `defines` say what else the shader does, as air.py has it.
+        The `defines` say what else the shader does, as air.py has it. Of blended materials the
+        solid texels are drawn, or else, if `blended`, the others.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthMask(GL.GL_FALSE if blended else GL.GL_TRUE)
         defines = (*defines, "NEAR_SHADOW") if shadows.near else defines
         shadow_uniforms = _shadow_uniforms(shadows, view)
         _bind_maps(light, shadows, reflection)
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             primitive = placed.primitive
-            self._program_cache.also = (*defines, *surface_light.defines(placed))
+            own = (*_surface_defines(primitive.material), *surface_light.defines(placed))
+            self._program_cache.also = (*defines, *own)
             program = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
             )
@@ -123,36 +128,50 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program.set_uniform("reflection_scale", float(reflection.scale))
             program.set_uniform("level_roughness", np.array(LEVEL_ROUGHNESS))
             _set_light(program, light)
-            _set_surface(program, primitive.material)
+            _set_surface(program, primitive, blended)
             if placed.light_corner_px is not None:
                 program.set_uniform("light_corner_px", placed.light_corner_px.astype(np.float32))
             if surface_light.mirrors(placed):
                 program.set_uniform("mirror_eye_m", surface_light.bind_mirror(placed, view.eye_m))
             pose = translation(-view.eye_m) @ placed.world_from_model
-            self._bind_and_draw_primitive(primitive, pose, program, RenderFlags.NONE)
+            program.set_uniform("M", pose)
+            self._bind_material(program, primitive.material)
+            _draw_sides(primitive, blended)
             self._reset_active_textures()
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
+        GL.glDepthMask(GL.GL_TRUE)
+
+    def _bind_material(self, program: ShaderProgram, material: Any) -> None:
+        for name, texture in _textures(material):
+            if texture is not None:
+                self._bind_texture(texture, f"material.{name}_texture", program)
+        program.set_uniform("material.emissive_factor", material.emissiveFactor)
+        program.set_uniform("material.base_color_factor", material.baseColorFactor)
+        program.set_uniform("material.metallic_factor", material.metallicFactor)
+        program.set_uniform("material.roughness_factor", material.roughnessFactor)
 
     def draw_depth(self, scene: PyrenderScene, shadow: Shadow) -> None:
         """Draw the depth of what casts shadows, both sides of every face."""
         GL.glEnable(GL.GL_DEPTH_TEST)
         # What stands between the sun and the map's box casts into it too.
         GL.glEnable(GL.GL_DEPTH_CLAMP)
-        self._program_cache.also = ()
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
             if placed.is_ground:
                 continue
             primitive = placed.primitive
+            self._program_cache.also = _surface_defines(primitive.material)
             program = self._get_primitive_program(primitive, RenderFlags.NONE, ProgramFlags.NONE)
             program._bind()
             program.set_uniform("V", np.eye(4))
             program.set_uniform("P", shadow.matrix)
             program.set_uniform("M", translation(-shadow.centre_m) @ placed.world_from_model)
             self._set_cut_out(program, primitive.material)
-            self._draw_both_sides(primitive)
+            GL.glDisable(GL.GL_CULL_FACE)
+            GL.glDisable(GL.GL_BLEND)
+            _draw_triangles(primitive)
             self._reset_active_textures()
         GL.glDisable(GL.GL_DEPTH_CLAMP)
         GL.glUseProgram(0)
@@ -169,15 +188,50 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program.set_uniform("alpha_layer", material.layer_of.get("base_colour", 0))
             self._bind_texture(texture, "alpha_texture", program)
 
-    def _draw_both_sides(self, primitive: Any) -> None:
-        GL.glDisable(GL.GL_CULL_FACE)
+
+def _surface_defines(material: Any) -> Defines:
+    """What programs are compiled with by what a material is."""
+    return ("CUT_OUT",) if material.is_cut_out else ()
+
+
+def _textures(material: Any) -> Iterable[tuple[str, Any]]:
+    """The textures that a material may have, by the shader's names."""
+    yield "normal", material.normalTexture
+    yield "occlusion", material.occlusionTexture
+    yield "emissive", material.emissiveTexture
+    yield "base_color", material.baseColorTexture
+    yield "metallic_roughness", material.metallicRoughnessTexture
+
+
+def _draw_sides(primitive: Any, blended: bool) -> None:
+    """Draw the sides of a mesh that show: of a blended one the backs before the fronts."""
+    GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
+    if blended:
+        GL.glEnable(GL.GL_BLEND)
+        GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
+    else:
         GL.glDisable(GL.GL_BLEND)
-        primitive._bind()
-        if primitive.indices is not None:
-            GL.glDrawElements(primitive.mode, primitive.indices.size, GL.GL_UNSIGNED_INT, None)
-        else:
-            GL.glDrawArrays(primitive.mode, 0, len(primitive.positions))
-        primitive._unbind()
+    if primitive.material.doubleSided and blended:
+        GL.glEnable(GL.GL_CULL_FACE)
+        for hidden in (GL.GL_FRONT, GL.GL_BACK):
+            GL.glCullFace(hidden)
+            _draw_triangles(primitive)
+        return
+    if primitive.material.doubleSided:
+        GL.glDisable(GL.GL_CULL_FACE)
+    else:
+        GL.glEnable(GL.GL_CULL_FACE)
+        GL.glCullFace(GL.GL_BACK)
+    _draw_triangles(primitive)
+
+
+def _draw_triangles(primitive: Any) -> None:
+    primitive._bind()
+    if primitive.indices is not None:
+        GL.glDrawElements(primitive.mode, primitive.indices.size, GL.GL_UNSIGNED_INT, None)
+    else:
+        GL.glDrawArrays(primitive.mode, 0, len(primitive.positions))
+    primitive._unbind()
 
 
 def shadow_from_eye(shadow: Shadow, view: View) -> NDArray[np.float64]:
@@ -201,16 +255,6 @@ def translation(offset_m: NDArray) -> NDArray[np.float64]:
     return matrix
 
 
-def in_order(
-    seen: Iterable[PlacedPrimitive], eye_m: NDArray
-) -> tuple[list[PlacedPrimitive], list[PlacedPrimitive]]:
-    """Opaque meshes from near to far, which spares hidden fragments, and the others back."""
-    by_distance = sorted(seen, key=lambda placed: float(np.linalg.norm(placed.centre_m - eye_m)))
-    blended = [placed for placed in by_distance if placed.primitive.is_transparent]
-    opaque = [placed for placed in by_distance if not placed.primitive.is_transparent]
-    return opaque, blended[::-1]
-
-
 def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
     light.mirrored.texture.use(location=_SKY_UNIT)
     shadows.scene.texture.use(location=SHADOW_UNIT)
@@ -230,10 +274,12 @@ def _set_light(program: ShaderProgram, light: Light) -> None:
     GL.glUniform3fv(place, len(harmonics), harmonics)
 
 
-def _set_surface(program: ShaderProgram, material: Any) -> None:
-    cutoff = float(material.alphaCutoff) if material.alphaMode == "MASK" else 0.0
-    program.set_uniform("alpha_cutoff", cutoff)
-    program.set_uniform("opaque", 0.0 if material.alphaMode == "BLEND" else 1.0)
+def _set_surface(program: ShaderProgram, primitive: Any, blended: bool) -> None:
+    material = primitive.material
+    first, end = alpha_range(primitive, blended)
+    program.set_uniform("alpha_cutoff", first)
+    program.set_uniform("alpha_end", end)
+    program.set_uniform("opaque", 0.0 if blended else 1.0)
     for name, map_name in _LAYER_UNIFORMS.items():
         program.set_uniform(name, material.layer_of.get(map_name, 0))
     program.set_uniform("normal_scale", float(material.normal_scale))

@@ -32,6 +32,7 @@ struct Material {
 
 uniform Material material;
 uniform float alpha_cutoff;          // below it a fragment is dropped; 0 for opaque and blended
+uniform float alpha_end;             // and from it on: what is solid is drawn before
 uniform float opaque;                // 1: alpha is ignored
 uniform int base_color_layer;        // of texture coordinates: 0 the first, 1 the second
 uniform int metallic_roughness_layer;
@@ -329,9 +330,31 @@ vec4 base_color() {
     return base;
 }
 
+#ifdef CUT_OUT
+//!include cut_out.glsl
+
+// Leave out of the pixel's samples what is cut away.
+void cover(float alpha) {
+    float share = covered_share(material.base_color_texture, uv_of(base_color_layer), alpha);
+    int samples = int(float(gl_NumSamples) * share + threshold());
+    if (samples == 0) discard;
+    // Another one first in each pixel.
+    int first = (int(gl_FragCoord.x) + 2 * int(gl_FragCoord.y)) % gl_NumSamples;
+    int mask = (1 << samples) - 1;
+    gl_SampleMask[0] = (mask << first) | (mask >> (gl_NumSamples - first));
+}
+#endif
+
 void main() {
     vec4 base = base_color();
-    if (base.a < alpha_cutoff) discard;
+#if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
+    float alpha_of_map = texture(material.base_color_texture, uv_of(base_color_layer)).a;
+#ifdef COLOR_0_LOC
+    alpha_of_map *= clamp(vertex_color.a, 0.0, 1.0);
+#endif
+    cover(alpha_of_map);
+#endif
+    if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
     float metallic = material.metallic_factor, roughness = material.roughness_factor;
     vec3 emission = material.emissive_factor;
     float occlusion = 1.0;

@@ -10,8 +10,17 @@ uniform sampler2D alpha_texture;
 in vec2 uv;
 #endif
 
+#ifdef CUT_OUT
+//!include cut_out.glsl
+#endif
+
 void main() {
     float alpha = base_alpha;
+#if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
+    float share = covered_share(alpha_texture, uv, texture(alpha_texture, uv).a);
+    if (share <= threshold()) discard;
+    return;
+#endif
 #ifdef TEXCOORD_0_LOC
     if (has_alpha_texture > 0.5) alpha *= texture(alpha_texture, uv).a;
 #endif

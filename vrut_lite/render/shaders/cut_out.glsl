@@ -1,0 +1,17 @@
+// What of a cut-out surface is there: render/cut_out.py says what its map holds.
+
+// Share of a pixel that a map with this alpha covers: with a soft edge of a pixel where texels are
+// larger than pixels, and the map's own share where they are smaller.
+float covered_share(sampler2D map, vec2 uv, float alpha) {
+    float small = clamp(textureQueryLod(map, uv).y, 0.0, 1.0);
+    float edge = 1.0 / max(fwidth(alpha), 1e-4);
+    return clamp((alpha - 0.5) * mix(max(edge, 1.0), 1.0, small) + 0.5, 0.0, 1.0);
+}
+
+// A threshold by the pixel, even over 4 x 4 of them (Bayer).
+float threshold() {
+    ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;
+    at &= 1;
+    int fine = 2 * (at.x ^ at.y) + at.y, coarse = 2 * (half_at.x ^ half_at.y) + half_at.y;
+    return (float(4 * fine + coarse) + 0.5) / 16.0;
+}
