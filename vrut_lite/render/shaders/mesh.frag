@@ -316,6 +316,33 @@ vec3 reflected_sky(vec3 d, float roughness) {
 //!include air.glsl
 #endif
 
+#ifdef LAMPS
+//!include lamps.glsl
+#endif
+
+// A surface as it is seen; `more` is what bounces between facets add, `through` the share of light
+// that comes from the paint out through the coat, over that of light from all around that goes in.
+struct Seen {
+    vec3 n;
+    vec3 view;
+    float nv;
+    float roughness;
+    float alpha;
+    vec3 f0;
+    vec3 more;
+    float through;
+};
+
+// Add what a surface does to light from one direction: `light` is its irradiance, nl its cosine.
+void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse,
+               inout vec3 radiance) {
+    diffuse += light * (seen.through * (1.0 - coat(shares(nl, seen.roughness).xy)));
+    // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
+    vec3 h = normalize(towards + seen.view);
+    float nh = clamp(dot(seen.n, h), 0.0, 1.0), vh = clamp(dot(seen.view, h), 0.0, 1.0);
+    radiance += light * seen.more * specular_brdf(nl, seen.nv, nh, vh, seen.alpha, seen.f0);
+}
+
 vec4 base_color() {
     vec4 base = material.base_color_factor;
 #ifdef HAS_BASE_COLOR_TEX
@@ -401,6 +428,8 @@ void main() {
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
 #endif
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
+    float mean = share.z * grazing(vec3(dielectric_f0)).r;
+    Seen seen = Seen(n, view, nv, roughness, alpha, f0, more, through / (1.0 - mean));
 #ifdef NO_SKY
     // Shadow maps let the sun through where walls meet.
     nl = 0.0;
@@ -411,13 +440,18 @@ void main() {
 #ifdef CLOUD_SHADOWS
         sun *= cloud_transmittance(eye_to_sample);
 #endif
-        float mean = share.z * grazing(vec3(dielectric_f0)).r;
-        diffuse += sun * (through * (1.0 - coat(shares(nl, roughness).xy)) / (1.0 - mean));
-        // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
-        vec3 h = normalize(sun_direction + view);
-        float nh = clamp(dot(n, h), 0.0, 1.0), vh = clamp(dot(view, h), 0.0, 1.0);
-        radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0);
+        add_light(sun, sun_direction, nl, seen, diffuse, radiance);
     }
+#ifdef LAMPS
+    for (int number = 0; number < int(lamps.count); ++number) {
+        vec3 towards, lamp = lamp_irradiance(number, point_in_triangle(face), face, towards);
+        float cosine = dot(n, towards);
+        if (cosine > 0.0 && lamp != vec3(0.0)) {
+            lamp *= cosine * before_terminator(cosine, dot(face, towards), dot(n, face));
+            add_light(lamp, towards, cosine, seen, diffuse, radiance);
+        }
+    }
+#endif
     radiance += albedo * diffuse / PI;
     vec3 once = f0 * share.x + grazing(f0) * share.y;
 #ifdef SURFACE_LIGHT
