@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from path_tracer.pane import pane
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 
-PLUGIN = "vrut_lite_layered"
+PLUGIN, PANE = "vrut_lite_layered", "vrut_lite_pane"
 # As in mesh.frag: the sun's own radius blurs a mirror image about so much.
 _SMALLEST_ALPHA = 0.005
 _SMALLEST_COSINE, _SMALLEST_DENSITY = 1e-4, 1e-20
@@ -24,15 +25,20 @@ _GRAZING_SLOPE = 50.0
 _COAT_F90 = min(1.0, _GRAZING_SLOPE * DIELECTRIC_F0)
 # Of the samples, for the coat as for the paint: neither's light is left to few that weigh much.
 _LEAST_SHARE = 0.1
+# Of the samples, for a second coat.
+_CLEARCOAT_SAMPLES = 0.25
 _registered: set[str] = set()
 
 
 class _Seen(NamedTuple):
     """What of a surface the view alone decides; `paint` is without the light's way in.
 
-    `more` is the factor for bounces between facets, `glossy_share` that of samples for the coat.
+    `more` is the factor for bounces between facets, `glossy_share` that of samples for the coat,
+    `peak` and `edge` its reflectance at normal incidence and at grazing angles. `tint` is what of
+    the light passes through, where some does.
     """
 
+    wi: Any
     cosine: Any
     roughness: Any
     alpha: Any
@@ -41,23 +47,36 @@ class _Seen(NamedTuple):
     more: Any
     paint: Any
     glossy_share: Any
+    peak: Any
+    edge: Any
+    tint: Any
 
 
 def register(mitsuba: Any) -> None:
     """Make the plugin known to the variant of mitsuba that is set.
 
-    Its textures: `base_color`; `tint`, a factor of it that may be missing; `roughness`; `metallic`.
+    Its textures: `base_color`; `tint`, a factor of it that may be missing; `roughness`; `metallic`;
+    `f0` and `f90`, the coat's reflectance at normal incidence and at grazing angles; `clearcoat`,
+    the share under a second coat of `clearcoat_roughness`. `PANE` is the same surface from both
+    sides, of which the share `transmission` lets light through, straight on if it is `smooth`.
     """
     variant = mitsuba.variant()
     if variant not in _registered:
-        mitsuba.register_bsdf(PLUGIN, _layered(mitsuba))
+        layered = _layered(mitsuba)
+        mitsuba.register_bsdf(PLUGIN, layered)
+        mitsuba.register_bsdf(PANE, pane(mitsuba, layered))
         _registered.add(variant)
 
 
-def _coat(a: Any, b: Any) -> Any:
+def _coat(a: Any, b: Any, f0: Any = DIELECTRIC_F0, f90: Any = _COAT_F90) -> Any:
     """Share of the light that the coat of a dielectric reflects, all bounces."""
-    once = DIELECTRIC_F0 * a + _COAT_F90 * b
-    return once * (1.0 + DIELECTRIC_F0 * (1.0 / (a + b) - 1.0))
+    return (f0 * a + f90 * b) * (1.0 + f0 * (1.0 / (a + b) - 1.0))
+
+
+def _mean_coat(mean: Any, f0: Any, f90: Any) -> Any:
+    """The same over all directions, in proportion to the table's `mean`, as mesh.frag has it."""
+    more = (f0 - DIELECTRIC_F0 * f90) * (1.0 - mean) / (1.0 - DIELECTRIC_F0)
+    return mean * f90 + more
 
 
 def _layered(mi: Any) -> Any:
@@ -78,6 +97,12 @@ def _layered(mi: Any) -> Any:
             self.tint = properties.get_texture("tint") if "tint" in properties else None
             self.roughness = properties.get_texture("roughness", 1.0)
             self.metallic = properties.get_texture("metallic", 0.0)
+            self.f0 = properties.get_texture("f0", DIELECTRIC_F0)
+            self.f90 = properties.get_texture("f90", _COAT_F90)
+            self.clearcoat = (
+                properties.get_texture("clearcoat") if "clearcoat" in properties else None
+            )
+            self.clearcoat_roughness = float(properties.get("clearcoat_roughness", 0.0))
             self.table = mi.Texture2f(mi.TensorXf(table))
             front = +mi.BSDFFlags.FrontSide
             self.m_components = [glossy | front, diffuse | front]
@@ -90,17 +115,17 @@ def _layered(mi: Any) -> Any:
             return self.eval_pdf(ctx, si, wo, active)[1]
 
         def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self._value_and_density(si, wo, self._seen(si, active))
+            return self.value_and_density(si, wo, self.seen(si, si.wi, active), active)
 
         def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
-            return self._sampled(si, self._seen(si, active), sample1, sample2, active)
+            return self.sampled(si, self.seen(si, si.wi, active), sample1, sample2, active)
 
         def eval_pdf_sample(
             self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
         ) -> Any:
-            seen = self._seen(si, active)
-            value, density = self._value_and_density(si, wo, seen)
-            return value, density, *self._sampled(si, seen, sample1, sample2, active)
+            seen = self.seen(si, si.wi, active)
+            value, density = self.value_and_density(si, wo, seen, active)
+            return value, density, *self.sampled(si, seen, sample1, sample2, active)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
             # What guides a denoiser: of metals their colour too.
@@ -115,62 +140,101 @@ def _layered(mi: Any) -> Any:
             at = mi.Point2f(dr.sqrt(dr.clip(mu, 0.0, 1.0)), roughness) * last + 0.5
             return self.table.eval(at / (last + 1.0))
 
-        def _seen(self, si: Any, active: Any) -> _Seen:
+        def seen(self, si: Any, wi: Any, active: Any) -> _Seen:
+            """The surface as seen from `wi` above it."""
             base = self._colour(si, active)
             roughness = dr.clip(self.roughness.eval_1(si, active), 0.0, 1.0)
             metallic = self.metallic.eval_1(si, active)
-            cosine = dr.maximum(mi.Frame3f.cos_theta(si.wi), _SMALLEST_COSINE)
+            cosine = dr.maximum(mi.Frame3f.cos_theta(wi), _SMALLEST_COSINE)
             a, b, mean = self._shares(cosine, roughness)
-            f0 = DIELECTRIC_F0 + (base - DIELECTRIC_F0) * metallic
+            coat_f0, edge = self.f0.eval(si, active), self.f90.eval_1(si, active)
+            peak = dr.max(coat_f0)
+            f0 = coat_f0 + (base - coat_f0) * metallic
             f90 = dr.clip(_GRAZING_SLOPE * dr.max(f0), 0.0, 1.0)
+            f90 = dr.lerp(edge, f90, metallic)
             more = 1.0 + f0 * (1.0 / (a + b) - 1.0)
-            below = base * (1.0 - metallic) * (1.0 - _coat(a, b))
+            below = base * (1.0 - metallic) * (1.0 - _coat(a, b, peak, edge))
             reflected = mi.luminance((f0 * a + f90 * b) * more)
             share = reflected / dr.maximum(reflected + mi.luminance(below), _SMALLEST_DENSITY)
             share = dr.clip(share, _LEAST_SHARE, 1.0 - _LEAST_SHARE)
             return _Seen(
+                wi=wi,
                 cosine=cosine,
                 roughness=roughness,
                 alpha=dr.maximum(roughness * roughness, _SMALLEST_ALPHA),
                 f0=f0,
                 f90=f90,
                 more=more,
-                paint=below * dr.inv_pi / (1.0 - mean),
+                paint=below * dr.inv_pi / dr.maximum(1.0 - _mean_coat(mean, peak, edge), 1e-3),
                 glossy_share=dr.select(dr.max(below) > 0.0, share, 1.0),
+                peak=peak,
+                edge=edge,
+                tint=below,
             )
 
-        def _value_and_density(self, si: Any, wo: Any, seen: _Seen) -> Any:
-            """The BRDF times the light's cosine, and the density of `_sampled`."""
+        def value_and_density(self, si: Any, wo: Any, seen: _Seen, active: Any) -> Any:
+            """The BRDF times the light's cosine, and the density of `sampled`."""
             nl, nv = mi.Frame3f.cos_theta(wo), seen.cosine
-            above = (mi.Frame3f.cos_theta(si.wi) > 0.0) & (nl > 0.0)
+            above = (mi.Frame3f.cos_theta(seen.wi) > 0.0) & (nl > 0.0)
             nl = dr.maximum(nl, _SMALLEST_COSINE**2)
-            half = dr.normalize(si.wi + wo)
-            vh = dr.clip(dr.dot(si.wi, half), 0.0, 1.0)
-            a2 = seen.alpha * seen.alpha
+            lobe, facets = self._lobe(seen.wi, wo, nv, nl, seen.alpha, seen.f0, seen.f90)
+            a, b, _ = self._shares(nl, seen.roughness)
+            value = (seen.more * lobe + seen.paint * (1.0 - _coat(a, b, seen.peak, seen.edge))) * nl
+            density = dr.lerp(nl * dr.inv_pi, facets, seen.glossy_share)
+            if self.clearcoat is not None:
+                second = self.clearcoat.eval_1(si, active)
+                value, density = self._under_clearcoat(second, wo, seen, nl, value, density)
+            return dr.select(above, value, 0.0), dr.select(above, density, 0.0)
+
+        def _lobe(
+            self, wi: Any, wo: Any, nv: Any, nl: Any, alpha: Any, f0: Any, f90: Any
+        ) -> tuple[Any, Any]:
+            """The facets' reflection, one bounce, and the density of their mirror directions."""
+            half = dr.normalize(wi + wo)
+            vh = dr.clip(dr.dot(wi, half), 0.0, 1.0)
+            a2 = alpha * alpha
             # (n.h)^2 (alpha^2 - 1) + 1 without cancellation.
             spread = half.x * half.x + half.y * half.y + half.z * half.z * a2
             distribution = a2 / (dr.pi * spread * spread)
             root_v = dr.sqrt(nv * nv * (1.0 - a2) + a2)
             root_l = dr.sqrt(nl * nl * (1.0 - a2) + a2)
             visibility = 0.5 / (nl * root_v + nv * root_l)
-            fresnel = seen.f0 + (seen.f90 - seen.f0) * (1.0 - vh) ** 5
-            a, b, _ = self._shares(nl, seen.roughness)
-            reflected = seen.more * fresnel * (distribution * visibility)
-            value = (reflected + seen.paint * (1.0 - _coat(a, b))) * nl
-            # The mirror directions of visible facets: G1 D / (4 n.v).
-            facets = 0.5 * distribution / (nv + root_v)
-            density = dr.lerp(nl * dr.inv_pi, facets, seen.glossy_share)
-            return dr.select(above, value, 0.0), dr.select(above, density, 0.0)
+            fresnel = f0 + (f90 - f0) * (1.0 - vh) ** 5
+            # Of visible facets: G1 D / (4 n.v).
+            return fresnel * (distribution * visibility), 0.5 * distribution / (nv + root_v)
 
-        def _sampled(self, si: Any, seen: _Seen, sample1: Any, sample2: Any, active: Any) -> Any:
+        def _under_clearcoat(
+            self, share: Any, wo: Any, seen: _Seen, nl: Any, below: Any, density: Any
+        ) -> tuple[Any, Any]:
+            """A second coat above what reflects `below`, coupled as mesh.frag couples them."""
+            roughness = self.clearcoat_roughness
+            alpha = max(roughness * roughness, _SMALLEST_ALPHA)
+            a, b, mean = self._shares(seen.cosine, roughness)
+            out_again = 1.0 - share * _coat(a, b)
+            a_l, b_l, _ = self._shares(nl, roughness)
+            in_before = (1.0 - share * _coat(a_l, b_l)) / (1.0 - share * mean)
+            lobe, facets = self._lobe(seen.wi, wo, seen.cosine, nl, alpha, DIELECTRIC_F0, _COAT_F90)
+            more = 1.0 + DIELECTRIC_F0 * (1.0 / (a + b) - 1.0)
+            value = below * out_again * in_before + share * more * lobe * nl
+            return value, dr.lerp(density, facets, _CLEARCOAT_SAMPLES)
+
+        def sampled(self, si: Any, seen: _Seen, sample1: Any, sample2: Any, active: Any) -> Any:
             """A direction by visible facets or by the cosine, and its weight."""
-            is_glossy = sample1 < seen.glossy_share
-            facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, seen.alpha, True)
-            mirrored = mi.reflect(si.wi, facets.sample(si.wi, sample2)[0])
+            alpha, share = seen.alpha, seen.glossy_share
+            if self.clearcoat is not None:
+                above = sample1 < _CLEARCOAT_SAMPLES
+                left = (sample1 - _CLEARCOAT_SAMPLES) / (1.0 - _CLEARCOAT_SAMPLES)
+                roughness = self.clearcoat_roughness
+                alpha = dr.select(above, max(roughness * roughness, _SMALLEST_ALPHA), alpha)
+                share = dr.select(above, 2.0, share)
+                sample1 = dr.select(above, 0.0, left)
+            is_glossy = sample1 < share
+            facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, alpha, True)
+            mirrored = mi.reflect(seen.wi, facets.sample(seen.wi, sample2)[0])
             scattered = mi.warp.square_to_cosine_hemisphere(sample2)
             drawn = dr.zeros(mi.BSDFSample3f)
             drawn.wo = dr.select(is_glossy, mirrored, scattered)
-            value, density = self._value_and_density(si, drawn.wo, seen)
+            value, density = self.value_and_density(si, drawn.wo, seen, active)
             drawn.pdf = density
             drawn.eta = 1.0
             drawn.sampled_type = dr.select(is_glossy, mi.UInt32(glossy), mi.UInt32(diffuse))

@@ -36,7 +36,7 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
     skins = _skins(subject)
     times = Counter(geometry.part_mesh.values.tolist())
     groups: dict[int, Any] = {}
-    bsdfs = _Bsdfs(mitsuba, model)
+    bsdfs = _Bsdfs(mitsuba, model, subject.units_per_m)
     result: dict[str, Any] = {}
     for part, (number, world_from_mesh) in enumerate(_places(subject)):
         matrix = subject.units_from_world() @ world_from_mesh
@@ -67,7 +67,7 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
     """The shapes that shine, under the names that they have in `shapes`."""
     units = subject.units_from_world()
-    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model)
+    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject.units_per_m)
     return {
         f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, bsdfs, glowing=True)
         for part, (number, matrix) in enumerate(_places(subject))
@@ -96,8 +96,8 @@ class _Skin(NamedTuple):
 class _Bsdfs:
     """One BSDF for all meshes of a material, so that llvm kernels compile in seconds."""
 
-    def __init__(self, mitsuba: Any, model: SurfaceModel):
-        self._mitsuba, self._model = mitsuba, model
+    def __init__(self, mitsuba: Any, model: SurfaceModel, units_per_m: float):
+        self._mitsuba, self._model, self._units_per_m = mitsuba, model, units_per_m
         self._made: dict[tuple[int, bytes], Any] = {}
 
     def of(self, skin: _Skin) -> Any:
@@ -110,7 +110,12 @@ class _Bsdfs:
         key = (skin.mesh.material, own)
         if key not in self._made:
             made = surface(
-                self._mitsuba, skin.material, _layer(skin.material), colours, self._model
+                self._mitsuba,
+                skin.material,
+                _layer(skin.material),
+                colours,
+                self._model,
+                self._units_per_m,
             )
             self._made[key] = self._mitsuba.load_dict(made)
         return self._made[key]

@@ -17,18 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from path_tracer.bitmaps import bitmap
-from path_tracer.layered import PLUGIN, register
+from path_tracer.body import SMOOTH, body
+from path_tracer.layered import PANE, PLUGIN, register
 from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.textures import Maps, maps_of
 from vrut_lite.daylight.scene_content import MapName, Material, Sampler
+from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
-from vrut_lite.geometry.reflection import reflectance_table
+from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 
 Plugin = dict[str, Any]
 # Of a vertex's colour, as mitsuba wants attributes named.
 VERTEX_COLOUR = "vertex_color"
-# As `specular` and as an index of refraction, both 4 % at normal incidence.
-_DIELECTRIC_SPECULAR, _DIELECTRIC_INDEX = 0.5, 1.5
+# 4 % at normal incidence, as Burley counts it.
+_DIELECTRIC_SPECULAR = 0.5
 # mitsuba blends surfaces, and does not add them: a mean of two doubled ones is their sum.
 _DOUBLED = 2.0
 _LEAST_ALPHA = 2e-3
@@ -57,13 +59,16 @@ def surface(
     layer: int,
     vertex_colours: NDArray | None,
     model: SurfaceModel = "gltf",
+    units_per_m: float = 1.0,
 ) -> Plugin:
     """The BSDF of a material whose maps lie on this layer of texture coordinates.
 
     `vertex_colours` (V, 4) multiply the base colour; the mesh has `painted_vertices` of them as
-    its attribute.
+    its attribute. `units_per_m` is the length of a metre in the tracer.
     """
     maps = maps_of(material, layer)
+    if material.terms.transmits and not material.terms.is_pane and material.metallic < 1.0:
+        return _cut_out(mitsuba, body(mitsuba, material, units_per_m), material, maps)
     metallic = _number_or_map(
         mitsuba, material.metallic, maps.metallic, _sampler(material, "metallic_roughness")
     )
@@ -83,6 +88,10 @@ def surface(
             "normalmap": bitmap(mitsuba, maps.normal, _sampler(material, "normal")),
             "bsdf": paint,
         }
+    if paint["type"] == PANE:
+        return _cut_out(mitsuba, paint, material, maps)
+    if material.terms.transmits and material.metallic < 1.0:
+        return _cut_out(mitsuba, _mitsubas_pane(mitsuba, material, maps, paint), material, maps)
     return _cut_out(mitsuba, _both_sides(paint), material, maps)
 
 
@@ -156,8 +165,55 @@ def _layered(
             mitsuba, material.roughness, maps.roughness, _sampler(material, "metallic_roughness")
         ),
         "metallic": metallic,
+        **_terms(mitsuba, material, maps),
     }
     return {**made, "tint": {"type": "mesh_attribute", "name": VERTEX_COLOUR}} if varies else made
+
+
+def _terms(mitsuba: Any, material: Material, maps: Maps) -> Plugin:
+    """What glTF's extensions add to the frame's own surface."""
+    terms = material.terms
+    made: Plugin = {}
+    if terms[:3] != SurfaceTerms()[:3]:
+        f0, f90 = maps.f0_and_f90(terms)
+        made |= {"f0": bitmap(mitsuba, f0, _sampler(material, "specular_colour"))}
+        made |= {"f90": bitmap(mitsuba, f90, _sampler(material, "specular"))}
+    if terms.clearcoat > 0.0:
+        sampler = _sampler(material, "clearcoat")
+        made["clearcoat"] = _texture(mitsuba, terms.clearcoat, maps.clearcoat, sampler)
+        made["clearcoat_roughness"] = terms.clearcoat_roughness
+    if terms.transmits and material.metallic < 1.0:
+        sampler = _sampler(material, "transmission")
+        share = _texture(mitsuba, terms.transmission, maps.transmission, sampler)
+        smooth = material.roughness <= SMOOTH
+        made |= {"type": PANE, "transmission": share, "smooth": smooth}
+    return made
+
+
+def _mitsubas_pane(mitsuba: Any, material: Material, maps: Maps, paint: Plugin) -> Plugin:
+    """Mitsuba's own pane, which counts what bounces between its two faces."""
+    tint = np.clip(material.base_colour_rgba[:3], 0.0, 1.0)
+    glass = {
+        "type": "thindielectric",
+        "int_ior": max(material.terms.ior, 1.0001),
+        "ext_ior": 1.0,
+        "specular_transmittance": _rgb(tint),
+    }
+    share = _texture(
+        mitsuba,
+        material.terms.transmission,
+        maps.transmission,
+        _sampler(material, "transmission"),
+    )
+    if share == 1.0:
+        return glass
+    return {"type": "blendbsdf", "weight": share, "a": _both_sides(paint), "b": glass}
+
+
+def _texture(mitsuba: Any, factor: float, texels: NDArray | None, sampler: Sampler) -> Any:
+    if texels is None:
+        return float(factor)
+    return bitmap(mitsuba, np.asarray(texels * np.float32(factor), np.float32), sampler)
 
 
 def _burleys(
@@ -192,6 +248,9 @@ def _coated(mitsuba: Any, material: Material, maps: Maps, vertex_colours: NDArra
     roughness = float(material.roughness if rough is None else rough.mean())
     table = reflectance_table()
     reflected = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
+    f0 = float(np.clip(material.terms.f0_rgb.max(), 1e-6, 0.99))
+    # In proportion, as mesh.frag has it.
+    reflected += (f0 - DIELECTRIC_F0) * (1.0 - reflected) / (1.0 - DIELECTRIC_F0)
     left = _DOUBLED * (1.0 - float(reflected))
     squared = None if rough is None else np.maximum(rough * rough, np.float32(_LEAST_ALPHA))
     coat = {
@@ -203,7 +262,7 @@ def _coated(mitsuba: Any, material: Material, maps: Maps, vertex_colours: NDArra
             squared,
             _sampler(material, "metallic_roughness"),
         ),
-        "eta": _DIELECTRIC_INDEX,
+        "eta": (1.0 + f0**0.5) / (1.0 - f0**0.5),
         "k": 0.0,
         "specular_reflectance": bitmap(mitsuba, np.full((1, 1, 3), _DOUBLED, np.float32)),
     }

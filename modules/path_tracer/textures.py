@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vrut_lite.daylight.scene_content import MapName, Material
+from vrut_lite.daylight.surface_terms import SurfaceTerms
 
 FloatArray = NDArray[np.float32]
 # A cut-out map is enlarged to at most so many texels, to have smooth edges after the cut.
@@ -22,7 +23,8 @@ class Maps(NamedTuple):
     """What varies over a surface: arrays (h, w, c) float32, or None where the factor says all.
 
     base_colour linear RGB; roughness, metallic and opacity one channel; normal in [0, 1] as
-    mitsuba reads it; emission W m^-2 sr^-1 times 683 (cd m^-2).
+    mitsuba reads it; emission W m^-2 sr^-1 times 683 (cd m^-2). Those of extensions lack their
+    factors.
     """
 
     base_colour: FloatArray | None
@@ -31,6 +33,20 @@ class Maps(NamedTuple):
     normal: FloatArray | None
     emission: FloatArray | None
     opacity: FloatArray | None
+    specular: FloatArray | None
+    specular_colour: FloatArray | None
+    clearcoat: FloatArray | None
+    transmission: FloatArray | None
+
+    def f0_and_f90(self, terms: SurfaceTerms) -> tuple[FloatArray, FloatArray]:
+        """A dielectric's reflectance (h, w, 3) at normal incidence, (h, w, 1) at grazing angles."""
+        specular = np.ones((1, 1, 1)) if self.specular is None else self.specular
+        colour = np.ones((1, 1, 3)) if self.specular_colour is None else self.specular_colour
+        if specular.shape[:2] != colour.shape[:2] and colour.size > 3 and specular.size > 1:
+            # Of two maps of two sizes the one that seldom varies gives its mean.
+            specular = specular.mean(axis=(0, 1), keepdims=True)
+        f0 = specular * colour * terms.f0_rgb
+        return np.asarray(f0, np.float32), np.asarray(specular * terms.f90, np.float32)
 
 
 def maps_of(material: Material, layer: int) -> Maps:
@@ -44,6 +60,7 @@ def maps_of(material: Material, layer: int) -> Maps:
 
     colour, both = pixels("base_colour"), pixels("metallic_roughness")
     normal, emission = pixels("normal"), pixels("emission")
+    tint = pixels("specular_colour")
     factor = np.asarray(material.base_colour_rgba, dtype=np.float32)
     return Maps(
         base_colour=None if colour is None else _linear(colour[..., :3]) * factor[:3],
@@ -53,7 +70,17 @@ def maps_of(material: Material, layer: int) -> Maps:
         emission=None if emission is None
         else _linear(emission[..., :3]) * np.asarray(material.emission_rgb, np.float32),
         opacity=_opacity(material, colour),
+        specular=_channel(pixels("specular"), 3),
+        specular_colour=None if tint is None else _linear(tint[..., :3]),
+        clearcoat=_channel(pixels("clearcoat"), 0),
+        transmission=_channel(pixels("transmission"), 0),
     )  # fmt: skip
+
+
+def _channel(texels: FloatArray | None, number: int) -> FloatArray | None:
+    if texels is None or texels.shape[2] <= number:
+        return None
+    return texels[..., number : number + 1]
 
 
 def scaled_normals(encoded: FloatArray, scale: float) -> FloatArray:

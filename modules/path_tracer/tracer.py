@@ -99,7 +99,8 @@ def _scene(
     """A scene as mitsuba has it."""
     bounces = settings.max_bounces
     integrator = {
-        "type": "path",
+        # The latter seeks light through what lets it straight on, which costs.
+        "type": "volpath" if _lets_light_on(subject) else "path",
         "max_depth": -1 if bounces is None else bounces + 1,
         "rr_depth": _ROULETTE_DEPTH,
     }
@@ -107,3 +108,9 @@ def _scene(
     return mitsuba.load_dict(
         {"type": "scene", "integrator": integrator, "camera": camera, **content}
     )
+
+
+def _lets_light_on(subject: Subject) -> bool:
+    """Whether something in the scene is a pane, is cut out or is blended."""
+    materials = subject.scene.materials.all()
+    return any(m.alpha_mode != "OPAQUE" or m.terms.transmits for m in materials)

@@ -1,4 +1,4 @@
-"""Maps beyond their edges, between their texels, and in the distance, as the file's sampler says."""
+"""Maps beyond their edges, between texels, and in the distance, as the file's sampler says."""
 
 import numpy as np
 import pytest

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
+import numpy as np
+
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.lamps import SceneLamps
@@ -14,10 +16,12 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.reflection import reflectance_table
+from vrut_lite.geometry.sheen import sheen_table
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
+from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.clouds.frame_clouds import FrameClouds
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -39,6 +43,7 @@ from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
+from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import Targets
 from vrut_lite.scene.backend import IsGivenUp
 
@@ -73,6 +78,7 @@ class Frame:
         self._mesh_pieces = Pieces(self._patience)
         self._surface_light = SurfaceLightOnGpu(context)
         self._lamps = LampsOnGpu(context, self.ledger)
+        self._backdrop = Backdrop(context)
         self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
         self._targets = SizeCache(context, lambda size: Targets(context, size))
@@ -160,7 +166,7 @@ class Frame:
         bind_permanent_framebuffer(self._context)
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
-                      self._air, self._surface_light, self._lamps, self._clouds,
+                      self._air, self._surface_light, self._lamps, self._clouds, self._backdrop,
                       self._targets):  # fmt: skip
             thing.release()
 
@@ -209,6 +215,10 @@ class Frame:
             self._draw_sky(targets, view, light, disc, air)
         with self.measure("clouds"):
             self._clouds.draw(scene, targets, view, air, still)
+        if any(needs_backdrop(placed.primitive.material) for placed in blended):
+            with self.measure("backdrop"):
+                self._backdrop.take(targets.multisampled, targets.size)
+            self.ledger.did("backdrop")
         with self.measure("blended mesh"):
             draw_meshes(blended, blended=True)
 
@@ -274,9 +284,9 @@ class Frame:
 
 
 def _table_texture(context: Any) -> Any:
-    """The table of shares, for linear look-up between its nodes."""
-    table = reflectance_table()
-    texture = context.texture(table.shape[1::-1], 3, table.tobytes(), dtype="f4")
+    """The tables of shares and of fibres, for linear look-up between their nodes."""
+    table = np.dstack([reflectance_table(), sheen_table()])
+    texture = context.texture(table.shape[1::-1], 4, table.tobytes(), dtype="f4")
     texture.filter = (context.LINEAR, context.LINEAR)
     texture.repeat_x = texture.repeat_y = False
     return texture

@@ -16,7 +16,7 @@ from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import LAMPS
 
 # As lamps.glsl binds them.
-_SHADOW_UNIT, _TABLE_UNIT = 18, 19
+_SHADOW_UNIT, _TABLE_UNIT = 23, 24
 _SHARPEST_RAMP = 1e-3
 
 

@@ -184,7 +184,7 @@ class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
     matte = False
 
     def _compute_textures(self) -> set[Any]:
-        return super()._compute_textures() | set(self.further.values())  # type: ignore[no-any-return]
+        return super()._compute_textures() | set(self.further.values())
 
 
 def _surface(material: Material) -> Surface:

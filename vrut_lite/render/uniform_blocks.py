@@ -162,7 +162,7 @@ SURFACE_LIGHT = UniformBlock(
 LAMPS = UniformBlock(
     "Lamps",
     "lamps",
-    binding=3,
+    binding=4,
     fields={
         "lamps": (
             f"mat4[{MOST_DRAWN}]",
@@ -178,10 +178,34 @@ LAMPS = UniformBlock(
         "texel": ("float", "width of a texel of the maps a metre away, in metres"),
     },
 )
+SURFACE_TERMS = UniformBlock(
+    "SurfaceTerms",
+    "terms",
+    binding=3,
+    fields={
+        "f0": ("vec3", "reflectance at normal incidence of what is no metal"),
+        "f90": ("float", "and at grazing angles"),
+        "sheen_rgb": ("vec3", "colour of fibres"),
+        "sheen_roughness": ("float", "of them"),
+        "extinction_per_m": ("vec3", "of a body of glass"),
+        "thickness_m": ("float", "of the body, 0 for a pane"),
+        "ior": ("float", "index of refraction"),
+        "transmission": ("float", "share that lets light through"),
+        "clearcoat": ("float", "share under a second coat"),
+        "clearcoat_roughness": ("float", "of that coat"),
+        "anisotropy": ("float", "how much highlights are stretched"),
+        "anisotropy_rad": ("float", "which way, from the first texture coordinate"),
+        "specular_layer": ("float", "of texture coordinates, for each map"),
+        "specular_colour_layer": ("float", "of the map of f0's colour"),
+        "clearcoat_layer": ("float", "of the map of the second coat"),
+        "transmission_layer": ("float", "of the map of glass"),
+    },
+)
 # By the names under which shaders include them.
 BLOCK_FILES = {
     "air_block.glsl": AIR,
     "cloud_block.glsl": CLOUDS,
     "lamp_block.glsl": LAMPS,
     "surface_light_block.glsl": SURFACE_LIGHT,
+    "surface_terms_block.glsl": SURFACE_TERMS,
 }

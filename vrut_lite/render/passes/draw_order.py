@@ -31,12 +31,14 @@ def in_order(
 
 def is_blended(material: Any) -> bool:
     """Whether what is behind a material shows through it."""
-    return bool(material.alphaMode == "BLEND")
+    return bool(material.alphaMode == "BLEND" or material.terms.transmits)
 
 
 def has_solid_texels(primitive: Any) -> bool:
     """Whether something of a mesh may hide all that is behind it."""
     material = primitive.material
+    if material.terms.transmits:
+        return "transmission" in material.further
     if not is_blended(material):
         return True
     if float(material.baseColorFactor[3]) < SOLID_ALPHA:
@@ -52,7 +54,7 @@ def alpha_range(primitive: Any, blended: bool) -> tuple[float, float]:
         return 0.0, _NO_END
     if material.alphaMode == "MASK":
         return float(material.alphaCutoff), _NO_END
-    if not is_blended(material):
+    if not is_blended(material) or material.terms.transmits:
         return 0.0, _NO_END
     if blended:
         return 0.0, SOLID_ALPHA if has_solid_texels(primitive) else _NO_END

@@ -21,6 +21,7 @@ from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
+from vrut_lite.render.surface_terms import SurfaceTermsOnGpu, scale_of, term_defines
 
 pyrender = import_pyrender()
 from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
@@ -80,9 +81,15 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
     def __init__(self) -> None:
         super().__init__(1, 1)
         self._program_cache = _Programs(shader_dir=str(SHADERS))
+        self._terms = SurfaceTermsOnGpu()
 
     def __del__(self) -> None:
         """Do nothing: pyrender would free GL objects from whatever thread collects garbage."""
+
+    def delete(self) -> None:
+        """Free all that it keeps on the GPU."""
+        self._terms.release()
+        super().delete()
 
     def update(self, scene: PyrenderScene) -> None:
         """Bring the scene's buffers and textures to the GPU, and free those that left it."""
@@ -115,7 +122,11 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             primitive = placed.primitive
-            own = (*_surface_defines(primitive.material), *surface_light.defines(placed))
+            own = (
+                *_surface_defines(primitive.material),
+                *term_defines(primitive.material, blended),
+                *surface_light.defines(placed),
+            )
             self._program_cache.also = (*defines, *own)
             program = self._get_primitive_program(
                 primitive, RenderFlags.NONE, ProgramFlags.USE_MATERIAL
@@ -134,6 +145,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             if surface_light.mirrors(placed):
                 program.set_uniform("mirror_eye_m", surface_light.bind_mirror(placed, view.eye_m))
             pose = translation(-view.eye_m) @ placed.world_from_model
+            self._terms.bind(primitive.material, scale_of(placed.world_from_model))
             program.set_uniform("M", pose)
             self._bind_material(program, primitive.material)
             _draw_sides(primitive, blended)
@@ -208,7 +220,11 @@ def _draw_sides(primitive: Any, blended: bool) -> None:
     GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
     if blended:
         GL.glEnable(GL.GL_BLEND)
-        GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
+        if primitive.material.terms.transmits:
+            # What is behind times a colour that the shader says.
+            GL.glBlendFunc(GL.GL_ONE, GL.GL_SRC1_COLOR)
+        else:
+            GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
     else:
         GL.glDisable(GL.GL_BLEND)
     if primitive.material.doubleSided and blended:

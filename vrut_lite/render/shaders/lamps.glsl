@@ -1,8 +1,8 @@
 // The scene's lamps: daylight/lamps.py says what their numbers mean.
 //!include lamp_block.glsl
 
-layout(binding = 18) uniform sampler2DShadow lamp_shadows;  // passes/lamp_shadows.py draws them
-layout(binding = 19) uniform sampler2DArray lamp_tables;
+layout(binding = 23) uniform sampler2DShadow lamp_shadows;  // passes/lamp_shadows.py draws them
+layout(binding = 24) uniform sampler2DArray lamp_tables;
 
 // Share of a lamp's intensity into a direction: its cone, and its table if it has one.
 float lamp_share(mat4 lamp, vec3 d) {

@@ -42,6 +42,7 @@ uniform int emissive_layer;
 uniform float normal_scale;
 uniform float occlusion_strength;
 uniform float dielectric_f0;         // reflectance at normal incidence of what is no metal
+const float TABLE_F0 = 0.04;         // of the table's means
 
 uniform vec3 sun_direction;          // towards the sun
 uniform vec3 sun_irradiance;         // on a plane that faces it
@@ -81,7 +82,12 @@ centroid in vec2 place_px;
 uniform vec2 light_corner_px;        // of its rectangle in the light map
 #endif
 
+#ifdef GLASS
+layout(location = 0, index = 0) out vec4 frag_radiance;
+layout(location = 0, index = 1) out vec4 share_of_behind;
+#else
 out vec4 frag_radiance;
+#endif
 
 #ifdef TEXCOORD_0_LOC
 vec2 uv_of(int layer) {
@@ -259,13 +265,13 @@ vec3 grazing(vec3 f0) {
 
 // GGX distribution times height-correlated Smith visibility (Heitz 2014), with Schlick's
 // Fresnel term: glTF 2.0, appendix B.3.
-vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0) {
+vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0, vec3 f90) {
     float a2 = alpha * alpha;
     float d = nh * nh * (a2 - 1.0) + 1.0;
     float distribution = a2 / (PI * d * d);
     float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2)
                               + nv * sqrt(nl * nl * (1.0 - a2) + a2));
-    return distribution * visibility * (f0 + (grazing(f0) - f0) * pow(1.0 - vh, 5.0));
+    return distribution * visibility * (f0 + (f90 - f0) * pow(1.0 - vh, 5.0));
 }
 
 //!include sky_lookup.glsl
@@ -283,9 +289,8 @@ vec3 bounces(vec3 f0, vec2 share) {
 }
 
 // Share of the light that the coat of a dielectric reflects, all bounces.
-float coat(vec2 share) {
-    vec3 f0 = vec3(dielectric_f0);
-    return ((f0 * share.x + grazing(f0) * share.y) * bounces(f0, share)).r;
+float coat(vec2 share, float f0, float f90) {
+    return (f0 * share.x + f90 * share.y) * (1.0 + f0 * (1.0 / (share.x + share.y) - 1.0));
 }
 
 // Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
@@ -320,29 +325,6 @@ vec3 reflected_sky(vec3 d, float roughness) {
 //!include lamps.glsl
 #endif
 
-// A surface as it is seen; `more` is what bounces between facets add, `through` the share of light
-// that comes from the paint out through the coat, over that of light from all around that goes in.
-struct Seen {
-    vec3 n;
-    vec3 view;
-    float nv;
-    float roughness;
-    float alpha;
-    vec3 f0;
-    vec3 more;
-    float through;
-};
-
-// Add what a surface does to light from one direction: `light` is its irradiance, nl its cosine.
-void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse,
-               inout vec3 radiance) {
-    diffuse += light * (seen.through * (1.0 - coat(shares(nl, seen.roughness).xy)));
-    // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
-    vec3 h = normalize(towards + seen.view);
-    float nh = clamp(dot(seen.n, h), 0.0, 1.0), vh = clamp(dot(seen.view, h), 0.0, 1.0);
-    radiance += light * seen.more * specular_brdf(nl, seen.nv, nh, vh, seen.alpha, seen.f0);
-}
-
 vec4 base_color() {
     vec4 base = material.base_color_factor;
 #ifdef HAS_BASE_COLOR_TEX
@@ -356,6 +338,12 @@ vec4 base_color() {
 #endif
     return base;
 }
+
+#ifdef TERMS
+//!include surface_terms.glsl
+#endif
+
+//!include direct_light.glsl
 
 #ifdef CUT_OUT
 //!include cut_out.glsl
@@ -382,6 +370,16 @@ void main() {
     cover(alpha_of_map);
 #endif
     if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
+#ifdef UNLIT
+    // As bright as level ground of its colour in the open.
+    vec3 on_ground = sky_irradiance(vec3(0.0, 1.0, 0.0)) + sun_irradiance * max(sun_direction.y, 0.0);
+    vec3 shown = base.rgb * on_ground / PI;
+#ifdef AIR
+    shown = through_air(shown, normalize(eye_to_sample), length(eye_to_sample), 1.0);
+#endif
+    frag_radiance = vec4(shown, mix(base.a, 1.0, opaque));
+    return;
+#endif
     float metallic = material.metallic_factor, roughness = material.roughness_factor;
     vec3 emission = material.emissive_factor;
     float occlusion = 1.0;
@@ -401,8 +399,28 @@ void main() {
 #endif
     roughness = clamp(roughness, 0.0, 1.0);
     float alpha = max(roughness * roughness, SMALLEST_ALPHA);
-    vec3 f0 = mix(vec3(dielectric_f0), base.rgb, metallic);
+    vec3 coat_f0 = vec3(dielectric_f0);
+    float coat_peak = dielectric_f0, coat_f90 = grazing(coat_f0).r;
+#ifdef TERMS
+    float clearcoat, transmission;
+    look_up_terms(coat_f0, coat_f90, clearcoat, transmission);
+    coat_peak = peak(coat_f0);
+#endif
+    vec3 f0 = mix(coat_f0, base.rgb, metallic);
+    vec3 f90 = grazing(f0);
+#ifdef TERMS
+    f90 = mix(vec3(coat_f90), f90, metallic);
+#endif
     vec3 albedo = base.rgb * (1.0 - metallic);
+#ifdef GLASS
+    transmission *= 1.0 - metallic;
+    albedo *= 1.0 - transmission;
+#ifdef HAS_TRANSMISSION_TEX
+    if (transmission <= 0.0) discard;  // drawn among what is solid
+#endif
+#elif defined(HAS_TRANSMISSION_TEX)
+    if (transmission > 0.0) discard;   // drawn after all that is solid
+#endif
 
     vec3 view = normalize(-eye_to_sample);
     vec3 face = face_normal(view);
@@ -417,7 +435,13 @@ void main() {
     vec3 more = bounces(f0, share.xy);
     // What the coat does not reflect reaches the paint below it (Kelemen and Szirmay-Kalos
     // 2001): reciprocal, and a white surface gives back all of any light.
-    float through = 1.0 - coat(share.xy);
+    float through = 1.0 - coat(share.xy, coat_peak, coat_f90);
+#ifdef SHEEN
+    // Fibres take their light from all that is below them.
+    float below_sheen = 1.0 - peak(terms.sheen_rgb) * sheen_share(nv);
+    through *= below_sheen;
+    more *= below_sheen;
+#endif
 #ifdef SURFACE_LIGHT
     vec4 reached = surface_light(face, smooth_n, n, behind);
 #ifndef LIGHT_MAP
@@ -428,36 +452,50 @@ void main() {
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
 #endif
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
-    float mean = share.z * grazing(vec3(dielectric_f0)).r;
-    Seen seen = Seen(n, view, nv, roughness, alpha, f0, more, through / (1.0 - mean));
+    float mean = share.z * coat_f90;
+#ifdef TERMS
+    // In proportion: all at an f0 of 1, and the table's own at that of the table.
+    mean += (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
+    mean = min(mean, 0.999);
+#endif
+    Seen seen = Seen(n, smooth_n, view, nv, roughness, alpha, f0, f90, more, coat_peak, coat_f90,
+                     through / (1.0 - mean), 0.0);
+    vec3 highlights = vec3(0.0);  // of a second coat
+#ifdef CLEARCOAT
+    seen.clearcoat = clearcoat;
+#endif
 #ifdef NO_SKY
     // Shadow maps let the sun through where walls meet.
     nl = 0.0;
 #endif
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
-        vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face));
+        vec3 sun = sun_irradiance * (terminator * sun_visibility(face));
 #ifdef CLOUD_SHADOWS
         sun *= cloud_transmittance(eye_to_sample);
 #endif
-        add_light(sun, sun_direction, nl, seen, diffuse, radiance);
+        add_light(sun, sun_direction, nl, seen, diffuse, radiance, highlights);
     }
 #ifdef LAMPS
     for (int number = 0; number < int(lamps.count); ++number) {
         vec3 towards, lamp = lamp_irradiance(number, point_in_triangle(face), face, towards);
         float cosine = dot(n, towards);
         if (cosine > 0.0 && lamp != vec3(0.0)) {
-            lamp *= cosine * before_terminator(cosine, dot(face, towards), dot(n, face));
-            add_light(lamp, towards, cosine, seen, diffuse, radiance);
+            lamp *= before_terminator(cosine, dot(face, towards), dot(n, face));
+            add_light(lamp, towards, cosine, seen, diffuse, radiance, highlights);
         }
     }
 #endif
     radiance += albedo * diffuse / PI;
-    vec3 once = f0 * share.x + grazing(f0) * share.y;
+    vec3 once = f0 * share.x + f90 * share.y;
+    vec3 mirror_n = n;
+#ifdef ANISOTROPY
+    mirror_n = bent_normal(n, view, roughness);
+#endif
 #ifdef SURFACE_LIGHT
-    if (dielectric_f0 + metallic > 0.0) {
+    if (coat_f90 + metallic > 0.0) {
         // Of the sky the share that arrives; all else that arrives comes evenly from all around.
-        vec3 to_image = reflect(-view, n), far = reflected_sky(to_image, roughness);
+        vec3 to_image = reflect(-view, mirror_n), far = reflected_sky(to_image, roughness);
         vec3 mirrored = reached.a * far;
         mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
 #ifdef MIRROR
@@ -467,7 +505,37 @@ void main() {
         radiance += once * more * mirrored;
     }
 #else
-    radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
+    radiance += once * more * occlusion * reflected_sky(reflect(-view, mirror_n), roughness);
+#endif
+#ifdef SHEEN
+#ifdef SURFACE_LIGHT
+    vec3 on_sheen = reached.rgb;
+#else
+    vec3 on_sheen = sky_irradiance(n) * occlusion;
+#endif
+    radiance += terms.sheen_rgb * sheen_share(nv) * on_sheen / PI;
+#endif
+#ifdef GLASS
+    // The coat reflects; of what it lets in, what is behind is seen, tinted by the base colour.
+    vec3 tint = base.rgb * (transmission * through);
+#ifdef BACKDROP
+    radiance += tint * seen_through(eye_to_sample, n, view, roughness);
+    tint = vec3(0.0);
+#endif
+#endif
+#ifdef CLEARCOAT
+    radiance = under_clearcoat(
+        radiance, clearcoat, smooth_n, view, highlights,
+#ifdef SURFACE_LIGHT
+        reached.a * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
+            + max(reached.rgb - reached.a * open_irradiance(smooth_n), 0.0) / PI
+#else
+        occlusion * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
+#endif
+    );
+#ifdef GLASS
+    tint *= 1.0 - clearcoat * clearcoat_share(max(dot(smooth_n, view), 1e-4));
+#endif
 #endif
 #ifdef AIR
     float metres = length(eye_to_sample), lit_air = 1.0;
@@ -476,5 +544,11 @@ void main() {
 #endif
     radiance = through_air(radiance, -view, metres, lit_air);
 #endif
+#ifdef GLASS
+    // A blended pane is there by the share alpha.
+    frag_radiance = vec4(radiance * base.a, 1.0);
+    share_of_behind = vec4(mix(vec3(1.0), tint, base.a), 1.0);
+#else
     frag_radiance = vec4(radiance, mix(base.a, 1.0, opaque));
+#endif
 }

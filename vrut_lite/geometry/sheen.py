@@ -1,0 +1,42 @@
+"""What fibres send back of an even sky: KHR_materials_sheen.
+
+Charlie's distribution (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF") with
+Neubelt's visibility (Neubelt and Pettineo 2013): shares of light that shaders look up.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.geometry.reflection import TABLE_SIZE
+
+_ANGLES, _TURNS = 96, 48
+_LEAST_ALPHA = 1e-3
+
+
+@lru_cache(maxsize=1)
+def sheen_table() -> NDArray[np.float32]:
+    """Shares (TABLE_SIZE, TABLE_SIZE) that white fibres send back: rows are roughness.
+
+    Both axes run as those of `reflection.reflectance_table`.
+    """
+    steps = np.linspace(0.0, 1.0, TABLE_SIZE)
+    nv = np.maximum(steps**2, 1e-3)[:, None, None]
+    nl = ((np.arange(_ANGLES) + 0.5) / _ANGLES)[None, :, None]
+    turn = (np.pi * (np.arange(_TURNS) + 0.5) / _TURNS)[None, None, :]
+    view = np.stack(np.broadcast_arrays(np.sqrt(1.0 - nv * nv), 0.0 * turn, nv), axis=-1)
+    sine = np.sqrt(1.0 - nl * nl)
+    light = np.stack(np.broadcast_arrays(sine * np.cos(turn), sine * np.sin(turn), nl), axis=-1)
+    half = view + light
+    nh = half[..., 2] / np.linalg.norm(half, axis=-1)
+    visibility = 1.0 / (4.0 * (nl + nv - nl * nv))
+    table = np.empty((TABLE_SIZE, TABLE_SIZE), np.float32)
+    for row, roughness in enumerate(steps):
+        inverse = 1.0 / max(roughness**2, _LEAST_ALPHA)
+        spread = (2.0 + inverse) * np.maximum(1.0 - nh * nh, 0.0) ** (0.5 * inverse) / (2 * np.pi)
+        # Over the half turn and its mirror image, and over the cosine.
+        table[row] = (spread * visibility * nl).mean(axis=(1, 2)) * 2.0 * np.pi
+    np.clip(table, 0.0, 1.0, out=table)
+    table.flags.writeable = False
+    return table

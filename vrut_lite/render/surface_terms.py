@@ -1,0 +1,106 @@
+"""What glTF's extensions add to surfaces, for shaders: a block of numbers, maps and defines.
+
+A material without any has programs without any: it costs nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+from OpenGL import GL
+
+from vrut_lite.daylight.scene_content import MapName
+from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.render.shader_files import Defines
+from vrut_lite.render.uniform_blocks import SURFACE_TERMS
+
+# As surface_terms.glsl binds them.
+_MAP_UNITS: dict[MapName, int] = {
+    "specular": 18,
+    "specular_colour": 19,
+    "clearcoat": 20,
+    "transmission": 21,
+}
+BACKDROP_UNIT = 22
+# What is smoother than this and no body shows what is behind it as it is.
+_SMOOTH = 0.05
+_PLAIN = SurfaceTerms()
+
+
+def term_defines(material: Any, blended: bool) -> Defines:
+    """What the programs of a material are compiled with, by its terms."""
+    terms: SurfaceTerms = material.terms
+    if terms.unlit:
+        return ("UNLIT",)
+    if not _has_terms(material):
+        return ()
+    defines = ["TERMS", *(f"HAS_{name.upper()}_TEX" for name in material.further)]
+    if any(terms.sheen_rgb):
+        defines.append("SHEEN")
+    if terms.anisotropy > 0.0:
+        defines.append("ANISOTROPY")
+    if terms.clearcoat > 0.0:
+        defines.append("CLEARCOAT")
+    if terms.transmits and blended:
+        defines.append("GLASS")
+        if needs_backdrop(material):
+            defines.append("BACKDROP")
+    return tuple(defines)
+
+
+def needs_backdrop(material: Any) -> bool:
+    """Whether what is behind a material is seen bent or blurred."""
+    terms: SurfaceTerms = material.terms
+    return terms.transmits and (not terms.is_pane or material.roughnessFactor > _SMOOTH)
+
+
+def _has_terms(material: Any) -> bool:
+    return material.terms != _PLAIN and not material.matte
+
+
+class SurfaceTermsOnGpu:
+    """The block's buffer; used on the GL thread only."""
+
+    def __init__(self) -> None:
+        self._buffer: int | None = None
+
+    def bind(self, material: Any, scale: float) -> None:
+        """Hand a material's numbers and maps to the mesh that is drawn next, `scale` times as
+        large as in the file."""
+        if not _has_terms(material):
+            return
+        terms: SurfaceTerms = material.terms
+        layer = {f"{name}_layer": material.layer_of.get(name, 0) for name in _MAP_UNITS}
+        data = SURFACE_TERMS.packed(
+            f0=terms.f0_rgb,
+            f90=terms.f90,
+            sheen_rgb=terms.sheen_rgb,
+            sheen_roughness=terms.sheen_roughness,
+            extinction_per_m=terms.extinction_per_m,
+            thickness_m=terms.thickness_m * scale,
+            ior=terms.ior,
+            transmission=terms.transmission,
+            clearcoat=terms.clearcoat,
+            clearcoat_roughness=terms.clearcoat_roughness,
+            anisotropy=terms.anisotropy,
+            anisotropy_rad=terms.anisotropy_rad,
+            **layer,
+        )
+        if self._buffer is None:
+            self._buffer = int(GL.glGenBuffers(1))
+        GL.glBindBufferBase(GL.GL_UNIFORM_BUFFER, SURFACE_TERMS.binding, self._buffer)
+        GL.glBufferData(GL.GL_UNIFORM_BUFFER, len(data), data, GL.GL_STREAM_DRAW)
+        for name, texture in material.further.items():
+            GL.glActiveTexture(GL.GL_TEXTURE0 + _MAP_UNITS[name])
+            texture._bind()
+        GL.glActiveTexture(GL.GL_TEXTURE0)
+
+    def release(self) -> None:
+        """Free the buffer."""
+        if self._buffer is not None:
+            GL.glDeleteBuffers(1, [self._buffer])
+        self._buffer = None
+
+
+def scale_of(world_from_model: np.ndarray) -> float:
+    """How many times larger a matrix (4, 4) makes what it moves, on average."""
+    return float(np.abs(np.linalg.det(world_from_model[:3, :3])) ** (1 / 3))
