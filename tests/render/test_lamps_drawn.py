@@ -11,6 +11,7 @@ from stateful_backend import opened
 from vrut_lite.daylight.camera import pixel_rays
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.lamps import MOST_DRAWN
+from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.geometry.cube_map import texel_directions
 
 pytestmark = pytest.mark.gl
@@ -79,7 +80,7 @@ def test_lamps_add_up_and_the_brightest_are_drawn(backend, far_box):
 
 @pytest.mark.parametrize("around_deg", [0.0, 40.0, 90.0, 200.0])
 def test_a_thing_between_lamp_and_ground_casts_its_shadow(backend, tmp_path, around_deg):
-    """A lamp 3 m up beside a post: the ground behind it is black, that beside it lit, all round."""
+    """A lamp 3 m up beside a post: black ground behind, lit beside; the light meter agrees."""
     angle = np.radians(around_deg)
     out = np.array([np.cos(angle), 0.0, np.sin(angle)])
     path = tmp_path / "post.glb"
@@ -87,12 +88,17 @@ def test_a_thing_between_lamp_and_ground_casts_its_shadow(backend, tmp_path, aro
         path
     )
     night(backend, path, {"position_m": (0.0, 3.0, 0.0)})
+    lux = []
     # The top of the post, 2 m up and 2 m away, casts to 6 m.
     for metres, is_lit in ((1.0, True), (3.0, False), (4.5, False), (8.0, True)):
         at = metres * out
         shown = look(backend, np.add(at, (0.0, 5.0, 0.01)), at, 0.02).radiance[16, 24, 1]
         expected = ALBEDO / np.pi * 2.0 * 3.0 / (9.0 + metres**2) ** 1.5
         assert shown == pytest.approx(expected if is_lit else 0.0, rel=0.01, abs=1e-9)
+        lux.append(backend.backend.illuminance(backend.state, at, (0.0, 1.0, 0.0)).lamp_lux)
+    candela = 2.0 * LUMENS_PER_WATT
+    wanted = [candela * 3.0 / (9.0 + metres**2) ** 1.5 for metres in (1.0, 8.0)]
+    assert lux == pytest.approx([wanted[0], 0.0, 0.0, wanted[1]])
 
 
 def test_a_smooth_surface_mirrors_a_lamp_where_a_mirror_would(backend, tmp_path):

@@ -95,6 +95,7 @@ class PyrenderBackend:
             normal,
             state.clouds,
             _lit_scene(state, ambient),
+            None if state.scene is None else state.scene.lamps,
         )
 
     def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:

@@ -120,8 +120,9 @@ def luminance_text(cd_m2: float) -> str:
 
 
 def illuminance_text(light: Illuminance) -> str:
-    """Lux by sun and by sky."""
-    return f"{light.lux:,.0f} lx (sun {light.sun_lux:,.0f} + sky {light.sky_lux:,.0f})"
+    """Lux by sun and by sky, and by lamps where there are any."""
+    lamps = f" + lamps {light.lamp_lux:,.0f}" if light.lamp_lux > 0.0 else ""
+    return f"{light.lux:,.0f} lx (sun {light.sun_lux:,.0f} + sky {light.sky_lux:,.0f}{lamps})"
 
 
 def _vector(values: ArrayLike) -> Vector:
