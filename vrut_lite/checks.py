@@ -132,6 +132,13 @@ def lines(message: object, name: str) -> None:
         _refuse(message, name, "", "be lines of text", value)
 
 
+def pairs_of_texts(message: object, name: str) -> None:
+    """Check that a field is a tuple of pairs of texts."""
+    value = getattr(message, name)
+    if not (isinstance(value, tuple) and all(map(_is_pair_of_texts, value))):
+        _refuse(message, name, "", "be pairs of texts", value)
+
+
 def flag(message: object, *names: str, of: str = "") -> None:
     """Check that fields are true or false."""
     for name in names:
@@ -270,6 +277,11 @@ def _is_buffer(value: object) -> bool:
     binding, data = value
     fits = is_whole(binding) and binding >= 0 and isinstance(data, Array)
     return fits and data.dtype == np.float32
+
+
+def _is_pair_of_texts(value: object) -> bool:
+    is_pair = isinstance(value, tuple) and len(value) == 2
+    return is_pair and all(isinstance(part, str) for part in value)  # type: ignore[attr-defined]
 
 
 def _wide(value: Any) -> float | int:

@@ -68,6 +68,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
     missing `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
+    `luminaires` are IES files by the names of lamps.
     `animation` and `animation_time_s` say how the scene's own animations stand.
     """
 
@@ -75,6 +76,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     placement: Placement = Placement()
     beside: tuple[PlacedFile, ...] = ()
     scene_camera: str = ""
+    luminaires: dict[str, str] = {}
     place: str = "50.0755,14.4378,200"
     at: str = "2026-06-21T16:00"
     north_offset_deg: Annotated[float, msgspec.Meta(ge=-360, le=360)] = 0.0
@@ -138,7 +140,10 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
     beside = tuple(
         msgspec.structs.replace(placed, scene=change(placed.scene)) for placed in project.beside
     )
-    return msgspec.structs.replace(project, scene=change(project.scene), beside=beside)
+    luminaires = {name: change(path) for name, path in project.luminaires.items()}
+    return msgspec.structs.replace(
+        project, scene=change(project.scene), beside=beside, luminaires=luminaires
+    )
 
 
 def project_of_path(path: str | None) -> Project:
@@ -162,8 +167,8 @@ def save_project(path: str | Path, project: Project) -> None:
     folder = file.resolve().parent
     text = project_text(_with_paths(project, lambda path: _relative(path, folder)))
     try:
-        with atomic_output(file) as beside:
-            beside.write_text(text, encoding="utf-8")
+        with atomic_output(file) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
     except OSError as error:
         raise UserError(f"cannot write {file}: {error.strerror or error}") from None
 
@@ -248,6 +253,7 @@ def view_inputs(project: Project) -> list[Input]:
             placement=project.placement,
             beside=project.beside,
             camera=project.scene_camera,
+            luminaires=tuple(project.luminaires.items()),
         ),
     ]
     if project.camera is not None:

@@ -18,6 +18,12 @@ from light_transport.hour.filling import takes_light_of
 from light_transport.hour.gather import gathered
 from light_transport.hour.hour import Hour, HourLight
 from light_transport.hour.key_light import KeyRays, key_rays_of, lit_shares, patch_means
+from light_transport.hour.lamp_light import (
+    LampLight,
+    lamp_irradiance,
+    lamps_in_radii,
+    patch_lamp_light,
+)
 from light_transport.hour.mirror_light import asked_for_key_light, cubes, texel_radiance
 from light_transport.hour.openness import open_luminance, orientation_of
 from light_transport.hour.smoothing import (
@@ -47,7 +53,8 @@ from light_transport.surfaces.groups import groups_of
 from light_transport.surfaces.links import links_of, seam_links
 from light_transport.surfaces.map_texels import map_geometry, texels_of
 from light_transport.surfaces.sheets import sheets_of
-from light_transport.surfaces.surfaces import Surfaces
+from light_transport.surfaces.surfaces import GROUND, Surfaces
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
@@ -70,6 +77,8 @@ class _Finished:
     shown: NDArray[np.int32]
     """Whose light each texel of the map (height, width) shows; the number of texels: nobody's."""
     key_rays: KeyRays
+    lamps: LampLight | None
+    lamps_on_patches: Float32Array | None
 
 
 class Bake:
@@ -122,6 +131,7 @@ class Bake:
         self.table: Rows = empty_rows(0, self.rows)
         self.patches: Patches | None = None
         self.mirrors: MirrorRays | None = None
+        self.lamps: SceneLamps | None = None
         self._orientation = orientation_of(np.concatenate([self.texels.normal, probes.normal]))
         self._finished: _Finished | None = None
 
@@ -190,6 +200,9 @@ class Bake:
         self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
         texels = len(self.texels.pixel)
         light[:texels] = self._smoothed(light[:texels], finished.smoothing)
+        if finished.lamps is not None:
+            # It has no noise that is to be smoothed, and edges that are not.
+            light[:, :3] += finished.lamps.baked[:rows]
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
         return HourLight(
             self._as_map(light[:texels], finished),
@@ -269,6 +282,8 @@ class Bake:
         direct_sky(finished.exchange, node_light, direct)
         means = patch_means(patches, finished.key_rays, key_shares)
         direct += means[:, None] * np.asarray(hour.key_irradiance_rgb, np.float32)
+        if finished.lamps_on_patches is not None:
+            direct += finished.lamps_on_patches
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
         emitted = patches.emitted_rgb
@@ -285,6 +300,7 @@ class Bake:
             source = takes_light_of(self.links, good, valid.astype(np.float32))
             shown = np.append(source, -1)[self.texels.row_of]
             exchange = exchange_of(self.table, self.patches)
+            lamps = self._lamp_light()
             mirrored = self._mirrored_texels(texels)
             self._finished = _Finished(
                 good,
@@ -292,8 +308,23 @@ class Bake:
                 smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
                 np.where(shown < 0, texels, shown).astype(np.int32),
                 key_rays_of(self.patches, self.table.free, enclosure(exchange), mirrored),
+                lamps,
+                None if lamps is None else patch_lamp_light(self.patches, self.table.free, lamps),
             )
         return self._finished
+
+    def _lamp_light(self) -> LampLight | None:
+        if self.lamps is None:
+            return None
+        light = LampLight(*np.empty((2, self.rows, 3), np.float32))
+        lamps = lamps_in_radii(self.lamps, self.surfaces)
+        self._over_rows(
+            self.rows,
+            lambda a, b: lamp_irradiance(
+                self.tree, self.receivers, self.table.free, lamps, scratch(), a, b, *light
+            ),
+        )
+        return light
 
     def _mirrored_texels(self, texels: int) -> NDArray[np.integer]:
         """Which of the texels mirrors ask for the key light."""
@@ -342,9 +373,20 @@ class Bake:
             np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
             radiance,
         )
+        if finished.lamps is not None:
+            triangle = self.texels.triangle[seen[:texels]]
+            radiance[:texels] += (
+                self._reflectance(hour)[triangle] * finished.lamps.drawn[seen[:texels]] / np.pi
+            )
         column = self.patches.column_of[NODES + seen[texels:]]
         radiance[texels:] = column_light[column, :3] / np.float32(np.pi)
         return cubes(self.mirrors, radiance)
+
+    def _reflectance(self, hour: Hour) -> Float32Array:
+        """Of all triangles (F, 3), the ground's in this hour included."""
+        reflectance = self.surfaces.reflectance_rgb.copy()
+        reflectance[self.surfaces.part == GROUND] = hour.ground_albedo_rgb
+        return reflectance
 
     def _over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
         """Do work on ranges of rows, which fill arrays apart from each other."""

@@ -79,6 +79,7 @@ def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
     layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
     bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
     bake.threads = _all_threads()
+    bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces))
     bake.threads = 1
     message = msgspec.structs.replace(layout.message, mirrors=_mirrors(bake))

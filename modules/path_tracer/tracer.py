@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from path_tracer.camera import sensor
+from path_tracer.lamps import lamp_emitters
 from path_tracer.library import load_mitsuba
 from path_tracer.settings import PathTracerSettings
 from path_tracer.shapes import glowing_shapes, shapes
@@ -81,7 +82,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
     cube = radiance_cube(subject.background)
     bright = bool(np.any(cube > 0.0))
-    lamps = glowing_shapes(mitsuba, subject, model)
+    lamps = glowing_shapes(mitsuba, subject, model) | lamp_emitters(mitsuba, subject)
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
         scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))

@@ -13,6 +13,7 @@ from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.lamps import ALL_AROUND, NONE, TABLE_SHAPE, SceneLamps
 from vrut_lite.daylight.light_map import (
     GroundChart,
     LightMapLaid,
@@ -64,6 +65,12 @@ CLOUDS = CloudLayer(
     weather=Array(np.zeros((4, 4), np.uint16)), shape=Array(np.zeros((4, 4, 4), np.uint8)),
     detail=Array(np.zeros((2, 2, 2), np.uint8)),
 )  # fmt: skip
+LAMPS = SceneLamps(
+    names=Array(np.frombuffer(b"bulb", np.uint8)), position_m=Array(np.zeros((1, 3))),
+    axes=Array(np.eye(3)[None].copy()), intensity_rgb=Array(np.ones((1, 3))),
+    cone_cos=Array(np.array([ALL_AROUND])), table=Array(np.full(1, NONE, np.int32)),
+    tables=Array(np.zeros((0, *TABLE_SHAPE), np.float32)),
+)  # fmt: skip
 SCENE = SceneOpened(
     path="a.glb", lower_m=UP, upper_m=UP, triangles=1,
     geometry=SceneGeometry(
@@ -86,7 +93,8 @@ SCENE = SceneOpened(
         images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
     ),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
-    notices=("points or lines: not drawn",), opened=LoadScene(path="a.glb"), cameras=("gate",),
+    lamps=LAMPS, notices=("points or lines: not drawn",),
+    opened=LoadScene(path="a.glb"), cameras=("gate",),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
@@ -133,7 +141,11 @@ SOUND = [
     SetClockRate(rate=-60.0),
     Tick(elapsed_s=0.5),
     SetPlace(latitude_deg=50.0, longitude_deg=14.0, altitude_m=200.0, north_offset_rad=0.1),
-    LoadScene(path="a.glb", beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),)),
+    LoadScene(
+        path="a.glb",
+        beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),),
+        luminaires=(("bulb", "a.ies"),),
+    ),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),
     PictureClicked(

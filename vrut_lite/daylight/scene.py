@@ -6,6 +6,7 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.kernel.messages import Derived, Input
@@ -18,12 +19,14 @@ class LoadScene(Input, frozen=True, kw_only=True):
     """Open this scene file, and others beside it, each placed.
 
     `camera` is the name of one of the file's cameras, or its number from 1; empty for the first.
+    `luminaires` are names of lamps and paths of their IES files.
     """
 
     path: str
     placement: Placement = Placement()
     beside: tuple[PlacedFile, ...] = ()
     camera: str = ""
+    luminaires: tuple[tuple[str, str], ...] = ()
 
     def check(self) -> None:
         """Paths and placements; the files themselves tell the rest."""
@@ -36,15 +39,17 @@ class LoadScene(Input, frozen=True, kw_only=True):
             if not isinstance(file, PlacedFile):
                 checks.refuse(self, "beside", "be files with their placements")
             file.check()
+        checks.pairs_of_texts(self, "luminaires")
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):
     """An opened scene: its bounds in metres, world axes, and its content.
 
     `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
-    brings a ground of its own; `camera` the first that the file brings. `notices` are lines on what
-    the file has and the scene has not, or has otherwise. `opened` is what was asked for, with the
-    guessed parts of its placement filled in; `cameras` are the names of the file's cameras.
+    brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
+    `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
+    what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
+    of the file's cameras.
     """
 
     path: str
@@ -55,18 +60,19 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     materials: SceneMaterials
     ground: GroundDisc | None
     camera: MoveCamera | None
+    lamps: SceneLamps | None = None
     notices: tuple[str, ...] = ()
     opened: LoadScene | None = None
     cameras: tuple[str, ...] = ()
 
     @property
     def content_key(self) -> str:
-        """Hexadecimal BLAKE2b-128 of geometry and materials, without the file's name.
+        """Hexadecimal BLAKE2b-128 of geometry, materials and lamps, without the file's name.
 
         The arrays are digested when this or a journal first asks, some 1 GB a second.
         """
         digest = hashlib.blake2b(digest_size=16)
-        for part in (self.geometry, self.materials):
+        for part in filter(None, (self.geometry, self.materials, self.lamps)):
             for name in part.__struct_fields__:
                 array: Array = getattr(part, name)
                 digest.update(array.digest.encode())
@@ -86,6 +92,9 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         checks.instance(self, "camera", (MoveCamera, type(None)))
         if self.camera is not None:
             self.camera.check()
+        checks.instance(self, "lamps", (SceneLamps, type(None)))
+        if self.lamps is not None:
+            self.lamps.check()
         checks.lines(self, "notices")
         checks.lines(self, "cameras")
         checks.instance(self, "opened", (LoadScene, type(None)))
@@ -95,6 +104,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     def check_arrays(self) -> None:
         """Arrays that refer to each other within their lengths."""
         self.geometry.check_arrays()
+        if self.lamps is not None:
+            self.lamps.check_arrays()
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):

@@ -11,6 +11,7 @@ import numpy as np
 
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState
 from vrut_lite.daylight.sky import ViewShader
@@ -24,6 +25,7 @@ from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.clouds.frame_clouds import FrameClouds
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
+from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.mesh_renderer import (
@@ -76,6 +78,7 @@ class Frame:
         self._patience = Patience(self.ledger)
         self._mesh_pieces = Pieces(self._patience)
         self._surface_light = SurfaceLightOnGpu(context)
+        self._lamps = LampsOnGpu(context, self.ledger)
         self._backdrop = Backdrop(context)
         self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
@@ -97,6 +100,10 @@ class Frame:
     def show_surface_light(self, light: SurfaceLightChanged | None) -> None:
         """Light surfaces by this from the next frame on; None: by the open sky."""
         self._surface_light.show(light)
+
+    def show_lamps(self, lamps: SceneLamps | None) -> None:
+        """Light surfaces by these too from the next frame on."""
+        self._lamps.show(lamps)
 
     def show_clouds(self, layer: CloudLayer | None) -> None:
         """Draw these clouds from the next frame on; None where there are none."""
@@ -135,6 +142,8 @@ class Frame:
         with self.measure("shadow"):
             always = not self._skips.shadow
             shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always)
+        with self.measure("lamps"):
+            self._lamps.update(self._meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
             air = self._clouds.prepare(scene, view, light, air, state.size_px)
@@ -159,7 +168,7 @@ class Frame:
         bind_permanent_framebuffer(self._context)
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
-                      self._air, self._surface_light, self._clouds, self._backdrop,
+                      self._air, self._surface_light, self._lamps, self._clouds, self._backdrop,
                       self._targets):  # fmt: skip
             thing.release()
 
@@ -192,7 +201,7 @@ class Frame:
                     shadows,
                     reflection,
                     self._surface_light,
-                    air.mesh,
+                    (*air.mesh, *self._lamps.defines),
                     blended,
                 )
 

@@ -3,10 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.daylight.cloud_density import sun_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.lamps import MOST_DRAWN, SceneLamps
 from vrut_lite.daylight.sky import AmbientChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -16,15 +17,16 @@ from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
 
 
 class Illuminance(NamedTuple):
-    """Lux on a plane: direct sun, and the rest (sky, ground and other surfaces)."""
+    """Lux on a plane, straight by the sun and by lamps, and by all else: sky and surfaces."""
 
     sun_lux: float
     sky_lux: float
+    lamp_lux: float = 0.0
 
     @property
     def lux(self) -> float:
-        """Both."""
-        return self.sun_lux + self.sky_lux
+        """All of it."""
+        return self.sun_lux + self.sky_lux + self.lamp_lux
 
 
 def illuminance(
@@ -35,6 +37,7 @@ def illuminance(
     normal: ArrayLike,
     clouds: CloudLayer | None = None,
     lit: LitScene | None = None,
+    lamps: SceneLamps | None = None,
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
@@ -44,6 +47,7 @@ def illuminance(
     Args:
         sun: before clouds.
         ambient: of sky and clouds together.
+        lamps: of the scene; those that the frame draws shine here too.
     """
     n = np.asarray(normal, dtype=float)
     n = n / np.linalg.norm(n)
@@ -61,4 +65,17 @@ def illuminance(
     return Illuminance(
         sun_lux=through * cosine * float(luminance(sun.irradiance_rgb)) * LUMENS_PER_WATT,
         sky_lux=float(luminance(sky)) * LUMENS_PER_WATT,
+        lamp_lux=0.0 if lamps is None else _lamp_lux(rays, lamps, np.asarray(point_m, float), n),
     )
+
+
+def _lamp_lux(
+    rays: SceneRays, lamps: SceneLamps, point_m: NDArray[np.float64], n: NDArray[np.float64]
+) -> float:
+    lux = 0.0
+    for lamp in range(min(lamps.count, MOST_DRAWN)):
+        away = lamps.position_m.values[lamp] - point_m
+        reach_m = float(np.linalg.norm(away))
+        if reach_m > 0.0 and n @ away > 0.0 and rays.is_free(point_m, n, away / reach_m, reach_m):
+            lux += float(luminance(lamps.irradiance_at(lamp, point_m, n))) * LUMENS_PER_WATT
+    return lux

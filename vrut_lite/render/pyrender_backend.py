@@ -94,6 +94,7 @@ class PyrenderBackend:
             normal,
             state.clouds,
             _lit_scene(state, ambient),
+            None if state.scene is None else state.scene.lamps,
         )
 
     def surface_at_pixel(self, state: SceneState, x: int, y: int) -> Hit | None:
@@ -144,6 +145,7 @@ class PyrenderBackend:
     def _upload_scene(self, context: Any, scene: SceneOpened) -> None:
         # Its buffers reach the GPU with the next frame.
         self._scene = PyrenderScene(scene)
+        self._frame.show_lamps(scene.lamps)
         # Its meshes are still whole.
         self._uploaded["light_map"] = None
 

@@ -73,13 +73,20 @@ class SceneRays:
             return None
         return hit
 
-    def is_free(self, point_m: ArrayLike, normal: ArrayLike, direction: ArrayLike) -> bool:
-        """Whether a ray from a point on a surface is free.
+    def is_free(
+        self,
+        point_m: ArrayLike,
+        normal: ArrayLike,
+        direction: ArrayLike,
+        reach_m: float = np.inf,
+    ) -> bool:
+        """Whether nothing stands between a point on a surface and what lies in a direction.
 
-        The ground casts no shadow, since no light comes from below it.
+        `reach_m` away, or infinitely far. The ground casts no shadow: nothing shines from below it.
         """
         start = np.asarray(point_m, dtype=float) + self._clearance_m * np.asarray(normal)
-        return not np.any(np.isfinite(self._distances_m(start, np.asarray(direction, dtype=float))))
+        distances_m = self._distances_m(start, np.asarray(direction, dtype=float))
+        return not np.any(distances_m < reach_m)
 
     def _distances_m(self, eye: NDArray, ray: NDArray) -> NDArray[np.float64]:
         """Along the ray to each triangle (F,), infinite where it misses.

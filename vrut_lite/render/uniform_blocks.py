@@ -8,8 +8,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vrut_lite.daylight.lamps import MOST_DRAWN
+
 # Floats of a type, and the multiple of floats at which it begins.
-_LAYOUT = {"float": (1, 1), "vec2": (2, 2), "vec3": (3, 4), "vec4": (4, 4), "mat4": (16, 4)}
+_LAYOUT = {
+    "float": (1, 1),
+    "vec2": (2, 2),
+    "vec3": (3, 4),
+    "vec4": (4, 4),
+    "mat4": (16, 4),
+    f"mat4[{MOST_DRAWN}]": (16 * MOST_DRAWN, 4),
+}
 
 
 class UniformBlock(NamedTuple):
@@ -35,7 +44,7 @@ class UniformBlock(NamedTuple):
         return "\n".join([head, *lines, f"}} {self.instance};\n"])
 
     def packed(self, **values: Any) -> bytes:
-        """The bytes of a value for each field; a matrix (4, 4) as mathematics writes it.
+        """The bytes of a value for each field; matrices (..., 4, 4) as mathematics writes them.
 
         Raises:
             ValueError: a field lacks a value, a value lacks a field, or has the wrong length.
@@ -51,7 +60,8 @@ class UniformBlock(NamedTuple):
             if numbers.size != _LAYOUT[kind][0]:
                 raise ValueError(f"{name} of the uniform block {self.name} must be a {kind}")
             # GLSL keeps matrices column by column.
-            block[places[name] : places[name] + numbers.size] = numbers.T.ravel()
+            columns = np.swapaxes(numbers, -1, -2) if numbers.ndim > 1 else numbers
+            block[places[name] : places[name] + numbers.size] = columns.ravel()
         return block.tobytes()
 
     def _places(self) -> tuple[dict[str, int], int]:
@@ -149,6 +159,25 @@ SURFACE_LIGHT = UniformBlock(
         "scene_m": ("float", "across the scene"),
     },
 )
+LAMPS = UniformBlock(
+    "Lamps",
+    "lamps",
+    binding=4,
+    fields={
+        "lamps": (
+            f"mat4[{MOST_DRAWN}]",
+            "columns: place from the eye and slope of the cone's ramp; axis and cosine of its end; "
+            "direction of a table's angle 0 and number of the table, or -1; intensity and the sign "
+            "of the direction of 90 degrees",
+        ),
+        "tiles": ("vec2", "of the shadow maps, across and down"),
+        "count": ("float", "of the lamps"),
+        "depth_scale": ("float", "of depth in the shadow maps"),
+        "depth_offset": ("float", "over the distance along a face's axis"),
+        "face_share": ("float", "of a tile that the cube's face takes"),
+        "texel": ("float", "width of a texel of the maps a metre away, in metres"),
+    },
+)
 SURFACE_TERMS = UniformBlock(
     "SurfaceTerms",
     "terms",
@@ -176,6 +205,7 @@ SURFACE_TERMS = UniformBlock(
 BLOCK_FILES = {
     "air_block.glsl": AIR,
     "cloud_block.glsl": CLOUDS,
+    "lamp_block.glsl": LAMPS,
     "surface_light_block.glsl": SURFACE_LIGHT,
     "surface_terms_block.glsl": SURFACE_TERMS,
 }

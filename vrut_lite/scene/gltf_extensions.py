@@ -10,10 +10,12 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 # The reader honours these.
 HONOURED = frozenset(
     {
+        "EXT_lights_ies",
         "EXT_mesh_gpu_instancing",
         "EXT_meshopt_compression",
         "EXT_texture_webp",
         "KHR_draco_mesh_compression",
+        "KHR_lights_punctual",
         "KHR_mesh_quantization",
         "KHR_meshopt_compression",
         "KHR_texture_basisu",
@@ -25,11 +27,9 @@ HONOURED = frozenset(
 _UNSEEN = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "EXT_structural_metadata", "EXT_mesh_features"})
 # Without them the file still has a plain reading, so that one that requires them is opened too.
 _INSTEAD = {
-    "EXT_lights_ies": "its lamps are dark",
     "EXT_lights_image_based": "the sky lights instead",
     "KHR_animation_pointer": "what it moves rests",
     "KHR_audio": "silent",
-    "KHR_lights_punctual": "its lamps are dark",
     "KHR_materials_dispersion": "light of all colours is bent alike",
     "KHR_materials_iridescence": "reflects without its thin film",
     "KHR_materials_variants": "the default variant is shown",

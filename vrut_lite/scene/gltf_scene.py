@@ -9,10 +9,12 @@ from vrut_lite.scene.gltf_animation import GltfAnimations
 from vrut_lite.scene.gltf_bends import UNBENT, Bend, Skins, bend_of
 from vrut_lite.scene.gltf_file import GltfFile
 from vrut_lite.scene.gltf_instances import instances_of
+from vrut_lite.scene.gltf_lamps import GltfLamps
 from vrut_lite.scene.gltf_meshes import GltfMeshes
 from vrut_lite.scene.gltf_nodes import REST, PlacedNode, cameras_of, placed_nodes
 from vrut_lite.scene.gltf_notices import tell_unread
 from vrut_lite.scene.gltf_shapes import Sizes
+from vrut_lite.scene.lamps import PlacedLamp
 from vrut_lite.scene.placed import PlacedMesh
 
 
@@ -29,6 +31,8 @@ class GltfScene:
         nodes = list(placed_nodes(file, REST))
         tell_unread(file, [node for _, node, _ in nodes])
         self.cameras = list(cameras_of(file, nodes))
+        self._lamps = GltfLamps(file)
+        self._lamps.tell_unread(nodes)
         self._skins = Skins(file, nodes)
         self._instances = {
             one.number: instances_of(file, one.node.extensions.instancing)
@@ -73,6 +77,10 @@ class GltfScene:
                 for matrix in matrices if bend.skin is None else (np.eye(4),):
                     placed.append(PlacedMesh(one.node.name or name, mesh, matrix))
         return placed
+
+    def lamps(self, time_s: float | None) -> list[PlacedLamp]:
+        """The lamps, in the scene's axes, at a time of its animations, or at rest."""
+        return self._lamps.placed(list(placed_nodes(self._file, self._animations.pose(time_s))))
 
     def _places(self, placed: PlacedNode) -> NDArray[np.float64]:
         """The matrices (n, 4, 4) to the scene's axes of the places of a node's mesh."""

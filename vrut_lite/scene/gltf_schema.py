@@ -244,10 +244,26 @@ class Instancing(Part, frozen=True):
     attributes: dict[str, Index]
 
 
+class LampIndex(Part, frozen=True):
+    """KHR_lights_punctual: the lamp that a node carries."""
+
+    light: Index
+
+
+class IesInstance(Part, frozen=True):
+    """EXT_lights_ies: the luminaire that a node carries."""
+
+    light: Index
+    multiplier: float = 1.0
+    color: Vector3 = (1.0, 1.0, 1.0)
+
+
 class NodeExtensions(Part, frozen=True):
     """The extensions of a node that are honoured."""
 
     instancing: Instancing | None = field(default=None, name="EXT_mesh_gpu_instancing")
+    lamp: LampIndex | None = field(default=None, name="KHR_lights_punctual")
+    ies: IesInstance | None = field(default=None, name="EXT_lights_ies")
 
 
 class Node(Part, frozen=True):
@@ -264,6 +280,50 @@ class Node(Part, frozen=True):
     scale: Vector3 = (1.0, 1.0, 1.0)
     weights: list[float] = []
     extensions: NodeExtensions = NodeExtensions()
+
+
+class Spot(Part, frozen=True):
+    """The cone of a spot, radians from its axis."""
+
+    inner_cone_angle: Annotated[float, Meta(ge=0.0)] = 0.0
+    outer_cone_angle: Annotated[float, Meta(gt=0.0, le=1.5708)] = 0.7853981633974483
+
+
+class Lamp(Part, frozen=True):
+    """KHR_lights_punctual: candela, or lux of a directional light."""
+
+    type: Literal["directional", "point", "spot"]
+    name: str = ""
+    color: Vector3 = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    spot: Spot = Spot()
+
+
+class Lamps(Part, frozen=True):
+    """The lamps of the document."""
+
+    lights: list[Lamp] = []
+
+
+class IesProfile(Part, frozen=True):
+    """EXT_lights_ies: an IES file."""
+
+    uri: str | None = None
+    buffer_view: Index | None = None
+    name: str = ""
+
+
+class IesProfiles(Part, frozen=True):
+    """The luminaires of the document."""
+
+    lights: list[IesProfile] = []
+
+
+class GltfExtensions(Part, frozen=True):
+    """The extensions of the document that are honoured."""
+
+    punctual: Lamps = field(default_factory=Lamps, name="KHR_lights_punctual")
+    ies: IesProfiles = field(default_factory=IesProfiles, name="EXT_lights_ies")
 
 
 class Perspective(Part, frozen=True):
@@ -328,6 +388,7 @@ class Gltf(Part, frozen=True):
     asset: Asset
     extensions_used: list[str] = []
     extensions_required: list[str] = []
+    extensions: GltfExtensions = GltfExtensions()
     buffers: list[Buffer] = []
     buffer_views: list[BufferView] = []
     accessors: list[Accessor] = []

@@ -1,9 +1,10 @@
 """Opens scene files (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import msgspec
@@ -11,10 +12,14 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.errors import UserError
 from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
+from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.ies_file import Photometry, read_ies
+from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
 from vrut_lite.scene.mesh import mirrored
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
@@ -23,6 +28,7 @@ from vrut_lite.scene.scene_files import SceneFile, SceneFiles
 MAX_REACH_M = 1e7
 _UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
 _AS_IT_SAYS = Placement()
+_NO_LUMINAIRES: Mapping[str, str] = MappingProxyType({})
 _SAY_ANIMATION = "--animation TIME or --animation clock moves them"
 
 
@@ -33,7 +39,8 @@ class LoadedScene:
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
     once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
     files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
-    asked for, with what was guessed filled in. `animation_s`: how long the animations last.
+    asked for, with what was guessed filled in, and so is `luminaires`. `animation_s`: how long the
+    animations last.
     """
 
     path: Path
@@ -43,6 +50,8 @@ class LoadedScene:
     triangles: int
     camera: SceneCamera | None
     cameras: tuple[SceneCamera, ...] = ()
+    lamps: SceneLamps | None = None
+    luminaires: tuple[tuple[str, str], ...] = ()
     notices: tuple[str, ...] = ()
     placement: Placement = _AS_IT_SAYS
     beside: tuple[PlacedFile, ...] = ()
@@ -54,6 +63,7 @@ class OpenScene:
 
     `budget` limits memory; by default it comes from the environment. Axes and units that a
     placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1.
+    `luminaires` are paths of IES files by the names of lamps.
 
     Raises:
         UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
@@ -68,9 +78,12 @@ class OpenScene:
         placement: Placement = _AS_IT_SAYS,
         beside: Sequence[PlacedFile] = (),
         camera: str = "",
+        luminaires: Mapping[str, str] = _NO_LUMINAIRES,
     ) -> None:
         self._path, self._camera = Path(path), camera
         self._files = SceneFiles(budget or budget_of_environment())
+        self._luminaires = luminaires
+        self._photometries = self._read_luminaires()
         main = PlacedFile(scene=str(path), placement=placement)
         self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
         self._filled = [_filled(one.placement, file) for one, file in self._asked]
@@ -91,9 +104,25 @@ class OpenScene:
                 _stand(one, file, placement, time_s)
                 for (one, file), placement in zip(self._asked, self._filled, strict=True)
             ]
-            return _joined(self._path, stood, self._files.budget, self._camera, self.duration_s)
+            scene = _joined(self._path, stood, self._files.budget, self._camera, self.duration_s)
+            lamps = [lamp for one in stood for lamp in one.lamps]
+            lamps = with_luminaires(lamps, self._photometries)
+            return replace(
+                scene, lamps=packed_lamps(lamps), luminaires=tuple(self._luminaires.items())
+            )
         except SceneFileError as fault:
             raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
+
+    def _read_luminaires(self) -> dict[str, Photometry]:
+        """Photometries by the names of lamps; a file may lie in any folder."""
+        read: dict[str, Photometry] = {}
+        for name, path in self._luminaires.items():
+            try:
+                folder = SceneFolder(Path(path).parent, self._files.budget)
+                read[name] = read_ies(folder.read(Path(path)))
+            except SceneFileError as fault:
+                raise UserError(f"cannot read the luminaire {path}: {fault}") from fault
+        return read
 
 
 def load_scene(
@@ -110,6 +139,7 @@ class _Stood:
     asked: PlacedFile
     placed: list[PlacedMesh]
     cameras: list[SceneCamera]
+    lamps: list[PlacedLamp]
     notices: list[str]
 
 
@@ -121,12 +151,14 @@ def _stand(
     lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
     if time_s is None and file.duration_s > 0.0:
         lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
-    placed, cameras = file.posed(time_s), file.cameras
+    placed, cameras, lamps = file.posed(time_s), file.cameras, file.lamps(time_s)
     if not np.array_equal(matrix, np.eye(4)):
         with np.errstate(over="ignore", invalid="ignore"):
             placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
         cameras = [camera.moved(matrix) for camera in cameras]
-    return _Stood(msgspec.structs.replace(asked, placement=placement), placed, cameras, lines)
+        lamps = [lamp.moved(matrix) for lamp in lamps]
+    filled = msgspec.structs.replace(asked, placement=placement)
+    return _Stood(filled, placed, cameras, lamps, lines)
 
 
 def _filled(asked: Placement, file: SceneFile) -> Placement:

@@ -101,6 +101,7 @@ class SceneManager(Module):
             placement=message.placement,
             beside=message.beside,
             camera=message.camera,
+            luminaires=dict(message.luminaires),
         )
         self._animated = opened if opened.duration_s > 0.0 else None
         self._time_s = self._animation_time_s()

@@ -136,12 +136,14 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         materials=_materials(materials),
         ground=ground,
         camera=camera,
+        lamps=loaded.lamps,
         notices=loaded.notices,
         opened=LoadScene(
             path=str(loaded.path),
             placement=loaded.placement,
             beside=loaded.beside,
             camera=own.name if own is not None and own is not loaded.cameras[0] else "",
+            luminaires=loaded.luminaires,
         ),
         cameras=tuple(camera.name for camera in loaded.cameras),
     )

@@ -8,6 +8,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import GltfScene
+from vrut_lite.scene.lamps import PlacedLamp
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera
@@ -38,10 +39,20 @@ class SceneFile:
 
     def posed(self, time_s: float | None) -> list[PlacedMesh]:
         """Its meshes at a time of its animations, which begin anew when they end."""
-        if time_s is None or self.gltf is None or self.duration_s <= 0.0:
+        time_s = self._wrapped_s(time_s)
+        if time_s is None or self.gltf is None:
             return self.placed
+        return self.gltf.posed(time_s)
+
+    def lamps(self, time_s: float | None) -> list[PlacedLamp]:
+        """Its lamps at a time of its animations."""
+        return [] if self.gltf is None else self.gltf.lamps(self._wrapped_s(time_s))
+
+    def _wrapped_s(self, time_s: float | None) -> float | None:
+        if time_s is None or self.duration_s <= 0.0:
+            return None
         at_the_end = time_s > 0.0 and time_s % self.duration_s == 0.0
-        return self.gltf.posed(self.duration_s if at_the_end else time_s % self.duration_s)
+        return self.duration_s if at_the_end else time_s % self.duration_s
 
 
 @dataclass

@@ -48,7 +48,7 @@ def project_of(session: Session) -> Project:
         if scene.opened is not None:
             opened = scene.opened
             found |= {"placement": opened.placement, "beside": opened.beside}
-            found["scene_camera"] = opened.camera
+            found |= {"scene_camera": opened.camera, "luminaires": dict(opened.luminaires)}
     if (clock := session.last(ClockMoved)) is not None:
         found["at"] = clock.instant.isoformat()
     if (place := session.last(SetPlace)) is not None:

@@ -121,10 +121,12 @@ def luminance_text(cd_m2: float) -> str:
 
 
 def illuminance_text(light: Illuminance) -> str:
-    """Lux by sun and by sky, from noon to night."""
-    if light.sun_lux <= 0.0:
+    """Lux, and how much of it comes from the sun, the sky and lamps where several shine."""
+    parts = {"sun": light.sun_lux, "sky": light.sky_lux, "lamps": light.lamp_lux}
+    shown = [f"{name} {lux_text(lux)}" for name, lux in parts.items() if lux > 0.0]
+    if light.sun_lux <= 0.0 and light.lamp_lux <= 0.0:
         return lux_text(light.lux)
-    return f"{lux_text(light.lux)} (sun {lux_text(light.sun_lux)} + sky {lux_text(light.sky_lux)})"
+    return f"{lux_text(light.lux)} ({' + '.join(shown)})"
 
 
 def _vector(values: ArrayLike) -> Vector:

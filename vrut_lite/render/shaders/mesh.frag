@@ -338,6 +338,10 @@ vec3 reflected_sky(vec3 d, float roughness) {
 //!include air.glsl
 #endif
 
+#ifdef LAMPS
+//!include lamps.glsl
+#endif
+
 vec4 base_color() {
     vec4 base = material.base_color_factor;
 #ifdef HAS_BASE_COLOR_TEX
@@ -355,6 +359,8 @@ vec4 base_color() {
 #ifdef TERMS
 //!include surface_terms.glsl
 #endif
+
+//!include direct_light.glsl
 
 #ifdef CUT_OUT
 //!include cut_out.glsl
@@ -463,8 +469,17 @@ void main() {
     vec3 diffuse = sky_irradiance(n) * (occlusion * through);
 #endif
     vec3 radiance = emission / LUMENS_PER_WATT;  // glTF gives emission in cd/m^2
+    float mean = share.z * coat_f90;
+#ifdef TERMS
+    // In proportion: all at an f0 of 1, and the table's own at that of the table.
+    mean += (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
+    mean = min(mean, 0.999);
+#endif
+    Seen seen = Seen(n, smooth_n, view, nv, roughness, alpha, f0, f90, more, coat_peak, coat_f90,
+                     through / (1.0 - mean), 0.0);
+    vec3 highlights = vec3(0.0);  // of a second coat
 #ifdef CLEARCOAT
-    vec3 sun_on_clearcoat = vec3(0.0);  // facing it
+    seen.clearcoat = clearcoat;
 #endif
 #ifdef NO_SKY
     // Shadow maps let the sun through where walls meet.
@@ -472,38 +487,25 @@ void main() {
 #endif
     if (nl > 0.0 && cos_face > 0.0) {
         float terminator = before_terminator(nl, cos_face, dot(n, face));
-        vec3 sun = sun_irradiance * (nl * terminator * sun_visibility(face));
+        vec3 sun = sun_irradiance * (terminator * sun_visibility(face));
 #ifdef GLASS_SHADOW
         sun *= sun_through_glass(face);
 #endif
 #ifdef CLOUD_SHADOWS
         sun *= cloud_transmittance(eye_to_sample);
 #endif
-#ifdef CLEARCOAT
-        sun_on_clearcoat = sun / nl;
-        sun *= sun_below_clearcoat(clearcoat, dot(smooth_n, sun_direction));
-#endif
-        float mean = share.z * coat_f90;
-#ifdef TERMS
-        // In proportion: all at an f0 of 1, and the table's own at that of the table.
-        mean += (coat_peak - TABLE_F0 * coat_f90) * (1.0 - share.z) / (1.0 - TABLE_F0);
-        mean = min(mean, 0.999);
-#endif
-        float in_again = 1.0 - coat(shares(nl, roughness).xy, coat_peak, coat_f90);
-        diffuse += sun * (through * in_again / (1.0 - mean));
-        // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
-        vec3 h = normalize(sun_direction + view);
-        float nh = clamp(dot(n, h), 0.0, 1.0), vh = clamp(dot(view, h), 0.0, 1.0);
-#ifdef ANISOTROPY
-        vec3 l = sun_direction;
-        radiance += sun * more * stretched_brdf(n, l, view, h, nl, nv, vh, alpha, f0, f90);
-#else
-        radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0, f90);
-#endif
-#ifdef SHEEN
-        radiance += sun * sheen_brdf(nl, nv, nh);
-#endif
+        add_light(sun, sun_direction, nl, seen, diffuse, radiance, highlights);
     }
+#ifdef LAMPS
+    for (int number = 0; number < int(lamps.count); ++number) {
+        vec3 towards, lamp = lamp_irradiance(number, point_in_triangle(face), face, towards);
+        float cosine = dot(n, towards);
+        if (cosine > 0.0 && lamp != vec3(0.0)) {
+            lamp *= before_terminator(cosine, dot(face, towards), dot(n, face));
+            add_light(lamp, towards, cosine, seen, diffuse, radiance, highlights);
+        }
+    }
+#endif
     radiance += albedo * diffuse / PI;
     vec3 once = f0 * share.x + f90 * share.y;
     vec3 mirror_n = n;
@@ -543,7 +545,7 @@ void main() {
 #endif
 #ifdef CLEARCOAT
     radiance = under_clearcoat(
-        radiance, clearcoat, smooth_n, view, sun_on_clearcoat,
+        radiance, clearcoat, smooth_n, view, highlights,
 #ifdef SURFACE_LIGHT
         reached.a * reflected_sky(reflect(-view, smooth_n), terms.clearcoat_roughness)
             + max(reached.rgb - reached.a * open_irradiance(smooth_n), 0.0) / PI

@@ -67,29 +67,32 @@ float clearcoat_share(float mu) {
     return coat(shares(mu, terms.clearcoat_roughness).xy, TABLE_F0, 1.0);
 }
 
-// Of the sun's light, the share that a second coat lets in, in proportion to an even sky's.
-float sun_below_clearcoat(float clearcoat, float nl) {
+// Of light from one direction, the share that a second coat lets in, in proportion to even light's.
+float below_clearcoat(float clearcoat, float nl) {
     float mean = shares(1.0, terms.clearcoat_roughness).z;
     return (1.0 - clearcoat * clearcoat_share(max(nl, 0.0))) / (1.0 - clearcoat * mean);
 }
 
-// A surface below a second coat, which reflects and lets in the rest: KHR_materials_clearcoat,
-// coupled as paint and coat are. `sun` is what falls on a plane that faces it, `sky` the mean
-// radiance over the coat's lobe.
-vec3 under_clearcoat(vec3 below, float clearcoat, vec3 n, vec3 view, vec3 sun, vec3 sky_seen) {
-    float nv = max(dot(n, view), 1e-4), nl = dot(n, sun_direction);
+// What a second coat reflects of light from one direction; `light` falls on a plane that faces it.
+vec3 clearcoat_highlight(vec3 light, vec3 towards, float clearcoat, vec3 n, vec3 view) {
+    float nv = max(dot(n, view), 1e-4), nl = dot(n, towards);
+    if (nl <= 0.0) return vec3(0.0);
     vec2 share = shares(nv, terms.clearcoat_roughness).xy;
-    float reflected = coat(share, TABLE_F0, 1.0);
-    vec3 radiance = below * (1.0 - clearcoat * reflected) + clearcoat * reflected * sky_seen;
-    if (nl > 0.0) {
-        vec3 h = normalize(sun_direction + view);
-        float nh = clamp(dot(n, h), 0.0, 1.0), vh = clamp(dot(view, h), 0.0, 1.0);
-        float alpha = max(terms.clearcoat_roughness * terms.clearcoat_roughness, SMALLEST_ALPHA);
-        float more = 1.0 + TABLE_F0 * (1.0 / (share.x + share.y) - 1.0);
-        vec3 lobe = specular_brdf(nl, nv, nh, vh, alpha, vec3(TABLE_F0), vec3(1.0));
-        radiance += sun * (clearcoat * more * nl) * lobe;
-    }
-    return radiance;
+    vec3 h = normalize(towards + view);
+    float nh = clamp(dot(n, h), 0.0, 1.0), vh = clamp(dot(view, h), 0.0, 1.0);
+    float alpha = max(terms.clearcoat_roughness * terms.clearcoat_roughness, SMALLEST_ALPHA);
+    float more = 1.0 + TABLE_F0 * (1.0 / (share.x + share.y) - 1.0);
+    vec3 lobe = specular_brdf(nl, nv, nh, vh, alpha, vec3(TABLE_F0), vec3(1.0));
+    return light * (clearcoat * more * nl) * lobe;
+}
+
+// A surface below a second coat, which reflects and lets in the rest: KHR_materials_clearcoat,
+// coupled as paint and coat are. `sky_seen` is the mean radiance over the coat's lobe.
+vec3 under_clearcoat(vec3 below, float clearcoat, vec3 n, vec3 view, vec3 highlights,
+                     vec3 sky_seen) {
+    float nv = max(dot(n, view), 1e-4);
+    float reflected = coat(shares(nv, terms.clearcoat_roughness).xy, TABLE_F0, 1.0);
+    return below * (1.0 - clearcoat * reflected) + clearcoat * reflected * sky_seen + highlights;
 }
 #endif
 

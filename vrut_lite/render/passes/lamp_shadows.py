@@ -1,0 +1,129 @@
+"""Shadow maps of lamps: what each sees on the six faces of a cube, side by side in one texture.
+
+Lamps and scene stand still: the maps are drawn once a scene. A face spans a little more than its
+quarter of the cube, so that the filter finds what it asks for beyond the edge too.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.lamps import SceneLamps
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.numeric_types import FloatArray
+from vrut_lite.render.light import Shadow
+from vrut_lite.render.passes.mesh_renderer import MeshRenderer
+from vrut_lite.render.pyrender_scene import PyrenderScene
+
+FACES = 6
+EDGE_PX = 512
+# How much of a tile the face itself takes: the filter reaches 1.5 texels beyond it.
+FACE_SHARE = (EDGE_PX - 4) / EDGE_PX
+# The near plane, in radii of the scene: nothing nearer to a lamp casts.
+_NEAR_RADII = 1e-4
+# Half the angle at the corner of a cube's face, from the face's own axis.
+_CORNER_RAD = float(np.arctan(np.sqrt(2.0)))
+
+
+class DepthRange(NamedTuple):
+    """Depth in the maps of what is m away along a face's axis: scale + offset / m."""
+
+    scale: float
+    offset: float
+
+
+class LampShadows:
+    """The maps of the lamps that are drawn; made and used on the GL thread only.
+
+    The ledger counts faces, and skips those that a spot does not reach and maps that are there.
+    """
+
+    def __init__(self, context: Any, ledger: Ledger):
+        self._context = context
+        self._ledger = ledger
+        self._texture: Any = None
+        self._buffer: Any = None
+        self._drawn: tuple[Any, ...] = ()
+        self.depth = DepthRange(0.0, 0.0)
+
+    def update(
+        self,
+        meshes: MeshRenderer,
+        scene: PyrenderScene,
+        lamps: SceneLamps,
+        count: int,
+        always: bool,
+    ) -> Any:
+        """The texture for the first `count` lamps; `always` draws it also when nothing changed."""
+        if not always and self._drawn == (scene, lamps):
+            self._ledger.skip("lamp shadows: same scene")
+            return self._texture
+        self._make(count)
+        near_m, far_m = _NEAR_RADII * scene.radius_m, _farthest_m(scene, lamps)
+        self.depth = DepthRange(
+            0.5 * (far_m + near_m) / (far_m - near_m) + 0.5, -far_m * near_m / (far_m - near_m)
+        )
+        self._buffer.viewport = (0, 0, *self._texture.size)
+        self._buffer.use()
+        self._buffer.clear()
+        for lamp in range(count):
+            place = lamps.position_m.values[lamp]
+            for face in range(FACES):
+                if not _reaches(lamps, lamp, face):
+                    self._ledger.skip("lamp shadow face: the spot shines elsewhere")
+                    continue
+                self._buffer.viewport = (face * EDGE_PX, lamp * EDGE_PX, EDGE_PX, EDGE_PX)
+                self._buffer.use()
+                matrix = face_matrix(face, near_m, far_m)
+                meshes.draw_depth(scene, Shadow(self._texture, matrix, 0.0, place))
+                self._ledger.did("lamp shadow face")
+        self._drawn = (scene, lamps)
+        return self._texture
+
+    def release(self) -> None:
+        """Free the GL objects; another framebuffer must be bound."""
+        if self._texture is not None:
+            self._buffer.release()
+            self._texture.release()
+        self._texture = self._buffer = None
+        self._drawn = ()
+
+    def _make(self, count: int) -> None:
+        size = (FACES * EDGE_PX, count * EDGE_PX)
+        if self._texture is not None and self._texture.size == size:
+            return
+        self.release()
+        self._texture = self._context.depth_texture(size)
+        self._texture.compare_func = "<="
+        self._texture.filter = (self._context.LINEAR, self._context.LINEAR)
+        self._buffer = self._context.framebuffer(depth_attachment=self._texture)
+
+
+def face_matrix(face: int, near_m: float, far_m: float) -> NDArray[np.float64]:
+    """Clip matrix (4, 4) of positions that count from a lamp, world axes.
+
+    Face 2 a looks along axis a, face 2 a + 1 against it; right and up are the next two axes.
+    """
+    axis, sign = face // 2, 1.0 - 2.0 * (face % 2)
+    matrix = np.zeros((4, 4))
+    matrix[0, (axis + 1) % 3] = matrix[1, (axis + 2) % 3] = FACE_SHARE
+    matrix[2, axis] = sign * (far_m + near_m) / (far_m - near_m)
+    matrix[2, 3] = -2.0 * far_m * near_m / (far_m - near_m)
+    matrix[3, axis] = sign
+    return matrix
+
+
+def _reaches(lamps: SceneLamps, lamp: int, face: int) -> bool:
+    """Whether a lamp's cone meets a face of the cube around it."""
+    forward = np.zeros(3)
+    forward[face // 2] = 1.0 - 2.0 * (face % 2)
+    between = np.arccos(np.clip(lamps.axes.values[lamp, 0] @ forward, -1.0, 1.0))
+    outer = np.arccos(np.clip(lamps.cone_cos.values[lamp, 1], -1.0, 1.0))
+    return bool(between <= outer + _CORNER_RAD + 0.01)
+
+
+def _farthest_m(scene: PyrenderScene, lamps: SceneLamps) -> float:
+    """Of anything in the scene from any lamp."""
+    away: FloatArray = np.linalg.norm(lamps.position_m.values - scene.centre_m, axis=1)
+    return float(away.max() + scene.radius_m)

@@ -1,0 +1,46 @@
+// What a surface does to light that comes from one direction: the sun's, or a lamp's.
+
+// A surface as it is seen. `more` is what bounces between facets add; `through` the share of light
+// that comes from the paint out through the coat, over the share of even light that goes in.
+struct Seen {
+    vec3 n;
+    vec3 smooth_n;
+    vec3 view;
+    float nv;
+    float roughness;
+    float alpha;
+    vec3 f0;
+    vec3 f90;
+    vec3 more;
+    float coat_peak;
+    float coat_f90;
+    float through;
+    float clearcoat;
+};
+
+// Add what reaches the paint to `diffuse`, what the coat reflects to `radiance` and what a second
+// coat does to `highlights`. `light` is the irradiance of a plane that faces it, nl its cosine.
+void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse,
+               inout vec3 radiance, inout vec3 highlights) {
+#ifdef CLEARCOAT
+    highlights += clearcoat_highlight(light, towards, seen.clearcoat, seen.smooth_n, seen.view);
+    light *= below_clearcoat(seen.clearcoat, dot(seen.smooth_n, towards));
+#endif
+    light *= nl;
+    vec2 share = shares(nl, seen.roughness).xy;
+    diffuse += light * (seen.through * (1.0 - coat(share, seen.coat_peak, seen.coat_f90)));
+    // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
+    vec3 h = normalize(towards + seen.view);
+    float nh = clamp(dot(seen.n, h), 0.0, 1.0), vh = clamp(dot(seen.view, h), 0.0, 1.0);
+#ifdef ANISOTROPY
+    radiance += light * seen.more
+        * stretched_brdf(seen.n, towards, seen.view, h, nl, seen.nv, vh, seen.alpha, seen.f0,
+                         seen.f90);
+#else
+    radiance += light * seen.more
+        * specular_brdf(nl, seen.nv, nh, vh, seen.alpha, seen.f0, seen.f90);
+#endif
+#ifdef SHEEN
+    radiance += light * sheen_brdf(nl, seen.nv, nh);
+#endif
+}
