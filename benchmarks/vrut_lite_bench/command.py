@@ -107,7 +107,7 @@ def _write(results: "Results", folder: Path) -> None:
 
 
 def _tell(old: "Results", new: "Results") -> None:
-    """Print what is worse.
+    """Print the worse paths.
 
     Raises:
         ModuleFailed: something is.
