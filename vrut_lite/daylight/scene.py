@@ -1,4 +1,4 @@
-"""The scene: the file to open, its content, and the light and air that it needs."""
+"""The scene: which file to open, what was in it, and what it needs of light and air."""
 
 import hashlib
 
@@ -17,14 +17,14 @@ class LoadScene(Input, frozen=True, kw_only=True):
     path: str
 
     def check(self) -> None:
-        """Check that there is a path; opening the file checks the rest."""
+        """The file itself tells the rest."""
         checks.text(self, "path")
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):
-    """An opened scene: its bounds in metres, world axes, and its content.
+    """A scene is open: its bounds in metres, world axes, and all that is in it.
 
-    `triangles` counts those of all parts. `ground` is the disc that it stands on, None if it
+    `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
     brings a ground of its own; `camera` the first that the file brings.
     """
 
@@ -39,7 +39,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
 
     @property
     def content_key(self) -> str:
-        """Hexadecimal BLAKE2b-128 of geometry and materials, without the file's name.
+        """Hexadecimal BLAKE2b-128 of geometry and materials, whatever the file is called.
 
         The arrays are digested when this or a journal first asks, some 1 GB a second.
         """
@@ -51,7 +51,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         return digest.hexdigest()
 
     def check(self) -> None:
-        """Check bounds, a count, and arrays whose shapes match."""
+        """Bounds, a count, and arrays that go with each other."""
         checks.text(self, "path")
         checks.numbers(self, "lower_m", 3)
         checks.numbers(self, "upper_m", 3)

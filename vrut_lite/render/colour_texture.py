@@ -1,7 +1,7 @@
-"""Colour maps, decoded before they are filtered.
+"""Maps of colour, which are decoded before they are filtered.
 
-The mean of sRGB values is darker than the mean of linear values: bricks seen from afar lost 3 % of
-their light, a chequerboard more than half (glTF 2.0, section 3.9.2).
+A mean of sRGB's numbers is darker than the mean of the light they stand for: bricks seen from
+afar lost 3 % of theirs, and a chequerboard more than half (glTF 2.0, section 3.9.2).
 """
 
 from typing import Any

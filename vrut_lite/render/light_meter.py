@@ -16,7 +16,7 @@ from vrut_lite.render.surface_look_up import LitScene, reached_irradiance
 
 
 class Illuminance(NamedTuple):
-    """Lux on a plane: direct sun, and the rest (sky, ground and other surfaces)."""
+    """Lux on a plane, by the sun straight and by all else: sky, ground and what surfaces send."""
 
     sun_lux: float
     sky_lux: float
@@ -38,8 +38,9 @@ def illuminance(
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
-    Scene (with a sharp edge) and clouds shade the sun. All other light is as in the picture: the
-    light map's on its surfaces, else the light of the whole sky with its clouds.
+    The scene shades the sun, with a sharp edge, and clouds do. All other light is as in the
+    picture: the light map's on a surface that it knows, else that of the whole sky with the clouds
+    in it.
 
     Args:
         sun: before clouds.

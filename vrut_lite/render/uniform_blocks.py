@@ -15,7 +15,7 @@ _LAYOUT = {"float": (1, 1), "vec2": (2, 2), "vec3": (3, 4), "vec4": (4, 4), "mat
 class UniformBlock(NamedTuple):
     """A block `name`, whose fields shaders read as `instance.field`.
 
-    `fields` gives each field's GLSL type and its meaning.
+    `fields` gives each field's GLSL type and what it means.
     """
 
     name: str
@@ -38,7 +38,7 @@ class UniformBlock(NamedTuple):
         """The bytes of a value for each field; a matrix (4, 4) as mathematics writes it.
 
         Raises:
-            ValueError: a field lacks a value, a value lacks a field, or has the wrong length.
+            ValueError: a field has no value, a value no field, or another number of numbers.
         """
         if values.keys() != self.fields.keys():
             odd = sorted(values.keys() ^ self.fields.keys())
@@ -149,7 +149,7 @@ SURFACE_LIGHT = UniformBlock(
         "scene_m": ("float", "across the scene"),
     },
 )
-# By the names that shaders include.
+# By the names under which shaders include them.
 BLOCK_FILES = {
     "air_block.glsl": AIR,
     "cloud_block.glsl": CLOUDS,

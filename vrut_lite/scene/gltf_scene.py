@@ -142,7 +142,7 @@ class _Shape(NamedTuple):
         return draws // 3 if self.mode == _TRIANGLES else max(draws - 2, 0)
 
     def size_bytes(self, file: GltfFile) -> int:
-        """The most bytes of its geometry, by the file's declared counts."""
+        """The most bytes that its geometry holds, by what the file declares."""
         attributes = dict(self.attributes)
         return geometry_bytes(
             file.accessor(attributes["POSITION"]).count,
@@ -193,7 +193,7 @@ def _check_size(file: GltfFile, placed: Counter[int]) -> None:
 
 
 def _ask(file: GltfFile, shape: _Shape, arrays: set[int]) -> None:
-    """Counts each accessor once, and the triangle list of each shape."""
+    """Counts each accessor once, and the triangle list that is made for each shape."""
     budget = file.folder.budget
     for index in (*(at for _, at in shape.attributes), shape.indices):
         if index is not None and index not in arrays:

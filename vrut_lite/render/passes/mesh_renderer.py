@@ -39,7 +39,7 @@ _LAYER_UNIFORMS: dict[str, MapName] = {
 
 @dataclass(frozen=True)
 class View:
-    """A camera: the eye (3,), and matrices (4, 4) of its orientation alone."""
+    """A camera: where the eye is (3,), and matrices (4, 4) that know only where it looks."""
 
     eye_m: NDArray[np.float64]
     rotation: NDArray[np.float64]
@@ -102,7 +102,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
     ) -> None:
         """Draw meshes of the scene, one after another, with the depth test that is set.
 
-        `defines`: further features of the shader, as in air.py.
+        The `defines` say what else the shader does, as air.py has it.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         defines = (*defines, "NEAR_SHADOW") if shadows.near else defines
@@ -135,9 +135,9 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glDisable(GL.GL_BLEND)
 
     def draw_depth(self, scene: PyrenderScene, shadow: Shadow) -> None:
-        """Draw the depth of shadow casters, both sides of every face."""
+        """Draw the depth of what casts shadows, both sides of every face."""
         GL.glEnable(GL.GL_DEPTH_TEST)
-        # Casters between the sun and the map's box cast into it too.
+        # What stands between the sun and the map's box casts into it too.
         GL.glEnable(GL.GL_DEPTH_CLAMP)
         self._program_cache.also = ()
         GL.glDepthFunc(GL.GL_LESS)
@@ -204,8 +204,7 @@ def translation(offset_m: NDArray) -> NDArray[np.float64]:
 def in_order(
     seen: Iterable[PlacedPrimitive], eye_m: NDArray
 ) -> tuple[list[PlacedPrimitive], list[PlacedPrimitive]]:
-    """Opaque meshes from near to far, which saves hidden fragments, then blended ones from far to
-    near."""
+    """Opaque meshes from near to far, which spares hidden fragments, and the others back."""
     by_distance = sorted(seen, key=lambda placed: float(np.linalg.norm(placed.centre_m - eye_m)))
     blended = [placed for placed in by_distance if placed.primitive.is_transparent]
     opaque = [placed for placed in by_distance if not placed.primitive.is_transparent]
