@@ -98,7 +98,7 @@ def test_no_imports_run_in_a_circle():
 
 
 def test_the_kernel_is_small():
-    """Who writes a module may read all of it in an afternoon."""
+    """An author of a module can read all of it in an afternoon."""
     lines = sum(
         len(path.read_text().splitlines()) for path in PACKAGES["vrut_lite"].glob("kernel/*.py")
     )
@@ -133,7 +133,7 @@ def part(name):
 
 @pytest.mark.parametrize("upper", BELOW)
 def test_imports_point_down(upper):
-    """Who reads a layer needs those below it and no other; modules lean on the lower ones alone."""
+    """A layer needs only the layers below it; modules need only the lower ones."""
     for name, _ in sources("vrut_lite"):
         if part(name) == upper:
             ours = {part(other) for other in imported(name) if of_package(other) == "vrut_lite"}

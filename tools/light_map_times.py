@@ -1,4 +1,4 @@
-"""What the light map of each scene costs: first light, the whole bake, an hour, memory.
+"""The cost of the light map of each scene: first light, the whole bake, an hour, memory.
 
     python -m tools.light_map_times [SCENE ...] [--quality usual] [--hours 5]
 
@@ -51,7 +51,7 @@ class Costs(NamedTuple):
 
 
 class _Clock:
-    """When a kernel said what, by CPU time."""
+    """CPU times of a kernel's messages."""
 
     def __init__(self, kernel: Kernel):
         self.told: dict[type[Message], list[float]] = {}

@@ -47,7 +47,8 @@ _LIGHT = ("BackgroundChanged", "KeyLightChanged", "AmbientChanged")
 
 
 class Play(NamedTuple):
-    """What one play through a scene drew, what frame and sky counted, CPU time of each frame."""
+    """One play through a scene: its pictures, the counts of frame and sky, CPU time of each
+    frame."""
 
     pictures: list[Picture]
     frame: Ledger

@@ -37,7 +37,7 @@ _MOST_BYTES = 1 << 20
 
 
 class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The camera's eye and target, metres in world axes."""
+    """Where the camera stands and looks, metres in world axes."""
 
     eye_m: Point
     target_m: Point
@@ -45,7 +45,7 @@ class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Exposure, white balance and tone map: the fields of `SetExposure`, with their bounds."""
+    """How radiance becomes a picture: the fields of `SetExposure`, with their bounds."""
 
     mode: Literal["auto", "manual"] = "auto"
     ev100: Annotated[float, msgspec.Meta(ge=-20, le=40)] = 15.0
@@ -63,7 +63,7 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The content of a picture. `at` is ISO time, local to the place unless it has an offset.
+    """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
     missing `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
@@ -105,7 +105,7 @@ def load_project(path: str | Path) -> Project:
     """Read a project file; the scene's path is relative to it.
 
     Raises:
-        UserError: the file is missing, no TOML, or has unknown or invalid entries.
+        UserError: the file is missing, no TOML, or says something unknown.
     """
     file = Path(path)
     try:
@@ -180,7 +180,7 @@ def _relative(path: str, folder: Path) -> str:
 def project_text(project: Project) -> str:
     """A project as TOML."""
     values = msgspec.to_builtins(project)
-    # TOML has no null: a missing key means None, and a setting that is None is the text "none".
+    # TOML has no null: a missing key means none, and a setting that is none says so.
     for table in values["settings"].values():
         table.update({name: "none" for name, value in table.items() if value is None})
     for placed in (values, *values["beside"]):

@@ -72,9 +72,9 @@ class BenchPath:
     Attributes:
         name: unique in its group.
         family: the paths that differ by effort alone; a plot draws them as one line.
-        parameters: what the path was asked for, by name.
-        prepare: does what is done once and returns the work to be timed, which computes all
-            conditions one after another.
+        parameters: the path's parameters by name.
+        prepare: does the set-up and returns the work to time, which computes all conditions one
+            after another.
         error: errors by the conditions' names, of what the work returned; None without a twin.
         units: number of things that the work makes; times are per unit.
         batch: paths of a group with the same batch take turns while they are timed.
@@ -101,8 +101,8 @@ class Group:
     Attributes:
         name: in results and files.
         title: of the plot.
-        unit: what one time is for.
-        norm: what an error is relative to.
+        unit: the unit of work of a time.
+        norm: the reference of relative errors.
         truth: the reference of the errors.
         paths: in the order of measuring.
         front_of: only paths whose names end so are compared for the front.

@@ -83,12 +83,14 @@ def _made(folder: Path) -> Path:
 def _measured(kinds: list[str], quick: bool, old: "Results | None") -> "Results":
     """The results; paths that look slower than before are timed again."""
     from vrut_lite_bench.compare import slower_paths
+    from vrut_lite_bench.gl import close_gl
     from vrut_lite_bench.session import Session
 
     console = Console(stderr=True)
     with Progress(console=console, refresh_per_second=4, disable=not console.is_terminal) as bars:
         bar = bars.add_task("", total=None)
-        with Session(kinds, quick, lambda what: bars.update(bar, description=what)) as session:
+        session = Session(kinds, quick, lambda what: bars.update(bar, description=what))
+        try:
             session.measure()
             for _ in range(_TRIES if old is not None else 0):
                 slower = slower_paths(old, session.results()) if old is not None else []
@@ -96,6 +98,8 @@ def _measured(kinds: list[str], quick: bool, old: "Results | None") -> "Results"
                     break
                 session.measure_again(set(slower))
             return session.results()
+        finally:
+            close_gl()
 
 
 def _write(results: "Results", folder: Path) -> None:
@@ -107,7 +111,7 @@ def _write(results: "Results", folder: Path) -> None:
 
 
 def _tell(old: "Results", new: "Results") -> None:
-    """Print what is worse.
+    """Print the worse paths.
 
     Raises:
         ModuleFailed: something is.

@@ -1,4 +1,4 @@
-"""Compares two runs: what got slower or less accurate by more than the noise.
+"""Compares two runs: finds paths that became slower or less accurate by more than the noise.
 
 **Slower.** Rounds are divided by the pace that the machine kept in their run. A path is slower if
 each of its rounds now is slower than each of its rounds then, and the least by more than a tenth:
@@ -23,7 +23,7 @@ Key = tuple[str, str]
 
 
 class Comparison(NamedTuple):
-    """Sentences on what got worse, and on what could not be compared."""
+    """Sentences about worse paths, and about paths that cannot be compared."""
 
     worse: list[str]
     remarks: list[str]
@@ -45,7 +45,7 @@ def check_comparable(old: Results, quick: bool, kinds: list[str]) -> None:
 
 
 def compare(old: Results, new: Results) -> Comparison:
-    """What is worse in the new results."""
+    """The worse paths of the new results."""
     before = _by_key(old)
     pairs = [(before[key], now) for key, now in _by_key(new).items() if key in before]
     worse = [_slower(old, new, key) for key in slower_paths(old, new)]
@@ -60,7 +60,7 @@ def compare(old: Results, new: Results) -> Comparison:
 
 
 def slower_paths(old: Results, new: Results) -> list[Key]:
-    """Group and name of what is slower."""
+    """Group and name of slower paths."""
     if not _same_machine(old, new):
         return []
     before = _by_key(old)

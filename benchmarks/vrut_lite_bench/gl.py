@@ -1,4 +1,4 @@
-"""Work on whatever OpenGL there is, timed by a clock that can be trusted there.
+"""OpenGL work, timed by a clock that is valid for the renderer.
 
 On a graphics card work is timed by timer queries. llvmpipe, which draws on the CPU, does not count
 compute shaders in them: there it is the CPU time of all threads until everything is finished.
@@ -62,7 +62,7 @@ def has_timer(renderer: str) -> bool:
 
 
 def clock_name(renderer: str) -> str:
-    """What GPU work is timed by."""
+    """Name of the clock of GPU work."""
     return "timer query" if has_timer(renderer) else "CPU time of all threads"
 
 
@@ -86,7 +86,7 @@ def _by_query(work: Work) -> Spent:
 class GlWork:
     """Work that is prepared once, on the GL thread, and run again and again.
 
-    `gpu_s` is what the last run took by timer query.
+    `gpu_s` is the last run's time by timer query.
     """
 
     def __init__(self, prepare: Callable[[Any], Callable[[], Any]]):
@@ -109,7 +109,7 @@ class GlWork:
 class GlTexture(GlWork):
     """A job's shader, run again and again into one texture, of a cube or of three dimensions.
 
-    `scale` is what texels are multiplied by when they are read.
+    `scale` multiplies texels when they are read.
     """
 
     def __init__(self, job: GpuJob, scale: float = 1.0):
@@ -176,7 +176,7 @@ class PassTimer:
 
     @contextmanager
     def __call__(self, name: str) -> Iterator[None]:
-        """Time what is done inside."""
+        """Time the block."""
         if self._by_query:
             query = self._context.query(time=True)
             with query:

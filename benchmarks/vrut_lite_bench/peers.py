@@ -66,7 +66,7 @@ def _ours(size: int) -> tuple[str, str]:
 
 
 def _live() -> list[Peer]:
-    """What was measured in the same run: numpy, mitsuba, and others' signals."""
+    """Peers measured in the same run: numpy, mitsuba, and others' signals."""
     rows = []
     for name in ("pluggy", "PySide6"):
         for count, who in ((1, "1 subscriber"), (4, "4 subscribers")):

@@ -55,7 +55,7 @@ def is_night(condition: str) -> bool:
 
 
 class GroupNote(msgspec.Struct, frozen=True):
-    """What a group's numbers mean: see `bench_path.Group`."""
+    """A group's description: see `bench_path.Group`."""
 
     name: str
     title: str

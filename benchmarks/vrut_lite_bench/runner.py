@@ -29,7 +29,7 @@ FULL, QUICK = Effort(5, 0.5), Effort(3, 0.12)
 
 
 class _Running(NamedTuple):
-    """A path that is being timed; `first_s` is what its first call took."""
+    """A path that is being timed; `first_s` is the time of its first call."""
 
     path: BenchPath
     work: Work

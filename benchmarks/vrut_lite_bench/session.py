@@ -3,8 +3,6 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from types import TracebackType
-from typing import Self
 
 import msgspec
 
@@ -29,17 +27,6 @@ class Session:
         self._notes: dict[str, GroupNote] = {}
         self._found: dict[Key, Measured] = {}
         self._left_out: dict[str, str] = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        gl.close_gl()
 
     def measure(self) -> None:
         """Measure everything."""

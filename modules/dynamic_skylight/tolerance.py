@@ -1,4 +1,4 @@
-"""What DynamicSkyLight's sizes and thresholds are for a tolerance of radiance.
+"""DynamicSkyLight's sizes and thresholds for a tolerance of radiance.
 
 | knob | what it is | source |
 |---|---|---|

@@ -1,1 +1,1 @@
-"""The same scene under the same sky in a path tracer (mitsuba 3): the judge of the GL frame."""
+"""The same scene under the same sky in a path tracer (mitsuba 3): the reference of the GL frame."""

@@ -12,7 +12,7 @@ from vrut_lite.scene.backend import GivenUp, IsGivenUp
 
 
 class PathTracedBackend:
-    """A `SceneBackend`; `traced` hears of the samples that each step of a drawing brought.
+    """A `SceneBackend`; `traced` is called with the number of new samples after each step.
 
     Neither air nor clouds are drawn.
     """
@@ -33,7 +33,7 @@ class PathTracedBackend:
 
         Raises:
             RuntimeError: scene, light or camera is still missing.
-            GivenUp: `is_given_up()`, asked between batches, said so.
+            GivenUp: `is_given_up()`, called between batches, returned true.
         """
         state.check_drawable()
         tracer = Tracer(Subject(state), self.settings)

@@ -1,4 +1,4 @@
-"""What a denoiser is told of a picture besides its radiance: colours and normals first met."""
+"""Guides for a denoiser: colours and normals of the first surfaces."""
 
 from typing import Any, NamedTuple
 

@@ -1,7 +1,7 @@
 """The path tracer on the bus: a picture that grows while nothing changes.
 
-It keeps a `SceneState` of its own from what the scene manager and the sky say. Nothing is traced
-unless somebody demands `PathTracedPicture`.
+It keeps its own `SceneState` from the messages of scene manager and sky. It traces only while
+`PathTracedPicture` is demanded.
 """
 
 from collections.abc import Callable
@@ -163,7 +163,7 @@ class PathTracer(Module):
 
     @handles(PictureOutdated)
     def begin(self, message: PictureOutdated) -> None:
-        """Trace what there is now, from the first sample."""
+        """Trace the present state, from the first sample."""
         if not self._wanted or self._state.missing:
             return
         self._end()
@@ -180,7 +180,8 @@ class PathTracer(Module):
 
     @handles(JobResult)
     def on_samples(self, result: JobResult) -> None:
-        """Add a pass to the picture, show it, and go on; what failed is told by the kernel."""
+        """Add a pass to the picture, post it, and go on; the kernel posts a Fault for a failed
+        one."""
         if self._tracer is None or result.error:
             self._end()
             return

@@ -1,4 +1,4 @@
-"""What the tracer draws: the scene's state, and lengths in the tracer's units."""
+"""The subject of the tracer: the scene's state, and lengths in the tracer's units."""
 
 from dataclasses import dataclass
 

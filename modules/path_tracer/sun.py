@@ -22,8 +22,8 @@ _STEPS = 4
 def disc_picture(sun: KeyLightChanged) -> NDArray[np.float64] | None:
     """Radiance (n, n, 3) of the square around the disc, row 0 the lowest, W m^-2 sr^-1.
 
-    What of the disc is below the horizon is dark, and the rest has all of the irradiance, as
-    `KeyLightChanged` means it. None if nothing of it is above.
+    The part of the disc below the horizon is dark, and the rest has all of the irradiance of
+    `KeyLightChanged`. None if nothing of it is above.
     """
     fine = ((np.arange(_TEXELS * _STEPS) + 0.5) / (_TEXELS * _STEPS) * 2.0 - 1.0) * _HALF_SIDE
     across, up = np.meshgrid(fine, fine)

@@ -20,7 +20,7 @@ _ENLARGED = 4
 
 
 class Maps(NamedTuple):
-    """What varies over a surface: arrays (h, w, c) float32, or None where the factor says all.
+    """The maps of a surface: arrays (h, w, c) float32, or None where a factor suffices.
 
     base_colour linear RGB; roughness, metallic and opacity one channel; normal in [0, 1] as
     mitsuba reads it; emission W m^-2 sr^-1 times 683 (cd m^-2). Those of extensions lack their

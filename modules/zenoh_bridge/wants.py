@@ -65,7 +65,7 @@ def demand_of(key: str, max_array: int) -> Demand:
 
 
 def _cube_bytes(demand: Demand) -> int:
-    """What a cube map of the named size takes, in the encoding that is wanted or the usual one."""
+    """Bytes of a cube map of this size, in the demanded encoding or the usual one."""
     item = {"u8": 1, "float32": 4}.get(demand.encoding, 2)
     return 6 * (demand.size or 0) ** 2 * 3 * item
 

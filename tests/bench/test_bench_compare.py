@@ -78,7 +78,7 @@ def test_another_processor_has_other_times() -> None:
 
 
 def test_a_path_that_is_gone_is_told() -> None:
-    """Who removes a way to compute something reads of it, and it is nothing worse."""
+    """A removed path is reported, and counts as no regression."""
     found = compare(run_of(BEFORE, measured("old", [1.0])), run_of(BEFORE))
     assert found.worse == []
     assert found.remarks == ["sky, old: no longer measured"]

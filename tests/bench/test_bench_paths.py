@@ -1,4 +1,4 @@
-"""One real path of each computation, small: it runs, and errs by what is known of it."""
+"""One small path of each computation: it runs, and its error is the known one."""
 
 import msgspec
 import numpy as np

@@ -68,7 +68,7 @@ def test_the_norm_has_a_floor() -> None:
 
 
 def test_json_comes_back(tmp_path: Path) -> None:
-    """What is written is what is read."""
+    """Results read from a file equal those written."""
     run = run_of(measured("fast, 4", [0.01, 0.02]), measured("pipeline", [30.0]))
     (tmp_path / "bench.json").write_bytes(to_json(run))
     assert read_results(str(tmp_path / "bench.json")) == run
@@ -202,5 +202,5 @@ def test_bad_input_is_refused_in_one_sentence(arguments, said, tmp_path, monkeyp
 
 
 def test_help_shows_an_example() -> None:
-    """Whoever asks for help sees a line to type."""
+    """The help shows an example."""
     assert "Example: vrut-lite bench --quick" in CliRunner().invoke(bench, ["--help"]).output

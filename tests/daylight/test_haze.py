@@ -33,7 +33,7 @@ HAZY = SetHaze(optical_depth_550=float(optical_depth_of_turbidity(6.0)))
 
 @pytest.fixture(scope="module", params=SKIES)
 def shown(request):
-    """What a sky shows at noon, under inputs in addition to those of a default project."""
+    """A sky at noon, with inputs in addition to those of a default project."""
     sky, known = request.param, {}
 
     def ask(*inputs):
@@ -60,7 +60,7 @@ def shown(request):
 
 
 def test_a_sky_follows_the_haze(shown):
-    """More haze is another sky; the default one, said aloud, is the sky of who says nothing."""
+    """More haze is another sky; the default haze, set explicitly, is the default sky."""
     assert shown(HAZY) != shown()
     assert shown(DEFAULT_HAZE) == shown()
 
@@ -115,7 +115,7 @@ def test_a_preset_brings_its_own_haze():
 
 
 def test_equal_haze_of_hosek_and_wilkies_model():
-    """Its table's own points, and nothing where nobody knows."""
+    """The points of the table, and None outside its range."""
     assert hosek_wilkie_turbidity(0.20) == pytest.approx(7.9)
     assert hosek_wilkie_turbidity(0.08) == pytest.approx(4.95)
     assert hosek_wilkie_turbidity(0.02) is hosek_wilkie_turbidity(0.5) is None

@@ -82,7 +82,7 @@ def test_a_check_of_any_value_passes_or_raises_one_sentence(message, data):
 
 @given(st.sampled_from([m for m in SOUND if isinstance(m, Derived)]), st.data())
 def test_a_malformed_post_is_a_fault_and_reaches_no_module(message, data):
-    """Consumers hear what passes the check and nothing else, and who posted it is told."""
+    """Consumers get only messages that pass the check; the poster gets a Fault."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))
     sound = refusal_of(odd) is None
@@ -97,7 +97,7 @@ def test_a_malformed_post_is_a_fault_and_reaches_no_module(message, data):
 
 @given(st.sampled_from([m for m in SOUND if isinstance(m, Input)]), st.data())
 def test_a_malformed_input_is_refused_and_never_heard(message, data):
-    """The API takes any value: what is none of a type's is one sentence for its user."""
+    """The API takes any value: an invalid one gives the user one sentence."""
     place = data.draw(st.sampled_from(list(holes(message))))
     odd = spoilt(message, place, data.draw(JUNK))
     heard = []

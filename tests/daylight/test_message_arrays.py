@@ -95,7 +95,7 @@ def test_light_fits_a_layout_with_as_many_mirrors():
     ],
 )
 def test_arrays_of_a_light_map_refer_to_each_other(changes, says):
-    """What a shape or a part names must be there: the frame looks nothing up beyond."""
+    """Shapes and parts must name existing rows: the frame never reads beyond the arrays."""
     odd = msgspec.structs.replace(LAID, **{name: Array(v) for name, v in changes.items()})
     odd.check()
     with pytest.raises(UserError, match=says):

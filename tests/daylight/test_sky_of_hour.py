@@ -51,7 +51,7 @@ def test_the_azimuth_is_the_worlds():
 
 
 def test_a_background_is_encoded_unless_it_is():
-    """Float32 becomes float16 and a scale; what is float16 already stays as it is."""
+    """Float32 becomes float16 and a scale; float16 is unchanged."""
     ground = np.array([1.0, 2.0, 3.0])
     cube = np.random.default_rng(0).uniform(1.0, 1000.0, (6, 4, 4, 3)).astype(np.float32)
     message = Background(cube, ground).message("a_sky")

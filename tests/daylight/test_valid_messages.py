@@ -92,7 +92,7 @@ def test_valid_messages_are_delivered(message):
     ],
 )  # fmt: skip
 def test_a_sentence_names_field_and_value(message, changes, says):
-    """The sentence says what is wrong, where, and what is allowed."""
+    """The sentence names the field, its value and the allowed range."""
     sample = next(one for one in SOUND if type(one) is message)
     with pytest.raises(UserError) as told:
         msgspec.structs.replace(sample, **changes).check()

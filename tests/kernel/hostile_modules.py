@@ -26,7 +26,7 @@ class NoText(Exception):
 
 
 class Surrogate(str):
-    """A text that is none when it is looked at."""
+    """A str subclass that raises when it is formatted or measured."""
 
     def __format__(self, spec):
         raise Panic(spec)
@@ -90,7 +90,7 @@ RAISED = {
 
 
 def bad_module(where, make):
-    """A module that raises what `make` makes at that place, once it is told to."""
+    """A module that raises `make()` at that place, once it is armed."""
 
     class Bad(Module):
         manifest = Manifest(name="bad", title="Bad", version="1")
@@ -124,7 +124,7 @@ def bad_module(where, make):
 
 
 class Good(Module):
-    """Hears after the bad one, and says so."""
+    """Listens after the bad module, and posts `Heard`."""
 
     manifest = Manifest(name="good", title="Good", version="1")
 

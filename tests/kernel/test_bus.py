@@ -124,7 +124,7 @@ def test_consequences_are_delivered_before_the_next_input():
 
 
 def test_a_pump_of_so_many_leaves_the_others_waiting():
-    """Who draws between inputs is not kept from it by inputs that never end."""
+    """Endless inputs do not keep a host from drawing between them."""
     kernel = kernel_with()
     for value in range(3):
         kernel.inject(Poke(value=value))
@@ -270,7 +270,7 @@ def test_a_late_joiner_hears_the_last_value():
 
 
 def test_a_late_joiner_hears_in_the_order_of_delivery():
-    """Who joins late must not hear an older fact after one that was its consequence."""
+    """A late joiner must not hear an older fact after its consequence."""
     heard = []
 
     class Late(Module):
@@ -317,7 +317,7 @@ def test_a_module_that_is_suspended_hears_nothing_more_of_the_same_message():
 
 
 def test_demand_is_the_largest_asked_for():
-    """Nobody computes 1024 for a thumbnail, nor a thumbnail for who wants 1024."""
+    """A thumbnail does not need size 1024, and a consumer of 1024 needs more than a thumbnail."""
     kernel = kernel_with(Parrot)
     kernel.inject(Demand(consumer="a", message="SunMoved", size=64))
     kernel.inject(Demand(consumer="b", message="SunMoved", size=256))
@@ -379,7 +379,7 @@ def test_a_module_that_cannot_start_does_not_stop_the_host():
     ],
 )
 def test_invalid_places_reach_no_module(wrong):
-    """One bad number must not suspend whoever computes the sun from it."""
+    """One bad number must not suspend the sun's module."""
 
     class Placed(Module):
         manifest = Manifest(name="placed", title="Placed", version="1")

@@ -23,7 +23,7 @@ def clock_after(*inputs, at=NOON):
 
 
 def test_setting_the_clock_tells_the_instant_in_utc():
-    """Modules hear one kind of time, whatever offset a person wrote."""
+    """Modules get UTC for every offset that a user writes."""
     prague = NOON.astimezone(timezone(timedelta(hours=2)))
     assert clock_after(at=prague) == NOON
     assert clock_after(at=prague).tzinfo is UTC
@@ -95,7 +95,7 @@ def test_the_clock_stands_still_at_the_end_of_dates(rate, end):
     ],
 )
 def test_a_time_that_makes_no_sense_is_refused_in_one_sentence(refused, reason):
-    """Bad input is told once, and the clock stays where it is."""
+    """Bad input gives one Fault, and the clock keeps its time."""
     kernel = Kernel()
     faults = []
     kernel.tap(lambda message, _: faults.append(message) if isinstance(message, Fault) else None)

@@ -1,4 +1,4 @@
-"""The contract: a class that is no module is told in one sentence, and the others load."""
+"""The contract: a class that is no module is refused in one sentence, and the others load."""
 
 import sys
 import textwrap
@@ -24,7 +24,7 @@ def manifest(**changes):
     return Manifest(**({"name": "hostile", "title": "Hostile", "version": "1"} | changes))
 """
 
-# What a class's body is, and a part of the sentence that tells it.
+# The body of a class, and a part of the sentence that refuses it.
 CLASSES = {
     "no manifest": ("pass", "manifest must be a Manifest, not None"),
     "manifest of another type": ("manifest = {'name': 'x'}", "must be a Manifest"),
@@ -73,7 +73,7 @@ CLASSES = {
     "injects a message": ("injects = (Manifest,)", "injects must be a tuple of types of inputs"),
 }  # fmt: skip
 
-# What a settings class's body is, and a part of the sentence that tells it.
+# The body of a settings class, and a part of the sentence that refuses it.
 SETTINGS = {
     "no default": ("x: int", "its setting x needs a default"),
     "no such type": ("x: 'Nope' = 1", "name 'Nope' is not defined"),

@@ -43,7 +43,7 @@ def demand(consumer, size=None, encoding=""):
     )
 )
 def test_the_merged_demand_serves_every_consumer(wishes):
-    """The largest size that anyone names and the most exact encoding of all still wanted."""
+    """The largest named size and the most exact encoding of all present demands."""
     kernel = Kernel()
     present = {}
     for consumer, size, encoding in wishes:
@@ -60,7 +60,7 @@ def test_the_merged_demand_serves_every_consumer(wishes):
 
 
 def test_many_consumers_of_one_message_are_merged_one_by_one():
-    """A setup of a thousand demands asks a thousand times who runs, not half a million times."""
+    """A thousand demands check the running modules a thousand times, not half a million times."""
     asked = []
     demands = Demands(lambda name: bool(asked.append(name)))
     for number in range(1000):
@@ -71,7 +71,7 @@ def test_many_consumers_of_one_message_are_merged_one_by_one():
 
 
 def test_a_disabled_consumer_wants_nothing_until_it_is_back():
-    """Nobody computes a sky for a view that is switched off, and its return is told."""
+    """No sky is computed for a disabled view, and its return is posted."""
     kernel = Kernel()
     kernel.add_module(Producer)
     kernel.add_module(Viewer)

@@ -1,4 +1,4 @@
-"""Isolation: whatever a module raises, wherever, is its own Fault, and everything else goes on."""
+"""Isolation: every exception of a module is its own Fault, and everything else goes on."""
 
 import threading
 
@@ -54,7 +54,7 @@ def test_a_job_that_raised_can_be_started_again(kind):
 
 
 def test_three_panics_suspend_as_three_errors_do():
-    """What is no Exception counts like one."""
+    """A BaseException counts like an Exception."""
     bad = bad_module("on_poke", RAISED["panic"])
     bad.armed = True
     kernel = Kernel()

@@ -75,7 +75,7 @@ def results(kernel):
 
 @pytest.mark.parametrize("make_runner", [ThreadRunner, HeldRunner])
 def test_only_the_asking_module_gets_a_result(make_runner):
-    """A module's results are its own affair, on threads as in a replay."""
+    """Only the asking module gets a job's result, on threads as in a replay."""
     kernel = kernel_with(make_runner())
     ask(kernel, Ask(work=sum, arguments=((1, 2),)), Ask(work=echo, arguments=(7,), job="other"))
     kernel.pump_until_idle()
@@ -150,7 +150,7 @@ def test_work_that_asks_learns_that_it_was_cancelled():
     "ending", [Ask(), RestartModule(module="worker"), EnableModule(module="worker", enabled=False)]
 )
 def test_a_late_result_is_dropped(ending):
-    """Who cancelled, or was started anew, must not hear an answer to what it never asked."""
+    """A module that cancelled or was restarted must not get an old job's result."""
     runner = HeldRunner()
     kernel = kernel_with(runner)
     admitted = []
@@ -222,7 +222,7 @@ def test_progress_goes_to_the_trace_alone():
 
 
 def test_after_closing_nothing_starts():
-    """A window that closes must not wait for work that nobody will see."""
+    """A closing window must not wait for jobs."""
     kernel = kernel_with(ThreadRunner())
     kernel.close()
     ask(kernel, Ask(work=echo, arguments=(1,)))

@@ -155,7 +155,7 @@ class Model:
         self.holder = name
         if name not in ("", self.last_sun):
             self.last_sun = None
-        # Within one transaction only the latest change of a slot is told, at its own place.
+        # Within one transaction only the latest change of a slot is delivered, at its own place.
         self.told = [entry for entry in self.told if entry[0] != "SlotChanged"]
         self.told.append(("SlotChanged", name))
 
@@ -236,7 +236,7 @@ class KernelMachine(RuleBasedStateMachine):
 
     @rule(index=NAMES, broken=st.booleans())
     def edit_and_reload(self, index, broken):
-        # What is on the disk counts when the reload is admitted.
+        # The reload takes the files as they are when it is admitted.
         self.pump()
         self.value += 1
         version = BROKEN if broken else self.value
@@ -266,4 +266,4 @@ KernelMachine.TestCase.settings = settings(stateful_step_count=40)
 
 
 class TestKernel(KernelMachine.TestCase):
-    """No message is lost, doubled or reordered, whatever a user does in whichever order."""
+    """No message is lost, doubled or reordered under any sequence of user actions."""

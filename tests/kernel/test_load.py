@@ -1,4 +1,4 @@
-"""Load: floods of inputs, storms of posts, and what is left of them."""
+"""Load: floods of inputs, storms of posts, and the memory that they leave."""
 
 import sys
 import threading

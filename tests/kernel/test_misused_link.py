@@ -41,7 +41,7 @@ DEEDS = {
 
 @pytest.mark.parametrize("deed", DEEDS)
 def test_invalid_calls_are_faults_of_the_caller(deed):
-    """A module that misuses its link harms itself alone, and is told by name."""
+    """A module that misuses its link gets a Fault by name; others are unaffected."""
 
     class Bad(Hostile):
         pass
@@ -68,7 +68,7 @@ def cycle():
 
 @pytest.mark.parametrize("value", [Odd, cycle, lambda: [later], Mute, lambda: 10**6000])
 def test_a_job_s_result_may_be_anything(value):
-    """What it is matters to the module that asked alone."""
+    """Only the asking module reads it."""
 
     class Asker(Hostile):
         deed = staticmethod(lambda module: module.link.start_job("j", value))

@@ -1,4 +1,4 @@
-"""Modules whose settings, handlers or constructors do not behave: each is told and isolated."""
+"""Modules with faulty settings, handlers or constructors: each gets a Fault and is isolated."""
 
 import msgspec
 import pytest

@@ -76,7 +76,7 @@ def kernel_with(package):
 
 
 def test_a_reload_runs_the_new_files_submodules_included(package):
-    """Who edits a module sees the edit at once, with the state that the old version had."""
+    """An edited module is loaded at once, with the old version's state."""
     kernel = kernel_with(package)
     heard = collect(kernel, Heard)
     act(kernel, Poke())
@@ -98,7 +98,8 @@ def test_nothing_of_the_old_instance_stays(package):
 
 
 def test_settings_are_kept_as_far_as_the_new_version_takes_them(package):
-    """A value that fits stays, one out of the new bounds or without a place is told and dropped."""
+    """Valid values stay; a value outside the new bounds or of a removed setting is reported and
+    dropped."""
     kernel = kernel_with(package)
     faults = faults_of(kernel)
     act(kernel, SetSetting(module=package.name, name="volume", value=9))

@@ -39,7 +39,7 @@ def kernel_with(*names):
 
 
 def sources(kernel):
-    """Who said the last sun and the last halo."""
+    """Senders of the last sun and the last halo."""
     return [last and last.source for last in (kernel.last(Sun), kernel.last(Halo))]
 
 
@@ -77,7 +77,7 @@ def test_queued_messages_of_a_former_holder_are_dropped():
 
 
 def test_without_another_the_last_sun_stays():
-    """The sun must not go out because nobody is left to move it."""
+    """The last sun must stay when no module can move it."""
     kernel = kernel_with("a")
     act(kernel, Poke(), EnableModule(module="a", enabled=False))
     assert kernel.slots.holder("sun") == ""
@@ -85,7 +85,7 @@ def test_without_another_the_last_sun_stays():
 
 
 def test_a_stopped_module_cannot_be_chosen():
-    """A choice that can have no effect is told, not swallowed."""
+    """A choice without effect is a Fault for the user."""
     kernel = kernel_with("a", "b")
     faults = faults_of(kernel)
     act(kernel, EnableModule(module="b", enabled=False), ChooseSlot(slot="sun", module="b"))
@@ -94,7 +94,7 @@ def test_a_stopped_module_cannot_be_chosen():
 
 
 def test_a_module_without_stand_in_holds_a_slot_only_when_chosen():
-    """A bridge to elsewhere may be the sun if someone says so, never by another's failure."""
+    """A bridge holds the sun when it is chosen, never as a replacement."""
     kernel = Kernel()
     kernel.add_module(provider("bridge", stand_in=False))
     kernel.pump()
@@ -155,7 +155,8 @@ def test_a_module_holds_no_slot_before_those_that_it_requires_are_filled():
 
 
 def test_a_module_that_requires_nothing_is_preferred_by_standing_in_earlier():
-    """Load order decides among those that can; who still waits for a slot has lost its turn."""
+    """Load order decides among modules that can hold it; a module that still waits is passed
+    over."""
     kernel = Kernel()
     for module in (needing("sky", ("sky",), ("sun",)), needing("both", ("sun", "sky"), ())):
         kernel.add_module(module)

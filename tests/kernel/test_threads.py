@@ -88,7 +88,7 @@ def test_the_thread_sleeps_until_an_input_wakes_it():
 
 
 def test_an_error_of_the_host_is_reported_and_the_thread_goes_on():
-    """A tap is the host's own code: its error is nobody's fault, and must not end the kernel."""
+    """A tap is the host's own code: its error is no module's Fault, and must not end the kernel."""
     kernel = kernel_with_answerer()
     errors, heard = [], collect(kernel, Heard)
 

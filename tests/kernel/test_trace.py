@@ -1,4 +1,4 @@
-"""The trace: what caused what, how long it took, and who held the others up."""
+"""The trace: causes, durations, and slow handlers."""
 
 import json
 
@@ -57,7 +57,7 @@ def kernel_with_both():
 
 
 def test_every_delivery_names_its_cause():
-    """A person who asks why the sky was made again follows the causes back to an input."""
+    """The causes of a new sky lead back to an input."""
     kernel = kernel_with_both()
     act(kernel, Poke(), Poke(value=1))
     told = [entry[:5] for entry in kernel.trace.entries()]

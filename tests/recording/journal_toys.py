@@ -33,7 +33,7 @@ class LoudSettings(msgspec.Struct, frozen=True):
 
 
 def heavy_work(value):
-    """What a job computes; it fails for some values."""
+    """The work of a job; it fails for some values."""
     if value > 0.9:
         raise ValueError(f"{value} is too much")
     return np.exp(np.linspace(0.0, value, 64))

@@ -63,7 +63,7 @@ class Do(Input, frozen=True, kw_only=True):
 
 
 class Said(Derived, frozen=True, kw_only=True):
-    """Everything that a module says; whoever hears it may change what is in the payload."""
+    """Every message of a module; listeners may change its payload."""
 
     module: str
     payload: Any
@@ -103,7 +103,7 @@ def failing(number):
 
 
 def until_cancelled(control):
-    """Ends only when nobody waits for it."""
+    """Ends only when it is cancelled."""
     while not control.cancelled():
         time.sleep(0.0005)
     return "late"
@@ -120,7 +120,7 @@ def looking_up(number, control):
 
 
 class Actor(Module):
-    """Does as it is told, and answers what it hears in ways that depend on all that it heard."""
+    """Acts as asked, with answers that depend on all messages that it has heard."""
 
     manifest = Manifest(name="actor", title="Actor", version="1")
     speaks = (Said, Shone)

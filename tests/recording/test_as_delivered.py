@@ -1,4 +1,4 @@
-"""Who looks at messages later sees them as they were delivered."""
+"""Messages are kept as they were delivered."""
 
 import copy
 from collections import namedtuple
@@ -101,7 +101,7 @@ def test_what_cannot_change_is_shared():
 
 
 def test_a_description_does_not_keep_its_texture():
-    """Texels that nobody shows any more are free, however late the journal is written."""
+    """Unused texels are freed, also before the journal is written."""
     texture = GpuTexture(size=4, format="rgba16f", recipe="ab").holding(object())
     kept = as_delivered(SettingChanged(module="m", name="x", value=texture))
     assert to_plain(kept.value) == to_plain(texture)

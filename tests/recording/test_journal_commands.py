@@ -28,7 +28,7 @@ def day(tmp_path_factory):
 
 
 def call(command, *arguments):
-    """What a command prints; what it raises is raised here."""
+    """Output of a command; its exceptions are raised here."""
     result = CliRunner().invoke(command, [str(argument) for argument in arguments])
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception

@@ -1,4 +1,4 @@
-"""What a stranger's journal may cost: sizes are counted first, and each thing is read once."""
+"""Limits of a hostile journal: sizes are counted first, and everything is read once."""
 
 import gc
 import io
@@ -294,7 +294,7 @@ def test_inputs_of_a_file_are_bounded_together(tmp_path, monkeypatch):
 
 
 def test_a_recording_that_could_not_be_read_is_refused_at_its_beginning():
-    """Who asks for more than a setup may hold is told before the session, not after it."""
+    """Demands beyond the limit of a setup are refused before the session, not after it."""
     setup = msgspec.json.decode(FACTS["setup"], type=Setup)
     crowded = msgspec.structs.replace(setup, demands=[WISH] * 1025)
     with pytest.raises(UserError, match="cannot be recorded as it began"):
@@ -304,7 +304,7 @@ def test_a_recording_that_could_not_be_read_is_refused_at_its_beginning():
 
 
 def test_a_message_too_deep_for_a_reader_ends_the_recording():
-    """The session goes on; what a journal could not give back is told when it is closed."""
+    """The session goes on; `close` reports values that a journal cannot hold."""
     kernel = toy_kernel()
     recorder = Recorder(kernel, io.BytesIO())
     kernel.inject(JobResult(module="parrot", job="other", value=nested(1, 90)))

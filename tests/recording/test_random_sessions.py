@@ -81,7 +81,7 @@ def dispensable():
 
 
 def in_process(script, *arguments, **environment):
-    """What a script of this folder says, in a process of its own."""
+    """Output of a script of this folder, in a separate process."""
     done = subprocess.run(
         [sys.executable, HERE / script, *map(str, arguments)],
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])} | environment,

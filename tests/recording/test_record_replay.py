@@ -152,7 +152,7 @@ def test_an_input_that_changed_names_message_and_field(tmp_path, monkeypatch):
 
 
 def test_recording_begins_on_a_fresh_kernel():
-    """What a module remembers of earlier inputs cannot be written down."""
+    """A module's memory of earlier inputs cannot be recorded."""
     kernel = toy_kernel()
     kernel.inject(SetClockRate(rate=2.0))
     kernel.pump()
@@ -161,7 +161,7 @@ def test_recording_begins_on_a_fresh_kernel():
 
 
 def test_an_unrecordable_message_ends_the_recording_and_not_the_session():
-    """A number that no journal holds is told when it is closed; the kernel goes on."""
+    """`close` reports a number that no journal holds; the kernel goes on."""
     kernel = toy_kernel()
     recorder = Recorder(kernel, io.BytesIO())
     kernel.inject(Demand(consumer="c", message="Echo", size=10**30))

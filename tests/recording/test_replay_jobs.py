@@ -175,7 +175,7 @@ def test_a_job_that_is_not_begun_any_more_is_named(tmp_path):
 
 
 def test_a_cancelled_job_that_never_returns_holds_up_no_other():
-    """Waiting for idleness is waiting for results that somebody awaits."""
+    """`wait_idle` waits only for results that are still wanted."""
     kernel, ended = Kernel(), threading.Event()
     kernel.add_module(Office)
 
@@ -194,7 +194,7 @@ def test_a_cancelled_job_that_never_returns_holds_up_no_other():
 
 
 def test_a_journal_without_marks_still_replays(tmp_path):
-    """Earlier versions did not say who brought a result: a job of its name, if one is begun."""
+    """Earlier versions did not record the sender of a result: it is a started job of its name."""
     path = recorded(tmp_path, FIRST, None, elsewhere(7, job="gpu"), SECOND, None)
     journal, older = Journal(path), tmp_path / "older.mcap"
     setup = msgspec.structs.replace(journal.setup, steps=[])
@@ -224,7 +224,7 @@ PLAIN = [None, True, 7, 1.5, float("inf"), "text", [1, [2.5]], {"a": {"b": [None
 
 @pytest.mark.parametrize("value", PLAIN, ids=lambda value: type(value).__name__)
 def test_plain_values_from_elsewhere_are_heard_again(tmp_path, value):
-    """What a module hears in the replay is what it heard live, to the type."""
+    """A module hears equal messages of equal types in the replay."""
     assert replayed(recorded(tmp_path, elsewhere(value), elsewhere([value])))[0] is None
 
 

@@ -37,7 +37,7 @@ class Knock(Input, frozen=True, kw_only=True):
 
 
 class Told(Derived, frozen=True, kw_only=True):
-    """What a module remembers."""
+    """The state of a module."""
 
     module: str
     history: tuple[str, ...]
@@ -195,7 +195,7 @@ def test_a_module_that_came_late_is_late_in_the_replay(tmp_path):
 
 
 class Owner(Module):
-    """Wants something of its own accord, as who runs GPU jobs does."""
+    """Demands messages by itself, like the runner of GPU jobs."""
 
     manifest = Manifest(name="owner", title="Owner", version="1")
 
@@ -250,7 +250,7 @@ def test_what_a_setup_does_not_hold_is_refused(message):
 
 
 def test_a_setup_does_not_grow_without_end(monkeypatch):
-    """Whoever drags a slider for a day, and then records, is told so."""
+    """A recording after a day of slider moves is refused with a sentence."""
     monkeypatch.setattr(beginning, "MOST_STEPS", 20)
     kernel = kernel_with(*MODULES)
     act(kernel, *(mood(str(number)) for number in range(30)))

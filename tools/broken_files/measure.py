@@ -36,7 +36,7 @@ class Opened(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What one file took; without `opened` the process was ended, or ended itself."""
+    """Time and memory of one file; without `opened` the process was killed or ended itself."""
 
     kind: str
     file_bytes: int

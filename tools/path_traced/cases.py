@@ -70,7 +70,7 @@ class Case:
 def states(
     scene: str, sky: str, hours: tuple[str, ...] = HOURS
 ) -> Iterator[tuple[Case, SceneState]]:
-    """What is to be drawn at each hour, by one kernel."""
+    """The state to draw at each hour, from one kernel."""
     cases = [Case(scene, sky, hour) for hour in hours]
     host = EngineHost("path-tracer", cases[0].project)
     try:

@@ -26,7 +26,7 @@ HEADER = ["| scene, hour, sky | FLIP | floor | sunlit | shadowed | sky |", "|---
 
 
 class Truth(NamedTuple):
-    """What is known of a case: radiance (h, w, 3), of both seeds if there are two.
+    """The truths of a case: radiance (h, w, 3), of both seeds if there are two.
 
     `clean` is the first seed's without grain, `floor` the FLIP to the other's, NaN without one.
     """
@@ -38,7 +38,7 @@ class Truth(NamedTuple):
 
 
 def truth_of(case: Case) -> Truth | None:
-    """What is on disk of a case; None if anything but the other seed is missing."""
+    """The truths on disk of a case; None if more than the other seed is missing."""
     first = known_truth(case, TRUTH, case.samples)
     guide, regions = known(case, GUIDES_NAME), known(case, REGIONS_NAME)
     if first is None or guide is None or regions is None:

@@ -43,7 +43,7 @@ def draw(wanted: Sequence[Shot], size: tuple[int, int], sky: str = _BRUNETON) ->
 
 
 def project_of(shot: Shot, size: tuple[int, int], sky: str) -> Project:
-    """What a shot draws under a sky."""
+    """The project of a shot under a sky."""
     own = scene_project(shot.scene)
     settings = {**own.settings, sky: {**own.settings.get(sky, {}), **shot.settings}}
     changes = {"at": shot.at or own.at, "settings": settings, **shot.changes}

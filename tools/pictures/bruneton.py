@@ -58,7 +58,7 @@ DAY_DEG = (45.0, 20.0, 8.0, 2.0, 0.0, -2.0, -4.0, -6.0, -9.0, -12.0)
 
 
 def draw(field: SourceField, view: View) -> Picture:
-    """What the camera sees (300, 480, 3)."""
+    """The camera's picture (300, 480, 3)."""
     sun = sun_direction(view.sun_elevation_deg, view.sun_azimuth_deg)
     around = surroundings(field, view.height_m, sun)
     cube = background_cube(around, CUBE_SIZE)

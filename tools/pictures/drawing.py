@@ -1,4 +1,4 @@
-"""What the scripts that draw pictures share: scenes, shots of them, cameras, captioned sheets."""
+"""The common parts of scripts that draw pictures: scenes, shots, cameras, captioned sheets."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -81,7 +81,7 @@ def sizes(off: FloatArray) -> str:
 
 
 def floored(light: FloatArray) -> FloatArray:
-    """What an error is divided by."""
+    """The divisor of an error."""
     return light + 0.1 * float(light[light > 0.0].mean())
 
 

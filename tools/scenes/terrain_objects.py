@@ -1,4 +1,4 @@
-"""What tells the terrain's size: spruces around the viewpoint, and a hut on its meadow."""
+"""Objects that show the terrain's scale: spruces around the viewpoint, and a hut on its meadow."""
 
 import numpy as np
 from numpy.typing import NDArray

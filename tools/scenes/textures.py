@@ -59,7 +59,7 @@ def checker() -> bytes:
 
 
 def ground_grain() -> bytes:
-    """What breaks the evenness of open land, 512 x 512: greys about a mean of two thirds."""
+    """A texture for the unevenness of open land, 512 x 512: greys about a mean of two thirds."""
     size = 2 * SIZE_PX
     at = np.arange(size) / size
     x, y = np.meshgrid(at, at)

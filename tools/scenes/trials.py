@@ -211,7 +211,7 @@ def _wall_z(
 
 
 def _solid(along: tuple[float, float], high: float, holes: list[Hole]) -> list[Hole]:
-    """What of a wall is left around its holes."""
+    """The pieces of a wall around its holes."""
     left, pieces = along[0], []
     for a, b, low, top in holes:
         pieces += [(left, a, 0.0, high), (a, b, 0.0, low), (a, b, top, high)]

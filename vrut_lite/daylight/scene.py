@@ -1,4 +1,4 @@
-"""The scene: the file to open, its content, and the light and air that it needs."""
+"""The scene: which file to open, what was in it, and what it needs of light and air."""
 
 import hashlib
 
@@ -43,7 +43,7 @@ class LoadScene(Input, frozen=True, kw_only=True):
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):
-    """An opened scene: its bounds in metres, world axes, and its content.
+    """A scene is open: its bounds in metres, world axes, and all that is in it.
 
     `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
     brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
@@ -79,7 +79,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         return digest.hexdigest()
 
     def check(self) -> None:
-        """Check bounds, a count, and arrays whose shapes match."""
+        """Bounds, a count, and arrays that go with each other."""
         checks.text(self, "path")
         checks.numbers(self, "lower_m", 3)
         checks.numbers(self, "upper_m", 3)

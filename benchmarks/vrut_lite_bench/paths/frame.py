@@ -1,4 +1,4 @@
-"""The frame on whatever OpenGL there is: whole, and pass by pass; a frame has no error.
+"""The frame with OpenGL: whole, and pass by pass; a frame has no error.
 
 Every pass is done in every frame, also what a frame would skip: shadow maps and reflection are
 those of a sky that has just changed. On a GPU passes are timed by timer query, on llvmpipe by the

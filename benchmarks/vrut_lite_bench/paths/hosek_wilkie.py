@@ -14,17 +14,9 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.geometry.panorama import sample_sky
-from vrut_lite_bench.bench_path import (
-    PICTURE_NORM,
-    BenchPath,
-    Clock,
-    Errors,
-    Group,
-    Spent,
-    Work,
-    relative_errors,
-)
+from vrut_lite_bench.bench_path import PICTURE_NORM, BenchPath, Errors, Group, Work, relative_errors
 from vrut_lite_bench.gl import GlTexture, GlWork, gl_clock, has_timer, missing_gl, renderer
+from vrut_lite_bench.own_process import measured_path
 from vrut_lite_bench.paths import hosek_wilkie_mitsuba
 from vrut_lite_bench.paths.hosek_wilkie_formats import (
     AZIMUTH_RAD,
@@ -231,20 +223,15 @@ def _mitsuba_paths(sizes: tuple[int, ...]) -> list[BenchPath]:
 
 
 def _mitsuba_path(texels: str, size: int, sizes: tuple[int, ...]) -> BenchPath:
-    def measured(_work: Work) -> Spent:
-        live = _live_mitsuba(sizes)
-        seconds = live[texels][str(size)]
-        return Spent(Errors(*live["errors"]), seconds, seconds)
-
-    return BenchPath(
-        name=f"mitsuba's sunsky, {texels} texels, {size}²",
-        family=f"mitsuba's sunsky, {texels} texels",
-        parameters={"size": size},
-        prepare=lambda: lambda: None,
-        error=lambda errors: {next(iter(skies(False))): errors},
-        batch="mitsuba",
-        clock=Clock("CPU time of one thread of its own process", measured),
-        once=True,
+    family = f"mitsuba's sunsky, {texels} texels"
+    return measured_path(
+        f"{family}, {size}²",
+        family,
+        "mitsuba",
+        "CPU time of one thread of its own process",
+        lambda: float(_live_mitsuba(sizes)[texels][str(size)]),
+        lambda _: {next(iter(skies(False))): Errors(*_live_mitsuba(sizes)["errors"])},
+        {"size": size},
     )
 
 

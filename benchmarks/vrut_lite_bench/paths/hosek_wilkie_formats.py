@@ -183,7 +183,7 @@ def of_bytes(_sky: HosekWilkieSky, values: FloatArray) -> FloatArray:
 
 
 class Format(NamedTuple):
-    """A format of a cube map: what makes it, how it is decoded to radiance, its largest size."""
+    """A format of a cube map: its maker, its decoder to radiance, its largest size."""
 
     name: str
     make: Callable[[HosekWilkieSky, int], Run]

@@ -10,12 +10,11 @@ with others it aborts the process, which is why it has its own.
 import importlib
 import json
 import os
-import subprocess
 import sys
 import time
 from typing import Any
 
-from vrut_lite.errors import ModuleFailed
+from vrut_lite_bench.own_process import figures_of
 
 ROUNDS = 60
 # Mitsuba divides RGB by the integral of CIE Y; our radiance is not normalised so.
@@ -30,18 +29,8 @@ def llvm_library() -> str:
 
 
 def measure(sizes: tuple[int, ...]) -> dict[str, Any]:
-    """The figures of a new process.
-
-    Raises:
-        ModuleFailed: the process ended without them.
-    """
-    command = [sys.executable, "-m", "vrut_lite_bench.paths.hosek_wilkie_mitsuba", *map(str, sizes)]
-    environment = {**os.environ, "DRJIT_LIBLLVM_PATH": llvm_library()}
-    answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    if answer.returncode != 0:
-        last = (answer.stderr.strip().splitlines() or ["no message"])[-1]
-        raise ModuleFailed(f"mitsuba's sunsky could not be measured: {last}")
-    return dict(json.loads(answer.stdout.splitlines()[-1]))
+    """The figures of a new process; ModuleFailed as `figures_of`."""
+    return figures_of("mitsuba's sunsky", __name__, *sizes, DRJIT_LIBLLVM_PATH=llvm_library())
 
 
 def _main(sizes: list[int]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Light between surfaces: a furnished room's map by its rays and texels; what each step takes.
+"""Light between surfaces: a furnished room's map by rays and texels; the time of each step.
 
 Errors are those of the map at the middles of random texels, smoothing and all, against rays that
 start at these very points in a bake with more texels, rays, patches and bounces.

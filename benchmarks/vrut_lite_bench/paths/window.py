@@ -3,15 +3,12 @@
 It runs in a process of its own (`window_process`), which has Qt and its OpenGL contexts to itself.
 """
 
-import json
 import os
-import subprocess
-import sys
 from importlib.util import find_spec
 
-from vrut_lite.errors import ModuleFailed
-from vrut_lite_bench.bench_path import BenchPath, Clock, Group, Spent, Work
+from vrut_lite_bench.bench_path import BenchPath, Group
 from vrut_lite_bench.gl import missing_gl
+from vrut_lite_bench.own_process import figures_of, measured_path
 
 RENDERERS, SKIES = ("OpenGL", "CPU"), ("dynamic_skylight", "bruneton_sky")
 # Handlers of the kernel, in which sky, light and air are made; the frame; the viewport's paint
@@ -53,38 +50,18 @@ def _group(name: str, title: str, paths: tuple[str, ...], left_out: dict[str, st
 
 
 def _path(name: str) -> BenchPath:
-    def spent(_work: Work) -> Spent:
+    def seconds() -> float:
         if name not in _measured:
             _measured.update(_measure())
-        seconds = _measured.pop(name)
-        return Spent(None, seconds, seconds)
+        return _measured.pop(name)
 
-    return BenchPath(
-        name=name,
-        family=name.partition(":")[0],
-        prepare=lambda: lambda: None,
-        error=None,
-        batch="window",
-        clock=Clock("wall time, or CPU time of the window's thread for its own work", spent),
-        once=True,
-    )
+    clock = "wall time, or CPU time of the window's thread for its own work"
+    return measured_path(name, name.partition(":")[0], "window", clock, seconds)
 
 
 def _measure() -> dict[str, float]:
-    """Seconds of every path, by a new process.
-
-    Raises:
-        ModuleFailed: the process ended without them.
-    """
-    environment = {"QT_QPA_PLATFORM": "offscreen", "OPENBLAS_NUM_THREADS": "1", **os.environ}
-    answer = subprocess.run(
-        [sys.executable, "-m", "vrut_lite_bench.paths.window_process"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
+    """Seconds of every path, by a new process; ModuleFailed as `figures_of`."""
+    platform = os.environ.get("QT_QPA_PLATFORM", "offscreen")
+    return figures_of(
+        "the window", "vrut_lite_bench.paths.window_process", QT_QPA_PLATFORM=platform
     )
-    if answer.returncode != 0:
-        last = (answer.stderr.strip().splitlines() or ["no message"])[-1]
-        raise ModuleFailed(f"the window could not be measured: {last}")
-    return dict(json.loads(answer.stdout.splitlines()[-1]))

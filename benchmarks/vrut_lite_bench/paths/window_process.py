@@ -219,7 +219,7 @@ def latency(bench: Window, sky: str) -> list[float]:
 
 
 def acts(bench: Window) -> dict[str, Callable[[], None]]:
-    """What goes on while the event loop is watched."""
+    """Acts during which the event loop is watched."""
     send = bench.session.send
 
     def rest() -> None:

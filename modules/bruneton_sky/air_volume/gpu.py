@@ -23,7 +23,7 @@ _GROUP = 8
 
 
 class _FieldOnGpu(NamedTuple):
-    """A field's tables as buffers by binding, and the uniforms that tell their shapes."""
+    """A field's tables as buffers by binding, and the uniforms of their shapes."""
 
     buffers: tuple[tuple[int, Array], ...]
     uniforms: dict[str, Number | tuple[Number, ...]]

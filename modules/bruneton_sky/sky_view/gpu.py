@@ -79,7 +79,7 @@ def _phase_at(phase: MiePhase, nu: float) -> float:
 
 
 def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
-    """The shader of what the observer sees, with the sun's disc through the air before it.
+    """The shader of the observer's sky, with the sun's disc behind the air.
 
     The table must have rows below the horizon.
     """

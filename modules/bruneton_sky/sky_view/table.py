@@ -159,7 +159,8 @@ def _in_this_air(
 
 
 def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDArray[np.float32]:
-    """What a table holds for its rays; `counts`: steps, bins for light scattered once, and more."""
+    """The nodes of a table for its rays; `counts`: steps, bins for light scattered once, and
+    more."""
     from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)

@@ -1,4 +1,4 @@
-"""What tables answer: transmittance, the sky, the air before points, light on surfaces.
+"""Look-ups in tables: transmittance, the sky, the air before points, light on surfaces.
 
 The transmittance table holds that to the top of the atmosphere; that between two points is a
 ratio (thesis, equations 2.28 to 2.30). A ray that meets the ground is looked up backwards, for the
@@ -32,7 +32,7 @@ class TableArrays:
     """The tables of an atmosphere.
 
     Attributes:
-        orders: how often light is scattered or reflected at most.
+        orders: highest order of scattering and reflection.
         parametrisation: of the two scattering tables.
         transmittance: (altitude, mu, C), to the top of the atmosphere.
         irradiance: (altitude, mu_s, C) of the sky on a level surface, W m^-2 nm^-1.
@@ -41,7 +41,7 @@ class TableArrays:
         single_mie: likewise light scattered once by aerosol, without its phase function.
 
     Raises:
-        ValueError: an array has not the shape that `sizes` says, or the atmosphere has fog.
+        ValueError: an array's shape differs from `sizes`, or the atmosphere has fog.
     """
 
     atmosphere: Atmosphere
@@ -140,7 +140,7 @@ def sky_radiance(
 
 
 def scattered(tables: TableArrays, state: State) -> tuple[FloatArray, FloatArray]:
-    """What both scattering tables hold (..., C) for states, without phase functions."""
+    """Values (..., C) of both scattering tables for states, without phase functions."""
     parametrisation = parametrisation_of(tables.parametrisation)
     at = parametrisation.to_coordinates(tables.atmosphere, tables.sizes, state)
     scattering, single_mie = interpolate_suns((tables.scattering, tables.single_mie), at)

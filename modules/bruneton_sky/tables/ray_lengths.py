@@ -1,4 +1,4 @@
-"""Altitudes and directions told by lengths: of tangents to the ground and of rays.
+"""Altitudes and directions as lengths of tangents to the ground and of rays.
 
 rho is the length of the tangent from a point to the ground, H that from the top of the
 atmosphere. Squares are kept factored, rho^2 = h (2 R + h), so that nothing is lost at the

@@ -1,4 +1,4 @@
-"""Views and the ways along them: where a ray enters the air, how far it reaches, what is there."""
+"""Views and rays along them: entry into the air, length, states on the way."""
 
 from typing import NamedTuple
 
@@ -13,10 +13,10 @@ from vrut_lite.numeric_types import FloatArray
 
 
 class View(NamedTuple):
-    """What an observer looks at: the state where the ray is first inside the air.
+    """A view: the state where its ray is first inside the air.
 
-    `entry_m` (...,) is the distance from the observer to there, 0 for one in the air; `misses`
-    tells where there is no air on the ray at all.
+    `entry_m` (...,) is the distance from the observer to there, 0 for one in the air; `misses`:
+    whether the ray misses the air.
     """
 
     state: State

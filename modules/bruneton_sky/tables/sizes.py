@@ -1,4 +1,4 @@
-"""How many nodes each precomputed table has."""
+"""Numbers of nodes of the precomputed tables."""
 
 from dataclasses import dataclass, fields
 

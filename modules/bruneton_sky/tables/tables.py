@@ -1,4 +1,4 @@
-"""Precomputed tables of an atmosphere's light, and what can be asked of them."""
+"""Precomputed tables of an atmosphere's light, with their look-ups."""
 
 import numpy as np
 from numpy.typing import ArrayLike

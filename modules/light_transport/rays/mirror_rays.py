@@ -14,7 +14,7 @@ from light_transport.kernels import hot
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.ray_starts import Receivers, scratch
 from light_transport.rays.ray_table import met_row
-from light_transport.rays.trace import MISS, nearest
+from light_transport.rays.trace import MISS, nearest_along
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.groups import NO_GROUP
 from light_transport.surfaces.map_texels import NOBODY
@@ -143,18 +143,7 @@ def _trace(tree, receivers, part_of, own, hollow, view, scratch, target, near): 
             for k in range(3):
                 ray[k] -= 2.0 * behind_by * facing[k]
         for _ in range(_MOST_PASSED):
-            distance, hit, u, v = nearest(
-                tree,
-                np.float32(place[0]),
-                np.float32(place[1]),
-                np.float32(place[2]),
-                np.float32(ray[0]),
-                np.float32(ray[1]),
-                np.float32(ray[2]),
-                i,
-                stack,
-                far_stack,
-            )
+            distance, hit, u, v = nearest_along(tree, place, ray, i, stack, far_stack)
             if hit == MISS:
                 break
             t = tree.order[hit]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from light_transport.kernels import hot, inlined, kernel
 from light_transport.rays.ray_starts import Receivers, aim, begin, scratch, shift
 from light_transport.rays.sky_nodes import NODES, node_of
-from light_transport.rays.trace import MISS, mixed, nearest
+from light_transport.rays.trace import MISS, mixed, nearest_along
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.groups import NO_GROUP
 from light_transport.surfaces.map_texels import NOBODY, ground_pixel
@@ -146,17 +146,8 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
                 geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
             )
             aim(number, shifts, normal, face, ray)
-            distance, hit, u, v = nearest(
-                tree,
-                np.float32(place[0]),
-                np.float32(place[1]),
-                np.float32(place[2]),
-                np.float32(ray[0]),
-                np.float32(ray[1]),
-                np.float32(ray[2]),
-                mixed(row, number + 64),
-                stack,
-                far_stack,
+            distance, hit, u, v = nearest_along(
+                tree, place, ray, mixed(row, number + 64), stack, far_stack
             )
             if hit == MISS:
                 targets[i, s] = node_of(ray[0], ray[1], ray[2])

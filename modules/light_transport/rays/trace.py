@@ -28,6 +28,12 @@ def mixed(a: int, b: int) -> int:
 
 
 @inlined
+def _inverse(d):  # type: ignore[no-untyped-def]
+    """1 / d, finite also for a component of 0."""
+    return _ONE / (d if abs(d) > _TINY else _TINY)
+
+
+@inlined
 def _enters(boxes, node, side, ox, oy, oz, ix, iy, iz, far):  # type: ignore[no-untyped-def]
     """Distance at which a ray enters a child's box, FAR if it does not before `far`."""
     ax, bx = (boxes[node, side] - ox) * ix, (boxes[node, side + 3] - ox) * ix
@@ -76,9 +82,7 @@ def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignor
     int32 and float32 numbers and are overwritten.
     """
     boxes, child, triangle, opacity = tree.boxes, tree.child, tree.triangle, tree.opacity
-    ix = _ONE / (dx if abs(dx) > _TINY else _TINY)
-    iy = _ONE / (dy if abs(dy) > _TINY else _TINY)
-    iz = _ONE / (dz if abs(dz) > _TINY else _TINY)
+    ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
     far, hit, hit_u, hit_v = FAR, MISS, _ZERO, _ZERO
     top, node = 0, 0
     while True:
@@ -113,6 +117,23 @@ def nearest(tree, ox, oy, oz, dx, dy, dz, ray, stack, far_stack):  # type: ignor
         node = stack[top]
 
 
+@inlined
+def nearest_along(tree, place, direction, ray, stack, far_stack):  # type: ignore[no-untyped-def]
+    """`nearest` of a place (3,) and a direction (3,) in double precision."""
+    return nearest(
+        tree,
+        np.float32(place[0]),
+        np.float32(place[1]),
+        np.float32(place[2]),
+        np.float32(direction[0]),
+        np.float32(direction[1]),
+        np.float32(direction[2]),
+        ray,
+        stack,
+        far_stack,
+    )
+
+
 @hot
 def blocker(tree, ox, oy, oz, dx, dy, dz, ray, stack, likely):  # type: ignore[no-untyped-def]
     """Some triangle that is in a ray's way, in the tree's order, or MISS.
@@ -124,9 +145,7 @@ def blocker(tree, ox, oy, oz, dx, dy, dz, ray, stack, likely):  # type: ignore[n
         distance, _, _ = _crossed(triangle, likely, ox, oy, oz, dx, dy, dz)
         if distance > _ZERO and not _lets_pass(opacity, likely, ray):
             return likely
-    ix = _ONE / (dx if abs(dx) > _TINY else _TINY)
-    iy = _ONE / (dy if abs(dy) > _TINY else _TINY)
-    iz = _ONE / (dz if abs(dz) > _TINY else _TINY)
+    ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
     top, node = 0, 0
     while True:
         if node >= 0:

@@ -38,7 +38,7 @@ def rayleigh_ratio(index: FloatArray | float, depolarisation: float = 0.0) -> Fl
 
 
 def mie_by_equation() -> float:
-    """What equation 5 gives: 8 pi^3 (n^2 - 1)^2 / (3 N), in m^3 and not in 1/m."""
+    """Equation 5: 8 pi^3 (n^2 - 1)^2 / (3 N), in m^3 and not in 1/m."""
     contrast = (CONSTANT_INDEX - 1.0) * (CONSTANT_INDEX + 1.0)
     return float(8.0 * np.pi**3 * contrast**2 / (3.0 * MOLECULES_PER_M3))
 

@@ -32,7 +32,7 @@ _LARGEST_FILE_BYTES = 1_000_000
 
 
 class RawScan(NamedTuple):
-    """What one scan's files say: local time, wavelengths (n,) in nm, radiance (81, n)."""
+    """The content of one scan's files: local time, wavelengths (n,) in nm, radiance (81, n)."""
 
     time: datetime
     wavelength_nm: NDArray[np.float64]
@@ -87,7 +87,7 @@ def parse_spectrum(content: bytes, name: str) -> NDArray[np.float64]:
     """Wavelengths in nm and radiances (n, 2) of one file.
 
     Raises:
-        UserError: by name and line, where the file is not what it should be.
+        UserError: the file is invalid; the sentence names it and the line.
     """
     lines = _lines(content, name)
     rows = [_row(line, name, number) for number, line in enumerate(lines[1:], start=2)]

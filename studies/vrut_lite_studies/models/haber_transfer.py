@@ -74,7 +74,7 @@ class Transfer:
 
     @cached_property
     def evenly(self) -> NDArray[np.float32]:
-        """What passes between active rings, (8, 36, m, m) in 1/m^2, by harmonic of azimuth.
+        """Transfer between active rings, (8, 36, m, m) in 1/m^2, by harmonic of azimuth.
 
         A ring is even in azimuth about the sun, and what passes depends on the turn alone:
         harmonics do not mix.

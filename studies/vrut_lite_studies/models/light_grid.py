@@ -40,7 +40,7 @@ class _Lines(NamedTuple):
 
 
 class _Air(NamedTuple):
-    """What the air does at points: extinction (..., 40) in 1/m, sunlight (..., 40) that arrives
+    """The air at points: extinction (..., 40) in 1/m, sunlight (..., 40) that arrives
     there, as a share, and that which it scatters along the lines, in 1/(m sr)."""
 
     extinction: FloatArray

@@ -1,7 +1,7 @@
 """Single scattering by the textbook rules of Galaj and Wojciechowski 2019, and converged.
 
 Without quirks it is `bruneton_sky.single_scattering` in the study's air, by any of its rules.
-With `Quirks` it repeats what the same authors' program has that the integral has not, one
+With `Quirks` it repeats the deviations of the authors' program from the integral, one
 by one or all together.
 """
 
@@ -57,7 +57,7 @@ class SingleScattering:
     Args:
         rule: `gauss-legendre`, `midpoint`, `trapezoid` or `simpson`.
         samples: nodes of `gauss-legendre`, else intervals (view, light).
-        quirks: what to do as the published program does; only for the textbook rules.
+        quirks: the published program's deviations to repeat; only for the textbook rules.
 
     Raises:
         ValueError: from `sky_radiance`, for samples that do not suit the rule.

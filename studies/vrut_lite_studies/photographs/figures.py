@@ -138,7 +138,7 @@ def _sky(name: str, found: Fit, height: int) -> FloatArray:
 
 
 def _weight_of_sky(height: int) -> float:
-    """What the weights of all pixels above the horizon would add up to."""
+    """The sum of the weights of all pixels above the horizon."""
     return float(2 * height * np.cos(np.radians(elevations_deg(height)[: height // 2])).sum())
 
 

@@ -115,7 +115,7 @@ def find_azimuth_deg(photo: FloatArray, usable: BoolArray) -> float:
 
 
 def masks_of(photo: FloatArray, sun: Sun | None) -> Masks:
-    """What is land, cloud (with the gaps left), clipped or glare; without a disc no glare."""
+    """Pixels of land, cloud (with gaps), clipping or glare; without a disc no glare."""
     height = photo.shape[0]
     degree = height / 180.0
     brightest = photo.max(axis=(0, 1))
@@ -149,7 +149,8 @@ def _land(photo: FloatArray, glare: BoolArray) -> BoolArray:
 
 
 def _cloud(photo: FloatArray, other: BoolArray) -> BoolArray:
-    """What differs from the smooth sky around it in light or in colour, moon and masts too."""
+    """Pixels that differ from the smooth sky around them in luminance or colour, also moon and
+    masts."""
     degree = photo.shape[0] / 180.0
     safe = np.maximum(photo, 1e-6)
     # Land must not weigh in a median beside it: it takes the value of the sky above.

@@ -1,4 +1,4 @@
-"""The same rules as a compute shader: time per ray against error, on whatever OpenGL there is.
+"""The same rules as a compute shader: time per ray against error with OpenGL.
 
 The rays are the texels of a cube map's upper face, 35 to 90 degrees up, three wavelengths, in
 single precision, which leaves relative errors of about 1e-6.

@@ -23,7 +23,7 @@ def one_process() -> Executor:
 class DaySequence(QObject):
     """Signals: `progressed` (pictures made, of how many), `finished` (a line), `failed` (a line).
 
-    After `cancel` no further picture is begun; finished ones stay.
+    After `cancel` no further picture is begun; those that are finished stay.
     """
 
     progressed = Signal(int, int)

@@ -1,4 +1,4 @@
-"""Exports: the shown picture, and pictures of a whole day."""
+"""Exports: the picture that is shown, and pictures of a whole day."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -61,7 +61,7 @@ class ExportPanel(QWidget):
         session.ended.connect(self.stop)
 
     def export(self, path: str) -> None:
-        """Write the shown picture in full size."""
+        """Write the picture that is shown, in full size."""
         export_picture(self._session, path, self._tell)
 
     def start(self, path: str) -> None:

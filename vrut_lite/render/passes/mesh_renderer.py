@@ -42,7 +42,7 @@ _LAYER_UNIFORMS: dict[str, MapName] = {
 
 @dataclass(frozen=True)
 class View:
-    """A camera: the eye (3,), and matrices (4, 4) of its orientation alone."""
+    """A camera: where the eye is (3,), and matrices (4, 4) that know only where it looks."""
 
     eye_m: NDArray[np.float64]
     rotation: NDArray[np.float64]
@@ -166,9 +166,9 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         program.set_uniform("material.roughness_factor", material.roughnessFactor)
 
     def draw_depth(self, scene: PyrenderScene, shadow: Shadow) -> None:
-        """Draw the depth of shadow casters, both sides of every face."""
+        """Draw the depth of what casts shadows, both sides of every face."""
         GL.glEnable(GL.GL_DEPTH_TEST)
-        # Casters between the sun and the map's box cast into it too.
+        # What stands between the sun and the map's box casts into it too.
         GL.glEnable(GL.GL_DEPTH_CLAMP)
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
