@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
+from vrut_lite.app.panels.export_panel import PICTURES
 from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.kept import Kept
@@ -112,7 +113,7 @@ class Files:
     def ask_to_export(self) -> None:
         """Let a name be chosen, and write the picture."""
         proposed = str(Path(folder_of(self._session), file_title(self._session) + ".png"))
-        path = self._new_name("Export picture", proposed, "Pictures (*.png *.exr)")
+        path = self._new_name("Export picture", proposed, PICTURES)
         if path:
             self.export(path)
 

@@ -187,7 +187,7 @@ class MainWindow(QMainWindow):
         return [
             ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
             ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
-            ActionSpec("export", "File", f"Export picture (PNG, EXR){dots}", "Ctrl+E",
+            ActionSpec("export", "File", f"Export picture (PNG, JPEG, EXR){dots}", "Ctrl+E",
                        files.ask_to_export),
             ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
                        files.save_screenshot),
