@@ -6,7 +6,7 @@ import stat
 import tomllib
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import msgspec
 import numpy as np
@@ -41,6 +41,23 @@ class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     target_m: Point
     vertical_field_of_view_deg: Annotated[float, msgspec.Meta(ge=1, le=150)] = 43.0
 
+    @classmethod
+    def of(cls, camera: MoveCamera) -> Self:
+        """The view of a camera."""
+        return cls(
+            eye_m=camera.eye_m,
+            target_m=camera.target_m,
+            vertical_field_of_view_deg=math.degrees(camera.vertical_field_of_view_rad),
+        )
+
+    def camera(self) -> MoveCamera:
+        """The input that moves the camera there."""
+        return MoveCamera(
+            eye_m=self.eye_m,
+            target_m=self.target_m,
+            vertical_field_of_view_rad=math.radians(self.vertical_field_of_view_deg),
+        )
+
 
 class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How radiance becomes a picture: the fields of `SetExposure`, with their bounds."""
@@ -64,7 +81,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
-    missing `haze`.
+    missing `haze`. `views` are kept by name, for the window.
     """
 
     scene: str = ""
@@ -74,6 +91,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     slots: dict[str, str] = {}
     settings: dict[str, dict[str, Any]] = {}
     camera: CameraView | None = None
+    views: dict[str, CameraView] = {}
     exposure: Exposure = Exposure()
     size: tuple[Pixels, Pixels] = (960, 540)
     tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
@@ -214,11 +232,5 @@ def view_inputs(project: Project) -> list[Input]:
         eye, target = np.array(project.camera.eye_m), np.array(project.camera.target_m)
         if not _NEAREST_TARGET_M < np.linalg.norm(target - eye) < math.inf:
             raise UserError("the camera's eye and target must be two finite points, apart")
-        inputs.append(
-            MoveCamera(
-                eye_m=project.camera.eye_m,
-                target_m=project.camera.target_m,
-                vertical_field_of_view_rad=math.radians(project.camera.vertical_field_of_view_deg),
-            )
-        )
+        inputs.append(project.camera.camera())
     return inputs

@@ -6,7 +6,6 @@ from pathlib import Path
 import msgspec
 
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze, haze_of
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
@@ -58,7 +57,7 @@ def project_of(session: Session) -> Project:
     if (size := session.last(Resize)) is not None:
         found["size"] = (size.width_px, size.height_px)
     if session.camera is not None:
-        found["camera"] = _view_of(session.camera)
+        found["camera"] = CameraView.of(session.camera)
     return msgspec.structs.replace(project, **found)
 
 
@@ -66,14 +65,6 @@ def folder_of(session: Session) -> str:
     """The folder of the scene that is shown; empty if there is none."""
     scene = session.last(SceneOpened)
     return "" if scene is None else str(Path(scene.path).resolve().parent)
-
-
-def _view_of(camera: MoveCamera) -> CameraView:
-    return CameraView(
-        eye_m=camera.eye_m,
-        target_m=camera.target_m,
-        vertical_field_of_view_deg=math.degrees(camera.vertical_field_of_view_rad),
-    )
 
 
 def inputs_of(project: Project, kernel: Kernel) -> list[Input]:

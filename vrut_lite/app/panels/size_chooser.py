@@ -11,7 +11,7 @@ _USUAL: dict[str, tuple[int, int] | None] = {
     "any size": (1600, 1000),
 }
 _ANY = "any size"
-_SMALLEST_PX, _LARGEST_PX = 16, 16384
+_SMALLEST_PX, _LARGEST_PX = 16, 8192
 
 
 class SizeChooser(QWidget):

@@ -36,6 +36,7 @@ class Menus:
             if spec.name == _RECENT_AFTER:
                 self.recent = self._submenu(spec.menu, "Open recent")
         self.recent.aboutToShow.connect(self.fill_recent)
+        self.views = self._submenu("Camera", "Views")
         self.panels = self._submenu("View", "Panels")
         self.actions["orbit"].setChecked(True)
         self.show_steps(Steps())
