@@ -19,6 +19,7 @@ from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
 from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.section import Axis, Side
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -30,6 +31,8 @@ Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
 # A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
+# Of the scene manager, which a project has as fields of its own.
+SCENE_SETTINGS = ("air", "light_shafts", "section", "section_m", "section_keeps")
 _NEAREST_TARGET_M = 1e-6
 _MOST_BYTES = 1 << 20
 
@@ -98,6 +101,9 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     haze: Haze | None = None
     air: bool = True
     light_shafts: bool = False
+    section: Axis = "off"
+    section_m: Metres = 2.0
+    section_keeps: Side = "below"
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -222,8 +228,10 @@ def view_inputs(project: Project) -> list[Input]:
     """Air, light shafts, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
-        SetSetting(module="scene", name="air", value=project.air),
-        SetSetting(module="scene", name="light_shafts", value=project.light_shafts),
+        *(
+            SetSetting(module="scene", name=name, value=getattr(project, name))
+            for name in SCENE_SETTINGS
+        ),
         Resize(width_px=project.size[0], height_px=project.size[1]),
         exposure,
         LoadScene(path=project.scene),

@@ -12,6 +12,7 @@ from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.section import Section
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -59,6 +60,7 @@ class SceneState:
         size_px: the picture's width and height.
         air: what the scene is seen through; None where it would not be seen.
         light_shafts: whether the scene shades the air.
+        section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None where nobody made one.
         surface_light: of that light map; None as long as there is none. Surfaces are then lit by
             the open sky.
@@ -77,6 +79,7 @@ class SceneState:
     air: AirVolume | None = None
     clouds: CloudLayer | None = None
     light_shafts: bool = False
+    section: Section | None = None
     light_map: LightMapLaid | None = None
     surface_light: SurfaceLightChanged | None = None
     tolerance: float = DEFAULT_TOLERANCE

@@ -13,18 +13,22 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.section import Axis, Side, section_of
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.kernel.messages import SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.kernel.settings import setting
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
+# Of no building.
+_FARTHEST_CUT_M = 1000.0
 
 
 class SceneSettings(msgspec.Struct, frozen=True):
@@ -36,6 +40,16 @@ class SceneSettings(msgspec.Struct, frozen=True):
     light_shafts: Annotated[
         bool, msgspec.Meta(description="Whether the scene's shadows are seen in the air.")
     ] = False
+    section: Annotated[
+        Axis,
+        setting("Across which axis the picture is cut, as a model is; light and shadows are not"),
+    ] = "off"
+    section_m: Annotated[
+        float, setting("Where on that axis it is cut", -_FARTHEST_CUT_M, _FARTHEST_CUT_M, unit="m")
+    ] = 2.0
+    section_keeps: Annotated[
+        Side, setting("Which side of the cut is seen, by the axis's values")
+    ] = "below"
 
 
 class SceneManager(Module):
@@ -65,6 +79,7 @@ class SceneManager(Module):
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
         )
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
+        self._cut()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
         self.link.demand(SkyLightChanged, cube_size)
@@ -108,10 +123,16 @@ class SceneManager(Module):
         self._change(tolerance=message.tolerance)
 
     def settings_changed(self, name: str) -> None:
-        """Switch air or light shafts."""
+        """Switch air or light shafts, or cut the picture elsewhere."""
         if name == "light_shafts":
             self._change(light_shafts=self.settings.light_shafts)
+        elif name.startswith("section"):
+            self._cut()
         self._look()
+
+    def _cut(self) -> None:
+        said = self.settings
+        self._change(section=section_of(said.section, said.section_m, said.section_keeps))
 
     # --- its light and its air ----------------------------------------------------------
 

@@ -14,6 +14,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.geometry.frames import enu_from_world
+from vrut_lite.kernel.messages import SettingChanged
 from vrut_lite.project import CameraView, load_project
 
 PRAGUE = SetPlace(latitude_deg=50.0755, longitude_deg=14.4378)
@@ -105,3 +106,19 @@ def test_views_are_kept_gone_to_saved_and_forgotten(shared_headless_window, tmp_
     driver.until_heard(SceneOpened)
     views.forget("View 1")
     assert views.kept == {}
+
+
+def test_a_key_cuts_the_scene_and_makes_it_whole_again(shared_headless_window, qtbot):
+    """Through its middle at first; undo and the scene's panel know of it, a project keeps it."""
+    driver = shared_headless_window
+    action, panel = driver.window.actions_by_name["section"], driver.panel("module scene")
+    action.trigger()
+    driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("section", "y"))
+    driver.settled()
+    scene = driver.session.last(SceneOpened)
+    middle_m = 0.5 * (scene.lower_m[1] + scene.upper_m[1])
+    assert driver.project.section_m == pytest.approx(middle_m, abs=0.01)
+    assert panel.rows["section"].editor.currentText() == "y"
+    driver.session.undo()
+    driver.until(lambda: not action.isChecked())
+    assert driver.project.section == "off"

@@ -14,6 +14,7 @@ from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolera
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting
 from vrut_lite.project import (
+    SCENE_SETTINGS,
     CameraView,
     Exposure,
     Haze,
@@ -40,7 +41,7 @@ def project_of(session: Session) -> Project:
     )
     found: dict[str, object] = {}
     if _SCENE in modules:
-        found |= {name: modules[_SCENE].values[name] for name in ("air", "light_shafts")}
+        found |= {name: modules[_SCENE].values[name] for name in SCENE_SETTINGS}
     if (scene := session.last(SceneOpened)) is not None:
         found["scene"] = scene.path
     if (clock := session.last(ClockMoved)) is not None:

@@ -22,6 +22,7 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
+from vrut_lite.app.view.section_switch import SectionSwitch
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
 from vrut_lite.app.widgets import make_timer
@@ -50,6 +51,7 @@ from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.messages import SettingChanged
 
 TITLE = "vrut_lite"
 _RIGHT_PX, _MOST_RIGHT = 420, 0.3
@@ -167,6 +169,7 @@ class MainWindow(QMainWindow):
         session, desk = self.session, self.desk
         desk.scout.day_changed.connect(desk.sun_path.set_day)
         session.listen(SunMoved, desk.sun_path.set_sun)
+        session.listen(SettingChanged, self.menus.show_section)
         session.listen(SetPlace, desk.sun_path.set_place)
         session.listen(SetPlace, desk.compass.set_place)
         session.listen(SceneOpened, self._scene_loaded)
@@ -219,6 +222,8 @@ class MainWindow(QMainWindow):
             ActionSpec("sun path", "View", "Sun paths of day and solstices", "P",
                        self.desk.sun_path.show, True),
             ActionSpec("compass", "View", "Compass", "K", self.desk.compass.show, True),
+            ActionSpec("section", "View", "Section through the scene", "X",
+                       SectionSwitch(self.session).cut, True),
             ActionSpec("compare", "View", "Compare two skies", "C",
                        partial(self.toggle_dock, "compare")),
             ActionSpec("profiler", "View", "Profiler", "F3", self.profiler.setVisible, True),
