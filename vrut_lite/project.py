@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import msgspec
 import numpy as np
@@ -21,6 +21,7 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.section import Axis, Side
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
@@ -32,6 +33,10 @@ Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
 # A quarter of the way to the moon.
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
+# Of the scene manager, which a project has as fields of its own.
+SCENE_SETTINGS = (
+    "air", "light_shafts", "animation", "animation_time_s", "section", "section_m", "section_keeps",
+)  # fmt: skip
 _NEAREST_TARGET_M = 1e-6
 _MOST_BYTES = 1 << 20
 
@@ -42,6 +47,23 @@ class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     eye_m: Point
     target_m: Point
     vertical_field_of_view_deg: Annotated[float, msgspec.Meta(ge=1, le=150)] = 43.0
+
+    @classmethod
+    def of(cls, camera: MoveCamera) -> Self:
+        """The view of a camera."""
+        return cls(
+            eye_m=camera.eye_m,
+            target_m=camera.target_m,
+            vertical_field_of_view_deg=math.degrees(camera.vertical_field_of_view_rad),
+        )
+
+    def camera(self) -> MoveCamera:
+        """The input that moves the camera there."""
+        return MoveCamera(
+            eye_m=self.eye_m,
+            target_m=self.target_m,
+            vertical_field_of_view_rad=math.radians(self.vertical_field_of_view_deg),
+        )
 
 
 class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -70,6 +92,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps.
     `animation` and `animation_time_s` say how the scene's own animations stand.
+    `views` are kept by name, for the window.
     """
 
     scene: str = ""
@@ -83,6 +106,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     slots: dict[str, str] = {}
     settings: dict[str, dict[str, Any]] = {}
     camera: CameraView | None = None
+    views: dict[str, CameraView] = {}
     exposure: Exposure = Exposure()
     size: tuple[Pixels, Pixels] = (960, 540)
     tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
@@ -91,6 +115,9 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     light_shafts: bool = False
     animation: Literal["rest", "time", "clock"] = "rest"
     animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
+    section: Axis = "off"
+    section_m: Metres = 2.0
+    section_keeps: Side = "below"
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -242,10 +269,10 @@ def view_inputs(project: Project) -> list[Input]:
     """Air, light shafts, animations, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
-        SetSetting(module="scene", name="air", value=project.air),
-        SetSetting(module="scene", name="light_shafts", value=project.light_shafts),
-        SetSetting(module="scene", name="animation", value=project.animation),
-        SetSetting(module="scene", name="animation_time_s", value=project.animation_time_s),
+        *(
+            SetSetting(module="scene", name=name, value=getattr(project, name))
+            for name in SCENE_SETTINGS
+        ),
         Resize(width_px=project.size[0], height_px=project.size[1]),
         exposure,
         LoadScene(
@@ -260,11 +287,5 @@ def view_inputs(project: Project) -> list[Input]:
         eye, target = np.array(project.camera.eye_m), np.array(project.camera.target_m)
         if not _NEAREST_TARGET_M < np.linalg.norm(target - eye) < math.inf:
             raise UserError("the camera's eye and target must be two finite points, apart")
-        inputs.append(
-            MoveCamera(
-                eye_m=project.camera.eye_m,
-                target_m=project.camera.target_m,
-                vertical_field_of_view_rad=math.radians(project.camera.vertical_field_of_view_deg),
-            )
-        )
+        inputs.append(project.camera.camera())
     return inputs

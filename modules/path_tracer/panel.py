@@ -4,36 +4,57 @@ The window imports it by the entry point `vrut_lite.panels`; nothing else here i
 """
 
 from functools import partial
+from importlib.util import find_spec
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from path_tracer.messages import PathTracedPicture
+from path_tracer.remaining import Remaining, remaining_text
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.fitted_picture import FittedPicture
+from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand
 from vrut_lite.pictures.display import display_picture
+from vrut_lite.pictures.image_files import picture_format, write_exr, write_jpeg, write_png
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
 _CONSUMER = "window"
 _WAITING = "Paths of light are traced while this is seen, without air and clouds."
+_DENOISER = "mitsuba_oidn"
+_FORMATS = (".png", ".jpg", ".exr")
+_WIDTH_PX, _HEIGHT_PX = 560, 400
 
 
 class Developed(NamedTuple):
-    """A picture (h, w, 3) as the screen shows it, and how many of its samples are there."""
+    """A picture (h, w, 3) as the screen shows it, its radiance, and how many of its samples are
+    there."""
 
     pixels: NDArray[np.uint8]
+    radiance: NDArray[np.float32]
     samples: int
     samples_wanted: int
 
 
 class TracedPanel(QWidget):
-    """Asks for pictures while it is visible; they have the frame's exposure and tone map."""
+    """Asks for pictures while it is visible; they have the frame's exposure and tone map.
+
+    Denoised or not, it is the same picture: a new one is made from the latest paths.
+    """
 
     title = "Path-traced picture"
     keys = "T"
@@ -42,13 +63,33 @@ class TracedPanel(QWidget):
         super().__init__()
         self._session = session
         self.shown: Developed | None = None
-        self.view = FittedPicture("path-traced picture", (360, 240))
+        self._latest: PathTracedPicture | None = None
+        self._developing = False
+        self._remaining = Remaining()
+        self.view = FittedPicture("path-traced picture", (_WIDTH_PX, _HEIGHT_PX))
         self.progress = QLabel(_WAITING)
         self.progress.setWordWrap(True)
+        self.denoise = QCheckBox("without grain")
+        self.denoise.setToolTip(
+            "A preview by Intel's Open Image Denoise (Afra 2024); it invents what few paths leave "
+            "open"
+        )
+        if find_spec(_DENOISER) is None:
+            self.denoise.setEnabled(False)
+            self.denoise.setToolTip("It needs the extra `ref`: pip install 'vrut-lite[ref]'")
+        self.keep = QPushButton("Save\N{HORIZONTAL ELLIPSIS}")
+        self.keep.setToolTip("PNG or JPEG as shown, EXR of linear radiance in W/(m\u00b2 sr)")
+        self.keep.setEnabled(False)
+        row = QHBoxLayout()
+        row.addWidget(self.progress, 1)
+        row.addWidget(self.denoise)
+        row.addWidget(self.keep)
         column = QVBoxLayout(self)
         column.setContentsMargins(10, 8, 8, 10)
         column.addWidget(self.view, 1)
-        column.addWidget(self.progress)
+        column.addLayout(row)
+        self.denoise.clicked.connect(lambda _: self._develop())
+        self.keep.clicked.connect(self._ask_to_save)
         session.listen(PathTracedPicture, self._hear)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -60,26 +101,82 @@ class TracedPanel(QWidget):
         if not self._session.has_ended:
             self._demand(0)
 
+    def save(self, path: str) -> None:
+        """Write the picture that is shown; a sentence tells what does not go."""
+        if self.shown is None:
+            return
+        said: dict[str, str | float] = {
+            "engine": "path tracer",
+            "samplesPerPixel": self.shown.samples,
+        }
+        try:
+            suffix = picture_format(path, _FORMATS)
+            if suffix == ".exr":
+                write_exr(path, self.shown.radiance, said)
+            else:
+                (write_jpeg if suffix == ".jpg" else write_png)(path, self.shown.pixels, said)
+        except UserError as error:
+            self._session.problem.emit(str(error))
+        else:
+            self.progress.setText(f"Saved {path}")
+
+    def _ask_to_save(self) -> None:
+        name = f"{file_title(self._session)} path traced.png"
+        kinds = "Pictures (*.png *.jpg *.exr)"
+        path, _ = QFileDialog.getSaveFileName(self, "Save the path-traced picture", name, kinds)
+        if path:
+            self.save(path)
+
     def _demand(self, size: int | None) -> None:
         self._session.send(
             Demand(consumer=_CONSUMER, message=PathTracedPicture.__name__, size=size)
         )
 
     def _hear(self, message: PathTracedPicture) -> None:
+        self._remaining.came(perf_counter(), message.samples)
+        self._latest = message
         if self.isVisible():
-            frame = self._session.shown
-            ev100 = None if frame is None else frame.picture.ev100
-            # Off Qt's thread: a tone map takes a tenth of a second.
-            self._session.ask(partial(_developed, message, ev100), self._show)
+            self._develop()
 
-    def _show(self, developed: Developed) -> None:
-        self.shown = developed
+    def _develop(self) -> None:
+        """Off Qt's thread: a tone map takes a tenth of a second, the denoiser one; the latest
+        picture follows when that is done."""
+        if self._latest is None or self._developing:
+            return
+        self._developing = True
+        frame = self._session.shown
+        ev100 = None if frame is None else frame.picture.ev100
+        wish = self._session.last(SetExposure) or SetExposure()
+        question = partial(_developed, self._latest, ev100, wish, self.denoise.isChecked())
+        asked = (self._latest, self.denoise.isChecked())
+        self._session.look_up(
+            lambda _: question(), partial(self._show, asked), lambda line: self._fail(line)
+        )
+
+    def _fail(self, line: str) -> None:
+        self._developing = False
+        self.progress.setText(line)
+
+    def _show(self, asked: tuple[PathTracedPicture, bool], developed: Developed) -> None:
+        self.shown, self._developing = developed, False
         self.view.show_pixels(developed.pixels)
-        self.progress.setText(f"{developed.samples} of {developed.samples_wanted} paths a pixel")
+        self.keep.setEnabled(True)
+        left = remaining_text(self._remaining.seconds(developed.samples_wanted))
+        done = f"{developed.samples} of {developed.samples_wanted} paths a pixel"
+        self.progress.setText(f"{done}, {left}" if left else done)
+        if asked != (self._latest, self.denoise.isChecked()) and self.isVisible():
+            self._develop()
 
 
-def _developed(message: PathTracedPicture, ev100: float | None, stage: Stage) -> Developed:
-    wish = stage.kernel.last(SetExposure) or SetExposure()
+def _developed(
+    message: PathTracedPicture, ev100: float | None, wish: SetExposure, denoises: bool
+) -> Developed:
+    radiance = message.radiance.values
+    if denoises:
+        import mitsuba_oidn
+
+        # Copied, for the next call may write into the same memory.
+        radiance = np.array(mitsuba_oidn.denoise(np.ascontiguousarray(radiance), hdr=True))
     balance = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-    pixels = display_picture(message.radiance.values, ev100, wish.tone_map, balance)
-    return Developed(pixels.astype(np.uint8), message.samples, message.samples_wanted)
+    pixels = display_picture(radiance, ev100, wish.tone_map, balance)
+    return Developed(pixels.astype(np.uint8), radiance, message.samples, message.samples_wanted)

@@ -30,6 +30,10 @@ class FittedPicture(QWidget):
         """The preferred size."""
         return QSize(*self._hint_px)
 
+    def minimumSizeHint(self) -> QSize:
+        """Half of that: large enough to see what is in it."""
+        return self.sizeHint() / 2
+
     def show_pixels(self, pixels: NDArray[np.uint8] | None) -> None:
         """Show sRGB (h, w, 3), or nothing."""
         self._image = None if pixels is None else rgb_image(pixels)

@@ -18,7 +18,7 @@ from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
 from vrut_lite.project import CameraView, Exposure, Project, in_words, project_of_path
 
-FORMATS = (".png", ".exr")
+FORMATS = (".png", ".jpg", ".exr")
 
 
 @click.command(name="render")
@@ -30,7 +30,7 @@ FORMATS = (".png", ".exr")
     "--output",
     required=True,
     metavar="PICTURE",
-    help="A .png or .exr file; with --from a name for many, as day_%04d.png.",
+    help="A .png, .jpg or .exr file; with --from a name for many, as day_%04d.png.",
 )
 @click.option("--size", metavar="WxH", help="Picture size in pixels, as 960x540.")
 @click.option("--eye", metavar="X,Y,Z", help="Camera position in metres, world axes.")

@@ -14,7 +14,7 @@ from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import SetClock
 from vrut_lite.pictures.display import Bits, display_picture
-from vrut_lite.pictures.image_files import Metadata, write_exr, write_png
+from vrut_lite.pictures.image_files import Metadata, write_exr, write_jpeg, write_png
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
@@ -111,9 +111,11 @@ class SceneShot:
         )
 
     def write(self, path: Path) -> None:
-        """PNG for display, EXR of radiance."""
+        """PNG and JPEG for display, EXR of radiance."""
         if path.suffix.lower() == ".exr":
             write_exr(path, self.picture.radiance, self.metadata)
+        elif path.suffix.lower() == ".jpg":
+            write_jpeg(path, self.picture.display, self.metadata)
         elif self.plan.bits == 16:
             write_png(path, self._display_16(), self.metadata)
         else:

@@ -12,6 +12,7 @@ from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.section import Section
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -60,6 +61,7 @@ class SceneState:
         size_px: the picture's width and height.
         air: the air before the scene; None where it is not visible.
         light_shafts: whether the scene shades the air.
+        section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None without one.
         surface_light: of that light map; None before the first, while the open sky lights surfaces.
         tolerance: share by which radiance may be off.
@@ -77,6 +79,7 @@ class SceneState:
     air: AirVolume | None = None
     clouds: CloudLayer | None = None
     light_shafts: bool = False
+    section: Section | None = None
     light_map: LightMapLaid | None = None
     surface_light: SurfaceLightChanged | None = None
     tolerance: float = DEFAULT_TOLERANCE

@@ -10,6 +10,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.pictures.picture_array import Metadata
 from vrut_lite.pictures.write_exr import write_exr
 from vrut_lite.pictures.write_hdr import write_hdr
+from vrut_lite.pictures.write_jpeg import write_jpeg
 from vrut_lite.pictures.write_json import write_json
 from vrut_lite.pictures.write_npz import write_npz
 from vrut_lite.pictures.write_png import write_png
@@ -24,6 +25,7 @@ __all__ = [
     "picture_format",
     "write_exr",
     "write_hdr",
+    "write_jpeg",
     "write_json",
     "write_npz",
     "write_png",

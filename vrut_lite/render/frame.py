@@ -135,6 +135,7 @@ class Frame:
         )
         targets = self._targets.get(state.size_px)
         self._meshes.update(scene)
+        self._meshes.section = state.section
         seen = self._seen(scene, view)
         with self.measure("reflection"):
             reflection = self._reflection(light, seen, still)

@@ -101,8 +101,14 @@ class PyrenderBackend:
         """The surface in the middle of a pixel, None for the sky; y counts from the top."""
         if state.camera is None:
             raise RuntimeError("nothing to look at yet: no camera")
-        ray = pixel_rays(state.camera, state.size_px, x, y)
-        return self._scene_rays(state).first_hit(state.camera.eye_m, ray)
+        ray, eye = pixel_rays(state.camera, state.size_px, x, y), np.array(state.camera.eye_m)
+        if state.section is None:
+            return self._scene_rays(state).first_hit(eye, ray)
+        start_m, end_m = state.section.seen_part(eye, ray)
+        if start_m == np.inf:
+            return None
+        hit = self._scene_rays(state).first_hit(eye + start_m * ray, ray)
+        return None if hit is None or (hit.point_m - eye) @ ray > end_m else hit
 
     def _scene_rays(self, state: SceneState) -> SceneRays:
         if state.scene is None:

@@ -15,6 +15,7 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.section import Axis, Side, section_of
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -29,6 +30,8 @@ from vrut_lite.scene.packing import packed
 
 NAME = "scene"
 Animated = Literal["rest", "time", "clock"]
+# Of no building.
+_FARTHEST_CUT_M = 1000.0
 
 
 class SceneSettings(msgspec.Struct, frozen=True):
@@ -51,6 +54,16 @@ class SceneSettings(msgspec.Struct, frozen=True):
         float,
         setting("Time of the animations, which begin anew after their end.", 0, 3600, unit="s"),
     ] = 0.0
+    section: Annotated[
+        Axis,
+        setting("Across which axis the picture is cut, as a model is; light and shadows are not"),
+    ] = "off"
+    section_m: Annotated[
+        float, setting("Where on that axis it is cut", -_FARTHEST_CUT_M, _FARTHEST_CUT_M, unit="m")
+    ] = 2.0
+    section_keeps: Annotated[
+        Side, setting("Which side of the cut is seen, by the axis's values")
+    ] = "below"
 
 
 class SceneManager(Module):
@@ -82,6 +95,7 @@ class SceneManager(Module):
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
         )
         self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
+        self._cut()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
         self.link.demand(SkyLightChanged, cube_size)
@@ -159,13 +173,19 @@ class SceneManager(Module):
         self._change(tolerance=message.tolerance)
 
     def settings_changed(self, name: str) -> None:
-        """Switch air or light shafts, or move what is animated."""
+        """Switch air or light shafts, cut the picture elsewhere, or move what is animated."""
         if name.startswith("animation"):
             self._move()
             return
         if name == "light_shafts":
             self._change(light_shafts=self.settings.light_shafts)
+        elif name.startswith("section"):
+            self._cut()
         self._look()
+
+    def _cut(self) -> None:
+        said = self.settings
+        self._change(section=section_of(said.section, said.section_m, said.section_keeps))
 
     # --- its light and its air ----------------------------------------------------------
 

@@ -1,35 +1,51 @@
-"""The picture as a file: PNG as shown, EXR of its radiance."""
+"""The picture as a file: PNG and JPEG as shown, EXR of its radiance, of any size."""
 
 from collections.abc import Callable
 from pathlib import Path
+
+import msgspec
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.pictures.image_files import check_writable, picture_format, write_exr, write_png
+from vrut_lite.pictures.image_files import (
+    check_writable,
+    picture_format,
+    write_exr,
+    write_jpeg,
+    write_png,
+)
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project
 
-FORMATS = (".png", ".exr")
+FORMATS = (".png", ".jpg", ".exr")
+Size = tuple[int, int]
 
 
-def export_picture(session: Session, path: str | Path, then: Callable[[str], None]) -> None:
+def export_picture(
+    session: Session, path: str | Path, then: Callable[[str], None], size: Size | None = None
+) -> None:
     """Write the finished picture as the window exposes it; `then` gets a line about it.
 
-    An unknown suffix or a file that cannot be written is reported as the session's `problem`.
+    `size` is width and height in pixels, that of the window if it is None. An unknown suffix or a
+    file that cannot be written is reported as the session's `problem`.
     """
     project = project_of(session)
+    if size is not None:
+        project = msgspec.structs.replace(project, size=size)
     session.ask(
-        lambda stage: _written(stage, session.exposure_of(stage.state), path, project), then
+        lambda stage: _written(stage, session.exposure_of(stage.state), path, project, size), then
     )
 
 
-def _written(stage: Stage, exposure: SetExposure, path: str | Path, project: Project) -> str:
+def _written(
+    stage: Stage, exposure: SetExposure, path: str | Path, project: Project, size: Size | None
+) -> str:
     suffix = picture_format(path, FORMATS)
     check_writable(path)
-    picture = stage.draw(stage.state.size_px, exposure, still=True)
+    picture = stage.draw(size or stage.state.size_px, exposure, still=True)
     metadata = {
         **picture_metadata(project, stage.kernel),
         "exposureEv100": picture.ev100,
@@ -37,6 +53,8 @@ def _written(stage: Stage, exposure: SetExposure, path: str | Path, project: Pro
     }
     if suffix == ".exr":
         write_exr(path, picture.radiance, metadata)
+    elif suffix == ".jpg":
+        write_jpeg(path, picture.display, metadata)
     else:
         write_png(path, picture.display, metadata)
     return f"{path}: {_size(picture)}, EV100 {picture.ev100:.1f}"

@@ -6,7 +6,6 @@ from pathlib import Path
 import msgspec
 
 from vrut_lite.app.engine.session import Session
-from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze, haze_of
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
@@ -15,6 +14,7 @@ from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolera
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting
 from vrut_lite.project import (
+    SCENE_SETTINGS,
     CameraView,
     Exposure,
     Haze,
@@ -26,7 +26,6 @@ from vrut_lite.project import (
 
 # The scene manager: a project file has fields of its own for its settings.
 _SCENE = "scene"
-_OF_SCENE = ("air", "light_shafts", "animation", "animation_time_s")
 
 
 def project_of(session: Session) -> Project:
@@ -42,7 +41,7 @@ def project_of(session: Session) -> Project:
     )
     found: dict[str, object] = {}
     if _SCENE in modules:
-        found |= {name: modules[_SCENE].values[name] for name in _OF_SCENE}
+        found |= {name: modules[_SCENE].values[name] for name in SCENE_SETTINGS}
     if (scene := session.last(SceneOpened)) is not None:
         found["scene"] = scene.path
         if scene.opened is not None:
@@ -63,7 +62,7 @@ def project_of(session: Session) -> Project:
     if (size := session.last(Resize)) is not None:
         found["size"] = (size.width_px, size.height_px)
     if session.camera is not None:
-        found["camera"] = _view_of(session.camera)
+        found["camera"] = CameraView.of(session.camera)
     return msgspec.structs.replace(project, **found)
 
 
@@ -71,14 +70,6 @@ def folder_of(session: Session) -> str:
     """The folder of the open scene; empty if there is none."""
     scene = session.last(SceneOpened)
     return "" if scene is None else str(Path(scene.path).resolve().parent)
-
-
-def _view_of(camera: MoveCamera) -> CameraView:
-    return CameraView(
-        eye_m=camera.eye_m,
-        target_m=camera.target_m,
-        vertical_field_of_view_deg=math.degrees(camera.vertical_field_of_view_rad),
-    )
 
 
 def inputs_of(project: Project, kernel: Kernel) -> list[Input]:

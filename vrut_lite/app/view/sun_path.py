@@ -1,18 +1,22 @@
-"""The sun's path of the day, drawn over the picture."""
+"""The sun's paths of the day and of the solstices, drawn over the picture."""
 
 from datetime import timedelta
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.day import Day
+from vrut_lite.app.view.solstices import SOLSTICES, sun_circle
 from vrut_lite.app.view.view_projection import project_directions
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sun import SunMoved
 
 _MARGIN = 0.2
+_SOLSTICE_COLOUR = "#c9d8ec"
 
 
 class SunPath(QObject):
@@ -25,6 +29,7 @@ class SunPath(QObject):
         self.shown = False
         self._day: Day | None = None
         self._sun: SunMoved | None = None
+        self._solstices: dict[str, NDArray[np.float64]] = {}
 
     def show(self, shown: bool) -> None:
         """Draw it, or not."""
@@ -34,6 +39,11 @@ class SunPath(QObject):
     def set_day(self, day: Day) -> None:
         """Show the path of this day."""
         self._day = day
+        self.changed.emit()
+
+    def set_place(self, place: SetPlace) -> None:
+        """Show the solstices of this place."""
+        self._solstices = {name: sun_circle(place, tilt) for name, tilt in SOLSTICES.items()}
         self.changed.emit()
 
     def set_sun(self, sun: SunMoved) -> None:
@@ -53,9 +63,26 @@ class SunPath(QObject):
             painter.setPen(QPen(colour, 1.6 if above else 1.0, style))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawPath(_path(points, up == above, place))
+        self._paint_solstices(painter, place, camera)
         self._paint_hours(painter, place, camera)
         if self._sun is not None:
             self._paint_sun(painter, place, camera, self._sun)
+
+    def _paint_solstices(self, painter: QPainter, place: QRectF, camera: MoveCamera) -> None:
+        for name, directions in self._solstices.items():
+            points = project_directions(directions, camera, place.width() / place.height())
+            up = directions[:, 1] >= 0.0
+            colour = QColor(_SOLSTICE_COLOUR)
+            painter.setPen(QPen(colour, 1.0, Qt.PenStyle.DashLine))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawPath(_path(points, up, place))
+            seen = [
+                n for n in np.flatnonzero(up) if np.all((points[n] > 0.02) & (points[n] < 0.98))
+            ]
+            if seen:
+                # Where the arc is highest in the picture.
+                best = min(seen, key=lambda n: points[n][1])
+                painter.drawText(_on(place, points[best]) + QPointF(6, -6), f"21 {name}")
 
     def _paint_hours(self, painter: QPainter, place: QRectF, camera: MoveCamera) -> None:
         day = self._day

@@ -32,6 +32,7 @@ from vrut_lite.app import theme
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.view.camera_rig import CameraRig, height_text
+from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.light_probe import LightProbe
 from vrut_lite.app.view.loading import Loading
 from vrut_lite.app.view.sun_path import SunPath
@@ -68,14 +69,14 @@ class Viewport(QWidget):
     mode_changed = Signal(object)
     sky_pointed = Signal(object)
 
-    def __init__(self, session: Session, sun_path: SunPath):
+    def __init__(self, session: Session, sun_path: SunPath, compass: Compass):
         super().__init__()
         self._session = session
         self.rig = CameraRig()
         self.mode = CameraMode.ORBIT
         self.probe = LightProbe(session, self)
         self.loading = Loading(session, self)
-        self._sun_path = sun_path
+        self._sun_path, self._compass = sun_path, compass
         self._image: QImage | None = None
         self._sent: MoveCamera | None = None
         self._scene: SceneOpened | None = None
@@ -99,6 +100,7 @@ class Viewport(QWidget):
         session.camera_moved.connect(self._adopt)
         session.listen(SceneOpened, self._note_scene)
         sun_path.changed.connect(self.update)
+        compass.changed.connect(self.update)
         self.probe.changed.connect(self.update)
         self.loading.changed.connect(self._move_loading)
 
@@ -135,6 +137,11 @@ class Viewport(QWidget):
             framed = frame_bounds(self._scene.lower_m, self._scene.upper_m, width / height)
             self.rig.adopt(framed)
             self.send_camera()
+
+    def go_to(self, camera: MoveCamera) -> None:
+        """Look as another camera does."""
+        self.rig.adopt(camera)
+        self.send_camera()
 
     def send_camera(self) -> None:
         """Send the rig's camera."""
@@ -351,7 +358,8 @@ class Viewport(QWidget):
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.drawImage(self.rect(), self._image)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        self._sun_path.paint(painter, QRectF(self.rect()), self.camera)
+        for overlay in (self._sun_path, self._compass):
+            overlay.paint(painter, QRectF(self.rect()), self.camera)
         edge = self.rect().adjusted(10, 8, -10, -8)
         corner = Qt.AlignmentFlag
         self._write(painter, edge, corner.AlignLeft | corner.AlignBottom, self.probe.text)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore
+from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import Viewport
 
@@ -16,5 +17,6 @@ class Desk:
     session: Session
     scout: DayScout
     sun_path: SunPath
+    compass: Compass
     viewport: Viewport
     presets: PresetStore = field(default_factory=PresetStore)

@@ -3,19 +3,22 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import msgspec
 from platformdirs import user_pictures_path
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtWidgets import QFileDialog, QInputDialog
 
 from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
+from vrut_lite.app.panels.export_panel import PICTURES
 from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.status_line import StatusLine
+from vrut_lite.app.window.views import Views
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
-from vrut_lite.project import PROJECT_SUFFIX, Project, load_project, save_project
+from vrut_lite.project import PROJECT_SUFFIX, CameraView, Project, load_project, save_project
 
 _TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
 
@@ -31,6 +34,8 @@ class Files:
     ):
         self._desk, self._session, self._status = desk, desk.session, status
         self.kept = kept
+        # The window sets them once it has its menus.
+        self.views: Views
         # The project that was opened or saved last, if no other scene was opened since.
         self.project: Path | None = None
         self.title_changed = title_changed
@@ -60,6 +65,7 @@ class Files:
 
     def open_project(self, project: Project) -> None:
         """Show a project."""
+        self.views.show(project.views)
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
         self._session.ask(
@@ -70,7 +76,7 @@ class Files:
     def save(self, path: str) -> None:
         """Save the project."""
         try:
-            save_project(path, project_of(self._session))
+            save_project(path, self.present_project)
         except UserError as error:
             self._status.show_problem(str(error))
         else:
@@ -78,6 +84,20 @@ class Files:
             self.title_changed()
             self.add_recent(path)
             self._status.show_news(f"Saved {path}")
+
+    @property
+    def present_project(self) -> Project:
+        """What the window shows, with its views."""
+        return msgspec.structs.replace(project_of(self._session), views=self.views.kept)
+
+    def ask_to_keep_view(self) -> None:
+        """Let a name be chosen, and keep the camera by it; the project file has it once saved."""
+        viewport = self._desk.viewport
+        name, wanted = QInputDialog.getText(
+            viewport, "Keep this view", "Name of the view:", text=self.views.next_name
+        )
+        if wanted and name.strip():
+            self.views.keep(name.strip(), CameraView.of(viewport.camera))
 
     def export(self, path: str) -> None:
         """Write the picture."""
@@ -112,7 +132,7 @@ class Files:
     def ask_to_export(self) -> None:
         """Let a name be chosen, and write the picture."""
         proposed = str(Path(folder_of(self._session), file_title(self._session) + ".png"))
-        path = self._new_name("Export picture", proposed, "Pictures (*.png *.exr)")
+        path = self._new_name("Export picture", proposed, PICTURES)
         if path:
             self.export(path)
 

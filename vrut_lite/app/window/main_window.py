@@ -17,11 +17,12 @@ from vrut_lite.app.engine.day_scout import DayScout
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.roster import Roster
 from vrut_lite.app.engine.session import Session
-from vrut_lite.app.engine.session_project import project_of
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
+from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
+from vrut_lite.app.view.section_switch import SectionSwitch
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
 from vrut_lite.app.widgets import make_timer
@@ -42,12 +43,15 @@ from vrut_lite.app.window.keys import KeyJudge
 from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
+from vrut_lite.app.window.views import Views
 from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.kernel.messages import SettingChanged
 
 TITLE = "vrut_lite"
 _RIGHT_PX, _MOST_RIGHT = 420, 0.3
@@ -62,12 +66,13 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.setWindowTitle(TITLE)
         self.session = session
-        sun_path = SunPath(self)
+        sun_path, compass = SunPath(self), Compass(self)
         self.desk: Desk = Desk(
             session=session,
             scout=DayScout(session, self),
             sun_path=sun_path,
-            viewport=Viewport(session, sun_path),
+            compass=compass,
+            viewport=Viewport(session, sun_path, compass),
             presets=presets or PresetStore(),
         )
         self.docks: dict[str, QDockWidget] = {}
@@ -85,6 +90,7 @@ class MainWindow(QMainWindow):
             self, self._specs(), lambda: self.files.kept.recent, self.files.open_path
         )
         self.actions_by_name = self.menus.actions
+        self.files.views = Views(self.menus.views, self.desk.viewport.go_to)
         for spec in DOCKS:
             self.add_dock(spec)
         self._arrange()
@@ -164,6 +170,9 @@ class MainWindow(QMainWindow):
         session, desk = self.session, self.desk
         desk.scout.day_changed.connect(desk.sun_path.set_day)
         session.listen(SunMoved, desk.sun_path.set_sun)
+        session.listen(SettingChanged, self.menus.show_section)
+        session.listen(SetPlace, desk.sun_path.set_place)
+        session.listen(SetPlace, desk.compass.set_place)
         session.listen(SceneOpened, self._scene_loaded)
         session.listen(SetExposure, self.menus.show_exposure)
         session.ready.connect(self._ready)
@@ -188,7 +197,7 @@ class MainWindow(QMainWindow):
         return [
             ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
             ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
-            ActionSpec("export", "File", f"Export picture (PNG, EXR){dots}", "Ctrl+E",
+            ActionSpec("export", "File", f"Export picture (PNG, JPEG, EXR){dots}", "Ctrl+E",
                        files.ask_to_export),
             ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
                        files.save_screenshot),
@@ -199,6 +208,8 @@ class MainWindow(QMainWindow):
             camera("fly", "Fly", "2", CameraMode.FLY),
             camera("space", "From the ground to space", "3", CameraMode.SPACE),
             ActionSpec("frame", "Camera", "See the whole scene", "F", viewport.frame_scene),
+            ActionSpec("keep view", "Camera", f"Keep this view{dots}", "Ctrl+D",
+                       files.ask_to_keep_view),
             ActionSpec("lock exposure", "Camera", "Lock the exposure", "L",
                        lambda on: self.picture.set_locked(on), True),
             ActionSpec("meter exposure", "Camera", "Meter the exposure now", "M",
@@ -209,7 +220,11 @@ class MainWindow(QMainWindow):
                        lambda: self.time.step_days(-1)),
             ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",
                        lambda: self.time.step_days(1)),
-            ActionSpec("sun path", "View", "Sun path", "P", self.desk.sun_path.show, True),
+            ActionSpec("sun path", "View", "Sun paths of day and solstices", "P",
+                       self.desk.sun_path.show, True),
+            ActionSpec("compass", "View", "Compass", "K", self.desk.compass.show, True),
+            ActionSpec("section", "View", "Section through the scene", "X",
+                       SectionSwitch(self.session).cut, True),
             ActionSpec("compare", "View", "Compare two skies", "C",
                        partial(self.toggle_dock, "compare")),
             ActionSpec("profiler", "View", "Profiler", "F3", self.profiler.setVisible, True),
@@ -331,7 +346,7 @@ class MainWindow(QMainWindow):
             return
         geometry, docks = self.saveGeometry().data(), self.saveState().data()
         try:
-            self.files.kept.keep_session(project_of(self.session))
+            self.files.kept.keep_session(self.files.present_project)
             self.files.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
         except UserError as error:
             self._status.show_problem(str(error))

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 from vrut_lite.app.engine.history import Steps
 from vrut_lite.app.window.actions import ActionSpec
 from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.kernel.messages import SettingChanged
 
 _RECENT_AFTER = "open"
 
@@ -36,6 +37,7 @@ class Menus:
             if spec.name == _RECENT_AFTER:
                 self.recent = self._submenu(spec.menu, "Open recent")
         self.recent.aboutToShow.connect(self.fill_recent)
+        self.views = self._submenu("Camera", "Views")
         self.panels = self._submenu("View", "Panels")
         self.actions["orbit"].setChecked(True)
         self.show_steps(Steps())
@@ -61,6 +63,11 @@ class Menus:
         locked = exposure.mode == "manual"
         self.actions["lock exposure"].setChecked(locked)
         self.actions["meter exposure"].setEnabled(not locked)
+
+    def show_section(self, changed: SettingChanged) -> None:
+        """Show whether the picture is cut."""
+        if (changed.module, changed.name) == ("scene", "section"):
+            self.actions["section"].setChecked(changed.value != "off")
 
     def fill_recent(self) -> None:
         """List the recent files that exist."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.scene_content import MapName
+from vrut_lite.daylight.section import Section
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
@@ -83,6 +84,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         super().__init__(1, 1)
         self._program_cache = _Programs(shader_dir=str(SHADERS))
         self._terms = SurfaceTermsOnGpu()
+        # What cuts the scene's meshes, but neither the ground's disc nor shadows.
+        self.section: Section | None = None
 
     def __del__(self) -> None:
         """Do nothing: pyrender would free GL objects from whatever thread collects garbage."""
@@ -124,7 +127,9 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         surface_light.bind(scene, light, view.eye_m)
         for placed in placed_in_order:
             primitive = placed.primitive
+            cuts = self.section is not None and not placed.is_ground
             own = (
+                *(("SECTION",) if cuts else ()),
                 *_surface_defines(primitive.material),
                 *term_defines(primitive.material, blended),
                 *surface_light.defines(placed),
@@ -138,6 +143,9 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             program.set_uniform("P", view.projection)
             for name, value in shadow_uniforms.items():
                 program.set_uniform(name, value)
+            if cuts:
+                program.set_uniform("section", _seen_from(self.section, view.eye_m))
+                GL.glEnable(GL.GL_CLIP_DISTANCE0)
             program.set_uniform("reflection_scale", float(reflection.scale))
             program.set_uniform("level_roughness", np.array(LEVEL_ROUGHNESS))
             _set_light(program, light)
@@ -152,6 +160,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             self._bind_material(program, primitive.material)
             _draw_sides(primitive, blended)
             self._reset_active_textures()
+            if cuts:
+                GL.glDisable(GL.GL_CLIP_DISTANCE0)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_BLEND)
         GL.glDepthMask(GL.GL_TRUE)
@@ -341,3 +351,10 @@ def _set_surface(program: ShaderProgram, primitive: Any, blended: bool) -> None:
     program.set_uniform("normal_scale", float(material.normal_scale))
     program.set_uniform("occlusion_strength", float(material.occlusion_strength))
     program.set_uniform("dielectric_f0", 0.0 if material.matte else DIELECTRIC_F0)
+
+
+def _seen_from(section: Section | None, eye_m: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The plane (4,) in positions that are relative to an eye."""
+    assert section is not None
+    distance_m = section.offset_m - float(np.dot(section.normal, eye_m))
+    return np.array([*section.normal, distance_m], np.float32)

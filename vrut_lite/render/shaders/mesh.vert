@@ -24,6 +24,9 @@ layout(location = INST_M_LOC) in mat4 inst_m;
 uniform mat4 M;
 uniform mat4 V;
 uniform mat4 P;
+#ifdef SECTION
+uniform vec4 section;  // points with dot(section.xyz, point) <= section.w are seen
+#endif
 
 out vec3 eye_to_point;
 centroid out vec3 eye_to_sample;
@@ -49,6 +52,9 @@ void main() {
     eye_to_point = point.xyz;
     eye_to_sample = point.xyz;
     gl_Position = P * V * point;
+#ifdef SECTION
+    gl_ClipDistance[0] = section.w - dot(section.xyz, point.xyz);
+#endif
 #ifdef NORMAL_LOC
     // Normals go with the cofactors, the inverse transpose times the determinant: also under
     // uneven scale, and where one axis is flattened to nothing.

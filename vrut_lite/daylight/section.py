@@ -1,0 +1,37 @@
+"""A plane that cuts what is seen of a scene; light, shadows and reflections know nothing of it."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from vrut_lite.numeric_types import FloatArray, Vector
+
+Axis = Literal["off", "x", "y", "z"]
+Side = Literal["below", "above"]
+
+
+class Section(NamedTuple):
+    """Points p with normal . p <= offset_m are seen; a unit normal in world axes."""
+
+    normal: Vector
+    offset_m: float
+
+    def seen_part(self, eye_m: FloatArray, direction: FloatArray) -> tuple[float, float]:
+        """From where to where a ray is on the seen side, in metres; (inf, inf) if nowhere."""
+        normal = np.array(self.normal)
+        height, slope = self.offset_m - float(normal @ eye_m), float(normal @ direction)
+        if slope == 0.0:
+            return (0.0, np.inf) if height >= 0.0 else (np.inf, np.inf)
+        crossing = height / slope
+        if slope > 0.0:
+            return (0.0, crossing) if crossing >= 0.0 else (np.inf, np.inf)
+        return max(crossing, 0.0), np.inf
+
+
+def section_of(axis: Axis, at_m: float, keeps: Side) -> Section | None:
+    """The plane across an axis; `keeps` is the side of it that is seen."""
+    if axis == "off":
+        return None
+    sign = 1.0 if keeps == "below" else -1.0
+    x, y, z = (sign if name == axis else 0.0 for name in ("x", "y", "z"))
+    return Section((x, y, z), sign * at_m)
