@@ -16,7 +16,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.mesh import mirrored
-from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera, box_of, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.scene_files import SceneFile, SceneFiles
 
@@ -245,5 +245,4 @@ def _corners(
     place: PlacedMesh, matrix: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     vertices = np.asarray(place.mesh.vertices)
-    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    return world.min(axis=0), world.max(axis=0)
+    return box_of(vertices @ matrix[:3, :3].T + matrix[:3, 3])
