@@ -4,6 +4,7 @@ import math
 import os
 import stat
 import tomllib
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,6 +19,7 @@ from vrut_lite.daylight.haze import MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
+from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
@@ -64,10 +66,15 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
-    missing `haze`.
+    missing `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
+    theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
+    `animation` and `animation_time_s` say how the scene's own animations stand.
     """
 
     scene: str = ""
+    placement: Placement = Placement()
+    beside: tuple[PlacedFile, ...] = ()
+    scene_camera: str = ""
     place: str = "50.0755,14.4378,200"
     at: str = "2026-06-21T16:00"
     north_offset_deg: Annotated[float, msgspec.Meta(ge=-360, le=360)] = 0.0
@@ -80,6 +87,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     haze: Haze | None = None
     air: bool = True
     light_shafts: bool = False
+    animation: Literal["rest", "time", "clock"] = "rest"
+    animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
 
     def where(self) -> Place:
         """The place; UserError if the text names none."""
@@ -121,7 +130,15 @@ def load_project(path: str | Path) -> Project:
         raise UserError(f"the project {file} is nested too deeply: write it anew") from None
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
-    return msgspec.structs.replace(project, scene=str(file.parent / project.scene))
+    return _with_paths(project, lambda path: str(file.parent / path))
+
+
+def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
+    """The project with the paths of its scenes changed."""
+    beside = tuple(
+        msgspec.structs.replace(placed, scene=change(placed.scene)) for placed in project.beside
+    )
+    return msgspec.structs.replace(project, scene=change(project.scene), beside=beside)
 
 
 def project_of_path(path: str | None) -> Project:
@@ -142,13 +159,17 @@ def save_project(path: str | Path, project: Project) -> None:
         UserError: it cannot be written.
     """
     file = Path(path)
-    scene = os.path.relpath(Path(project.scene).resolve(), file.resolve().parent)
-    text = project_text(msgspec.structs.replace(project, scene=Path(scene).as_posix()))
+    folder = file.resolve().parent
+    text = project_text(_with_paths(project, lambda path: _relative(path, folder)))
     try:
         with atomic_output(file) as beside:
             beside.write_text(text, encoding="utf-8")
     except OSError as error:
         raise UserError(f"cannot write {file}: {error.strerror or error}") from None
+
+
+def _relative(path: str, folder: Path) -> str:
+    return Path(os.path.relpath(Path(path).resolve(), folder)).as_posix()
 
 
 def project_text(project: Project) -> str:
@@ -157,8 +178,20 @@ def project_text(project: Project) -> str:
     # TOML has no null: a missing key means none, and a setting that is none says so.
     for table in values["settings"].values():
         table.update({name: "none" for name, value in table.items() if value is None})
-    given = {key: value for key, value in values.items() if value is not None and value != {}}
-    return tomli_w.dumps(given)
+    for placed in (values, *values["beside"]):
+        placed["placement"] = _said(placed["placement"])
+    values["beside"] = [_without_empty(placed) for placed in values["beside"]]
+    return tomli_w.dumps(_without_empty(values))
+
+
+def _said(placement: dict[str, Any]) -> dict[str, Any]:
+    """What a placement says that is not the default."""
+    default = msgspec.to_builtins(Placement())
+    return {key: value for key, value in placement.items() if value != default[key]}
+
+
+def _without_empty(values: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if value not in (None, {}, [], ())}
 
 
 def in_words(error: msgspec.ValidationError) -> str:
@@ -201,14 +234,21 @@ def daylight_inputs(project: Project) -> list[Input]:
 
 
 def view_inputs(project: Project) -> list[Input]:
-    """Air, light shafts, size, exposure, scene and camera as inputs."""
+    """Air, light shafts, animations, size, exposure, scene and camera as inputs."""
     exposure = SetExposure(**msgspec.structs.asdict(project.exposure))
     inputs: list[Input] = [
         SetSetting(module="scene", name="air", value=project.air),
         SetSetting(module="scene", name="light_shafts", value=project.light_shafts),
+        SetSetting(module="scene", name="animation", value=project.animation),
+        SetSetting(module="scene", name="animation_time_s", value=project.animation_time_s),
         Resize(width_px=project.size[0], height_px=project.size[1]),
         exposure,
-        LoadScene(path=project.scene),
+        LoadScene(
+            path=project.scene,
+            placement=project.placement,
+            beside=project.beside,
+            camera=project.scene_camera,
+        ),
     ]
     if project.camera is not None:
         eye, target = np.array(project.camera.eye_m), np.array(project.camera.target_m)

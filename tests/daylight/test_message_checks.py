@@ -29,6 +29,7 @@ from vrut_lite.daylight.light_map import (
 )
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
 from vrut_lite.daylight.sky import (
@@ -104,7 +105,7 @@ SCENE = SceneOpened(
         images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
     ),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
-    notices=("points or lines: not drawn",),
+    notices=("points or lines: not drawn",), opened=LoadScene(path="a.glb"), cameras=("gate",),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
@@ -151,7 +152,7 @@ SOUND = [
     SetClockRate(rate=-60.0),
     Tick(elapsed_s=0.5),
     SetPlace(latitude_deg=50.0, longitude_deg=14.0, altitude_m=200.0, north_offset_rad=0.1),
-    LoadScene(path="a.glb"),
+    LoadScene(path="a.glb", beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),)),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),
     PictureClicked(

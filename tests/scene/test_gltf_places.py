@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from loaded_scenes import (
     SQUARE_BYTES,
     WriteScene,
@@ -14,6 +15,8 @@ from loaded_scenes import (
 )
 from scene_files import glb_bytes, square_document
 
+from vrut_lite.daylight.placement import Placement
+from vrut_lite.errors import UserError
 from vrut_lite.scene.loading import load_scene
 
 
@@ -158,3 +161,48 @@ def test_camera_of_a_nested_node(write_square: WriteScene) -> None:
 def test_no_camera(write_square: WriteScene) -> None:
     """A scene without a camera says so."""
     assert load_scene(write_square()).camera is None
+
+
+def test_a_camera_is_chosen_by_name_or_number(write_square: WriteScene) -> None:
+    """The first camera is the default; another is named, and a wrong name lists those there are."""
+
+    def edit(document: dict[str, Any]) -> None:
+        document["cameras"] = [
+            {"type": "perspective", "perspective": {"yfov": angle, "znear": 0.1}}
+            for angle in (0.5, 0.6)
+        ]
+        document["cameras"].append({"type": "orthographic", "orthographic": {}})
+        document["nodes"] += [
+            {"camera": 0, "name": "gate"},
+            {"camera": 1, "name": "tower", "translation": [0, 9, 0]},
+            {"camera": 2},
+        ]
+        document["scenes"][0]["nodes"] = [0, 1, 2, 3]
+
+    path = write_square(edit)
+    scene = load_scene(path)
+    assert [camera.name for camera in scene.cameras] == ["gate", "tower"]
+    assert scene.notices == ("orthographic camera: not offered",)
+    for name in ("tower", "2"):
+        camera = load_scene(path, camera=name).camera
+        assert camera is not None
+        assert camera.vertical_field_of_view_rad == 0.6
+    with pytest.raises(UserError, match=r"no camera 'roof': there are 1 \(gate\), 2 \(tower\)"):
+        load_scene(path, camera="roof")
+
+
+def test_a_camera_moves_with_its_scene(write_square: WriteScene) -> None:
+    """A scene in centimetres that stands elsewhere takes its camera with it, unscaled."""
+
+    def edit(document: dict[str, Any]) -> None:
+        document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]
+        document["nodes"].append({"camera": 0, "translation": [0, 0, 100]})
+        document["scenes"][0]["nodes"] = [0, 1]
+
+    place = Placement(metres_per_unit=0.01, position_m=(3.0, 0.0, 0.0), heading_deg=90.0)
+    camera = load_scene(write_square(edit), placement=place).camera
+    assert camera is not None
+    pose = camera.world_from_camera
+    np.testing.assert_allclose(pose[:3, 3], [2.0, 0.0, 0.0], atol=1e-12)
+    # It looked north (-Z); now it looks east.
+    np.testing.assert_allclose(-pose[:3, 2], [1.0, 0.0, 0.0], atol=1e-12)

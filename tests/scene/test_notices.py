@@ -66,18 +66,16 @@ def test_a_required_extension_without_a_plain_reading_is_refused(write_square: W
         load_scene(path)
 
 
-def test_points_scenes_and_animations_are_told(write_square: WriteScene) -> None:
+def test_points_and_other_scenes_are_told(write_square: WriteScene) -> None:
     """Whatever else the file has beside triangles is named."""
 
     def edit(document: dict[str, Any]) -> None:
         primitives = document["meshes"][0]["primitives"]
         primitives += [{"attributes": {"POSITION": 0}, "mode": mode} for mode in (0, 1, 3)]
-        document["animations"] = [{"name": "wave", "channels": [], "samplers": []}]
         document["scenes"].append({"nodes": []})
 
     assert load_scene(write_square(edit)).notices == (
         "points or lines (3 times): not drawn",
-        "animation: at rest, as its nodes stand in the file",
         "scene beside the default one: not drawn",
     )
 

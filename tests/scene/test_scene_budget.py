@@ -29,7 +29,7 @@ from vrut_lite.scene.budget import (
 )
 from vrut_lite.scene.draco_header import read_draco_counts
 from vrut_lite.scene.gltf_file import read_gltf_file
-from vrut_lite.scene.gltf_scene import read_gltf_scene
+from vrut_lite.scene.gltf_scene import GltfScene
 from vrut_lite.scene.loading import LoadedScene, load_scene
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
@@ -334,7 +334,7 @@ def test_draco_may_not_hold_more_than_is_promised(tmp_path, promised):
         file.document.accessors[number], count=count
     )
     with pytest.raises(SceneFileError, match=r"promised"):
-        read_gltf_scene(file)
+        GltfScene(file).posed(None)
 
 
 def test_the_table_of_broken_files(tmp_path):

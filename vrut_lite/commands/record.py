@@ -14,6 +14,7 @@ from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight.place_time import parse_instant
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
@@ -36,6 +37,7 @@ MOST_STEPS = 100_000
 
 @click.command(name="record")
 @daylight_options
+@scene_options
 @click.argument("scene", required=False)
 @click.option("-o", "--output", required=True, metavar="JOURNAL", help="An MCAP file.")
 @click.option("--full", is_flag=True, help="Keep the content of arrays, not only their digests.")
@@ -78,7 +80,7 @@ def record(
     Example: vrut-lite record -o day.mcap --from 2026-06-21T04:00 --to 2026-06-21T22:00 --step 30
     """
     check_writable(output)
-    plan = with_options(project_of_path(scene), options)
+    plan = with_options(with_scene_options(project_of_path(scene), options), options)
     passing = _passing(plan, start, end, step_minutes)
     from vrut_lite.daylight.daylight_kernel import demand_light
 

@@ -9,6 +9,7 @@ from vrut_lite.commands.engines import engine_options, with_engine
 from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.pictures import bits_option, make_pictures, picture_bits, said_of
+from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
@@ -22,6 +23,7 @@ FORMATS = (".png", ".exr")
 
 @click.command(name="render")
 @daylight_options
+@scene_options
 @click.argument("scene")
 @click.option(
     "-o",
@@ -88,7 +90,8 @@ def render(
     --from 05:00 --to 21:00 --step 10m
     """
     suffix = picture_format(output, FORMATS)
-    project = _with_view(with_options(project_of_path(scene), options), options)
+    project = with_scene_options(project_of_path(scene), options)
+    project = _with_view(with_options(project, options), options)
     project, engine = with_engine(project, options)
     wanted = wanted_pictures(output, project, options)
     check_all_writable([path for _, path in wanted])

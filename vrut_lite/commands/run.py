@@ -10,6 +10,7 @@ import click
 import msgspec
 
 from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.errors import UserError
 from vrut_lite.interrupts import interrupts_held
 from vrut_lite.project import Project, load_project, project_of_path
@@ -24,6 +25,7 @@ _FIRST_SCENE, _FIRST_HOUR = "street.toml", "2026-06-21T18:40"
 
 @click.command(name="run")
 @daylight_options
+@scene_options
 @click.argument("scene", required=False)
 @click.option(
     "--safe-mode",
@@ -40,7 +42,7 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
     from vrut_lite.app.window.kept import Kept
 
     kept = Kept(None) if safe_mode else Kept.of_user()
-    project = with_options(_project(scene, kept), options)
+    project = with_options(with_scene_options(_project(scene, kept), options), options)
     if project.scene and not os.path.isfile(project.scene):
         raise UserError(f"cannot open {project.scene}: there is no such file")
     from vrut_lite.app.desktop import require_desktop

@@ -7,14 +7,14 @@ instants that it could mean.
 
 import math
 import re
-from datetime import UTC, datetime
+from datetime import UTC, datetime, tzinfo
 from typing import NamedTuple
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import tzfpy
 
 from vrut_lite.arguments import FIRST_YEAR, LAST_YEAR
-from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M
+from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
 from vrut_lite.errors import UserError
 from vrut_lite.plain_numbers import plain_float
 
@@ -168,3 +168,13 @@ def local_text(instant: datetime, place: Place) -> str:
     if not name.isalpha():
         name = "UTC" + local.isoformat().removeprefix(clock.isoformat())
     return f"{clock.isoformat(' ', _precision(clock))} {name}"
+
+
+def second_of_day(instant: datetime, place: SetPlace | None) -> float:
+    """Seconds since midnight on the clocks of a place; UTC without one."""
+    zone: tzinfo = UTC
+    if place is not None:
+        where = Place(place.latitude_deg, place.longitude_deg, place.altitude_m)
+        zone = time_zone_at(where)
+    local = instant.astimezone(zone)
+    return 3600.0 * local.hour + 60.0 * local.minute + local.second + 1e-6 * local.microsecond

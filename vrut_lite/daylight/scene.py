@@ -6,19 +6,36 @@ from vrut_lite import checks
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Vector
 
+MOST_FILES = 1000
+
 
 class LoadScene(Input, frozen=True, kw_only=True):
-    """Open this scene file."""
+    """Open this scene file, and others beside it, each placed.
+
+    `camera` is the name of one of the file's cameras, or its number from 1; empty for the first.
+    """
 
     path: str
+    placement: Placement = Placement()
+    beside: tuple[PlacedFile, ...] = ()
+    camera: str = ""
 
     def check(self) -> None:
-        """The file itself tells the rest."""
-        checks.text(self, "path")
+        """Paths and placements; the files themselves tell the rest."""
+        checks.text(self, "path", "camera")
+        checks.instance(self, "placement", Placement)
+        self.placement.check()
+        if not (isinstance(self.beside, tuple) and len(self.beside) <= MOST_FILES):
+            checks.refuse(self, "beside", f"be at most {MOST_FILES} files")
+        for file in self.beside:
+            if not isinstance(file, PlacedFile):
+                checks.refuse(self, "beside", "be files with their placements")
+            file.check()
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):
@@ -26,7 +43,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
 
     `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
     brings a ground of its own; `camera` the first that the file brings. `notices` are lines on what
-    the file has and the scene has not, or has otherwise.
+    the file has and the scene has not, or has otherwise. `opened` is what was asked for, with the
+    guessed parts of its placement filled in; `cameras` are the names of the file's cameras.
     """
 
     path: str
@@ -38,6 +56,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     ground: GroundDisc | None
     camera: MoveCamera | None
     notices: tuple[str, ...] = ()
+    opened: LoadScene | None = None
+    cameras: tuple[str, ...] = ()
 
     @property
     def content_key(self) -> str:
@@ -67,6 +87,10 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         if self.camera is not None:
             self.camera.check()
         checks.lines(self, "notices")
+        checks.lines(self, "cameras")
+        checks.instance(self, "opened", (LoadScene, type(None)))
+        if self.opened is not None:
+            self.opened.check()
 
     def check_arrays(self) -> None:
         """Arrays that refer to each other within their lengths."""

@@ -8,10 +8,14 @@ Plain = dict[str, Any]
 UNKNOWN = {"$unknown": True}
 
 _RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
+# What journals of earlier versions lack of SceneOpened.
+_LATER_OF_SCENES = (
+    "geometry", "materials", "ground", "camera", "notices", "opened", "cameras",
+)  # fmt: skip
 # Fields that earlier messages lack, by today's type names, and what they meant without them.
 _ADDED: dict[str, Plain] = {
     "KeyLightChanged": {"body": "sun"},
-    "SceneOpened": dict.fromkeys(("geometry", "materials", "ground", "camera", "notices"), UNKNOWN),
+    "SceneOpened": dict.fromkeys(_LATER_OF_SCENES, UNKNOWN),
 }
 
 

@@ -56,6 +56,10 @@ class SceneBudget:
         self.check(size_bytes, what)
         self._counted_bytes += size_bytes
 
+    def release(self, size_bytes: int) -> None:
+        """Count off memory that was taken and is given back."""
+        self._counted_bytes -= size_bytes
+
     def find(self, size_bytes: int) -> None:
         """Count bytes of the scene's files."""
         self._found_bytes += size_bytes

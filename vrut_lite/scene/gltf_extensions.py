@@ -10,9 +10,13 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 # The reader honours these.
 HONOURED = frozenset(
     {
+        "EXT_mesh_gpu_instancing",
+        "EXT_meshopt_compression",
         "EXT_texture_webp",
         "KHR_draco_mesh_compression",
         "KHR_mesh_quantization",
+        "KHR_meshopt_compression",
+        "KHR_texture_basisu",
         "KHR_texture_transform",
         *DRAWN_EXTENSIONS,
     }
@@ -33,8 +37,6 @@ _INSTEAD = {
     "MSFT_lod": "the finest level is shown",
 }
 _PLAIN = re.compile(r"(KHR|EXT|ADOBE|MSFT|FB)_(materials?|physics|interactivity)(_|$)")
-# What would read it, for a file that has no other reading.
-_CONVERT = "`npx @gltf-transform/cli copy IN.glb OUT.glb` writes it without"
 
 
 def check_extensions(
@@ -51,8 +53,8 @@ def check_extensions(
     if refused:
         shown = ", ".join(ascii(name)[1:-1][:60] for name in refused[:4])
         raise SceneFileError(
-            f"it requires the glTF extension {shown}, which is not supported; export it without "
-            f"({_CONVERT})"
+            f"it requires the glTF extension {shown}, which is not supported; export it "
+            "without, or rewrite it with `npx @gltf-transform/cli copy IN.glb OUT.glb`"
         )
     for name in unread:
         instead = _INSTEAD.get(name, "not drawn")

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_extensions import check_extensions
-from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, Sparse
+from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, MeshoptView, Sparse
+from vrut_lite.scene.meshopt_views import admit_meshopt, unpack_meshopt
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
 
@@ -37,6 +38,7 @@ class GltfFile:
     folder: SceneFolder
     notices: Notices
     _sparse: dict[int, NDArray[Any]] = field(default_factory=dict)
+    _unpacked: dict[int, bytes] = field(default_factory=dict)
 
     def array(self, index: int) -> NDArray[Any]:
         """Elements (count, components) of an accessor as they are stored, sparse ones resolved.
@@ -96,12 +98,26 @@ class GltfFile:
     def _view(self, index: int) -> memoryview:
         view = item_at(self.document.buffer_views, index, "buffer view")
         data = item_at(self.buffers, view.buffer, "buffer")
+        if view.packed is not None and not len(data):
+            return self._unpacked_view(index, view.packed)
         if view.byte_offset + view.byte_length > len(data):
             raise SceneFileError(
                 f"buffer view {index} reaches beyond buffer {view.buffer}, which has "
                 f"{len(data)} bytes; export the scene again"
             )
         return memoryview(data)[view.byte_offset : view.byte_offset + view.byte_length]
+
+    def _unpacked_view(self, index: int, packed: MeshoptView) -> memoryview:
+        if index not in self._unpacked:
+            data = item_at(self.buffers, packed.buffer, "buffer")
+            end = packed.byte_offset + packed.byte_length
+            if end > len(data):
+                raise SceneFileError(
+                    f"packed buffer view {index} reaches beyond its buffer; export it again"
+                )
+            inside = memoryview(data)[packed.byte_offset : end]
+            self._unpacked[index] = unpack_meshopt(inside, packed)
+        return memoryview(self._unpacked[index])
 
     def _slice(
         self, what: str, start: tuple[int, int], shape: tuple[int, int], dtype: np.dtype[Any]
@@ -151,7 +167,11 @@ def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFil
     for image in document.images:
         if image.uri is not None:
             folder.check_uri(image.uri)
-    return GltfFile(document, _fetch_buffers(document, folder, binary), folder, notices)
+    buffers = _fetch_buffers(document, folder, binary)
+    for view in document.buffer_views:
+        if view.packed is not None and not len(item_at(buffers, view.buffer, "buffer")):
+            admit_meshopt(view.packed, budget)
+    return GltfFile(document, buffers, folder, notices)
 
 
 def item_at(items: Sequence[Item], index: int, what: str) -> Item:
@@ -232,6 +252,9 @@ def _fetch_buffers(
             data: bytes | memoryview = folder.get_uri(buffer.uri)
         elif index == 0 and binary is not None:
             data = binary
+        elif buffer.may_be_empty:
+            buffers.append(b"")
+            continue
         else:
             raise SceneFileError(f"buffer {index} has no data; export the scene again")
         if len(data) < buffer.byte_length:

@@ -15,9 +15,6 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
     meshes = {node.mesh for node in nodes if node.mesh is not None}
     for number in meshes:
         _tell_mesh(file, item_at(document.meshes, number, "mesh"))
-    notices.tell("animation", "at rest, as its nodes stand in the file", len(document.animations))
-    skinned = [node for node in nodes if node.mesh is not None and node.skin is not None]
-    notices.tell("skinned mesh", "unbent, where its node stands", len(skinned))
     others = len(document.scenes) - 1
     notices.tell("scene beside the default one", "not drawn", max(others, 0))
 
@@ -26,8 +23,6 @@ def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
     notices = file.notices
     unfilled = [primitive for primitive in mesh.primitives if primitive.mode < _TRIANGLES]
     notices.tell("points or lines", "not drawn", len(unfilled))
-    morphed = [primitive for primitive in mesh.primitives if primitive.targets]
-    notices.tell("mesh with morph targets", "drawn without them", len(morphed))
     for primitive in mesh.primitives:
         _tell_maps(file, primitive)
 

@@ -20,11 +20,50 @@ class Asset(Part, frozen=True):
     version: str
 
 
+class MeshoptBuffer(Part, frozen=True):
+    """A buffer that may lack its bytes, since all its views are packed elsewhere."""
+
+    fallback: bool = False
+
+
+class BufferExtensions(Part, frozen=True):
+    """The extensions of a buffer that are honoured; both names mean the same."""
+
+    ext: MeshoptBuffer | None = field(default=None, name="EXT_meshopt_compression")
+    khr: MeshoptBuffer | None = field(default=None, name="KHR_meshopt_compression")
+
+
 class Buffer(Part, frozen=True):
     """Raw bytes; without a URI they are the GLB's binary chunk."""
 
     byte_length: Size
     uri: str | None = None
+    extensions: BufferExtensions = BufferExtensions()
+
+    @property
+    def may_be_empty(self) -> bool:
+        """Whether it only stands for what is packed elsewhere."""
+        packed = self.extensions.ext or self.extensions.khr
+        return packed is not None and packed.fallback
+
+
+class MeshoptView(Part, frozen=True):
+    """Where a view's bytes are packed, and how."""
+
+    buffer: Index
+    byte_length: Size
+    byte_stride: Annotated[int, Meta(ge=1, le=256)]
+    count: Annotated[int, Meta(ge=1, le=2**31)]
+    mode: Literal["ATTRIBUTES", "TRIANGLES", "INDICES"]
+    filter: Literal["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"] = "NONE"
+    byte_offset: Size = 0
+
+
+class BufferViewExtensions(Part, frozen=True):
+    """The extensions of a buffer view that are honoured; both names mean the same."""
+
+    ext: MeshoptView | None = field(default=None, name="EXT_meshopt_compression")
+    khr: MeshoptView | None = field(default=None, name="KHR_meshopt_compression")
 
 
 class BufferView(Part, frozen=True):
@@ -34,6 +73,12 @@ class BufferView(Part, frozen=True):
     byte_length: Size
     byte_offset: Size = 0
     byte_stride: Annotated[int, Meta(ge=1, le=252)] | None = None
+    extensions: BufferViewExtensions = BufferViewExtensions()
+
+    @property
+    def packed(self) -> MeshoptView | None:
+        """Where its bytes are packed."""
+        return self.extensions.ext or self.extensions.khr
 
 
 class SparseIndices(Part, frozen=True):
@@ -78,8 +123,8 @@ class Image(Part, frozen=True):
     buffer_view: Index | None = None
 
 
-class WebpSource(Part, frozen=True):
-    """EXT_texture_webp: the image to take instead."""
+class OtherSource(Part, frozen=True):
+    """EXT_texture_webp and KHR_texture_basisu: the image to take instead."""
 
     source: Index
 
@@ -87,7 +132,8 @@ class WebpSource(Part, frozen=True):
 class TextureExtensions(Part, frozen=True):
     """The extensions of a texture that are honoured."""
 
-    webp: WebpSource | None = field(default=None, name="EXT_texture_webp")
+    webp: OtherSource | None = field(default=None, name="EXT_texture_webp")
+    basis: OtherSource | None = field(default=None, name="KHR_texture_basisu")
 
 
 class Sampler(Part, frozen=True):
@@ -192,6 +238,18 @@ class Mesh(Part, frozen=True):
     weights: list[float] = []
 
 
+class Instancing(Part, frozen=True):
+    """EXT_mesh_gpu_instancing: accessors of translations, rotations and scales."""
+
+    attributes: dict[str, Index]
+
+
+class NodeExtensions(Part, frozen=True):
+    """The extensions of a node that are honoured."""
+
+    instancing: Instancing | None = field(default=None, name="EXT_mesh_gpu_instancing")
+
+
 class Node(Part, frozen=True):
     """A node of the tree; `matrix` is column-major and excludes the other three."""
 
@@ -204,6 +262,8 @@ class Node(Part, frozen=True):
     translation: Vector3 = (0.0, 0.0, 0.0)
     rotation: Vector4 = (0.0, 0.0, 0.0, 1.0)
     scale: Vector3 = (1.0, 1.0, 1.0)
+    weights: list[float] = []
+    extensions: NodeExtensions = NodeExtensions()
 
 
 class Perspective(Part, frozen=True):
@@ -215,6 +275,7 @@ class Perspective(Part, frozen=True):
 class Camera(Part, frozen=True):
     """A camera; an orthographic one has no `perspective` and is passed over."""
 
+    name: str = ""
     perspective: Perspective | None = None
 
 
@@ -227,13 +288,38 @@ class Scene(Part, frozen=True):
 class Skin(Part, frozen=True):
     """Joints that bend a mesh."""
 
-    joints: list[Index]
+    joints: Annotated[list[Index], Meta(min_length=1)]
+    inverse_bind_matrices: Index | None = None
+
+
+class AnimationTarget(Part, frozen=True):
+    """Which part of which node moves; other paths than a node's belong to extensions."""
+
+    path: str
+    node: Index | None = None
+
+
+class AnimationChannel(Part, frozen=True):
+    """A sampler that moves a target."""
+
+    sampler: Index
+    target: AnimationTarget
+
+
+class AnimationSampler(Part, frozen=True):
+    """Keys: accessors of times and of values."""
+
+    input: Index
+    output: Index
+    interpolation: Literal["LINEAR", "STEP", "CUBICSPLINE"] = "LINEAR"
 
 
 class Animation(Part, frozen=True):
     """Movements of nodes over time."""
 
     name: str = ""
+    channels: list[AnimationChannel] = []
+    samplers: list[AnimationSampler] = []
 
 
 class Gltf(Part, frozen=True):

@@ -7,6 +7,7 @@ import numpy as np
 from PIL import Image
 
 from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.ktx2_images import decode_ktx2, is_ktx2, ktx2_size
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 MAX_IMAGE_PIXELS = 64 * 2**20
@@ -37,8 +38,8 @@ class PixelBudget:
         Raises:
             SceneFileError: if it is not an image, has too many pixels, or exceeds the budget.
         """
-        image = _open(data, name)
-        width, height = image.size
+        image = None if is_ktx2(data) else _open(data, name)
+        width, height = ktx2_size(data, name) if image is None else image.size
         self._pixels += width * height
         if width * height > MAX_IMAGE_PIXELS:
             raise _too_large(name, f"{width} x {height} pixels")
@@ -47,7 +48,7 @@ class PixelBudget:
                 f"its images together have more than {MAX_TOTAL_PIXELS >> 20} megapixels; "
                 "scale the textures down"
             )
-        if image.format in ("JPEG", "MPO"):
+        if image is not None and image.format in ("JPEG", "MPO"):
             scans = bytes(data).count(_JPEG_SCAN)
             self._scanned_pixels += scans * width * height
             if self._scanned_pixels > _MOST_SCANNED_PIXELS:
@@ -64,6 +65,8 @@ def decode_image(data: Encoded, name: str) -> Image.Image:
     Raises:
         SceneFileError: if it is damaged.
     """
+    if is_ktx2(data):
+        return decode_ktx2(data, name)
     image = _open(data, name)
     try:
         return _eight_bit(image)

@@ -1,25 +1,29 @@
-"""Opens a scene file (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
+"""Opens scene files (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+import msgspec
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.errors import UserError
+from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
-from vrut_lite.scene.gltf_file import read_gltf_file
-from vrut_lite.scene.gltf_scene import read_gltf_scene
 from vrut_lite.scene.mesh import mirrored
-from vrut_lite.scene.notices import Notices
-from vrut_lite.scene.obj_scene import read_obj_scene
-from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_triangles
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera, box_of, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.scene_files import SceneFile, SceneFiles
 
-SUFFIXES = (".glb", ".gltf", ".obj")
 MAX_REACH_M = 1e7
+_UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
+_AS_IT_SAYS = Placement()
+_SAY_ANIMATION = "--animation TIME or --animation clock moves them"
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,9 @@ class LoadedScene:
     """A scene in world axes: metres, +Y up, east +X, north -Z.
 
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
-    once for each place. `notices` are lines on what the files have and the meshes do not.
+    once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
+    files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
+    asked for, with what was guessed filled in. `animation_s`: how long the animations last.
     """
 
     path: Path
@@ -36,66 +42,168 @@ class LoadedScene:
     upper_m: NDArray[np.float64]
     triangles: int
     camera: SceneCamera | None
+    cameras: tuple[SceneCamera, ...] = ()
     notices: tuple[str, ...] = ()
+    placement: Placement = _AS_IT_SAYS
+    beside: tuple[PlacedFile, ...] = ()
+    animation_s: float = 0.0
 
 
-def load_scene(path: str | os.PathLike[str], budget: SceneBudget | None = None) -> LoadedScene:
-    """Read a scene file with its materials, textures and camera.
+class OpenScene:
+    """Scene files that stay in memory, for one pose of their animations after another.
 
-    `budget` limits memory; by default it comes from the environment.
+    `budget` limits memory; by default it comes from the environment. Axes and units that a
+    placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1.
 
     Raises:
-        UserError: in one sentence, if the file is missing, damaged, too large, empty, or names
+        UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
             anything outside its own folder.
     """
-    file = Path(path)
-    try:
-        return _load(file, budget or budget_of_environment())
-    except SceneFileError as fault:
-        raise UserError(f"cannot open the scene {file}: {fault}") from fault
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        budget: SceneBudget | None = None,
+        *,
+        placement: Placement = _AS_IT_SAYS,
+        beside: Sequence[PlacedFile] = (),
+        camera: str = "",
+    ) -> None:
+        self._path, self._camera = Path(path), camera
+        self._files = SceneFiles(budget or budget_of_environment())
+        main = PlacedFile(scene=str(path), placement=placement)
+        self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
+        self._filled = [_filled(one.placement, file) for one, file in self._asked]
+
+    @property
+    def duration_s(self) -> float:
+        """How long the longest animation of its files lasts; 0 without any."""
+        return max(file.duration_s for _, file in self._asked)
+
+    def at(self, time_s: float | None = None) -> LoadedScene:
+        """The scene at a time of its animations, or at rest.
+
+        Raises:
+            UserError: it is too large, or there is no such camera.
+        """
+        try:
+            stood = [
+                _stand(one, file, placement, time_s)
+                for (one, file), placement in zip(self._asked, self._filled, strict=True)
+            ]
+            return _joined(self._path, stood, self._files.budget, self._camera, self.duration_s)
+        except SceneFileError as fault:
+            raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
 
 
-def _load(path: Path, budget: SceneBudget) -> LoadedScene:
-    _check_path(path)
-    real = path.resolve()
-    camera: SceneCamera | None = None
-    notices = Notices()
-    if real.suffix.lower() == ".obj":
-        placed = read_obj_scene(real, budget, notices)
-    else:
-        placed, camera = read_gltf_scene(read_gltf_file(real, budget, notices))
+def load_scene(
+    path: str | os.PathLike[str], budget: SceneBudget | None = None, **how: Any
+) -> LoadedScene:
+    """A scene with its materials, textures and cameras, at rest; `how` as `OpenScene` takes it."""
+    return OpenScene(path, budget, **how).at()
+
+
+@dataclass(frozen=True)
+class _Stood:
+    """A file as it stands in the world."""
+
+    asked: PlacedFile
+    placed: list[PlacedMesh]
+    cameras: list[SceneCamera]
+    notices: list[str]
+
+
+def _stand(
+    asked: PlacedFile, file: SceneFile, placement: Placement, time_s: float | None
+) -> _Stood:
+    """Place what a file holds."""
+    matrix = placement.world_from_file()
+    lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
+    if time_s is None and file.duration_s > 0.0:
+        lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
+    placed, cameras = file.posed(time_s), file.cameras
+    if not np.array_equal(matrix, np.eye(4)):
+        with np.errstate(over="ignore", invalid="ignore"):
+            placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
+        cameras = [camera.moved(matrix) for camera in cameras]
+    return _Stood(msgspec.structs.replace(asked, placement=placement), placed, cameras, lines)
+
+
+def _filled(asked: Placement, file: SceneFile) -> Placement:
+    """The placement with what it leaves open: said by the file, or guessed."""
+    up = asked.up or file.says.up or guess_up(file.placed)
+    unit = asked.metres_per_unit or file.says.metres_per_unit
+    if unit is None:
+        upright = msgspec.structs.replace(asked, up=up, metres_per_unit=1.0, heading_deg=0.0)
+        unit = guess_metres_per_unit(_extent(file.placed, upright.world_from_file()))
+    return msgspec.structs.replace(asked, up=up, metres_per_unit=unit)
+
+
+def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[str]:
+    """Lines on guesses that change the scene."""
+    lines = []
+    if asked.up is None and file.says.up is None and filled.up != "y":
+        lines.append(
+            "taken to stand along +Z, for it has a floor there and none along +Y: "
+            "up = y if that is wrong"
+        )
+    unit = filled.metres_per_unit
+    if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
+        name = _UNIT_NAMES[unit or 1.0]
+        lines.append(
+            f"taken to be in {name}, for it is too high in metres: metres-per-unit = 1 if that is "
+            "wrong"
+        )
+    return lines
+
+
+def _joined(
+    path: Path, stood: list[_Stood], budget: SceneBudget, camera: str, animation_s: float
+) -> LoadedScene:
+    placed = [place for one in stood for place in one.placed]
     triangles = sum(len(place.mesh.faces) for place in placed)
-    if triangles == 0:
-        raise SceneFileError("it has no triangles; export the scene with its meshes")
+    check_places(len(placed))
     check_triangles(triangles)
     lower_m, upper_m = _bounds(placed)
+    cameras = [camera for one in stood for camera in one.cameras]
     return LoadedScene(
-        path,
-        tuple(_wound_outwards(placed, budget)),
-        lower_m,
-        upper_m,
-        triangles,
-        camera,
-        notices.lines(),
+        path=path,
+        meshes=tuple(_wound_outwards(placed, budget)),
+        lower_m=lower_m,
+        upper_m=upper_m,
+        triangles=triangles,
+        camera=_chosen(cameras, camera),
+        cameras=tuple(cameras),
+        notices=_lines(stood),
+        placement=stood[0].asked.placement,
+        beside=tuple(one.asked for one in stood[1:]),
+        animation_s=animation_s,
     )
 
 
-def _check_path(path: Path) -> None:
-    try:
-        if path.is_dir():
-            raise SceneFileError("it is a folder; name the scene file in it")
-        if not path.exists():
-            raise SceneFileError("there is no such file; check its name")
-        if not path.is_file():
-            raise SceneFileError("it is not a regular file; name a scene file")
-    except (OSError, ValueError) as fault:
-        if isinstance(fault, SceneFileError):
-            raise
-        raise SceneFileError(f"its path cannot be used ({fault}); check its name") from fault
-    if path.resolve().suffix.lower() not in SUFFIXES:
-        raise SceneFileError(
-            f"its name does not end in {', '.join(SUFFIXES)}; export it as one of these"
-        )
+def _lines(stood: list[_Stood]) -> tuple[str, ...]:
+    """The notices, each file's once; of several files each under its name."""
+    if len(stood) == 1:
+        return tuple(stood[0].notices)
+    named = [f"{Path(one.asked.scene).name}: {line}" for one in stood for line in one.notices]
+    return tuple(dict.fromkeys(named))
+
+
+def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:
+    """The camera of this name or number; the first if nothing is asked for."""
+    if not name:
+        return cameras[0] if cameras else None
+    for camera in cameras:
+        if camera.name == name:
+            return camera
+    if name.isdecimal() and 1 <= int(name) <= len(cameras):
+        return cameras[int(name) - 1]
+    there = ", ".join(f"{number} ({camera.name})" for number, camera in enumerate(cameras, 1))
+    raise SceneFileError(
+        f"it has no camera {ascii(name)[:60]}: there are {there[:200]}"
+        if cameras
+        else f"it has no camera {ascii(name)[:60]}, for it has no cameras; leave it out"
+    )
 
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
@@ -113,7 +221,7 @@ def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[Place
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     with np.errstate(over="ignore", invalid="ignore"):
-        corners = [_corners(place) for place in placed]
+        corners = [_corners(place, place.world_from_model) for place in placed]
     lower_m = np.min([pair[0] for pair in corners], axis=0)
     upper_m = np.max([pair[1] for pair in corners], axis=0)
     reach_m = np.max(np.abs([lower_m, upper_m]))
@@ -125,7 +233,16 @@ def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.f
     return lower_m, upper_m
 
 
-def _corners(place: PlacedMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extent(placed: list[PlacedMesh], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The size (3,) of meshes under a further matrix."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        corners = [_corners(place, matrix @ place.world_from_model) for place in placed]
+    low, high = (np.stack(values) for values in zip(*corners, strict=True))
+    return np.asarray(high.max(axis=0) - low.min(axis=0))
+
+
+def _corners(
+    place: PlacedMesh, matrix: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     vertices = np.asarray(place.mesh.vertices)
-    world = vertices @ place.world_from_model[:3, :3].T + place.world_from_model[:3, 3]
-    return world.min(axis=0), world.max(axis=0)
+    return box_of(vertices @ matrix[:3, :3].T + matrix[:3, 3])

@@ -1,7 +1,7 @@
 """The scene manager: opens scenes, demands light and air, and owns the `SceneState`."""
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 
@@ -11,24 +11,28 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
-from vrut_lite.kernel.messages import SlotChanged
+from vrut_lite.kernel.messages import ClockMoved, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
+from vrut_lite.kernel.settings import setting
 from vrut_lite.scene.backend import SceneView
-from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.loading import OpenScene
 from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
+Animated = Literal["rest", "time", "clock"]
 
 
 class SceneSettings(msgspec.Struct, frozen=True):
-    """Whether air and light shafts are drawn."""
+    """Whether air and light shafts are drawn, and how a scene's own animations stand."""
 
     air: Annotated[bool, msgspec.Meta(description="Whether the scene is seen through the air.")] = (
         True
@@ -36,6 +40,17 @@ class SceneSettings(msgspec.Struct, frozen=True):
     light_shafts: Annotated[
         bool, msgspec.Meta(description="Whether the scene's shadows are seen in the air.")
     ] = False
+    animation: Annotated[
+        Animated,
+        setting(
+            "The scene's own animations: at rest, at animation_time_s, or by the clock, a second "
+            "of the day one of the animation."
+        ),
+    ] = "rest"
+    animation_time_s: Annotated[
+        float,
+        setting("Time of the animations, which begin anew after their end.", 0, 3600, unit="s"),
+    ] = 0.0
 
 
 class SceneManager(Module):
@@ -58,6 +73,8 @@ class SceneManager(Module):
     ):
         super().__init__(link, settings)
         self._view = view or SceneView()
+        self._animated: OpenScene | None = None
+        self._time_s: float | None = None
         self._wants_air = False
         self._wants_scene_light = False
         self._of_scene = (
@@ -78,12 +95,45 @@ class SceneManager(Module):
 
     @handles(LoadScene)
     def on_load(self, message: LoadScene) -> None:
-        """Open the file and look through its own camera; a bad file leaves the old scene."""
-        scene = packed(load_scene(message.path))
-        self._change(scene=scene, moved_camera=None)
+        """Open the files and look through their own camera; a bad file leaves the old scene."""
+        opened = OpenScene(
+            message.path,
+            placement=message.placement,
+            beside=message.beside,
+            camera=message.camera,
+        )
+        self._animated = opened if opened.duration_s > 0.0 else None
+        self._time_s = self._animation_time_s()
+        self._show(opened, moved_camera=None)
+
+    def _show(self, opened: OpenScene, **parts: Any) -> None:
+        """Take over a scene in the pose of `_time_s`."""
+        scene = packed(opened.at(self._time_s))
+        self._change(scene=scene, **parts)
         self._take_surface_light()
         self.link.post(scene)
         self._look()
+
+    @handles(ClockMoved)
+    def on_clock(self, message: ClockMoved) -> None:
+        """Move what the clock moves."""
+        self._move()
+
+    def _move(self) -> None:
+        """Show the scene's animations at their present time, if that is another."""
+        if self._animated is None or self._animation_time_s() == self._time_s:
+            return
+        self._time_s = self._animation_time_s()
+        self._show(self._animated)
+
+    def _animation_time_s(self) -> float | None:
+        """The time of the animations; None at rest."""
+        if self._animated is None or self.settings.animation == "rest":
+            return None
+        if self.settings.animation == "time":
+            return float(self.settings.animation_time_s)
+        clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
+        return 0.0 if clock is None else second_of_day(clock.instant, place)
 
     @handles(MoveCamera)
     def on_camera(self, message: MoveCamera) -> None:
@@ -108,7 +158,10 @@ class SceneManager(Module):
         self._change(tolerance=message.tolerance)
 
     def settings_changed(self, name: str) -> None:
-        """Switch air or light shafts."""
+        """Switch air or light shafts, or move what is animated."""
+        if name.startswith("animation"):
+            self._move()
+            return
         if name == "light_shafts":
             self._change(light_shafts=self.settings.light_shafts)
         self._look()

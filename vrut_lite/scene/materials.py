@@ -142,8 +142,11 @@ class GltfMaterials:
 
 
 def _image_index(texture: Texture) -> int | None:
-    webp = texture.extensions.webp
-    return webp.source if webp is not None else texture.source
+    """The image to take: a KTX 2 picture only where the file has no other."""
+    webp, basis = texture.extensions.webp, texture.extensions.basis
+    if webp is not None:
+        return webp.source
+    return texture.source if texture.source is not None or basis is None else basis.source
 
 
 def from_mtl(

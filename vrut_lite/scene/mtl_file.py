@@ -20,6 +20,7 @@ _OPTION_WORDS = {
     **dict.fromkeys(("-o", "-s", "-t"), 3),
 }
 _MAP_WORDS = ("bump", "disp", "decal", "refl", "norm")
+_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 # Memory of a statement and of each of its words, as Python objects.
 _STATEMENT_BYTES, _WORD_BYTES = 512, 64
@@ -93,6 +94,17 @@ def _read(data: bytes, folder: SceneFolder) -> dict[str, Statements]:
     return materials
 
 
+def portable_name(name: str) -> str:
+    """A file name of an OBJ or MTL as other systems write it: with slashes, without a drive.
+
+    Programs on Windows write `maps\\brick.png`, and often a full path of the machine that they ran
+    on; the file is then looked for beside the scene, under its own name.
+    """
+    if _DRIVE.match(name):
+        return re.split(r"[\\/]", name)[-1]
+    return name.replace("\\", "/")
+
+
 def _is_map(kind: str) -> bool:
     return kind.startswith("map_") or kind in _MAP_WORDS
 
@@ -116,4 +128,4 @@ def _file_name(words: list[str]) -> str:
         end = min(at + most, len(words) - 1)
         while at < end and (most == 1 or _NUMBER.fullmatch(words[at])):
             at += 1
-    return " ".join(words[at:])
+    return portable_name(" ".join(words[at:]))

@@ -17,7 +17,7 @@ from vrut_lite.scene.mesh import (
     make_mesh,
     used_vertices,
 )
-from vrut_lite.scene.mtl_file import MtlMaterials
+from vrut_lite.scene.mtl_file import MtlMaterials, portable_name
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_file import ObjFile, parse_obj
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles
@@ -33,7 +33,7 @@ def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[Pl
     folder = SceneFolder(path.parent, budget)
     obj = parse_obj(folder.read(path), budget)
     check_triangles(len(obj.corners))
-    library = b"" if obj.library is None else folder.get(obj.library)
+    library = b"" if obj.library is None else folder.get(portable_name(obj.library))
     materials = MtlMaterials(library, folder, notices)
     for kind, count in obj.unread.items():
         notices.tell(f"{kind} statement of the OBJ", "not drawn", count)

@@ -10,7 +10,7 @@ from PIL import Image
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import camera_from_pose
 from vrut_lite.daylight.ground_disc import disc_under
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.scene_content import (
     ALPHA_MODES,
     MAP_NAMES,
@@ -137,6 +137,13 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         ground=ground,
         camera=camera,
         notices=loaded.notices,
+        opened=LoadScene(
+            path=str(loaded.path),
+            placement=loaded.placement,
+            beside=loaded.beside,
+            camera=own.name if own is not None and own is not loaded.cameras[0] else "",
+        ),
+        cameras=tuple(camera.name for camera in loaded.cameras),
     )
 
 

@@ -26,6 +26,7 @@ from vrut_lite.project import (
 
 # The scene manager: a project file has fields of its own for its settings.
 _SCENE = "scene"
+_OF_SCENE = ("air", "light_shafts", "animation", "animation_time_s")
 
 
 def project_of(session: Session) -> Project:
@@ -41,9 +42,13 @@ def project_of(session: Session) -> Project:
     )
     found: dict[str, object] = {}
     if _SCENE in modules:
-        found |= {name: modules[_SCENE].values[name] for name in ("air", "light_shafts")}
+        found |= {name: modules[_SCENE].values[name] for name in _OF_SCENE}
     if (scene := session.last(SceneOpened)) is not None:
         found["scene"] = scene.path
+        if scene.opened is not None:
+            opened = scene.opened
+            found |= {"placement": opened.placement, "beside": opened.beside}
+            found["scene_camera"] = opened.camera
     if (clock := session.last(ClockMoved)) is not None:
         found["at"] = clock.instant.isoformat()
     if (place := session.last(SetPlace)) is not None:

@@ -41,7 +41,7 @@ from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
@@ -74,6 +74,7 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(self.desk.viewport)
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
+        self._opened: LoadScene | None = None
         self.setStatusBar(self._status)
         self.files = Files(self.desk, kept or Kept(None), self._status)
         self.menus = Menus(
@@ -270,8 +271,11 @@ class MainWindow(QMainWindow):
     def _scene_loaded(self, scene: SceneOpened) -> None:
         self.setWindowTitle(f"{Path(scene.path).name} \N{EN DASH} {TITLE}")
         news = f"{Path(scene.path).name}: {scene.triangles:,} triangles"
-        self._status.show_notices(news, scene.notices)
-        self.files.add_recent(scene.path)
+        # An animated scene is opened anew in each pose.
+        if scene.opened is None or scene.opened != self._opened:
+            self._status.show_notices(news, scene.notices)
+            self.files.add_recent(scene.path)
+        self._opened = scene.opened
 
     def _mode_changed(self, mode: CameraMode) -> None:
         self.actions_by_name[mode.name.lower()].setChecked(True)

@@ -1,0 +1,131 @@
+"""Files of others lie on their side, are in centimetres, and name textures as Windows does."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scene_files import png_bytes
+
+from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.errors import UserError
+from vrut_lite.scene.loading import load_scene
+
+AS_IT_IS = np.eye(4)
+
+
+def _write(path: Path, *meshes: trimesh.Trimesh, matrix: np.ndarray = AS_IT_IS) -> Path:
+    """The meshes, which stand along +Y, as an OBJ file under a matrix."""
+    joined = trimesh.util.concatenate([mesh.copy() for mesh in meshes])
+    joined.apply_transform(matrix)
+    path.write_text(trimesh.exchange.obj.export_obj(joined, include_normals=False))
+    return path
+
+
+def _box(size: tuple[float, float, float], low: tuple[float, float, float]) -> trimesh.Trimesh:
+    lower = np.array(low)
+    return trimesh.creation.box(bounds=[lower, lower + size])
+
+
+def _house() -> list[trimesh.Trimesh]:
+    """A house of 8 x 6 x 10 m on a plot of 20 x 24 m."""
+    return [_box((20, 0.1, 24), (-10, -0.1, -12)), _box((8, 6, 10), (-4, 0, -5))]
+
+
+Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1.0]])
+
+
+def test_a_house_that_lies_on_its_side_is_put_upright(tmp_path: Path) -> None:
+    """A Z-up house stands on its plot, is told so, and may be said to lie all the same."""
+    upright = load_scene(_write(tmp_path / "y.obj", *_house()))
+    path = _write(tmp_path / "z.obj", *_house(), matrix=Z_UP)
+    turned = load_scene(path)
+    assert upright.notices == ()
+    np.testing.assert_allclose(turned.lower_m, upright.lower_m)
+    np.testing.assert_allclose(turned.upper_m, upright.upper_m)
+    assert len(turned.notices) == 1
+    assert "stand along +Z" in turned.notices[0]
+    lying = load_scene(path, placement=Placement(up="y"))
+    assert lying.notices == ()
+    np.testing.assert_allclose(lying.upper_m[2], 6)
+
+
+def test_a_room_open_to_its_front_stays_upright(tmp_path: Path) -> None:
+    """A back wall is no floor where there is a floor: Cornell's box stands as it is."""
+    box = trimesh.creation.box(bounds=[[0, 0, 0], [3, 3, 3]])
+    box.update_faces(box.face_normals[:, 2] < 0.5)
+    assert load_scene(_write(tmp_path / "cornell.obj", box)).placement.up == "y"
+
+
+def test_a_wall_and_a_statue_stay_upright(tmp_path: Path) -> None:
+    """What is flat, or stands on little, says nothing of its axis."""
+    for shape in (_box((9, 4, 0.1), (0, 0, 0)), trimesh.creation.icosphere(subdivisions=2)):
+        assert load_scene(_write(tmp_path / "a.obj", shape)).notices == ()
+
+
+@pytest.mark.parametrize(("units", "name"), [(100, "centimetres"), (1000, "millimetres")])
+def test_a_house_that_is_too_high_in_metres(tmp_path: Path, units: float, name: str) -> None:
+    """A house of 600 or 6,000 units is one of 6 m, and its Z-up twin too; a unit said outright
+    holds."""
+    for matrix in (AS_IT_IS, Z_UP):
+        scaled = np.diag([units, units, units, 1.0]) @ matrix
+        path = _write(tmp_path / "house.obj", *_house(), matrix=scaled)
+        scene = load_scene(path)
+        np.testing.assert_allclose(scene.upper_m, [10, 6, 12])
+        assert any(name in line for line in scene.notices)
+    plain = load_scene(path, placement=Placement(metres_per_unit=1.0))
+    np.testing.assert_allclose(plain.upper_m, np.array([10, 6, 12]) * units)
+
+
+def test_terrain_and_towns_keep_their_metres(tmp_path: Path) -> None:
+    """What is high but far wider is large, not in centimetres."""
+    town = [_box((5000, 1, 5000), (0, -1, 0)), _box((60, 420, 60), (2000, 0, 2000))]
+    assert load_scene(_write(tmp_path / "town.obj", *town)).notices == ()
+
+
+def test_paths_as_windows_writes_them(tmp_path: Path) -> None:
+    """Backslashes part folders, and a path of another machine means the file beside the scene."""
+    (tmp_path / "maps").mkdir()
+    for name in ("maps/brick.png", "tile.png"):
+        (tmp_path / name).write_bytes(png_bytes((8, 4)))
+    (tmp_path / "a.mtl").write_text(
+        "newmtl brick\nmap_Kd maps\\brick.png\nnewmtl tile\nmap_Kd C:\\my work\\tile.png\n"
+    )
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    faces = "usemtl brick\nf 1/1 2/2 3/3\nusemtl tile\nf 1/1 2/2 3/3\n"
+    (tmp_path / "a.obj").write_text(f"mtllib .\\a.mtl\n{corners}{faces}")
+    scene = load_scene(tmp_path / "a.obj")
+    sizes = [place.mesh.visual.material.baseColorTexture.size for place in scene.meshes]
+    assert sizes == [(8, 4), (8, 4)]
+    (tmp_path / "a.mtl").write_text("newmtl brick\nmap_Kd ..\\..\\secret.png\n")
+    with pytest.raises(UserError, match="leads out of the scene's folder"):
+        load_scene(tmp_path / "a.obj")
+
+
+def test_scenes_beside_each_other(tmp_path: Path) -> None:
+    """Each file stands where it is placed, turned clockwise and in its own unit; a file that stands
+    in two places is read once."""
+    house = _write(tmp_path / "house.obj", *_house())
+    shed = _write(tmp_path / "shed.obj", _box((200, 300, 600), (0, 0, -600)))
+
+    def stood(x: float, heading_deg: float) -> PlacedFile:
+        place = Placement(
+            metres_per_unit=0.01, position_m=(x, 0.0, 0.0), heading_deg=heading_deg, up="y"
+        )
+        return PlacedFile(scene=str(shed), placement=place)
+
+    scene = load_scene(house, beside=(stood(20.0, 0.0), stood(30.0, 90.0)))
+    assert scene.triangles == 4 * 12
+    meshes = [id(place.mesh) for place in scene.meshes]
+    assert meshes[-1] == meshes[-2]
+    first, second = (place.world_triangles().reshape(-1, 3) for place in scene.meshes[-2:])
+    np.testing.assert_allclose([first.min(0), first.max(0)], [[20, 0, -6], [22, 3, 0]])
+    # What pointed north (-Z) points east (+X).
+    np.testing.assert_allclose([second.min(0), second.max(0)], [[30, 0, 0], [36, 3, 2]], atol=1e-12)
+
+
+def test_a_broken_file_beside_is_named(tmp_path: Path) -> None:
+    """Of several files the sentence names the one that cannot be opened."""
+    house = _write(tmp_path / "house.obj", *_house())
+    with pytest.raises(UserError, match=r"cannot open the scene .*tree\.glb: there is no such"):
+        load_scene(house, beside=(PlacedFile(scene=str(tmp_path / "tree.glb")),))

@@ -1,0 +1,68 @@
+"""Options on the scene: --up, --metres-per-unit, --scene-camera and --animation."""
+
+from typing import Any
+
+import click
+import msgspec
+
+from vrut_lite.commands.number_types import FiniteRange
+from vrut_lite.commands.options import Command
+from vrut_lite.daylight.placement import LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT, UP_AXES
+from vrut_lite.errors import UserError
+from vrut_lite.plain_numbers import plain_float
+from vrut_lite.project import Project
+
+
+def scene_options(command: Command) -> Command:
+    """Add the options."""
+    for option in (
+        click.option("--animation", metavar="rest|clock|SECONDS", help="The scene's own "
+                     "animations: at rest (default), by the clock, or at a time."),
+        click.option("--scene-camera", metavar="NAME|N", help="Which of the scene's own cameras to "
+                     "look through, by name or counted from 1. Default: the first."),
+        click.option("--metres-per-unit", metavar="METRES",
+                     type=FiniteRange(LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT),
+                     help="Length of the scene file's unit, 0.01 if it is in centimetres. Default: "
+                     "glTF's metre; guessed for OBJ."),
+        click.option("--up", type=click.Choice(UP_AXES), help="The scene file's vertical axis. "
+                     "Default: glTF's y; guessed for OBJ."),
+    ):  # fmt: skip
+        command = option(command)
+    return command
+
+
+def with_scene_options(project: Project, options: dict[str, Any]) -> Project:
+    """The project with what they say; takes their keys out of `options`.
+
+    Raises:
+        UserError: there is no scene that they could be about.
+    """
+    project = _animated(project, options.pop("animation"))
+    up, unit, camera = (options.pop(name) for name in ("up", "metres_per_unit", "scene_camera"))
+    if (up, unit, camera) == (None, None, None):
+        return project
+    if not project.scene:
+        raise UserError("--up, --metres-per-unit and --scene-camera need a scene: name one")
+    said = {"up": up, "metres_per_unit": unit}
+    placement = msgspec.structs.replace(
+        project.placement, **{name: value for name, value in said.items() if value is not None}
+    )
+    # The scene's own camera is asked for: the project's gives way to it.
+    seen = {} if camera is None else {"scene_camera": camera, "camera": None}
+    return msgspec.structs.replace(project, placement=placement, **seen)
+
+
+def _animated(project: Project, text: str | None) -> Project:
+    """The project with what --animation says."""
+    if text is None:
+        return project
+    if text in ("rest", "clock"):
+        return msgspec.structs.replace(project, animation=text)
+    try:
+        return msgspec.structs.replace(
+            project, animation="time", animation_time_s=plain_float(text)
+        )
+    except ValueError:
+        raise UserError(
+            f"--animation {text} is neither rest nor clock nor a number of seconds"
+        ) from None

@@ -1,0 +1,67 @@
+"""Guesses the vertical axis and the unit of a file that names neither, such as OBJ.
+
+Both are guesses from what things look like; whoever opens the file is told, and can say better.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.placement import UpAxis
+from vrut_lite.scene.placed import PlacedMesh, box_of
+
+# Faces within so much of the extent above the lowest point are what the scene stands on.
+_BOTTOM = 0.03
+_LEVEL_COSINE = 0.95
+# The share of its footprint that a floor covers, and at most that of a wall taken for one.
+_FLOOR, _NO_FLOOR = 0.5, 0.1
+_FLAT = 0.03
+# Nothing on Earth stands so high: the tallest building has 830 m. Whoever is both higher than this
+# and this share of its width is no terrain and no town.
+_TOO_HIGH, _STEEP = 250.0, 0.2
+_CENTIMETRES_HIGH = 5000.0
+
+
+def guess_up(placed: list[PlacedMesh]) -> UpAxis:
+    """The axis along which the scene stands on something: +Y unless only +Z has a floor.
+
+    A floor is made of faces across the axis at its lower end that cover half of the footprint. What
+    is flat along Z, as a wall is, says nothing.
+    """
+    lower, extent = _bounds(placed)
+    floors = _floor_shares(placed, lower, extent)
+    lies = floors[2] >= _FLOOR and floors[1] <= _NO_FLOOR and extent[2] > _FLAT * max(extent)
+    return "z" if lies else "y"
+
+
+def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The lowest corner (3,) and the extent (3,)."""
+    lows, highs = zip(*(box_of(np.asarray(p.mesh.vertices)) for p in placed), strict=True)
+    lower = np.min(lows, axis=0)
+    return lower, np.max(highs, axis=0) - lower
+
+
+def _floor_shares(
+    placed: list[PlacedMesh], lower: NDArray[np.float64], extent: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The shares (3,) of the footprint across x, y and z that faces cover at its lower end."""
+    areas = np.zeros(3)
+    for place in placed:
+        vertices, faces = np.asarray(place.mesh.vertices), np.asarray(place.mesh.faces)
+        low = vertices <= lower + _BOTTOM * extent
+        for axis in range(3):
+            is_low = low[:, axis]
+            bottom = faces[is_low[faces[:, 0]] & is_low[faces[:, 1]] & is_low[faces[:, 2]]]
+            a, b, c = (vertices[bottom[:, corner]] for corner in range(3))
+            across = np.cross(b - a, c - a) / 2
+            level = np.abs(across[:, axis]) >= _LEVEL_COSINE * np.linalg.norm(across, axis=1)
+            areas[axis] += np.abs(across[level, axis]).sum()
+    footprints = np.maximum(extent[[1, 2, 0]] * extent[[2, 0, 1]], np.finfo(float).tiny)
+    return areas / footprints
+
+
+def guess_metres_per_unit(extent: NDArray[np.float64]) -> float:
+    """The unit's length by the extent (3,) in units, +Y up: metres, centimetres or millimetres."""
+    height, width = extent[1], max(extent[0], extent[2])
+    if height <= _TOO_HIGH or height <= _STEEP * width:
+        return 1.0
+    return 0.01 if height <= _CENTIMETRES_HIGH else 0.001

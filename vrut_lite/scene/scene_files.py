@@ -1,0 +1,97 @@
+"""The files of one scene, each read once and under one budget."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from vrut_lite.daylight.placement import Placement
+from vrut_lite.errors import UserError
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.gltf_file import read_gltf_file
+from vrut_lite.scene.gltf_scene import GltfScene
+from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.obj_scene import read_obj_scene
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera
+from vrut_lite.scene.scene_file_error import SceneFileError
+
+SUFFIXES = (".glb", ".gltf", ".obj")
+# What a glTF file is by its standard.
+_GLTF = Placement(up="y", metres_per_unit=1.0)
+
+
+@dataclass
+class SceneFile:
+    """What one file holds, in its own axes and units; `says` is what it says of these.
+
+    `placed` are its meshes at rest.
+    """
+
+    placed: list[PlacedMesh]
+    cameras: list[SceneCamera]
+    notices: Notices
+    says: Placement
+    gltf: GltfScene | None = None
+
+    @property
+    def duration_s(self) -> float:
+        """How long its animations last; 0 without any."""
+        return 0.0 if self.gltf is None else self.gltf.duration_s
+
+    def posed(self, time_s: float | None) -> list[PlacedMesh]:
+        """Its meshes at a time of its animations, which begin anew when they end."""
+        if time_s is None or self.gltf is None or self.duration_s <= 0.0:
+            return self.placed
+        at_the_end = time_s > 0.0 and time_s % self.duration_s == 0.0
+        return self.gltf.posed(self.duration_s if at_the_end else time_s % self.duration_s)
+
+
+@dataclass
+class SceneFiles:
+    """Files by their paths."""
+
+    budget: SceneBudget
+    _read: dict[Path, SceneFile] = field(default_factory=dict)
+
+    def get(self, path: Path) -> SceneFile:
+        """What a file holds.
+
+        Raises:
+            UserError: naming the file, if it cannot be read.
+        """
+        try:
+            _check_path(path)
+            real = path.resolve()
+            if real not in self._read:
+                self._read[real] = _read_file(real, self.budget)
+            return self._read[real]
+        except SceneFileError as fault:
+            raise UserError(f"cannot open the scene {path}: {fault}") from fault
+
+
+def _read_file(real: Path, budget: SceneBudget) -> SceneFile:
+    notices = Notices()
+    if real.suffix.lower() == ".obj":
+        file = SceneFile(read_obj_scene(real, budget, notices), [], notices, Placement())
+    else:
+        gltf = GltfScene(read_gltf_file(real, budget, notices))
+        file = SceneFile(gltf.posed(None), gltf.cameras, notices, _GLTF, gltf)
+    if not any(len(place.mesh.faces) for place in file.placed):
+        raise SceneFileError("it has no triangles; export the scene with its meshes")
+    return file
+
+
+def _check_path(path: Path) -> None:
+    try:
+        if path.is_dir():
+            raise SceneFileError("it is a folder; name the scene file in it")
+        if not path.exists():
+            raise SceneFileError("there is no such file; check its name")
+        if not path.is_file():
+            raise SceneFileError("it is not a regular file; name a scene file")
+    except (OSError, ValueError) as fault:
+        if isinstance(fault, SceneFileError):
+            raise
+        raise SceneFileError(f"its path cannot be used ({fault}); check its name") from fault
+    if path.resolve().suffix.lower() not in SUFFIXES:
+        raise SceneFileError(
+            f"its name does not end in {', '.join(SUFFIXES)}; export it as one of these"
+        )
