@@ -1,9 +1,9 @@
 """Specular-glossiness materials as metallic-roughness (KHR_materials_pbrSpecularGlossiness).
 
 The extension is archived, and many files have it. Below a reflection whose colour at normal
-incidence is `specular` lies matter of colour `diffuse`: a dielectric that reflects all, by its index,
-tinted by KHR_materials_specular. Roughness is 1 less glossiness. glTF-Transform's `metalRough`
-converts alike.
+incidence is `specular` lies matter of colour `diffuse`: a dielectric whose index reflects all,
+tinted by KHR_materials_specular. Roughness is 1 less glossiness. glTF-Transform converts
+alike.
 """
 
 from typing import Any
