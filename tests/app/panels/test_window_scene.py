@@ -34,6 +34,8 @@ def test_axis_and_unit_are_shown_and_changed(headless_window, lying):
     for shown in (panel.notices.text(), driver.window.news.text()):
         assert "stand along +Z" in shown
         assert "l statement of the OBJ: not drawn" in shown
+    # A long line does not widen the window.
+    assert driver.window.minimumSizeHint().width() < driver.window.news.sizeHint().width()
     choose(panel.unit, 0.001)
     driver.until(lambda: driver.session.last(SceneOpened).upper_m[1] == pytest.approx(0.6))
     choose(panel.up, "y")
