@@ -15,6 +15,7 @@ import numpy as np
 
 from path_tracer.pane import pane
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
+from vrut_lite.geometry.sheen import sheen_table
 
 PLUGIN, PANE = "vrut_lite_layered", "vrut_lite_pane"
 # As in mesh.frag: the sun's own radius blurs a mirror image about so much.
@@ -57,7 +58,8 @@ def register(mitsuba: Any) -> None:
 
     Its textures: `base_color`; `tint`, a factor of it that may be missing; `roughness`; `metallic`;
     `f0` and `f90`, the coat's reflectance at normal incidence and at grazing angles; `clearcoat`,
-    the share under a second coat of `clearcoat_roughness`. `PANE` is the same surface from both
+    the share under a second coat of `clearcoat_roughness`; colour and roughness of a `sheen`; and
+    `anisotropy`. `PANE` is the same surface from both
     sides, of which the share `transmission` lets light through, straight on if it is `smooth`.
     """
     variant = mitsuba.variant()
@@ -103,6 +105,13 @@ def _layered(mi: Any) -> Any:
                 properties.get_texture("clearcoat") if "clearcoat" in properties else None
             )
             self.clearcoat_roughness = float(properties.get("clearcoat_roughness", 0.0))
+            self.sheen = mi.Color3f(properties.get("sheen", mi.ScalarColor3f(0.0)))
+            self.sheen_roughness = float(properties.get("sheen_roughness", 0.0))
+            self.has_sheen = "sheen" in properties
+            self.anisotropy = float(properties.get("anisotropy", 0.0))
+            turn = float(properties.get("anisotropy_rad", 0.0))
+            self.cosine, self.sine = float(np.cos(turn)), float(np.sin(turn))
+            self.sheen_table = mi.Texture2f(mi.TensorXf(np.asarray(sheen_table())[..., None]))
             self.table = mi.Texture2f(mi.TensorXf(table))
             front = +mi.BSDFFlags.FrontSide
             self.m_components = [glossy | front, diffuse | front]
@@ -154,6 +163,11 @@ def _layered(mi: Any) -> Any:
             f90 = dr.lerp(edge, f90, metallic)
             more = 1.0 + f0 * (1.0 / (a + b) - 1.0)
             below = base * (1.0 - metallic) * (1.0 - _coat(a, b, peak, edge))
+            if self.has_sheen:
+                # Fibres take their light from all that is below them.
+                at = mi.Point2f(dr.sqrt(cosine), self.sheen_roughness) * last + 0.5
+                taken = dr.max(self.sheen) * self.sheen_table.eval(at / (last + 1.0))[0]
+                more, below = more * (1.0 - taken), below * (1.0 - taken)
             reflected = mi.luminance((f0 * a + f90 * b) * more)
             share = reflected / dr.maximum(reflected + mi.luminance(below), _SMALLEST_DENSITY)
             share = dr.clip(share, _LEAST_SHARE, 1.0 - _LEAST_SHARE)
@@ -177,10 +191,15 @@ def _layered(mi: Any) -> Any:
             nl, nv = mi.Frame3f.cos_theta(wo), seen.cosine
             above = (mi.Frame3f.cos_theta(seen.wi) > 0.0) & (nl > 0.0)
             nl = dr.maximum(nl, _SMALLEST_COSINE**2)
-            lobe, facets = self._lobe(seen.wi, wo, nv, nl, seen.alpha, seen.f0, seen.f90)
+            if self.anisotropy > 0.0:
+                lobe, facets = self._stretched_lobe(wo, nl, seen)
+            else:
+                lobe, facets = self._lobe(seen.wi, wo, nv, nl, seen.alpha, seen.f0, seen.f90)
             a, b, _ = self._shares(nl, seen.roughness)
             value = (seen.more * lobe + seen.paint * (1.0 - _coat(a, b, seen.peak, seen.edge))) * nl
             density = dr.lerp(nl * dr.inv_pi, facets, seen.glossy_share)
+            if self.has_sheen:
+                value += self._fibres(wo, nl, seen)
             if self.clearcoat is not None:
                 second = self.clearcoat.eval_1(si, active)
                 value, density = self._under_clearcoat(second, wo, seen, nl, value, density)
@@ -202,6 +221,37 @@ def _layered(mi: Any) -> Any:
             fresnel = f0 + (f90 - f0) * (1.0 - vh) ** 5
             # Of visible facets: G1 D / (4 n.v).
             return fresnel * (distribution * visibility), 0.5 * distribution / (nv + root_v)
+
+        def _stretched_lobe(self, wo: Any, nl: Any, seen: _Seen) -> tuple[Any, Any]:
+            """The same with two widths: KHR_materials_anisotropy."""
+            along, across = self._widths(seen.alpha)
+            view, out = self._in_axes(seen.wi), self._in_axes(wo)
+            half = dr.normalize(view + out)
+            vh = dr.clip(dr.dot(view, half), 0.0, 1.0)
+            spread = (half.x / along) ** 2 + (half.y / across) ** 2 + half.z * half.z
+            distribution = 1.0 / (dr.pi * along * across * spread * spread)
+            root_v = dr.norm(mi.Vector3f(along * view.x, across * view.y, seen.cosine))
+            root_l = dr.norm(mi.Vector3f(along * out.x, across * out.y, nl))
+            visibility = 0.5 / (nl * root_v + seen.cosine * root_l)
+            fresnel = seen.f0 + (seen.f90 - seen.f0) * (1.0 - vh) ** 5
+            facets = 0.5 * distribution / (seen.cosine + root_v)
+            return fresnel * (distribution * visibility), facets
+
+        def _widths(self, alpha: Any) -> tuple[Any, Any]:
+            return dr.lerp(alpha, 1.0, self.anisotropy**2), alpha
+
+        def _in_axes(self, v: Any, back: float = 1.0) -> Any:
+            """A direction in the axes of the facets, or `back` (-1) from them."""
+            c, s = self.cosine, back * self.sine
+            return mi.Vector3f(c * v.x + s * v.y, c * v.y - s * v.x, v.z)
+
+        def _fibres(self, wo: Any, nl: Any, seen: _Seen) -> Any:
+            """KHR_materials_sheen, as mesh.frag has it, times the light's cosine."""
+            half = dr.normalize(seen.wi + wo)
+            inverse = 1.0 / max(self.sheen_roughness**2, 1e-3)
+            sine2 = dr.maximum(half.x * half.x + half.y * half.y, 1e-12)
+            distribution = (2.0 + inverse) * sine2 ** (0.5 * inverse) * (0.5 * dr.inv_pi)
+            return self.sheen * (distribution * nl / (4.0 * (nl + seen.cosine - nl * seen.cosine)))
 
         def _under_clearcoat(
             self, share: Any, wo: Any, seen: _Seen, nl: Any, below: Any, density: Any
@@ -230,7 +280,16 @@ def _layered(mi: Any) -> Any:
                 sample1 = dr.select(above, 0.0, left)
             is_glossy = sample1 < share
             facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, alpha, True)
-            mirrored = mi.reflect(seen.wi, facets.sample(seen.wi, sample2)[0])
+            normal = facets.sample(seen.wi, sample2)[0]
+            if self.anisotropy > 0.0:
+                stretched = mi.MicrofacetDistribution(
+                    mi.MicrofacetType.GGX, *self._widths(seen.alpha), True
+                )
+                turned = stretched.sample(self._in_axes(seen.wi), sample2)[0]
+                turned = self._in_axes(turned, -1.0)
+                # Not those of a second coat.
+                normal = dr.select(alpha == seen.alpha, turned, normal)
+            mirrored = mi.reflect(seen.wi, normal)
             scattered = mi.warp.square_to_cosine_hemisphere(sample2)
             drawn = dr.zeros(mi.BSDFSample3f)
             drawn.wo = dr.select(is_glossy, mirrored, scattered)

@@ -182,6 +182,11 @@ def _terms(mitsuba: Any, material: Material, maps: Maps) -> Plugin:
         sampler = _sampler(material, "clearcoat")
         made["clearcoat"] = _texture(mitsuba, terms.clearcoat, maps.clearcoat, sampler)
         made["clearcoat_roughness"] = terms.clearcoat_roughness
+    if any(terms.sheen_rgb):
+        made["sheen"] = mitsuba.ScalarColor3f(terms.sheen_rgb)
+        made["sheen_roughness"] = terms.sheen_roughness
+    if terms.anisotropy > 0.0:
+        made |= {"anisotropy": terms.anisotropy, "anisotropy_rad": terms.anisotropy_rad}
     if terms.transmits and material.metallic < 1.0:
         sampler = _sampler(material, "transmission")
         share = _texture(mitsuba, terms.transmission, maps.transmission, sampler)

@@ -85,6 +85,7 @@ def test_a_body_bends_light_and_takes_some_away(tmp_path, model):
         {"clearcoat": {"clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.3}},
         {"ior": {"ior": 2.0}},
         {"specular": {"specularFactor": 0.3}},
+        {"anisotropy": {"anisotropyStrength": 0.7}},
     ],
 )
 def test_white_stays_white_under_an_even_sky(tmp_path, extensions, elevation_deg):
@@ -101,6 +102,8 @@ def test_white_stays_white_under_an_even_sky(tmp_path, extensions, elevation_deg
         {"clearcoat": {"clearcoatFactor": 0.7, "clearcoatRoughnessFactor": 0.3}},
         {"specular": {"specularFactor": 0.5, "specularColorFactor": [1.0, 0.5, 0.2]}},
         {"ior": {"ior": 1.9}},
+        {"sheen": {"sheenColorFactor": [1.0, 0.5, 0.2], "sheenRoughnessFactor": 0.4}},
+        {"anisotropy": {"anisotropyStrength": 0.7, "anisotropyRotation": 0.5}},
     ],
 )
 def test_sunlight_is_reflected_as_by_the_frame(gl_owner, tmp_path, extensions):

@@ -85,6 +85,24 @@ def test_an_animation_follows_the_clock_of_the_place(stage):
     assert view.state.moved_camera == camera
 
 
+def test_ground_and_framing_stay_while_things_move(stage):
+    """A scene that rises lifts neither the ground that it stands on nor who looks at it."""
+    play, view, path = stage
+    play(LoadScene(path=path))
+    ground, camera = view.state.scene.ground, view.state.camera
+    play(_set("animation", "time"), _set("animation_time_s", 5.0))
+    assert view.state.scene.lower_m[0] == 5.0
+    assert (view.state.scene.ground, view.state.camera) == (ground, camera)
+
+
+def test_a_scene_that_cannot_be_opened_leaves_the_old_one_moving(stage):
+    """A camera that is not there refuses the file; the clock goes on moving the scene before it."""
+    play, _, path = stage
+    play(LoadScene(path=path), _set("animation", "time"))
+    assert play(LoadScene(path=path, camera="roof")) == []
+    assert play(_set("animation_time_s", 2.0)) == [2.0]
+
+
 def test_a_scene_without_animations_is_never_told_again(stage, write_square):
     """What does not move costs nothing: neither clock nor setting opens it anew."""
     play, _, _ = stage

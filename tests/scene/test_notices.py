@@ -1,6 +1,7 @@
 """What a file has and the scene does not show is told, and does not keep it from opening."""
 
 import base64
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -112,3 +113,11 @@ def test_what_obj_and_mtl_have_more_is_told(write_obj: WriteScene) -> None:
         "map_bump of the MTL: left out",
         "material that no MTL defines: grey instead",
     }
+
+
+@pytest.mark.parametrize(("name", "says"), [("a.fbx", "Blender"), ("a.xyz", "export it as one")])
+def test_other_formats_name_what_converts_them(tmp_path: Path, name: str, says: str) -> None:
+    """Where a common program reads the format, the sentence names it."""
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(UserError, match=says):
+        load_scene(tmp_path / name)

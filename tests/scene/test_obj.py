@@ -12,7 +12,10 @@ from PIL import Image
 from scene_files import png_bytes
 
 from vrut_lite.errors import UserError
+from vrut_lite.scene import obj_file, obj_kernels
+from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.loading import load_scene
+from vrut_lite.scene.scene_file_error import SceneFileError
 
 
 def test_obj_material(write_obj: WriteScene) -> None:
@@ -177,3 +180,54 @@ def test_obj_line_without_end(write_obj: WriteScene) -> None:
         load_scene(write_obj(faces="f 1 2 3" + " 4" * 5_000_000))
     with pytest.raises(UserError, match="longer than 4 MB"):
         load_scene(write_obj("newmtl paint\nKd " + "1 " * 2_500_000))
+
+
+_ROWS = st.sampled_from(
+    [
+        "v 1 2 3", "v -1.5e-3 +2. .25", "v\t7 8 9", "v 1 2 3 0.5 0.5 0.5", "vt 0.25 0.5",
+        "vt 1 2 0", "vn 0 0 1", "f 1 2 3", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1", "f -1 -2 -3",
+        "f 1/1/1 2 3//1", "f 1/1/ 2/2/ 3/3/", "f 1 2", "l 1 2", "usemtl a", "usemtl b",
+        "mtllib x.mtl", "# v 1 2 3", "", "o thing", "  v 4 5 6  ", "v 1e400 0 0", "v nan 0 0",
+        "f 0 1 2", "f 1 2 x", "v 1 2", "vx 1 2 3", "f 1 2 99999999999",
+        "v 0.1234567890123456789 12345678901234567890 1e-30",
+    ]
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=300)
+@given(rows=st.lists(_ROWS, max_size=12))
+def test_the_compiled_reading_is_the_reading_word_by_word(rows: list[str]) -> None:
+    """What is read fast is what is read slowly, and both refuse the same files."""
+    block = ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n" + "\n".join(rows)).encode()
+    fast = _read(block)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(obj_kernels, "read_plain_block", lambda block, counts: None)
+        slow = _read(block)
+    if isinstance(slow, str) or isinstance(fast, str):
+        assert fast == slow
+        return
+    for name in ("positions", "uv", "normals"):
+        np.testing.assert_allclose(getattr(fast, name), getattr(slow, name), rtol=1e-15)
+    np.testing.assert_array_equal(fast.corners, slow.corners)
+    np.testing.assert_array_equal(fast.group, slow.group)
+    assert (fast.materials, fast.library, fast.unread) == (
+        slow.materials,
+        slow.library,
+        slow.unread,
+    )
+
+
+def _read(block: bytes) -> obj_file.ObjFile | str:
+    try:
+        return obj_file.parse_obj(block, SceneBudget(2**32))
+    except SceneFileError as fault:
+        return str(fault)
+
+
+@settings(deadline=None, max_examples=200)
+@given(value=st.decimals(-1000, 1000, places=9))
+def test_numbers_are_read_exactly(value: object) -> None:
+    """Up to 15 digits a number is the nearest double to its text, as Python's own float."""
+    plain = obj_kernels.read_plain_block(f"v {value} 0 0\n".encode(), (0, 0, 0))
+    assert plain is not None
+    assert plain.rows[0][0, 0] == float(str(value))

@@ -1,11 +1,13 @@
 """Pictures of a scene: one host for all of them."""
 
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
+from rich.console import Console
 
 from vrut_lite.commands.engines import GL, EngineHost
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
@@ -43,7 +45,8 @@ class ScenePlan:
         host = self._open_host()
         try:
             host.inject(*setting_inputs(self.project, host.kernel), *inputs)
-            host.settle()
+            with opening(self.project.scene):
+                host.settle()
         except BaseException:
             host.close()
             raise
@@ -56,6 +59,12 @@ class ScenePlan:
         # A reflection that lags invisibly behind the sky would depend on the picture before.
         host.frame_skips = replace(host.frame_skips, reflection=False)
         return host
+
+
+def opening(scene: str) -> AbstractContextManager[object]:
+    """Shows on a terminal, while entered, that a scene is being opened."""
+    console = Console(stderr=True)
+    return console.status(f"opening {scene}") if console.is_terminal else nullcontext()
 
 
 class SceneStudio:

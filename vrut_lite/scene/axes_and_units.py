@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.placement import UpAxis
-from vrut_lite.scene.placed import PlacedMesh
+from vrut_lite.scene.placed import PlacedMesh, box_of
 
 # Faces within so much of the extent above the lowest point are what the scene stands on.
 _BOTTOM = 0.03
@@ -35,8 +35,9 @@ def guess_up(placed: list[PlacedMesh]) -> UpAxis:
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The lowest corner (3,) and the extent (3,)."""
-    lower = np.min([np.min(p.mesh.vertices, axis=0) for p in placed], axis=0)
-    return lower, np.max([np.max(p.mesh.vertices, axis=0) for p in placed], axis=0) - lower
+    lows, highs = zip(*(box_of(np.asarray(p.mesh.vertices)) for p in placed), strict=True)
+    lower = np.min(lows, axis=0)
+    return lower, np.max(highs, axis=0) - lower
 
 
 def _floor_shares(
@@ -45,11 +46,15 @@ def _floor_shares(
     """The shares (3,) of the footprint across x, y and z that faces cover at its lower end."""
     areas = np.zeros(3)
     for place in placed:
-        corners = np.asarray(place.mesh.vertices)[np.asarray(place.mesh.faces)]
-        across = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])) / 2
-        size = np.linalg.norm(across, axis=1, keepdims=True)
-        low = corners.max(axis=1) <= lower + _BOTTOM * extent
-        areas += np.sum(across, axis=0, where=low & (across >= _LEVEL_COSINE * size))
+        vertices, faces = np.asarray(place.mesh.vertices), np.asarray(place.mesh.faces)
+        low = vertices <= lower + _BOTTOM * extent
+        for axis in range(3):
+            is_low = low[:, axis]
+            bottom = faces[is_low[faces[:, 0]] & is_low[faces[:, 1]] & is_low[faces[:, 2]]]
+            a, b, c = (vertices[bottom[:, corner]] for corner in range(3))
+            across = np.cross(b - a, c - a) / 2
+            level = np.abs(across[:, axis]) >= _LEVEL_COSINE * np.linalg.norm(across, axis=1)
+            areas[axis] += np.abs(across[level, axis]).sum()
     footprints = np.maximum(extent[[1, 2, 0]] * extent[[2, 0, 1]], np.finfo(float).tiny)
     return areas / footprints
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from vrut_lite.scene.gltf_terms import DRAWN_EXTENSIONS
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.spec_gloss import NAME as SPEC_GLOSS
 
 # The reader honours these.
 HONOURED = frozenset(
@@ -20,6 +21,7 @@ HONOURED = frozenset(
         "KHR_meshopt_compression",
         "KHR_texture_basisu",
         "KHR_texture_transform",
+        SPEC_GLOSS,
         *DRAWN_EXTENSIONS,
     }
 )

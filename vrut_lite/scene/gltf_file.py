@@ -17,6 +17,7 @@ from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, MeshoptView, Spar
 from vrut_lite.scene.meshopt_views import admit_meshopt, unpack_meshopt
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.spec_gloss import as_metallic_roughness
 
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -164,6 +165,8 @@ def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFil
     document = _parse(text, budget)
     _check_version(document)
     check_extensions(text, document.extensions_used, document.extensions_required, notices)
+    materials = [as_metallic_roughness(material) for material in document.materials]
+    document = msgspec.structs.replace(document, materials=materials)
     for image in document.images:
         if image.uri is not None:
             folder.check_uri(image.uri)

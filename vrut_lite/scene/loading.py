@@ -21,7 +21,7 @@ from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
 from vrut_lite.scene.mesh import mirrored
-from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera, box_of, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.scene_files import SceneFile, SceneFiles
 
@@ -29,7 +29,7 @@ MAX_REACH_M = 1e7
 _UNIT_NAMES = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}
 _AS_IT_SAYS = Placement()
 _NO_LUMINAIRES: Mapping[str, str] = MappingProxyType({})
-_SAY_ANIMATION = "--animation TIME or --animation clock moves them"
+_SAY_ANIMATION = "--animation SECONDS or clock, or Animation in the Scene panel"
 
 
 @dataclass(frozen=True)
@@ -176,15 +176,15 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
     lines = []
     if asked.up is None and file.says.up is None and filled.up != "y":
         lines.append(
-            "taken to stand along +Z, for it has a floor there and none along +Y: "
-            "up = y if that is wrong"
+            "taken to stand along +Z, where it has a floor: if that is wrong, --up y, or Up in the "
+            "Scene panel"
         )
     unit = filled.metres_per_unit
     if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
         name = _UNIT_NAMES[unit or 1.0]
         lines.append(
-            f"taken to be in {name}, for it is too high in metres: metres-per-unit = 1 if that is "
-            "wrong"
+            f"taken to be in {name}, for it is too high in metres: if that is wrong, "
+            "--metres-per-unit 1, or Unit in the Scene panel"
         )
     return lines
 
@@ -277,5 +277,4 @@ def _corners(
     place: PlacedMesh, matrix: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     vertices = np.asarray(place.mesh.vertices)
-    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    return world.min(axis=0), world.max(axis=0)
+    return box_of(vertices @ matrix[:3, :3].T + matrix[:3, 3])

@@ -13,7 +13,7 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
-from vrut_lite.daylight.scene import LoadScene, SceneNeeds
+from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.section import Axis, Side, section_of
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
@@ -117,14 +117,14 @@ class SceneManager(Module):
             camera=message.camera,
             luminaires=dict(message.luminaires),
         )
-        self._animated = opened if opened.duration_s > 0.0 else None
-        self._time_s = self._animation_time_s()
-        self._show(opened, moved_camera=None)
+        moves = opened.duration_s > 0.0
+        time_s = self._animation_time_s() if moves else None
+        scene = packed(opened.at(time_s))
+        self._animated, self._time_s = opened if moves else None, time_s
+        self._show(scene, moved_camera=None)
 
-    def _show(self, opened: OpenScene, **parts: Any) -> None:
-        """Take over a scene in the pose of `_time_s`."""
-        scene = packed(opened.at(self._time_s))
-        self._change(scene=scene, **parts)
+    def _show(self, scene: SceneOpened, moved_camera: MoveCamera | None) -> None:
+        self._change(scene=scene, moved_camera=moved_camera)
         self._take_surface_light()
         self.link.post(scene)
         self._look()
@@ -139,11 +139,15 @@ class SceneManager(Module):
         if self._animated is None or self._animation_time_s() == self._time_s:
             return
         self._time_s = self._animation_time_s()
-        self._show(self._animated)
+        posed = packed(self._animated.at(self._time_s))
+        if self.state.scene is not None:
+            # What moves in front of a camera moves neither it nor the ground.
+            posed = msgspec.structs.replace(posed, ground=self.state.scene.ground)
+        self._show(posed, moved_camera=self.state.camera)
 
     def _animation_time_s(self) -> float | None:
         """The time of the animations; None at rest."""
-        if self._animated is None or self.settings.animation == "rest":
+        if self.settings.animation == "rest":
             return None
         if self.settings.animation == "time":
             return float(self.settings.animation_time_s)

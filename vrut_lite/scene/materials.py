@@ -15,6 +15,7 @@ from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
 from vrut_lite.scene.gltf_terms import emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
+from vrut_lite.scene.spec_gloss import roughness_image, spec_gloss_of
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
 DEFAULT_ALBEDO = 0.5
@@ -94,6 +95,11 @@ class GltfMaterials:
             doubleSided=source.double_sided,
             **{name: self._texture(infos[name]) for name in numbers if name not in further},
         )
+        gloss = spec_gloss_of(source)
+        if gloss is not None and material.metallicRoughnessTexture is not None:
+            material.metallicRoughnessTexture = roughness_image(
+                material.metallicRoughnessTexture, gloss.glossiness_factor
+            )
         material.uv_layers, material.layer_of = layers, numbers
         material.sampler_of = {name: self._sampler(infos[name]) for name in numbers}
         maps = {name: self._texture(infos[name]) for name in further}

@@ -123,6 +123,43 @@ def _blocks(data: bytes) -> Iterator[bytes]:
 
 
 def _read_block(block: bytes, reading: _Reading) -> None:
+    # numba takes a while to import, and other files need none of it.
+    from vrut_lite.scene.obj_kernels import read_plain_block
+
+    before = tuple(reading.counts[kind] for kind in _KINDS)
+    plain = read_plain_block(block, (before[0], before[1], before[2]))
+    if plain is None:
+        _read_odd_block(block, reading)
+        return
+    groups = np.empty(len(plain.corners), np.int32)
+    done = 0
+    for start, end, triangles in plain.lines.tolist():
+        groups[done:triangles] = reading.group
+        done = triangles
+        kind, _, rest = block[start:end].strip().partition(b" ")
+        _read_statement(kind, rest, reading)
+    groups[done:] = reading.group
+    for kind, found in zip(_KINDS, plain.rows, strict=True):
+        reading.counts[kind] += len(found)
+        if len(found):
+            reading.numbers[kind].append(reading.keep(found))
+    if len(plain.corners):
+        reading.corners.append(reading.keep(plain.corners))
+        reading.groups.append(reading.keep(groups))
+
+
+def _read_statement(kind: bytes, rest: bytes, reading: _Reading) -> None:
+    """Note a material, the library, or what is not drawn."""
+    if kind == b"usemtl":
+        reading.use_material(_text(rest))
+    elif kind == b"mtllib" and reading.library is None:
+        reading.library = _text(rest)
+    elif kind in _UNREAD:
+        reading.unread[_UNREAD[kind]] += 1
+
+
+def _read_odd_block(block: bytes, reading: _Reading) -> None:
+    """Read word by word what is not plain; refuse what is damaged."""
     rows: dict[bytes, list[bytes]] = {kind: [] for kind in _KINDS}
     faces: list[bytes] = []
     groups: list[int] = []
@@ -137,12 +174,8 @@ def _read_block(block: bytes, reading: _Reading) -> None:
             groups.append(reading.group)
         elif kind in rows:
             rows[kind].append(rest)
-        elif kind == b"usemtl":
-            reading.use_material(_text(rest))
-        elif kind == b"mtllib" and reading.library is None:
-            reading.library = _text(rest)
-        elif kind in _UNREAD:
-            reading.unread[_UNREAD[kind]] += 1
+        else:
+            _read_statement(kind, rest, reading)
     for kind, found in rows.items():
         reading.counts[kind] += len(found)
         if found:

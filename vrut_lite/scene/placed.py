@@ -1,6 +1,7 @@
 """The parts of a loaded scene: placed meshes and a camera."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -31,6 +32,16 @@ class PlacedMesh:
         """The corners (F, 3, 3) of all triangles in world axes."""
         corners = np.asarray(self.mesh.vertices)[np.asarray(self.mesh.faces)]
         return corners @ self.world_from_model[:3, :3].T + self.world_from_model[:3, 3]
+
+
+def box_of(points: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The lowest and the highest corner (3,) of points (n, 3).
+
+    Column by column: along the short axis numpy takes five times as long.
+    """
+    columns = [points[:, axis] for axis in range(3)]
+    low, high = [column.min() for column in columns], [column.max() for column in columns]
+    return np.array(low, np.float64), np.array(high, np.float64)
 
 
 def check_triangles(count: int) -> None:

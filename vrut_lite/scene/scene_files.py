@@ -15,6 +15,11 @@ from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 SUFFIXES = (".glb", ".gltf", ".obj")
+# Blender imports them as it comes, or is their home.
+_OF_BLENDER = (
+    ".abc", ".blend", ".fbx", ".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz",
+)  # fmt: skip
+_EXPORT = "export it as one of these"
 # What a glTF file is by its standard.
 _GLTF = Placement(up="y", metres_per_unit=1.0)
 
@@ -102,7 +107,9 @@ def _check_path(path: Path) -> None:
         if isinstance(fault, SceneFileError):
             raise
         raise SceneFileError(f"its path cannot be used ({fault}); check its name") from fault
-    if path.resolve().suffix.lower() not in SUFFIXES:
+    suffix = path.resolve().suffix.lower()
+    if suffix not in SUFFIXES:
         raise SceneFileError(
-            f"its name does not end in {', '.join(SUFFIXES)}; export it as one of these"
+            f"its name does not end in {', '.join(SUFFIXES)}; "
+            + ("import it into Blender and export it as glTF" if suffix in _OF_BLENDER else _EXPORT)
         )

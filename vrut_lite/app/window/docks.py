@@ -22,6 +22,7 @@ from vrut_lite.app.panels.module_manager import ModuleManager
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.place_panel import PlacePanel
+from vrut_lite.app.panels.scene_panel import ScenePanel
 from vrut_lite.app.panels.sky_panel import SHOWN_SLOT, SkyPanel
 from vrut_lite.app.panels.sun_panel import SunPanel
 from vrut_lite.app.panels.time_panel import TimePanel
@@ -29,6 +30,7 @@ from vrut_lite.app.window.desk import Desk
 from vrut_lite.errors import UserError
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.interrupts import pass_interrupt
+from vrut_lite.scene.manager import NAME as SCENE
 
 PANEL_GROUP = "vrut_lite.panels"
 Area = Qt.DockWidgetArea
@@ -135,4 +137,5 @@ def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
 
 
 def _settings_panel(module: str, desk: Desk) -> QWidget:
-    return ModulePanel(desk.session, module, desk.presets)
+    make = ScenePanel if module == SCENE else ModulePanel
+    return make(desk.session, module, desk.presets)

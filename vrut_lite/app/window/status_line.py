@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel, QStatusBar
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.engine import Shown
@@ -19,6 +19,8 @@ class StatusLine(QStatusBar):
         super().__init__()
         self.news = QLabel()
         self.news.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        # A long line is cut off: it must not widen the window.
+        self.news.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.facts = faint_label()
         self.addWidget(self.news, 1)
         self.addPermanentWidget(self.facts)

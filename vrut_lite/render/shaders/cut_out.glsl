@@ -8,6 +8,12 @@ float covered_share(sampler2D map, vec2 uv, float alpha) {
     return clamp((alpha - 0.5) * mix(max(edge, 1.0), 1.0, small) + 0.5, 0.0, 1.0);
 }
 
+// A threshold by the texel of a shadow map, even over the 3 x 3 of them that are looked up at once.
+float shadow_threshold() {
+    ivec2 at = ivec2(gl_FragCoord.xy) % 3;
+    return (float((3 * at.y + at.x) * 4 % 9) + 0.5) / 9.0;
+}
+
 // A threshold by the pixel, even over 4 x 4 of them (Bayer).
 float threshold() {
     ivec2 at = ivec2(gl_FragCoord.xy) & 3, half_at = at >> 1;

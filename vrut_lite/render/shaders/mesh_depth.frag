@@ -58,7 +58,7 @@ void main() {
 #endif
 #if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
     float share = covered_share(alpha_texture, uv, texture(alpha_texture, uv).a);
-    if (share <= threshold()) discard;
+    if (share <= shadow_threshold()) discard;
     return;
 #endif
 #ifdef TEXCOORD_0_LOC

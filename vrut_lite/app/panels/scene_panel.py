@@ -1,0 +1,86 @@
+"""The scene's file: its size, axes, units and cameras, and what of it is not shown."""
+
+import msgspec
+from PySide6.QtWidgets import QComboBox, QVBoxLayout
+
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.panels.module_panel import ModulePanel
+from vrut_lite.app.panels.presets import PresetStore
+from vrut_lite.app.widgets import aligned_form, faint_label
+from vrut_lite.daylight.scene import LoadScene, SceneOpened
+
+_UPS = {"y": "+Y", "z": "+Z"}
+_UNITS = {
+    1.0: "metres",
+    0.01: "centimetres",
+    0.001: "millimetres",
+    0.0254: "inches",
+    0.3048: "feet",
+}
+_SIZE = " \N{MULTIPLICATION SIGN} "
+
+
+class ScenePanel(ModulePanel):
+    """Facts of the open file above the scene's settings; a choice opens the file anew."""
+
+    def __init__(self, session: Session, module: str, presets: PresetStore):
+        super().__init__(session, module, presets)
+        self._opened: LoadScene | None = None
+        self.extent = faint_label(wraps=True)
+        self.up, self.unit, self.camera = QComboBox(), QComboBox(), QComboBox()
+        self.notices = faint_label(wraps=True)
+        self._lay_out_file()
+        session.listen(SceneOpened, self._show_file)
+
+    def _lay_out_file(self) -> None:
+        form = aligned_form()
+        form.addRow("Size", self.extent)
+        for title, box, tip in (
+            ("Up", self.up, "The file's vertical axis"),
+            ("Unit", self.unit, "The length of the file's unit"),
+            ("Camera", self.camera, "The file's own cameras"),
+        ):
+            box.setToolTip(tip)
+            box.setAccessibleName(title)
+            box.setEnabled(False)
+            form.addRow(title, box)
+        form.addRow(self.notices)
+        for axis, title in _UPS.items():
+            self.up.addItem(title, axis)
+        for metres, title in _UNITS.items():
+            self.unit.addItem(title, metres)
+        self.up.activated.connect(lambda _: self._place(up=self.up.currentData()))
+        self.unit.activated.connect(lambda _: self._place(metres_per_unit=self.unit.currentData()))
+        self.camera.activated.connect(lambda _: self._open(camera=self.camera.currentText()))
+        column = self.layout()
+        assert isinstance(column, QVBoxLayout)
+        column.insertLayout(1, form)
+
+    def _place(self, **changed: object) -> None:
+        if self._opened is not None:
+            placement = msgspec.structs.replace(self._opened.placement, **changed)
+            self._open(placement=placement)
+
+    def _open(self, **changed: object) -> None:
+        if self._opened is not None:
+            self._session.send(msgspec.structs.replace(self._opened, **changed))
+
+    def _show_file(self, scene: SceneOpened) -> None:
+        if scene.opened is None or scene.opened == self._opened:
+            return
+        self._opened = scene.opened
+        lengths = (upper - lower for lower, upper in zip(scene.lower_m, scene.upper_m, strict=True))
+        self.extent.setText(
+            f"{_SIZE.join(f'{length:.4g}' for length in lengths)} m, {scene.triangles:,} triangles"
+        )
+        self.up.setCurrentIndex(self.up.findData(scene.opened.placement.up))
+        metres = scene.opened.placement.metres_per_unit
+        if self.unit.findData(metres) < 0:
+            self.unit.addItem(f"{metres:g} m", metres)
+        self.unit.setCurrentIndex(self.unit.findData(metres))
+        self.camera.clear()
+        self.camera.addItems(scene.cameras)
+        self.camera.setCurrentText(scene.opened.camera)
+        for box in (self.up, self.unit, self.camera):
+            box.setEnabled(box.count() > 0)
+        self.notices.setText("\n".join(scene.notices))
