@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from path_tracer.camera import sensor
 from path_tracer.library import load_mitsuba
+from path_tracer.seen_backs import BACK, register
+from path_tracer.seen_backs import PLUGIN as SEEN_BACKS
 from path_tracer.settings import PathTracerSettings
-from path_tracer.shapes import glowing_shapes, shapes
+from path_tracer.shapes import glowing_shapes, matter
 from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
 from path_tracer.subject import Subject
 from path_tracer.sun import sun_emitter
@@ -72,19 +74,25 @@ class Tracer:
 def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
     """One scene lit by the sun and one by all else, without those that are dark."""
     model = model_of(settings, mitsuba)
-    matter = shapes(mitsuba, subject, model)
+    there = matter(mitsuba, subject, model)
+    backs = there.one_sided
     farthest = subject.reach_units()
     scenes = []
     if any(subject.sun.irradiance_rgb):
         sun, distance = sun_emitter(mitsuba, subject.sun, settings.sun == "disc", farthest)
         lights = {"sun": sun, "sky": darkness()}
-        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
+        scenes.append(
+            _scene(mitsuba, subject, settings, {**there.shapes, **lights}, backs, distance)
+        )
     cube = radiance_cube(subject.background)
     bright = bool(np.any(cube > 0.0))
-    lamps = glowing_shapes(mitsuba, subject, model)
+    lamps, lamp_backs = glowing_shapes(mitsuba, subject, model)
+    glowing = [*backs, *lamp_backs]
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
-        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))
+        scenes.append(
+            _scene(mitsuba, subject, settings, {**there.shapes, **lights}, glowing, farthest)
+        )
     return scenes
 
 
@@ -93,16 +101,21 @@ def _scene(
     subject: Subject,
     settings: PathTracerSettings,
     content: dict[str, Any],
+    backs: list[Any],
     farthest: float,
 ) -> Any:
     """A scene as mitsuba has it."""
     bounces = settings.max_bounces
-    integrator = {
+    integrator: dict[str, Any] = {
         # The latter seeks light through what lets it straight on, which costs.
         "type": "volpath" if _lets_light_on(subject) else "path",
         "max_depth": -1 if bounces is None else bounces + 1,
         "rr_depth": _ROULETTE_DEPTH,
     }
+    if backs and not mitsuba.variant().startswith("scalar"):
+        register(mitsuba)
+        named = {f"{BACK}{number}": bsdf for number, bsdf in enumerate(backs)}
+        integrator = {"type": SEEN_BACKS, "inner": integrator, **named}
     camera = sensor(mitsuba, subject, farthest)
     return mitsuba.load_dict(
         {"type": "scene", "integrator": integrator, "camera": camera, **content}
