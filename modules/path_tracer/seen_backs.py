@@ -1,27 +1,49 @@
 """Single-sided surfaces from behind: the eye looks through them, light does not.
 
 The frame leaves out their backs and lets them cast shadows from both sides. Here rays from the eye
-go on behind a back until they meet a front; all that follows is another integrator's. It is called
-for each ray in scalar variants, and stands in llvm alone.
+go on behind a back until they meet a front; all that follows is another integrator's. In
+scalar variants Python would be called for each ray: this is for llvm, and for what shows a back.
 """
 
 from typing import Any
 
-PLUGIN, BACK = "vrut_lite_seen_backs", "back_"
+PLUGIN, _BACK = "vrut_lite_seen_backs", "back_"
 # A ray passes at most so many backs.
 _MOST = 16
 _registered: set[str] = set()
 
 
-def register(mitsuba: Any) -> None:
-    """Make the plugin known to the variant of mitsuba that is set.
+def sees(mitsuba: Any, scene: Any, one_sided: list[Any]) -> bool:
+    """Whether the eye sees the back of something with one of these BSDFs, in a pixel's middle."""
+    import drjit
 
-    Its children: the integrator `inner`, and the one-sided BSDFs under names of `BACK`.
-    """
+    camera = scene.sensors()[0]
+    width, height = camera.film().size()
+    pixel = drjit.arange(mitsuba.UInt32, width * height)
+    row = pixel // width
+    column = pixel - row * width
+    place = mitsuba.Point2f((column + 0.5) / width, (row + 0.5) / height)
+    ray, _ = camera.sample_ray(0.0, 0.5, place, mitsuba.Point2f(0.5))
+    si = scene.ray_intersect(ray, mitsuba.RayFlags.Minimal, False, True)
+    behind = si.is_valid() & (drjit.dot(si.n, ray.d) > 0.0)
+    return bool(drjit.any(behind & _is_one_of(mitsuba, si, one_sided)))
+
+
+def past_backs(mitsuba: Any, inner: Any, one_sided: list[Any]) -> Any:
+    """An integrator that does as `inner` from where the eye's rays have passed these backs."""
     variant = mitsuba.variant()
     if variant not in _registered:
         mitsuba.register_integrator(PLUGIN, _seen_backs(mitsuba))
         _registered.add(variant)
+    backs = {f"{_BACK}{number}": bsdf for number, bsdf in enumerate(one_sided)}
+    return mitsuba.load_dict({"type": PLUGIN, "inner": inner, **backs})
+
+
+def _is_one_of(mi: Any, si: Any, bsdfs: list[Any]) -> Any:
+    found, result = si.bsdf(), mi.Bool(False)
+    for bsdf in bsdfs:
+        result |= found == mi.BSDFPtr(bsdf)
+    return result
 
 
 def _seen_backs(mi: Any) -> Any:
@@ -35,7 +57,7 @@ def _seen_backs(mi: Any) -> Any:
         def __init__(self, properties: Any):
             super().__init__(properties)
             self.inner = properties["inner"]
-            names = [name for name in properties.property_names() if name.startswith(BACK)]
+            names = [name for name in properties.keys() if name.startswith(_BACK)]
             self.one_sided = [properties[name] for name in names]
 
         def sample(
@@ -49,7 +71,7 @@ def _seen_backs(mi: Any) -> Any:
                 onwards.o = place
                 si = scene.ray_intersect(onwards, mi.RayFlags.Minimal, False, passing)
                 behind = passing & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
-                behind &= self._is_one_sided(si)
+                behind &= _is_one_of(mi, si, self.one_sided)
                 place = dr.select(behind, si.spawn_ray(ray.d).o, place)
                 return place, behind & (count < _MOST), count + 1
 
@@ -57,12 +79,5 @@ def _seen_backs(mi: Any) -> Any:
             place, _, _ = dr.while_loop(start, goes_on, past_one_back)
             ray.o = place
             return self.inner.sample(scene, sampler, ray, medium, active)
-
-        def _is_one_sided(self, si: Any) -> Any:
-            bsdf = si.bsdf()
-            result = mi.Bool(False)
-            for one in self.one_sided:
-                result |= bsdf == mi.BSDFPtr(one)
-            return result
 
     return SeenBacks

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from path_tracer.camera import sensor
 from path_tracer.library import load_mitsuba
-from path_tracer.seen_backs import BACK, register
-from path_tracer.seen_backs import PLUGIN as SEEN_BACKS
+from path_tracer.seen_backs import past_backs, sees
 from path_tracer.settings import PathTracerSettings
 from path_tracer.shapes import glowing_shapes, matter
 from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
@@ -36,7 +35,8 @@ class Tracer:
     def __init__(self, subject: Subject, settings: PathTracerSettings):
         self._subject = subject
         self._settings = settings
-        self._scenes: list[Any] | None = None
+        # Each with its integrator.
+        self._scenes: list[tuple[Any, Any]] | None = None
 
     def trace(
         self,
@@ -63,15 +63,15 @@ class Tracer:
             if self._scenes is None:
                 self._scenes = _scenes(mitsuba, self._subject, self._settings)
             samples = min(at_once, first + count - start)
-            for number, scene in enumerate(self._scenes):
+            for number, (scene, integrator) in enumerate(self._scenes):
                 seed = len(self._scenes) * start + number
-                batch = mitsuba.render(scene, spp=samples, seed=seed)
+                batch = mitsuba.render(scene, integrator=integrator, spp=samples, seed=seed)
                 total += samples * np.asarray(batch, dtype=np.float64)
             traced(samples)
         return (total / count).astype(np.float32)
 
 
-def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
+def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[tuple[Any, Any]]:
     """One scene lit by the sun and one by all else, without those that are dark."""
     model = model_of(settings, mitsuba)
     there = matter(mitsuba, subject, model)
@@ -103,8 +103,8 @@ def _scene(
     content: dict[str, Any],
     backs: list[Any],
     farthest: float,
-) -> Any:
-    """A scene as mitsuba has it."""
+) -> tuple[Any, Any]:
+    """A scene as mitsuba has it, and what integrates it."""
     bounces = settings.max_bounces
     integrator: dict[str, Any] = {
         # The latter seeks light through what lets it straight on, which costs.
@@ -112,14 +112,13 @@ def _scene(
         "max_depth": -1 if bounces is None else bounces + 1,
         "rr_depth": _ROULETTE_DEPTH,
     }
-    if backs and not mitsuba.variant().startswith("scalar"):
-        register(mitsuba)
-        named = {f"{BACK}{number}": bsdf for number, bsdf in enumerate(backs)}
-        integrator = {"type": SEEN_BACKS, "inner": integrator, **named}
     camera = sensor(mitsuba, subject, farthest)
-    return mitsuba.load_dict(
+    scene = mitsuba.load_dict(
         {"type": "scene", "integrator": integrator, "camera": camera, **content}
     )
+    if mitsuba.variant().startswith("scalar") or not backs or not sees(mitsuba, scene, backs):
+        return scene, scene.integrator()
+    return scene, past_backs(mitsuba, scene.integrator(), backs)
 
 
 def _lets_light_on(subject: Subject) -> bool:
