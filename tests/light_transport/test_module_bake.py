@@ -21,7 +21,7 @@ from light_transport.tolerance import quality_for
 
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.kernel.messages import RestartModule
+from vrut_lite.kernel.messages import EnableModule, RestartModule
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 
@@ -164,6 +164,16 @@ def test_settings_begin_anew_only_where_the_map_changes(stage, scene):
     (laid,) = layouts(stage.set("texel_m", 0.25))
     assert laid.size_px[0] * laid.size_px[1] > 400
     assert stage.set("texel_m", 0.25) == []
+
+
+def test_a_disabled_module_gives_its_slot_up_and_takes_it_again(stage, scene):
+    """Whoever draws then knows that the light is nobody's; enabled, the same light comes again."""
+    before = stage.tell(WANT, NOON, scene)
+    assert stage.kernel.slots.holder("light_map") == "light_transport"
+    stage.tell(EnableModule(module="light_transport", enabled=False))
+    assert stage.kernel.slots.holder("light_map") == ""
+    again = stage.tell(EnableModule(module="light_transport", enabled=True))
+    assert lights(again)[-1] == lights(before)[-1]
 
 
 def test_a_restarted_module_goes_on(stage, scene):
