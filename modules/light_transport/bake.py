@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.giving_up import GoOn, always
 from light_transport.hour.exchange import Exchange, direct_sky, enclosure, exchange_of, radiosity
 from light_transport.hour.filling import takes_light_of
 from light_transport.hour.gather import gathered
@@ -145,10 +146,14 @@ class Bake:
             parts += [*self._finished.exchange, *self._finished.smoothing, self._finished.shown]
         return sum(part.nbytes for part in parts)
 
-    def add_mirrors(self, parts: MirrorParts) -> None:
-        """See what stands around these parts; hours then have cubes of it."""
+    def add_mirrors(self, parts: MirrorParts, go_on: GoOn = always) -> None:
+        """See what stands around these parts; hours then have cubes of it.
+
+        Raises:
+            GivenUp: by `go_on`.
+        """
         self.mirrors = mirror_rays(
-            parts, self.surfaces.part, self.tree, self.receivers, self.threads
+            parts, self.surfaces.part, self.tree, self.receivers, self.threads, go_on
         )
         self._finished = None
 

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.giving_up import GivenUp, GoOn, unless
 from light_transport.messages import NAME
 from light_transport.unseen_hours import HourMessages
 from vrut_lite.array import Array
@@ -68,19 +69,28 @@ class Round(NamedTuple):
     bake: "Unwritten[Bake]"
 
 
-def laid_out(scene: SceneOpened, plan: Plan) -> Laid:
-    """Lay out a scene."""
+def laid_out(scene: SceneOpened, plan: Plan, control: JobControl) -> Laid | None:
+    """Lay out a scene; None if nobody waits for it any more."""
+    try:
+        return _laid_out(scene, plan, unless(control.cancelled))
+    except GivenUp:
+        return None
+
+
+def _laid_out(scene: SceneOpened, plan: Plan, go_on: GoOn) -> Laid:
     from light_transport.bake import Bake
     from light_transport.layout.layout import lay_out
     from light_transport.rays.mirror_parts import mirror_parts
     from light_transport.surfaces.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
-    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels)
+    go_on()
+    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, go_on)
+    go_on()
     bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
     bake.threads = _all_threads()
     bake.lamps = scene.lamps
-    bake.add_mirrors(mirror_parts(scene, surfaces))
+    bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
     bake.threads = 1
     message = msgspec.structs.replace(layout.message, mirrors=_mirrors(bake))
     return Laid(message, first_rays(bake.rows), Unwritten(bake))

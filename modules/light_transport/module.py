@@ -12,7 +12,7 @@ from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import Quality, quality_for
 from light_transport.unseen_hours import HourMessages, looks_like
-from vrut_lite.daylight.light_map import SurfaceLightChanged
+from vrut_lite.daylight.light_map import SLOT, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
@@ -46,7 +46,14 @@ class LightTransport(Module):
     """
 
     # Its settings are no options of commands: `--on` would say nothing.
-    manifest = Manifest(name=NAME, title="Light transport", version="0.1.0", auxiliary=True)
+    manifest = Manifest(
+        name=NAME,
+        title="Light transport",
+        version="0.1.0",
+        provides=(SLOT,),
+        requires=("sky",),
+        auxiliary=True,
+    )
     speaks = (HourOutdated, BakeGrown)
     settings_type = LightTransportSettings
     settings: LightTransportSettings

@@ -28,7 +28,7 @@ from zenoh_bridge.connection import NAME, Connection
 from zenoh_bridge.inputs import BridgeState, BridgeTrouble, RemoteMessage
 from zenoh_bridge.plan import plan_of
 from zenoh_bridge.settings import ZenohBridgeSettings
-from zenoh_bridge.shareable import SHAREABLE, revive, types_named
+from zenoh_bridge.shareable import SHAREABLE, SLOTS, revive, types_named
 
 OFF = "off: set enabled to true to join another process"
 ALONE = "joined to nobody: this kernel takes no inputs from outside"
@@ -60,7 +60,7 @@ class ZenohBridge(Module):
         name=NAME,
         title="Bridge (Zenoh)",
         version="0.1.0",
-        provides=("sun", "sky"),
+        provides=SLOTS,
         stand_in=False,
         auxiliary=True,
     )

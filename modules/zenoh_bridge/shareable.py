@@ -13,8 +13,9 @@ from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, Derived
 from vrut_lite.recording.codec import FindArray, decode, no_arrays
 
-# The messages of slots, and the messages that producers of light need.
-SLOT_PRODUCTS: tuple[type[Derived], ...] = tuple(kind for kind in DERIVED if kind.slot is not None)
+# The messages of the slots that the bridge may hold, and those that producers of light need.
+SLOTS = ("sun", "sky")
+SLOT_PRODUCTS: tuple[type[Derived], ...] = tuple(kind for kind in DERIVED if kind.slot in SLOTS)
 SHAREABLE: tuple[type[Derived], ...] = (*SLOT_PRODUCTS, ClockMoved, SceneNeeds)
 BY_NAME = {kind.__name__: kind for kind in SHAREABLE}
 

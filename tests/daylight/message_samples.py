@@ -203,7 +203,9 @@ def named(message):
 class Poster(Module):
     """Posts the message it is given."""
 
-    manifest = Manifest(name="poster", title="Poster", version="1", provides=("sun", "sky"))
+    manifest = Manifest(
+        name="poster", title="Poster", version="1", provides=("sun", "sky", "light_map")
+    )
     given = None
 
     @handles(Tick)

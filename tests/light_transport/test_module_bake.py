@@ -1,6 +1,7 @@
 """The module on the bus: what it does when, and what it leaves alone."""
 
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -16,12 +17,14 @@ from light_stage import (
     lights,
     of_kind,
 )
+from light_transport.layout import part_shapes
+from light_transport.layout.mesh_shapes import charts_of, stretched
 from light_transport.messages import BakeGrown
 from light_transport.tolerance import quality_for
 
 from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.kernel.messages import RestartModule
+from vrut_lite.kernel.messages import EnableModule, RestartModule, SetSetting
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 
@@ -134,6 +137,40 @@ def test_another_scene_begins_anew(stage, scene, tmp_path):
     assert layouts(stage.tell(scene))[0].layout_key != laid.layout_key
 
 
+@pytest.mark.parametrize("change", ["scene", "texels"])
+def test_a_layout_under_way_is_given_up(stage, scene, tmp_path, monkeypatch, change):
+    """Large scenes take seconds: whoever opens the next one, or turns a knob, does not wait."""
+    two = Show(path=str(box_file(tmp_path, "two.obj", boxes=((0.0, 2.0), (5.0, 1.0)))))
+    finer = SetSetting(module="light_transport", name="texel_m", value=0.25)
+    began, may_go_on, steps = threading.Event(), threading.Event(), []
+
+    def cut(surface, texel_m):
+        steps.append("cut")
+        return charts_of(surface, texel_m)
+
+    def waiting(mesh, stretch):
+        steps.append("stretch")
+        began.set()
+        assert may_go_on.wait(60.0)
+        return stretched(mesh, stretch)
+
+    monkeypatch.setattr(part_shapes, "stretched", waiting)
+    monkeypatch.setattr(part_shapes, "charts_of", cut)
+    stage.tell(WANT, NOON)
+    stage.said.clear()
+    stage.kernel.inject(two)
+    stage.kernel.pump()
+    assert began.wait(60.0)
+    stage.kernel.inject(scene if change == "scene" else finer)
+    stage.kernel.pump()
+    may_go_on.set()
+    stage.kernel.pump_until_idle()
+    # After the step that the first layout was in, the next is the second one's first.
+    assert steps[:3] == ["stretch", "stretch", "cut"]
+    (laid,) = layouts(stage.said)
+    assert laid.content_key == stage.kernel.last(SceneOpened).content_key
+
+
 def test_switched_off_the_map_is_taken_back(stage, scene):
     """A layout of no scene says so; switched on again the same light comes again."""
     on = stage.tell(WANT, NOON, scene)
@@ -164,6 +201,16 @@ def test_settings_begin_anew_only_where_the_map_changes(stage, scene):
     (laid,) = layouts(stage.set("texel_m", 0.25))
     assert laid.size_px[0] * laid.size_px[1] > 400
     assert stage.set("texel_m", 0.25) == []
+
+
+def test_a_disabled_module_gives_its_slot_up_and_takes_it_again(stage, scene):
+    """Whoever draws then knows that the light is nobody's; enabled, the same light comes again."""
+    before = stage.tell(WANT, NOON, scene)
+    assert stage.kernel.slots.holder("light_map") == "light_transport"
+    stage.tell(EnableModule(module="light_transport", enabled=False))
+    assert stage.kernel.slots.holder("light_map") == ""
+    again = stage.tell(EnableModule(module="light_transport", enabled=True))
+    assert lights(again)[-1] == lights(before)[-1]
 
 
 def test_a_restarted_module_goes_on(stage, scene):

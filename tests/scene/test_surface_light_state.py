@@ -10,7 +10,8 @@ from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import RestartModule, Tick
+from vrut_lite.kernel.lifecycle import FAULTS_UNTIL_SUSPENSION
+from vrut_lite.kernel.messages import EnableModule, RestartModule, Tick
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
@@ -19,7 +20,7 @@ from vrut_lite.scene.manager import SceneManager
 class Transport(Module):
     """Posts what a test gives it."""
 
-    manifest = Manifest(name="transport", title="Transport", version="1")
+    manifest = Manifest(name="transport", title="Transport", version="1", provides=("light_map",))
     given: tuple = ()
 
     @handles(Tick)
@@ -139,3 +140,36 @@ def test_a_restarted_manager_shows_the_same_light(stage):
     kernel.inject(RestartModule(module="scene"))
     kernel.pump_until_idle()
     assert view.state.surface_light is light
+
+
+def test_without_its_holder_the_open_sky_lights_surfaces(stage):
+    """Nobody would change the last light with the hour: it goes, and comes with a holder."""
+    kernel, view, post, load = stage
+    layout = laid(load(0))
+    light = lit(layout)
+    post(layout, light)
+    enabled(kernel, False)
+    assert (view.state.light_map, view.state.surface_light) == (None, None)
+    load(0)
+    assert (view.state.light_map, view.state.surface_light) == (None, None)
+    enabled(kernel, True)
+    assert post(layout, light).surface_light is light
+
+
+def test_a_holder_that_fails_takes_its_light_along(stage, monkeypatch):
+    """After three faults the kernel suspends it, and nothing updates what it said last."""
+    kernel, view, post, load = stage
+    layout = laid(load(0))
+    post(layout, lit(layout))
+    monkeypatch.setattr(Transport, "given", (None,))
+    for _ in range(FAULTS_UNTIL_SUSPENSION):
+        assert view.state.surface_light is not None
+        kernel.inject(Tick(elapsed_s=0.1))
+        kernel.pump_until_idle()
+    assert kernel.last_fault("transport").suspended
+    assert (view.state.light_map, view.state.surface_light) == (None, None)
+
+
+def enabled(kernel, enabled):
+    kernel.inject(EnableModule(module="transport", enabled=enabled))
+    kernel.pump_until_idle()

@@ -4,7 +4,7 @@ Its layout is told once a scene, the light in it once an hour. What comes straig
 light is not in it: the frame draws that with its shadow map.
 """
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import msgspec
 import numpy as np
@@ -18,6 +18,8 @@ from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Float32Array, Vector
 
 NOT_MAPPED = -1
+# Who lights surfaces; without a holder the open sky does.
+SLOT = "light_map"
 _LARGEST_M = 1e10
 _SHAPE_COLUMNS = 5
 _FACES = 6
@@ -156,6 +158,8 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
         mirrors: None where nothing has a cube map of what stands around it.
     """
 
+    slot: ClassVar[str | None] = SLOT
+
     content_key: str
     layout_key: str
     size_px: tuple[int, int]
@@ -242,6 +246,8 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
             is radiance in W m^-2 sr^-1, weighed by alpha: the share of a texel that is neither sky
             nor ground beyond the map, 0 to 1. None where the layout has no mirrors.
     """
+
+    slot: ClassVar[str | None] = SLOT
 
     layout_key: str
     texels: Array

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Mesh, Node, Primitive
-from vrut_lite.scene.gltf_terms import averaged_maps, variant_names
+from vrut_lite.scene.gltf_terms import averaged_maps
 from vrut_lite.scene.uv_layers import layers_of, texture_infos
 
 _TRIANGLES = 4
@@ -16,7 +16,7 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
     meshes = {node.mesh for node in nodes if node.mesh is not None}
     for number in meshes:
         _tell_mesh(file, item_at(document.meshes, number, "mesh"))
-    variants = variant_names(bytes(document.extensions))
+    variants = [variant.name for variant in document.extensions.variants.variants]
     if variants:
         notices.tell(f"material variants {', '.join(variants)}", "the default materials are shown")
     others = len(document.scenes) - 1

@@ -319,9 +319,22 @@ class IesProfiles(Part, frozen=True):
     lights: list[IesProfile] = []
 
 
+class Variant(Part, frozen=True):
+    """KHR_materials_variants: another look of the scene."""
+
+    name: str = ""
+
+
+class Variants(Part, frozen=True):
+    """The variants of the document."""
+
+    variants: list[Variant] = []
+
+
 class GltfExtensions(Part, frozen=True):
     """The extensions of the document that are honoured."""
 
+    variants: Variants = field(default_factory=Variants, name="KHR_materials_variants")
     punctual: Lamps = field(default_factory=Lamps, name="KHR_lights_punctual")
     ies: IesProfiles = field(default_factory=IesProfiles, name="EXT_lights_ies")
 
@@ -402,6 +415,4 @@ class Gltf(Part, frozen=True):
     scenes: list[Scene] = []
     animations: list[Animation] = []
     skins: list[Skin] = []
-    # JSON that gltf_terms.py reads.
-    extensions: Raw = Raw(b"{}")
     scene: Index | None = None

@@ -97,18 +97,6 @@ class _Extensions(Part, frozen=True):
     unlit: dict[str, Any] | None = field(default=None, name="KHR_materials_unlit")
 
 
-class _Variant(Part, frozen=True):
-    name: str = ""
-
-
-class _Variants(Part, frozen=True):
-    variants: tuple[_Variant, ...] = ()
-
-
-class _FileExtensions(Part, frozen=True):
-    variants: _Variants = field(default=_Variants(), name="KHR_materials_variants")
-
-
 ImageOf = Callable[[TextureInfo], Image.Image | None]
 
 
@@ -141,15 +129,6 @@ def averaged_maps(source: Material) -> list[str]:
         "thicknessTexture": found.volume.thickness_texture,
     }
     return [name for name, info in textures.items() if info is not None]
-
-
-def variant_names(extensions: bytes) -> list[str]:
-    """The names of a file's material variants, from the JSON of its own extensions."""
-    try:
-        found = msgspec.json.decode(extensions, type=_FileExtensions)
-    except msgspec.ValidationError:
-        return []
-    return [variant.name for variant in found.variants.variants]
 
 
 def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:

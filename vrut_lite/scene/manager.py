@@ -90,6 +90,7 @@ class SceneManager(Module):
         self._time_s: float | None = None
         self._wants_air = False
         self._wants_scene_light = False
+        self._has_light_map = False
         self._of_scene = (
             CloudsChanged,
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
@@ -245,13 +246,19 @@ class SceneManager(Module):
 
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
-        """Drop the air of a sky that no longer holds the slot."""
+        """Drop the air of a sky that no longer holds its slot, and light that nobody updates."""
         if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
             self._change(air=None)
+        elif message.name == LightMapLaid.slot:
+            self._has_light_map = message.holder != ""
+            self._take_surface_light()
 
     def _take_surface_light(self) -> None:
-        self._view.state = self.state.with_surface_light(
-            self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)
+        laid, light = self.link.last(LightMapLaid), self.link.last(SurfaceLightChanged)
+        self._view.state = (
+            self.state.with_surface_light(laid, light)
+            if self._has_light_map
+            else self.state.with_surface_light(None, None)
         )
 
     def _change(self, **parts: Any) -> None:

@@ -25,8 +25,9 @@ def takes_light_of(
 def _takes(links, good, free):  # type: ignore[no-untyped-def]
     count = len(links)
     source = np.full(count, NOBODY, np.int32)
-    ring = np.flatnonzero(good[:count])
-    source[ring] = ring
+    for i in range(count):
+        if good[i]:
+            source[i] = i
     while True:
         found = source.copy()
         some = False

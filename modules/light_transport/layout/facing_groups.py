@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import agree, dot, kernel
+from light_transport.kernels import agree, cross, dot, inlined, kernel
 from vrut_lite.numeric_types import FloatArray
 
 # Least cosine between two triangles' normals in a smooth surface; a crease (40 degrees) ends it,
@@ -49,15 +49,15 @@ def facing_groups(
     """
     # Triangles without an area take a neighbour's normal.
     normals = normals.copy()
-    surface = _smooth_surfaces(normals, areas, opposite, shading)
-    label, directions = _labels(normals, areas, surface, opposite)
+    surface, surfaces = _smooth_surfaces(normals, areas, opposite, shading)
+    label, directions = _labels(normals, areas, surface, surfaces, opposite)
     group, first = connected(surface, label, opposite)
     return Groups(group, mean_directions(normals, areas, group, directions[label[first]]))
 
 
 @kernel
 def _smooth_surfaces(normals, areas, opposite, shading):  # type: ignore[no-untyped-def]
-    """Numbers (F,) of surfaces that creases and open edges end."""
+    """Numbers (F,) of surfaces that creases and open edges end, and how many there are."""
     count = len(areas)
     surface = np.full(count, -1, np.int32)
     queue = np.empty(count, np.int32)
@@ -78,7 +78,8 @@ def _smooth_surfaces(normals, areas, opposite, shading):  # type: ignore[no-unty
                     if surface[g] >= 0:
                         continue
                     if areas[g] == 0.0:
-                        normals[g] = normals[f]
+                        for k in range(3):
+                            normals[g, k] = normals[f, k]
                     elif dot(normals[f], normals[g]) < _CREASE and not agree(
                         shading, f, e, g, opposite[f, e] % 3
                     ):
@@ -87,18 +88,18 @@ def _smooth_surfaces(normals, areas, opposite, shading):  # type: ignore[no-unty
                     queue[tail] = g
                     tail += 1
             surfaces += 1
-    return surface
+    return surface, surfaces
 
 
 @kernel
-def _labels(normals, areas, surface, opposite):  # type: ignore[no-untyped-def]
+def _labels(normals, areas, surface, surfaces, opposite):  # type: ignore[no-untyped-def]
     """What each triangle faces, as a row of the directions that come with it."""
     count = len(areas)
-    surfaces = surface.max() + 1
     first = np.zeros(surfaces + 1, np.int64)
     for f in range(count):
         first[surface[f] + 1] += 1
-    first = np.cumsum(first)
+    for s in range(surfaces):
+        first[s + 1] += first[s]
     members = np.empty(count, np.int32)
     filled = first.copy()
     for f in range(count):
@@ -109,7 +110,8 @@ def _labels(normals, areas, surface, opposite):  # type: ignore[no-untyped-def]
     for s in range(surfaces):
         own = members[first[s] : first[s + 1]]
         if _faces_one(normals, areas, own, directions[6 * s]):
-            label[own] = 6 * s
+            for f in own:
+                label[f] = 6 * s
         else:
             _frame(normals, areas, own, directions[6 * s : 6 * s + 6])
             _decide(normals, surface, own, opposite, directions, label)
@@ -118,16 +120,15 @@ def _labels(normals, areas, surface, opposite):  # type: ignore[no-untyped-def]
 
 @kernel
 def _faces_one(normals, areas, own, direction):  # type: ignore[no-untyped-def]
-    """Whether triangles stay about their mean normal, which is put into `direction`."""
+    """Whether triangles stay about their mean normal, which is added to `direction`, then 0."""
     whole = 0.0
-    direction[:] = 0.0
     for f in own:
         whole += areas[f]
-        direction += areas[f] * normals[f]
-    length = np.sqrt(dot(direction, direction))
-    if length <= 1e-9 * whole:
+        for k in range(3):
+            direction[k] += areas[f] * normals[f, k]
+    if np.sqrt(dot(direction, direction)) <= 1e-9 * whole:
         return whole == 0.0
-    direction /= length
+    _make_unit(direction)
     steep = 0.0
     for f in own:
         cosine = dot(normals[f], direction)
@@ -138,10 +139,17 @@ def _faces_one(normals, areas, own, direction):  # type: ignore[no-untyped-def]
     return steep <= _STEEP_SHARE * whole
 
 
+@inlined
+def _make_unit(vector):  # type: ignore[no-untyped-def]
+    length = max(np.sqrt(dot(vector, vector)), 1e-300)
+    for k in range(3):
+        vector[k] /= length
+
+
 @kernel
 def _frame(normals, areas, own, directions):  # type: ignore[no-untyped-def]
     """Six directions: the most frequent normal, the most frequent one across it, and so on."""
-    counts = np.zeros((_CELLS, _CELLS, 4))
+    counts = np.zeros((_CELLS * _CELLS, 4))
     for f in own:
         n = normals[f]
         size = max(abs(n[0]) + abs(n[1]) + abs(n[2]), 1e-300)
@@ -149,16 +157,25 @@ def _frame(normals, areas, own, directions):  # type: ignore[no-untyped-def]
         side = 1.0 if n[1] >= 0.0 else -1.0
         i = int(min(max((0.5 + 0.5 * side * n[0] / size) * _CELLS, 0.0), _CELLS - 1.0))
         j = int(min(max((0.5 + 0.5 * side * n[2] / size) * _CELLS, 0.0), _CELLS - 1.0))
-        counts[i, j, 0] += areas[f]
-        counts[i, j, 1:] += side * areas[f] * n
-    best = np.argmax(counts[:, :, 0])
-    x = counts[best // _CELLS, best % _CELLS, 1:].copy()
-    x /= max(np.sqrt(dot(x, x)), 1e-300)
-    y = np.zeros(3)
-    y[np.argmin(np.abs(x))] = 1.0
-    y -= dot(x, y) * x
-    y /= np.sqrt(dot(y, y))
-    z = np.cross(x, y)
+        cell = i * _CELLS + j
+        counts[cell, 0] += areas[f]
+        for k in range(3):
+            counts[cell, 1 + k] += side * areas[f] * n[k]
+    best = 0
+    for cell in range(len(counts)):
+        if counts[cell, 0] > counts[best, 0]:
+            best = cell
+    x, y, z = counts[best, 1:], np.zeros(3), np.empty(3)
+    _make_unit(x)
+    seldom = 0
+    for k in range(3):
+        if abs(x[k]) < abs(x[seldom]):
+            seldom = k
+    along = x[seldom]
+    for k in range(3):
+        y[k] = (1.0 if k == seldom else 0.0) - along * x[k]
+    _make_unit(y)
+    cross(x, y, z)
     turns = np.zeros((_TURNS, 3))
     for f in own:
         p, q = dot(normals[f], y), dot(normals[f], z)
@@ -170,13 +187,18 @@ def _frame(normals, areas, own, directions):  # type: ignore[no-untyped-def]
         turns[turn, 0] += areas[f]
         turns[turn, 1] += areas[f] * np.cos(angle)
         turns[turn, 2] += areas[f] * np.sin(angle)
-    common = turns[np.argmax(turns[:, 0])]
-    angle = 0.25 * np.arctan2(common[2], common[1])
-    across = np.cos(angle) * y + np.sin(angle) * z
-    directions[0], directions[1] = x, -x
-    directions[2], directions[3] = across, -across
-    directions[4] = np.cross(x, across)
-    directions[5] = -directions[4]
+    best = 0
+    for turn in range(_TURNS):
+        if turns[turn, 0] > turns[best, 0]:
+            best = turn
+    angle = 0.25 * np.arctan2(turns[best, 2], turns[best, 1])
+    for k in range(3):
+        directions[0, k] = x[k]
+        directions[2, k] = np.cos(angle) * y[k] + np.sin(angle) * z[k]
+    cross(directions[0], directions[2], directions[4])
+    for axis in range(0, 6, 2):
+        for k in range(3):
+            directions[axis + 1, k] = -directions[axis, k]
 
 
 @kernel
@@ -265,10 +287,11 @@ def mean_directions(normals, areas, group, fallback):  # type: ignore[no-untyped
     groups = len(fallback)
     mean = np.zeros((groups, 3))
     for f in range(len(areas)):
-        mean[group[f]] += areas[f] * normals[f]
+        for k in range(3):
+            mean[group[f], k] += areas[f] * normals[f, k]
     least = np.full((groups, 2), 2.0)
     for g in range(groups):
-        mean[g] /= max(np.sqrt(dot(mean[g], mean[g])), 1e-300)
+        _make_unit(mean[g])
     for f in range(len(areas)):
         g = group[f]
         if areas[f] == 0.0:
@@ -277,7 +300,8 @@ def mean_directions(normals, areas, group, fallback):  # type: ignore[no-untyped
         least[g, 1] = min(least[g, 1], dot(normals[f], fallback[g]))
     for g in range(groups):
         if least[g, 0] < least[g, 1]:
-            mean[g] = fallback[g]
+            for k in range(3):
+                mean[g, k] = fallback[g, k]
         if dot(mean[g], mean[g]) < 0.5:
             mean[g, 1] = 1.0
     return mean

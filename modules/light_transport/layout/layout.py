@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.giving_up import GoOn, always
 from light_transport.layout.ground_chart import EDGE_PX, ground_chart, ground_owners
 from light_transport.layout.mesh_shapes import WIDEST_PX, MeshShape
 from light_transport.layout.part_shapes import PartShapes, part_shapes
@@ -66,6 +67,7 @@ def lay_out(
     surfaces: Surfaces,
     texel_m: float | None = None,
     texels: int = TEXELS,
+    go_on: GoOn = always,
 ) -> Layout:
     """A light map for a scene.
 
@@ -76,8 +78,12 @@ def lay_out(
             about `texels` are used, without the ground's 9,216. Where triangles are fine, texels
             are finer.
         texels: see `texel_m`.
+        go_on: asked between steps.
+
+    Raises:
+        GivenUp: by `go_on`.
     """
-    shapes = part_shapes(scene.geometry, texel_m, texels)
+    shapes = part_shapes(scene.geometry, texel_m, texels, go_on)
     sizes = [shapes.shapes[shape].size for shape in shapes.of if shape != NOT_MAPPED]
     if scene.ground is not None:
         sizes.append((EDGE_PX, EDGE_PX))
@@ -104,6 +110,7 @@ def lay_out(
         ground = ground_chart(scene.ground, surfaces.radius_m, (x, y))
         owner[y : y + EDGE_PX, x : x + EDGE_PX] = ground_owners(len(surfaces.part) - 2)
         charts += 1
+    go_on()
     seams = seam_texels(surfaces.corners_m, surfaces.normals, uv_px, chart, owner)
     message = _message(scene, surfaces, shapes, corners, owner, ground)
     texels_m = np.array([*(shape.texel_m for shape in shapes.shapes), np.nan])

@@ -1,5 +1,7 @@
 """Groups of triangles that are small for the texels become part of a neighbour."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,7 +58,8 @@ def _best_neighbours(  # type: ignore[no-untyped-def]
     for f in range(len(group)):
         first[group[f] + 1] += 1
         area[group[f]] += areas[f]
-    first = np.cumsum(first)
+    for g in range(groups):
+        first[g + 1] += first[g]
     members = np.empty(len(group), np.int32)
     filled = first.copy()
     for f in range(len(group)):
@@ -75,8 +78,10 @@ def _best_neighbours(  # type: ignore[no-untyped-def]
                 other = group[opposite[f, e] // 3] if opposite[f, e] >= 0 else np.int32(g)
                 if other == g:
                     continue
-                edge = corners[f, (e + 1) % 3] - corners[f, e]
-                border[other] += np.sqrt(dot(edge, edge))
+                length2 = 0.0
+                for axis in range(3):
+                    length2 += (corners[f, (e + 1) % 3, axis] - corners[f, e, axis]) ** 2
+                border[other] += math.sqrt(length2)
                 # Beside an equal border the larger group wins.
                 if border[other] > longest or best == g:
                     best, longest = other, border[other]

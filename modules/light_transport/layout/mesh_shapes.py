@@ -104,7 +104,7 @@ def shape_of(surface: Surface, charts: Charts, texel_m: float) -> MeshShape:
     packed = pack(charts.sizes, WIDEST_PX)
     uv_px = charts.uv_px + packed.corners[charts.of][:, None]
     owner = texel_owners(uv_px, charts.of, packed.corners, charts.sizes, packed.size)
-    corner, triangles = _split_vertices(surface.vertices, charts.of)
+    corner, triangles = _split_vertices(surface.vertices, charts.of, len(charts.sizes))
     return MeshShape(
         source_vertex=surface.vertices.reshape(-1)[corner],
         vertex_uv=uv_px.reshape(-1, 2)[corner],
@@ -118,12 +118,22 @@ def shape_of(surface: Surface, charts: Charts, texel_m: float) -> MeshShape:
 
 
 @kernel
-def _split_vertices(vertices, chart):  # type: ignore[no-untyped-def]
+def _split_vertices(vertices, chart, charts):  # type: ignore[no-untyped-def]
     """Triangles (F, 3) of vertices that charts do not share, and a corner that each copies."""
-    count = len(vertices)
-    order = np.argsort(chart, kind="mergesort")
-    seen = np.full(vertices.max() + 1 if count else 0, -1, np.int32)
-    number = np.empty(len(seen), np.int32)
+    count, most = len(vertices), -1
+    # Triangles chart after chart.
+    place, order = np.zeros(charts + 1, np.int64), np.empty(count, np.int64)
+    for f in range(count):
+        place[chart[f] + 1] += 1
+        for k in range(3):
+            most = max(most, vertices[f, k])
+    for c in range(charts):
+        place[c + 1] += place[c]
+    for f in range(count):
+        order[place[chart[f]]] = f
+        place[chart[f]] += 1
+    seen = np.full(most + 1, -1, np.int32)
+    number = np.empty(most + 1, np.int32)
     corner = np.empty(3 * count, np.int32)
     triangles = np.empty((count, 3), np.int32)
     made = 0

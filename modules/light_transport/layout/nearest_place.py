@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from light_transport.kernels import kernel
+from light_transport.kernels import inlined
 
 # A bilinear look-up on a triangle meets texels whose middles lie less than one texel across and one
 # down beside it: 1.42 along the diagonal, and what `projection.MARGIN_PX` adds.
 REACH_PX = 1.51
 
 
-@kernel
+@inlined
 def nearest(corners, heights, x, y):  # type: ignore[no-untyped-def]
     """Square of the distance of (x, y) from a triangle, 0 within, and the nearest place's height.
 
@@ -37,7 +37,7 @@ def nearest(corners, heights, x, y):  # type: ignore[no-untyped-def]
     return least, height
 
 
-@kernel
+@inlined
 def signed_area(a, b, x, y):  # type: ignore[no-untyped-def]
     """Twice the area of the triangle a, b, (x, y).
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from light_transport.kernels import kernel
+from light_transport.kernels import inlined, kernel
 from light_transport.layout.nearest_place import REACH_PX, nearest, signed_area
 
 # Places beside each other in a chart, whose heights differ by more texels than this and slopes
@@ -31,15 +31,17 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
     """
     count = len(chart)
     first = np.zeros(len(sizes) + 1, np.int64)
+    most = 0
     for c in range(len(sizes)):
-        first[c + 1] = first[c] + sizes[c, 0] * sizes[c, 1]
+        texels_here = np.int64(sizes[c, 0]) * np.int64(sizes[c, 1])
+        first[c + 1] = first[c] + texels_here
+        most = max(most, texels_here)
     head = np.full(first[-1], -1, np.int32)
     follows, claimed = np.empty(1024, np.int32), np.empty(1024, np.int32)
     # Of a claim: whether a triangle covers the middle, the lowest and the highest place.
     covered, lowest, highest = np.empty(1024, np.bool_), np.empty(1024), np.empty(1024)
     claims = 0
     # Of a triangle: the texels that it meets.
-    most = (sizes[:, 0].astype(np.int64) * sizes[:, 1]).max()
     texels, inside, height = np.empty(most, np.int64), np.empty(most, np.bool_), np.empty(most)
     layer = np.full(count, -1, np.int32)
     newest = np.zeros(len(sizes), np.int32)
@@ -102,7 +104,7 @@ def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
     return layer
 
 
-@kernel
+@inlined
 def _slope(corners, heights):  # type: ignore[no-untyped-def]
     """Rise over run of a triangle, 0 without area."""
     a, b, c = corners

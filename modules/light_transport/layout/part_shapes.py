@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.giving_up import GoOn
 from light_transport.layout.mesh_shapes import MeshShape, Surface, charts_of, shape_of, stretched
 from light_transport.layout.texel_owners import UNUSED
+from light_transport.layout.unwrapping import Charts
 from vrut_lite.daylight.light_map import NOT_MAPPED
 from vrut_lite.daylight.scene_content import SceneGeometry
 from vrut_lite.numeric_types import BoolArray, FloatArray
@@ -62,9 +64,11 @@ class _Kind:
     count: int
 
 
-def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> PartShapes:
+def part_shapes(
+    geometry: SceneGeometry, texel_m: float | None, texels: int, go_on: GoOn
+) -> PartShapes:
     """Shapes for all parts of a scene, as `layout.lay_out` explains."""
-    kinds, of = _kinds(geometry)
+    kinds, of = _kinds(geometry, go_on)
     whole_m2 = sum(kind.area_m2 * kind.count for kind in kinds)
     if whole_m2 == 0.0:
         nothing = np.full(len(of), NOT_MAPPED, np.int32)
@@ -76,7 +80,7 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
     size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
     bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
     for last in reversed(range(_ROUNDS)):
-        shapes = _cut(kinds, bare, size_m, most)
+        shapes = _cut(kinds, bare, size_m, most, go_on)
         used = sum(
             kind.count * int(np.count_nonzero(shape.owner != UNUSED))
             for kind, shape in zip(kinds, shapes, strict=True)
@@ -99,17 +103,17 @@ def part_shapes(geometry: SceneGeometry, texel_m: float | None, texels: int) -> 
 
 
 def _cut(
-    kinds: list[_Kind], bare: BoolArray, texel_m: float, budget: int
+    kinds: list[_Kind], bare: BoolArray, texel_m: float, budget: int, go_on: GoOn
 ) -> list[MeshShape | None]:
     """A shape for each kind; None for those that do without texels, which `bare` (K,) collects.
 
     Those in it stay there, whatever texels the others get.
     """
     sizes_m = _texel_sizes_m(kinds, texel_m, budget)
-    charts = [
-        None if none else charts_of(kind.surface, size_m)
-        for kind, size_m, none in zip(kinds, sizes_m.tolist(), bare.tolist(), strict=True)
-    ]
+    charts: list[Charts | None] = []
+    for kind, size_m, none in zip(kinds, sizes_m.tolist(), bare.tolist(), strict=True):
+        go_on()
+        charts.append(None if none else charts_of(kind.surface, size_m))
     cost = np.array([0.0 if each is None else each.texels for each in charts])
     within = np.array([kind.area_m2 for kind in kinds]) / sizes_m**2
     count = np.array([kind.count for kind in kinds])
@@ -125,12 +129,13 @@ def _cut(
             bare[kind] = True
             kept_m2 -= areas_m2[kind]
             excess -= 0.0 if thin[kind] else beside[kind]
-    return [
-        None if each is None or none else shape_of(kind.surface, each, size_m)
-        for kind, each, size_m, none in zip(
-            kinds, charts, sizes_m.tolist(), bare.tolist(), strict=True
-        )
-    ]
+    shapes: list[MeshShape | None] = []
+    for kind, each, size_m, none in zip(
+        kinds, charts, sizes_m.tolist(), bare.tolist(), strict=True
+    ):
+        go_on()
+        shapes.append(None if each is None or none else shape_of(kind.surface, each, size_m))
+    return shapes
 
 
 def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArray:
@@ -152,7 +157,7 @@ def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArra
     return np.maximum(np.minimum(texel_m, least_m), np.maximum(long_m, 1e-3 * texel_m))
 
 
-def _kinds(geometry: SceneGeometry) -> tuple[list[_Kind], NDArray[np.int64]]:
+def _kinds(geometry: SceneGeometry, go_on: GoOn) -> tuple[list[_Kind], NDArray[np.int64]]:
     """Meshes as they are stretched, and which of them each part (P,) is."""
     numbers: dict[tuple[int, ...], int] = {}
     stretches: list[tuple[int, FloatArray]] = []
@@ -169,6 +174,7 @@ def _kinds(geometry: SceneGeometry) -> tuple[list[_Kind], NDArray[np.int64]]:
     counts = np.bincount(of, minlength=len(stretches))
     kinds = []
     for (mesh, stretch), count in zip(stretches, counts.tolist(), strict=True):
+        go_on()
         surface = stretched(geometry.mesh(mesh), stretch)
         kinds.append(_Kind(mesh, surface, float(surface.areas_m2.sum()), count))
     return kinds, of

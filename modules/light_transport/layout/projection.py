@@ -6,7 +6,7 @@ that a GPU takes, and which triangle a texel's middle lies in is decided without
 
 import numpy as np
 
-from light_transport.kernels import dot, kernel
+from light_transport.kernels import cross, dot, kernel
 
 STEPS_PER_PX = 1024.0
 # A look-up this far beside a chart, in texels, still finds the chart's own texels: GPUs round
@@ -30,17 +30,27 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
     groups = len(direction)
     axes = np.empty((groups, 2, 3))
     for g in range(groups):
-        n = direction[g]
-        seldom = np.zeros(3)
-        seldom[np.argmin(np.abs(n))] = 1.0
-        u = np.cross(seldom, n)
-        axes[g, 0] = u / np.sqrt(dot(u, u))
-        axes[g, 1] = np.cross(n, axes[g, 0])
+        n, u, v = direction[g], axes[g, 0], axes[g, 1]
+        seldom = 0
+        for k in range(3):
+            if abs(n[k]) < abs(n[seldom]):
+                seldom = k
+        for k in range(3):
+            v[k] = 1.0 if k == seldom else 0.0
+        cross(v, n, u)
+        length = np.sqrt(dot(u, u))
+        for k in range(3):
+            u[k] /= length
+        cross(n, u, v)
     uv, heights = np.empty((len(group), 3, 2)), np.empty((len(group), 3))
     longest = np.zeros(groups)
     # The directions that are tried, the first of them along the longest border.
     turn = np.zeros((groups, 1 + _TURNS, 2))
-    turn[:, 0, 0] = 1.0
+    for g in range(groups):
+        turn[g, 0, 0] = 1.0
+        for k in range(1, 1 + _TURNS):
+            turn[g, k, 0] = np.cos(0.5 * np.pi * (k - 1) / _TURNS)
+            turn[g, k, 1] = np.sin(0.5 * np.pi * (k - 1) / _TURNS)
     for f in range(len(group)):
         g = group[f]
         for k in range(3):
@@ -56,16 +66,13 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
                 if length > 1.000001 * longest[g]:
                     longest[g] = length
                     turn[g, 0, 0], turn[g, 0, 1] = du / length, dv / length
-    for k in range(1, 1 + _TURNS):
-        turn[:, k, 0] = np.cos(0.5 * np.pi * (k - 1) / _TURNS)
-        turn[:, k, 1] = np.sin(0.5 * np.pi * (k - 1) / _TURNS)
     lower = np.full((groups, 1 + _TURNS, 2), np.inf)
     upper = np.full((groups, 1 + _TURNS, 2), -np.inf)
     for f in range(len(group)):
         g = group[f]
         for c in range(3):
             for k in range(1 + _TURNS):
-                a, b = turn[g, k]
+                a, b = turn[g, k, 0], turn[g, k, 1]
                 s, t = a * uv[f, c, 0] + b * uv[f, c, 1], a * uv[f, c, 1] - b * uv[f, c, 0]
                 lower[g, k, 0], lower[g, k, 1] = min(lower[g, k, 0], s), min(lower[g, k, 1], t)
                 upper[g, k, 0], upper[g, k, 1] = max(upper[g, k, 0], s), max(upper[g, k, 1], t)
@@ -75,16 +82,16 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
     for g in range(groups):
         least = np.inf
         for k in range(1 + _TURNS):
-            size = upper[g, k] - lower[g, k]
-            area = (size[0] + 1.0) * (size[1] + 1.0)
+            wide, high = upper[g, k, 0] - lower[g, k, 0], upper[g, k, 1] - lower[g, k, 1]
+            area = (wide + 1.0) * (high + 1.0)
             if area < 0.98 * least:
                 best[g], least = k, area
-        size = upper[g, best[g]] - lower[g, best[g]]
-        lies[g] = size[0] >= size[1]
+        k = best[g]
+        lies[g] = upper[g, k, 0] - lower[g, k, 0] >= upper[g, k, 1] - lower[g, k, 1]
     for f in range(len(group)):
         g = group[f]
         k = best[g]
-        a, b = turn[g, k]
+        a, b = turn[g, k, 0], turn[g, k, 1]
         for c in range(3):
             s = a * uv[f, c, 0] + b * uv[f, c, 1] - lower[g, k, 0]
             t = a * uv[f, c, 1] - b * uv[f, c, 0] - lower[g, k, 1]
@@ -92,8 +99,10 @@ def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-d
                 s, t = upper[g, k, 1] - lower[g, k, 1] - t, s
             uv[f, c, 0], uv[f, c, 1] = s, t
     for g in range(groups):
-        size = upper[g, best[g]] - lower[g, best[g]]
-        wide, high = (size[0], size[1]) if lies[g] else (size[1], size[0])
+        k = best[g]
+        wide, high = upper[g, k, 0] - lower[g, k, 0], upper[g, k, 1] - lower[g, k, 1]
+        if not lies[g]:
+            wide, high = high, wide
         sizes[g, 0] = int(np.ceil(wide + 2.0 * MARGIN_PX)) + 1
         sizes[g, 1] = int(np.ceil(high + 2.0 * MARGIN_PX)) + 1
         # In the middle of what whole texels leave.

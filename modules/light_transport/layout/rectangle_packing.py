@@ -57,7 +57,7 @@ def _skyline(sizes, order, width):  # type: ignore[no-untyped-def]
     height = np.empty(width + 2, np.int64)
     start[0], height[0], steps = 0, 0, 1
     for number in order:
-        wide, high = sizes[number]
+        wide, high = sizes[number, 0], sizes[number, 1]
         best, best_top = -1, np.int64(2**62)
         for i in range(steps):
             if start[i] + wide > width:
@@ -69,7 +69,7 @@ def _skyline(sizes, order, width):  # type: ignore[no-untyped-def]
             if top < best_top:
                 best, best_top = i, top
         left, right = start[best], start[best] + wide
-        corners[number] = left, best_top
+        corners[number, 0], corners[number, 1] = left, best_top
         # The steps under it become one; the last keeps what sticks out.
         last = best
         while last + 1 < steps and start[last + 1] < right:

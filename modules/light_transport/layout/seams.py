@@ -7,7 +7,7 @@ map lets light pass between these pairs as between texels side by side, so that 
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import agree, kernel
+from light_transport.kernels import agree, inlined, kernel
 from light_transport.layout.texel_owners import UNUSED
 from light_transport.layout.welding import NO_EDGE, opposite_edges, welded
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -85,12 +85,12 @@ def _pairs(opposite, normals, uv, chart, texel_chart):  # type: ignore[no-untype
     return found[:count].copy()
 
 
-@kernel
+@inlined
 def _length(a, b):  # type: ignore[no-untyped-def]
     return np.hypot(b[0] - a[0], b[1] - a[1])
 
 
-@kernel
+@inlined
 def _beside(a, b, inner, share, places):  # type: ignore[no-untyped-def]
     """Places (2, 2) half a texel within an edge and beyond it, at a share of its length."""
     du, dv = b[0] - a[0], b[1] - a[1]
@@ -103,7 +103,7 @@ def _beside(a, b, inner, share, places):  # type: ignore[no-untyped-def]
     places[1, 1] = a[1] + share * dv - down
 
 
-@kernel
+@inlined
 def _texel(place, chart, texel_chart):  # type: ignore[no-untyped-def]
     """The texel of a chart at a place, as row * width + column; -1 if it is another's."""
     x, y = int(np.floor(place[0])), int(np.floor(place[1]))

@@ -39,10 +39,12 @@ def _owners(uv, chart, corners, sizes, width, height):  # type: ignore[no-untype
     for f in range(len(uv)):
         a = uv[f]
         c = chart[f]
-        left = max(int(np.floor(a[:, 0].min() - REACH_PX)), corners[c, 0])
-        right = min(int(np.ceil(a[:, 0].max() + REACH_PX)), corners[c, 0] + sizes[c, 0])
-        top = max(int(np.floor(a[:, 1].min() - REACH_PX)), corners[c, 1])
-        bottom = min(int(np.ceil(a[:, 1].max() + REACH_PX)), corners[c, 1] + sizes[c, 1])
+        low_x, high_x = min(a[0, 0], a[1, 0], a[2, 0]), max(a[0, 0], a[1, 0], a[2, 0])
+        low_y, high_y = min(a[0, 1], a[1, 1], a[2, 1]), max(a[0, 1], a[1, 1], a[2, 1])
+        left = max(int(np.floor(low_x - REACH_PX)), corners[c, 0])
+        right = min(int(np.ceil(high_x + REACH_PX)), corners[c, 0] + sizes[c, 0])
+        top = max(int(np.floor(low_y - REACH_PX)), corners[c, 1])
+        bottom = min(int(np.ceil(high_y + REACH_PX)), corners[c, 1] + sizes[c, 1])
         for y in range(top, bottom):
             for x in range(left, right):
                 if nearest2[y, x] > 0.0:

@@ -67,10 +67,10 @@ def _halves(chart, uv):  # type: ignore[no-untyped-def]
     half = np.zeros(len(chart), np.int32)
     for f in range(len(chart)):
         c = chart[f]
-        size = upper[c] - lower[c]
-        whole = size[0] * size[1]
+        wide, high = upper[c, 0] - lower[c, 0], upper[c, 1] - lower[c, 1]
+        whole = wide * high
         if whole > _LARGE_PX2 and area[c] < _HOLLOW * whole:
-            k = 0 if size[0] >= size[1] else 1
+            k = 0 if wide >= high else 1
             middle = (uv[f, 0, k] + uv[f, 1, k] + uv[f, 2, k]) / 3.0
             half[f] = 1 if middle > 0.5 * (lower[c, k] + upper[c, k]) else 0
     return half
@@ -83,19 +83,22 @@ def _needed(chart, uv, opposite):  # type: ignore[no-untyped-def]
     for f in range(len(chart)):
         for e in range(3):
             if opposite[f, e] < 0 or chart[opposite[f, e] // 3] != chart[f]:
-                across = uv[f, (e + 1) % 3] - uv[f, e]
-                area[chart[f]] += np.hypot(across[0], across[1])
+                a, b = uv[f, e], uv[f, (e + 1) % 3]
+                area[chart[f]] += np.hypot(b[0] - a[0], b[1] - a[1])
     whole = 0.0
     for c in range(len(area)):
-        size = np.ceil(upper[c] - lower[c]) + 1.0
-        whole += min(area[c] + 2.0, size[0] * size[1])
+        wide = np.ceil(upper[c, 0] - lower[c, 0]) + 1.0
+        high = np.ceil(upper[c, 1] - lower[c, 1]) + 1.0
+        whole += min(area[c] + 2.0, wide * high)
     return whole
 
 
 @kernel
 def _extents(chart, uv):  # type: ignore[no-untyped-def]
     """Lower and upper bounds (C, 2) of charts, and the area (C,) of their triangles."""
-    charts = chart.max() + 1
+    charts = 0
+    for f in range(len(chart)):
+        charts = max(charts, chart[f] + 1)
     lower, upper = np.full((charts, 2), np.inf), np.full((charts, 2), -np.inf)
     area = np.zeros(charts)
     for f in range(len(chart)):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.giving_up import GoOn, always
 from light_transport.kernels import hot
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.ray_starts import Receivers, scratch
@@ -57,8 +58,13 @@ def mirror_rays(
     tree: Tree,
     receivers: Receivers,
     threads: int,
+    go_on: GoOn = always,
 ) -> MirrorRays | None:
-    """Trace the cubes of parts, `part_of` (F,) being each triangle's; None where there are none."""
+    """Trace the cubes of parts, `part_of` (F,) being each triangle's; None where there are none.
+
+    Raises:
+        GivenUp: by `go_on`, which is asked before each cube.
+    """
     if len(parts.part) == 0:
         return None
     edge = _edge(len(parts.part))
@@ -67,6 +73,7 @@ def mirror_rays(
     near = np.empty(target.shape, np.float32)
 
     def trace(n: int) -> None:
+        go_on()
         own, hollow = int(parts.part[n]), bool(parts.hollow[n])
         view = parts.centre[n], parts.facing[n], directions
         _trace(tree, receivers, part_of, own, hollow, view, scratch(), target[n], near[n])

@@ -151,18 +151,21 @@ def _columns(
 def _spread(patch, links):  # type: ignore[no-untyped-def]
     """Give texels without a patch that of a linked one, ring by ring."""
     patch = patch.copy()
-    ring = np.flatnonzero(patch >= 0)
-    while len(ring) > 0:
-        following = np.empty(len(ring) * links.shape[1], np.int64)
-        used = 0
-        for i in ring:
-            for k in range(links.shape[1]):
-                j = links[i, k]
-                if j >= 0 and patch[j] < 0:
-                    patch[j] = patch[i]
-                    following[used] = j
-                    used += 1
-        ring = following[:used].copy()
+    queue = np.empty(len(patch), np.int64)
+    head, tail = 0, 0
+    for i in range(len(patch)):
+        if patch[i] >= 0:
+            queue[tail] = i
+            tail += 1
+    while head < tail:
+        i = queue[head]
+        head += 1
+        for k in range(links.shape[1]):
+            j = links[i, k]
+            if j >= 0 and patch[j] < 0:
+                patch[j] = patch[i]
+                queue[tail] = j
+                tail += 1
     return patch
 
 

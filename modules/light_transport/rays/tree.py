@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.kernels import inlined
 from vrut_lite.njit import njit
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
@@ -43,42 +44,53 @@ def tree_over(corners: FloatArray, opacity: Float32Array) -> Tree:
     """The tree over triangles (F, 3, 3) in units of the scene's radius; F may be 0."""
     corners = np.asarray(corners, np.float64)
     lower, upper = corners.min(axis=1), corners.max(axis=1)
-    boxes, child, order = _nodes(
+    order = np.arange(len(corners), dtype=np.int32)
+    boxes, child, used = _nodes(
         (lower - _MARGIN).astype(np.float32),
         (upper + _MARGIN).astype(np.float32),
         (0.5 * (lower + upper)).astype(np.float32),
+        order,
     )
     first = corners[order]
     edges = (first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
     triangle = np.concatenate([first[:, 0], *edges], axis=1).astype(np.float32)
-    return Tree(boxes, child, triangle, order, np.asarray(opacity[order], np.float32))
+    return Tree(
+        boxes[:used].copy(),
+        child[:used].copy(),
+        triangle,
+        order,
+        np.asarray(opacity[order], np.float32),
+    )
 
 
 @njit(cache=True, nogil=True)
 def _nodes(
-    lower: Float32Array, upper: Float32Array, centre: Float32Array
-) -> tuple[Float32Array, NDArray[np.int32], NDArray[np.int32]]:
+    lower: Float32Array, upper: Float32Array, centre: Float32Array, order: NDArray[np.int32]
+) -> tuple[Float32Array, NDArray[np.int32], int]:
+    """Boxes and children of nodes, the first of which are used, and how many; fills in `order`."""
     count = len(lower)
-    order = np.arange(count).astype(np.int32)
     boxes = np.zeros((max(count, 1), 12), np.float32)
-    # -1: a leaf of no triangles.
-    child = np.full((max(count, 1), 2), -1, np.int32)
+    child = np.empty((max(count, 1), 2), np.int32)
+    # A leaf of no triangles.
+    child[0, 0], child[0, 1] = -1, -1
     # What is still to be split: first and last triangle, depth, and which child of whom it is.
     todo = np.empty((STACK, 5), np.int64)
     top, used = 0, 0
-    todo[0] = 0, count, 0, -1, 0
+    todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3], todo[0, 4] = 0, count, 0, -1, 0
     top = 1 if count > 0 else 0
     used = 1 if count == 0 else 0
+    bounds = np.empty(6, np.float32)
     while top > 0:
         top -= 1
-        first, last, depth, parent, side = todo[top]
-        bounds = np.empty(6, np.float32)
+        first, last, depth = todo[top, 0], todo[top, 1], todo[top, 2]
+        parent, side = todo[top, 3], todo[top, 4]
         _bounds(lower, upper, order, first, last, bounds)
         number = last - first
         if number <= _LEAF and parent >= 0:
             code = -1 - ((first << LEAF_BITS) | number)
         elif number <= _LEAF:
-            boxes[0, :6] = bounds
+            for k in range(6):
+                boxes[0, k] = bounds[k]
             child[0, 0] = -1 - ((first << LEAF_BITS) | number)
             used = 1
             continue
@@ -91,18 +103,21 @@ def _nodes(
             code = used
             used += 1
             # The larger half waits, so that few wait at once.
-            halves = (first, middle), (middle, last)
-            larger = 0 if middle - first > last - middle else 1
-            for which in (larger, 1 - larger):
-                todo[top] = halves[which][0], halves[which][1], depth + 1, code, which
+            which = 0 if middle - first > last - middle else 1
+            for _ in range(2):
+                todo[top, 0] = first if which == 0 else middle
+                todo[top, 1] = middle if which == 0 else last
+                todo[top, 2], todo[top, 3], todo[top, 4] = depth + 1, code, which
                 top += 1
+                which = 1 - which
         if parent >= 0:
-            boxes[parent, 6 * side : 6 * side + 6] = bounds
+            for k in range(6):
+                boxes[parent, 6 * side + k] = bounds[k]
             child[parent, side] = code
-    return boxes[:used].copy(), child[:used].copy(), order
+    return boxes, child, used
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def _bounds(
     lower: Float32Array,
     upper: Float32Array,
@@ -111,7 +126,8 @@ def _bounds(
     last: int,
     bounds: Float32Array,
 ) -> None:
-    bounds[:3], bounds[3:] = lower[order[first]], upper[order[first]]
+    for a in range(3):
+        bounds[a], bounds[3 + a] = lower[order[first], a], upper[order[first], a]
     for i in range(first + 1, last):
         t = order[i]
         for a in range(3):
@@ -119,13 +135,19 @@ def _bounds(
             bounds[3 + a] = max(bounds[3 + a], upper[t, a])
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def _half_area(bounds: Float32Array) -> float:
     x, y, z = bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]
     return x * y + y * z + z * x
 
 
-@njit(cache=True, nogil=True)
+@inlined
+def _make_empty(bounds: Float32Array) -> None:
+    for a in range(3):
+        bounds[a], bounds[3 + a] = 3e38, -3e38
+
+
+@inlined
 def _grow(bounds: Float32Array, lower: Float32Array, upper: Float32Array) -> None:
     for a in range(3):
         bounds[a] = min(bounds[a], lower[a])
@@ -142,7 +164,9 @@ def _split(
     last: int,
 ) -> int:
     """Order triangles by the cheapest plane between bins; the first one behind it, or `first`."""
-    least, most = centre[order[first]].copy(), centre[order[first]].copy()
+    least, most = np.empty(3, np.float32), np.empty(3, np.float32)
+    for a in range(3):
+        least[a] = most[a] = centre[order[first], a]
     for i in range(first + 1, last):
         t = order[i]
         for a in range(3):
@@ -154,7 +178,9 @@ def _split(
             scale[a] = _BINS / (most[a] - least[a])
     bin_count = np.zeros((3, _BINS), np.int64)
     bin_box = np.empty((3, _BINS, 6), np.float32)
-    bin_box[:, :, :3], bin_box[:, :, 3:] = 3e38, -3e38
+    for a in range(3):
+        for b in range(_BINS):
+            _make_empty(bin_box[a, b])
     for i in range(first, last):
         t = order[i]
         for a in range(3):
@@ -167,14 +193,14 @@ def _split(
     for a in range(3):
         if scale[a] == 0.0:
             continue
-        box[:3], box[3:] = 3e38, -3e38
+        _make_empty(box)
         number = 0
         for b in range(_BINS - 1, 0, -1):
             if bin_count[a, b]:
                 number += bin_count[a, b]
                 _grow(box, bin_box[a, b, :3], bin_box[a, b, 3:])
             right_cost[b] = number * _half_area(box) if number else 0.0
-        box[:3], box[3:] = 3e38, -3e38
+        _make_empty(box)
         number = 0
         for b in range(_BINS - 1):
             if bin_count[a, b]:

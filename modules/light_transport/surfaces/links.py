@@ -33,7 +33,7 @@ def _links(texels, parts):  # type: ignore[no-untyped-def]
     count = len(texels.pixel)
     links = np.full((count, 4), NOBODY, np.int32)
     for i in range(count):
-        column, row = texels.pixel[i]
+        column, row = texels.pixel[i, 0], texels.pixel[i, 1]
         for k in range(4):
             c, r = column + (0, 0, -1, 1)[k], row + (-1, 1, 0, 0)[k]
             if c < 0 or r < 0 or c >= width or r >= height:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.kernels import inlined, kernel
+from light_transport.kernels import cross, dot, inlined, kernel
 from light_transport.layout.layout import Layout
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import Float32Array, FloatArray
@@ -111,7 +111,8 @@ def weights_at(uv, t, x, y, weights):  # type: ignore[no-untyped-def]
     cx, cy = uv[t, 2, 0] - ax, uv[t, 2, 1] - ay
     area = bx * cy - by * cx
     if area == 0.0:
-        weights[:] = 1.0 / 3.0
+        for k in range(3):
+            weights[k] = 1.0 / 3.0
         return False
     px, py = x - ax, y - ay
     weights[1] = (px * cy - py * cx) / area
@@ -229,7 +230,7 @@ def _coverage(geometry):  # type: ignore[no-untyped-def]
             if t < 0:
                 continue
             x, y = column + 0.5, row + 0.5
-            nearest[row, column] = x, y
+            nearest[row, column, 0], nearest[row, column, 1] = x, y
             if geometry.on_ground[t]:
                 covered[row, column] = 1.0
                 continue
@@ -270,9 +271,10 @@ def _places(geometry, pixel):  # type: ignore[no-untyped-def]
     place, normal = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
     area = np.empty(count, np.float32)
     weights, beside = np.empty(3), np.empty(3)
+    b, c = np.empty(3, np.float32), np.empty(3, np.float32)
     uv, corners = geometry.uv, geometry.corners
     for i in range(count):
-        column, row = pixel[i]
+        column, row = pixel[i, 0], pixel[i, 1]
         t = geometry.owner[row, column]
         if geometry.on_ground[t]:
             size = 1.0
@@ -283,17 +285,19 @@ def _places(geometry, pixel):  # type: ignore[no-untyped-def]
                 ground_place(geometry.ground, at + 0.5, at + 0.5, beside)
                 size *= max(beside[2 * axis] - low, 1e-9)
             ground_place(geometry.ground, column + 0.5, row + 0.5, beside)
-            place[i] = beside
-            normal[i] = geometry.faces[t]
+            for k in range(3):
+                place[i, k], normal[i, k] = beside[k], geometry.faces[t, k]
             area[i] = size
             continue
         t = triangle_at(geometry, column, row, column + 0.5, row + 0.5, weights)
         surface_place(geometry, t, weights, place[i], normal[i])
-        b, c = corners[t, 1] - corners[t, 0], corners[t, 2] - corners[t, 0]
-        u, v = uv[t, 1] - uv[t, 0], uv[t, 2] - uv[t, 0]
-        x, y, z = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
-        flat = abs(u[0] * v[1] - u[1] * v[0])
-        area[i] = math.sqrt(x * x + y * y + z * z) / flat if flat > 0.0 else 0.0
+        for k in range(3):
+            b[k], c[k] = corners[t, 1, k] - corners[t, 0, k], corners[t, 2, k] - corners[t, 0, k]
+        cross(b, c, beside)
+        ux, uy = uv[t, 1, 0] - uv[t, 0, 0], uv[t, 1, 1] - uv[t, 0, 1]
+        vx, vy = uv[t, 2, 0] - uv[t, 0, 0], uv[t, 2, 1] - uv[t, 0, 1]
+        flat = abs(ux * vy - uy * vx)
+        area[i] = math.sqrt(dot(beside, beside)) / flat if flat > 0.0 else 0.0
     return place, normal, area
 
 
@@ -309,7 +313,7 @@ def _copied(geometry, nearest, place, normal, texel_width, row_of):  # type: ign
             t = owner[row, column]
             if t < 0 or own[row, column] >= 0:
                 continue
-            x, y = nearest[row, column]
+            x, y = nearest[row, column, 0], nearest[row, column, 1]
             keep_inside(geometry.uv, t, x, y, weights)
             surface_place(geometry, t, weights, here, facing)
             best = np.inf

@@ -150,7 +150,7 @@ def slot_entries(session: Session) -> Iterator[PaletteEntry]:
     for slot in roster.slots:
         for module in roster.providers(slot):
             choice = ChooseSlot(slot=slot, module=module.name)
-            title = f"{slot.capitalize()} by {module.title}"
+            title = f"{slot.replace('_', ' ').capitalize()} by {module.title}"
             yield PaletteEntry(title, f"slot {slot}", partial(session.send, choice))
 
 
