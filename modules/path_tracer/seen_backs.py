@@ -57,7 +57,8 @@ def _seen_backs(mi: Any) -> Any:
         def __init__(self, properties: Any):
             super().__init__(properties)
             self.inner = properties["inner"]
-            names = [name for name in properties.keys() if name.startswith(_BACK)]
+            known = properties.keys()
+            names = [name for name in known if name.startswith(_BACK)]
             self.one_sided = [properties[name] for name in names]
 
         def sample(
