@@ -182,7 +182,7 @@ vec3 point_in_triangle(vec3 face) {
 //!include surface_light.glsl
 
 // Of a surface with this normal, and the one that its map gives it.
-vec4 surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #if defined(GROUND_LIGHT)
     return ground_light(eye_to_point);
 #elif defined(LIGHT_MAP)
@@ -192,15 +192,16 @@ vec4 surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #ifdef LIGHT_PROBES
         if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
 #endif
-        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face));
-        return vec4(front.rgb * tilted(n, -smooth_n, MOST_BEHIND), front.a);
+        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face)).light;
+        front.rgb *= tilted(n, -smooth_n, MOST_BEHIND);
+        return Reached(front, vec4(0.0, 0.0, 0.0, front.a));
     }
 #endif
-    vec4 light = map_light(light_corner_px + place_px * centroid_factor(face));
+    Reached front = map_light(light_corner_px + place_px * centroid_factor(face));
 #ifdef HAS_NORMAL_TEX
-    light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+    front.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
 #endif
-    return light;
+    return front;
 #else
     return probe_light(eye_to_point, n);
 #endif
@@ -287,6 +288,15 @@ float coat(vec2 share) {
     return ((f0 * share.x + grazing(f0) * share.y) * bounces(f0, share)).r;
 }
 
+// The mean of the directions that a coat of a roughness mirrors, by how much of each: shorter than
+// 1 and steeper than a mirror's. Fitted to GGX lobes with Schlick's term, to 0.06 (test_lobes.py).
+vec3 mean_of_lobe(vec3 n, vec3 view, float nv, float roughness) {
+    float r2 = roughness * roughness;
+    float low = 3.3 * r2 / (1.0 + 6.5 * r2), high = 1.0 - 0.372 * r2 * (2.0 - r2);
+    float up = sqrt(low * low + (high * high - low * low) * nv * nv);
+    return up * n + (1.0 - 0.61 * r2 - 0.47 * r2 * nv) * (nv * n - view);
+}
+
 // Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
 vec3 reflected_sky(vec3 d, float roughness) {
     if (roughness < level_roughness.x) {
@@ -369,7 +379,8 @@ void main() {
     // 2001): reciprocal, and a white surface gives back all of any light.
     float through = 1.0 - coat(share.xy);
 #ifdef SURFACE_LIGHT
-    vec4 reached = surface_light(face, smooth_n, n, behind);
+    Reached found = surface_light(face, smooth_n, n, behind);
+    vec4 reached = found.light;
 #ifndef LIGHT_MAP
     reached *= occlusion;  // of folds that are too fine for the light's own texels or probes
 #endif
@@ -399,10 +410,14 @@ void main() {
     vec3 once = f0 * share.x + grazing(f0) * share.y;
 #ifdef SURFACE_LIGHT
     if (dielectric_f0 + metallic > 0.0) {
-        // Of the sky the share that arrives; all else that arrives comes evenly from all around.
+        // Of the sky the share that is seen that way; all else that arrives comes evenly from
+        // where the sky is not.
         vec3 to_image = reflect(-view, n), far = reflected_sky(to_image, roughness);
-        vec3 mirrored = reached.a * far;
-        mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        vec3 things = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        vec3 lobe = mean_of_lobe(n, view, nv, roughness);
+        float sky_that_way = clamp(found.sky.a + dot(found.sky.rgb, lobe), 0.0, 1.0);
+        float sky_in_all = clamp(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 0.0, MOST_SKY);
+        vec3 mirrored = sky_that_way * far + (1.0 - sky_that_way) / (1.0 - sky_in_all) * things;
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, alpha);
         mirrored = mix(image.rgb + (1.0 - image.a) * far, mirrored, mirror_fade(roughness));
