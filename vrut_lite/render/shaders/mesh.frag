@@ -6,6 +6,7 @@ const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
+const float GRAZING_NARROWER = 0.45;  // share of roughness 1 by which the lobe at grazing angles is
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 
 struct Material {
@@ -302,6 +303,20 @@ vec3 reflected_sky(vec3 d, float roughness) {
     return textureLod(reflection, d, level).rgb * reflection_scale;
 }
 
+// What a lobe shows of the sky: to facets that are seen straight on, and at grazing angles.
+struct SkyImage {
+    vec3 direct, grazing;
+};
+
+// Rough facets are seen straight on wherever they lie, so that their lobe stands about the normal,
+// and none of it lies below the surface; Fresnel's term at grazing angles makes another, narrower
+// one about the mirror direction. Both fits are of render's tests.
+SkyImage sky_image(vec3 to_image, vec3 n, float roughness) {
+    vec3 towards = normalize(mix(to_image, n, roughness * roughness));
+    vec3 direct = reflected_sky(towards, roughness);
+    return SkyImage(direct, reflected_sky(to_image, roughness * (1.0 - GRAZING_NARROWER * roughness)));
+}
+
 #ifdef MIRROR
 //!include mirror.glsl
 #endif
@@ -396,21 +411,25 @@ void main() {
         radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0);
     }
     radiance += albedo * diffuse / PI;
-    vec3 once = f0 * share.x + grazing(f0) * share.y;
+    vec3 once = f0 * share.x, at_grazing = grazing(f0) * share.y;
+    vec3 to_image = reflect(-view, n);
 #ifdef SURFACE_LIGHT
     if (dielectric_f0 + metallic > 0.0) {
+        SkyImage far = sky_image(to_image, n, roughness);
+        vec3 far_light = once * far.direct + at_grazing * far.grazing;
         // Of the sky the share that arrives; all else that arrives comes evenly from all around.
-        vec3 to_image = reflect(-view, n), far = reflected_sky(to_image, roughness);
-        vec3 mirrored = reached.a * far;
-        mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        vec3 around = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        vec3 mirrored = reached.a * far_light + (once + at_grazing) * around;
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, alpha);
-        mirrored = mix(image.rgb + (1.0 - image.a) * far, mirrored, mirror_fade(roughness));
+        vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
+        mirrored = mix(imaged, mirrored, mirror_fade(roughness));
 #endif
-        radiance += once * more * mirrored;
+        radiance += more * mirrored;
     }
 #else
-    radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
+    SkyImage far = sky_image(to_image, n, roughness);
+    radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
 #ifdef AIR
     float metres = length(eye_to_sample), lit_air = 1.0;
