@@ -6,6 +6,7 @@ const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
+const float GRAZING_NARROWER = 0.45;  // share of roughness 1 by which the lobe at grazing angles is
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 
 struct Material {
@@ -288,15 +289,6 @@ float coat(vec2 share) {
     return ((f0 * share.x + grazing(f0) * share.y) * bounces(f0, share)).r;
 }
 
-// The mean of the directions that a coat of a roughness mirrors, by how much of each: shorter than
-// 1 and steeper than a mirror's. Fitted to GGX lobes with Schlick's term, to 0.06 (test_lobes.py).
-vec3 mean_of_lobe(vec3 n, vec3 view, float nv, float roughness) {
-    float r2 = roughness * roughness;
-    float low = 3.3 * r2 / (1.0 + 6.5 * r2), high = 1.0 - 0.372 * r2 * (2.0 - r2);
-    float up = sqrt(low * low + (high * high - low * low) * nv * nv);
-    return up * n + (1.0 - 0.61 * r2 - 0.47 * r2 * nv) * (nv * n - view);
-}
-
 // Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
 vec3 reflected_sky(vec3 d, float roughness) {
     if (roughness < level_roughness.x) {
@@ -311,6 +303,35 @@ vec3 reflected_sky(vec3 d, float roughness) {
                        / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
     return textureLod(reflection, d, level).rgb * reflection_scale;
 }
+
+// What a lobe shows of the sky: to facets that are seen straight on, and at grazing angles.
+struct SkyImage {
+    vec3 direct, grazing;
+};
+
+// Rough facets are seen straight on wherever they lie, so that their lobe stands about the normal,
+// and none of it lies below the surface; Fresnel's term at grazing angles makes another, narrower
+// one about the mirror direction. Both fits are of render's tests.
+SkyImage sky_image(vec3 to_image, vec3 n, float roughness) {
+    vec3 towards = normalize(mix(to_image, n, roughness * roughness));
+    vec3 direct = reflected_sky(towards, roughness);
+    return SkyImage(direct, reflected_sky(to_image, roughness * (1.0 - GRAZING_NARROWER * roughness)));
+}
+
+#ifdef SURFACE_LIGHT
+// Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
+// shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_lobes.py).
+vec2 sky_seen(vec4 visible, vec3 n, vec3 view, float nv, float roughness) {
+    float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
+    vec3 across = nv * n - view;
+    float low = 0.62 * r2 / (r2 + 0.05), low_at_grazing = 0.35 * r2 / (r2 + 0.04);
+    vec2 up = sqrt(vec2(low * low, low_at_grazing * low_at_grazing)
+                   + nv * nv * vec2(straight * straight, (1.0 - roughness) * (1.0 - roughness)));
+    vec3 direct = up.x * n + straight * across;
+    vec3 at_grazing = up.y * n + (1.0 - 0.18 * roughness) * across;
+    return clamp(visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing)), 0.0, 1.0);
+}
+#endif
 
 #ifdef MIRROR
 //!include mirror.glsl
@@ -407,25 +428,32 @@ void main() {
         radiance += sun * more * specular_brdf(nl, nv, nh, vh, alpha, f0);
     }
     radiance += albedo * diffuse / PI;
-    vec3 once = f0 * share.x + grazing(f0) * share.y;
+    vec3 once = f0 * share.x, at_grazing = grazing(f0) * share.y;
+    vec3 to_image = reflect(-view, n);
 #ifdef SURFACE_LIGHT
     if (dielectric_f0 + metallic > 0.0) {
-        // Of the sky the share that is seen that way; all else that arrives comes evenly from
-        // where the sky is not.
-        vec3 to_image = reflect(-view, n), far = reflected_sky(to_image, roughness);
-        vec3 things = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
-        vec3 lobe = mean_of_lobe(n, view, nv, roughness);
-        float sky_that_way = clamp(found.sky.a + dot(found.sky.rgb, lobe), 0.0, 1.0);
-        float sky_in_all = clamp(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 0.0, MOST_SKY);
-        vec3 mirrored = sky_that_way * far + (1.0 - sky_that_way) / (1.0 - sky_in_all) * things;
+        SkyImage far = sky_image(to_image, n, roughness);
+        vec3 far_light = once * far.direct + at_grazing * far.grazing;
+        // Of the sky the share that is seen where each lobe looks; all else that arrives comes
+        // evenly from where the sky is not.
+        vec3 around = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        float sky_in_all = max(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 1e-4);
+        around /= 1.0 - min(sky_in_all, MOST_SKY);
+        vec2 seen = sky_seen(found.sky, n, view, nv, roughness);
+        // What is seen of the sky may be brighter than the lobe's own image of all of it.
+        float brighter = mix(1.0, min(reached.a / sky_in_all, 4.0), roughness * roughness);
+        vec3 mirrored = once * (seen.x * brighter * far.direct + (1.0 - seen.x) * around);
+        mirrored += at_grazing * (seen.y * brighter * far.grazing + (1.0 - seen.y) * around);
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, alpha);
-        mirrored = mix(image.rgb + (1.0 - image.a) * far, mirrored, mirror_fade(roughness));
+        vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
+        mirrored = mix(imaged, mirrored, mirror_fade(roughness));
 #endif
-        radiance += once * more * mirrored;
+        radiance += more * mirrored;
     }
 #else
-    radiance += once * more * occlusion * reflected_sky(reflect(-view, n), roughness);
+    SkyImage far = sky_image(to_image, n, roughness);
+    radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
 #ifdef AIR
     float metres = length(eye_to_sample), lit_air = 1.0;
