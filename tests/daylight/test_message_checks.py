@@ -131,6 +131,7 @@ SURFACE_LIGHT = SurfaceLightChanged(
     layout_key="l", texels=Array(np.ones((6, 8, 4), np.float16)),
     probes=Array(np.ones((4, 2, 3, 6, 4), np.float16)), radiance_scale=2.0, rays=64, source="s",
     mirrors=Array(np.ones((1, 6, 4, 4, 4), np.float16)),
+    visible_sky=Array(np.zeros((6, 8, 4), np.float16)),
 )  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 SOUND = [
@@ -385,6 +386,7 @@ def test_a_malformed_input_is_refused_and_never_heard(message, data):
         (LightMapLaid, {"size_px": (8, 5)}, "ground of LightMapLaid must lie within (8, 5) texels"),
         (LightMapLaid, {"uv": Array(np.ones((4, 2), "f4"))}, "must be <f4 of shape ('V', 2)"),
         (SurfaceLightChanged, {"mirrors": Array(np.ones((1, 6, 4, 5, 4), "f2"))}, "mirrors of S"),
+        (SurfaceLightChanged, {"visible_sky": Array(np.ones((6, 7, 4), "f2"))}, "visible_sky of S"),
         (SurfaceLightChanged, {"texels": Array(np.ones((0, 8, 4), "f2"))}, "edges of 1 to 16384"),
         (GpuJob, {"buffers": ((1, Array(np.zeros(3))),)}, "a binding and an array of float32"),
     ],

@@ -1,13 +1,19 @@
 """Towards where texels see the sky: what a coat mirrors of it, and where things stand before it.
 
-Open ground beyond the map counts as sky here. From a texel the share of it that is seen in direction d is held to be a + b . d, whose moments
-over the cosine-weighted hemisphere are those of the texel's rays: no light is needed to know them.
+Open ground beyond the map counts as sky here. The share of it that a texel sees in direction d is
+held to be a + b . d, after the means of the texel's rays: no light is needed to know them.
 """
 
 import numpy as np
 
 from light_transport.rays.sky_nodes import NODES, node_directions
 from vrut_lite.numeric_types import Float32Array
+
+# Of cosine-weighted directions on the hemisphere around n the means of d.n, (d.n)^2 and, t across
+# n, (d.t)^2. They ask for b along n 18 times the sky's excess there: half of it is taken, for a
+# window is no line, and noise grows as much.
+_UP, _UP_AGAIN, _ACROSS_AGAIN = 2.0 / 3.0, 1.0 / 2.0, 1.0 / 4.0
+_TAKEN = 0.5
 
 
 def sky_moments(columns: int) -> Float32Array:
@@ -19,17 +25,12 @@ def sky_moments(columns: int) -> Float32Array:
 
 
 def visible_sky(moments: Float32Array, normals: Float32Array) -> Float32Array:
-    """Coefficients (N, 4), b and then a, by means over rays (N, 4) of `sky_moments`.
-
-    Of cosine-weighted rays on the hemisphere around n (N, 3) the means of 1, d.n, (d.n)^2 and
-    (d.t)^2, t across n, are 1, 2/3, 1/2 and 1/4.
-    """
+    """b and a (N, 4) of texels with normals (N, 3), by means over rays (N, 4) of `sky_moments`."""
     share = moments[:, 3]
     up = np.einsum("ni,ni->n", moments[:, :3], normals)
     across = moments[:, :3] - up[:, None] * normals
-    b_up = 9.0 * (up - share * (2.0 / 3.0))
+    b_up = _TAKEN / (_UP_AGAIN - _UP**2) * (up - share * _UP)
     found = np.empty_like(moments)
-    found[:, :3] = 4.0 * across + b_up[:, None] * normals
-    found[:, 3] = share - (2.0 / 3.0) * b_up
+    found[:, :3] = across / _ACROSS_AGAIN + b_up[:, None] * normals
+    found[:, 3] = share - _UP * b_up
     return found
-

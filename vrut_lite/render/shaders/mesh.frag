@@ -321,7 +321,7 @@ SkyImage sky_image(vec3 to_image, vec3 n, float roughness) {
 #ifdef SURFACE_LIGHT
 // Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
 // shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_lobes.py).
-vec2 sky_seen(vec4 visible, vec3 n, vec3 view, float nv, float roughness) {
+vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {
     float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
     vec3 across = nv * n - view;
     float low = 0.62 * r2 / (r2 + 0.05), low_at_grazing = 0.35 * r2 / (r2 + 0.04);
@@ -329,7 +329,9 @@ vec2 sky_seen(vec4 visible, vec3 n, vec3 view, float nv, float roughness) {
                    + nv * nv * vec2(straight * straight, (1.0 - roughness) * (1.0 - roughness)));
     vec3 direct = up.x * n + straight * across;
     vec3 at_grazing = up.y * n + (1.0 - 0.18 * roughness) * across;
-    return clamp(visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing)), 0.0, 1.0);
+    vec2 seen = visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing));
+    // A lobe as wide as the hemisphere has all in it, of which a line says too much.
+    return clamp(mix(seen, vec2(in_all), r2 * r2), 0.0, 1.0);
 }
 #endif
 
@@ -438,12 +440,13 @@ void main() {
         // evenly from where the sky is not.
         vec3 around = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
         float sky_in_all = max(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 1e-4);
-        around /= 1.0 - min(sky_in_all, MOST_SKY);
-        vec2 seen = sky_seen(found.sky, n, view, nv, roughness);
+        vec2 seen = sky_seen(found.sky, sky_in_all, n, view, nv, roughness);
         // What is seen of the sky may be brighter than the lobe's own image of all of it.
         float brighter = mix(1.0, min(reached.a / sky_in_all, 4.0), roughness * roughness);
-        vec3 mirrored = once * (seen.x * brighter * far.direct + (1.0 - seen.x) * around);
-        mirrored += at_grazing * (seen.y * brighter * far.grazing + (1.0 - seen.y) * around);
+        vec2 things = (1.0 - seen + FEWEST_THINGS) / (1.0 - min(sky_in_all, 1.0) + FEWEST_THINGS);
+        seen *= brighter;
+        vec3 mirrored = once * (seen.x * far.direct + things.x * around);
+        mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, alpha);
         vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;

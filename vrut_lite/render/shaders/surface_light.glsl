@@ -7,7 +7,7 @@ layout(binding = 7) uniform sampler2D open_sky;      // open_irradiance.py's tab
 layout(binding = 18) uniform sampler2D visible_sky;  // b and a of the share a + b . d that is seen
 //!include surface_light_block.glsl
 
-const float MOST_SKY = 0.95;  // share of the sky beyond which things are too small to tell
+const float FEWEST_THINGS = 0.05;  // share of all directions below which things are too few to tell
 const float OPEN_AIR = 0.5;      // share of the sky at a surface from which the air before it gets all
 const float GROUND_FADE = 0.7;  // of the half width, where the map goes over into open ground
 
