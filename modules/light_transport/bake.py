@@ -34,6 +34,7 @@ from light_transport.hour.smoothing import (
     smoothed_rows,
     smoothing_of,
 )
+from light_transport.hour.visible_sky import sky_moments, visible_sky
 from light_transport.layout.layout import Layout
 from light_transport.layout.probe_places import probe_places_m, without_buried
 from light_transport.rays.mirror_parts import MirrorParts
@@ -55,6 +56,7 @@ from light_transport.surfaces.links import links_of, seam_links
 from light_transport.surfaces.map_texels import map_geometry, texels_of
 from light_transport.surfaces.sheets import sheets_of
 from light_transport.surfaces.surfaces import GROUND, Surfaces
+from vrut_lite.array import Array
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
@@ -80,6 +82,8 @@ class _Finished:
     key_rays: KeyRays
     lamps: LampLight | None
     lamps_on_patches: Float32Array | None
+    visible_sky: Array
+    """See `HourLight`."""
 
 
 class Bake:
@@ -210,8 +214,9 @@ class Bake:
             light[:, :3] += finished.lamps.baked[:rows]
         light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
         return HourLight(
-            self._as_map(light[:texels], finished),
+            _as_map(light[:texels], finished.shown),
             self._as_probes(light[texels:], finished),
+            finished.visible_sky,
             self._as_cubes(hour, finished, light[:texels], column_light, shares),
         )
 
@@ -307,14 +312,17 @@ class Bake:
             exchange = exchange_of(self.table, self.patches)
             lamps = self._lamp_light()
             mirrored = self._mirrored_texels(texels)
+            smoothing = smoothing_of(self.texels, self.links, self.seams, good[:texels], room)
+            shown = np.where(shown < 0, texels, shown).astype(np.int32)
             self._finished = _Finished(
                 good,
                 exchange,
-                smoothing_of(self.texels, self.links, self.seams, good[:texels], room),
-                np.where(shown < 0, texels, shown).astype(np.int32),
+                smoothing,
+                shown,
                 key_rays_of(self.patches, self.table.free, enclosure(exchange), mirrored),
                 lamps,
                 None if lamps is None else patch_lamp_light(self.patches, self.table.free, lamps),
+                Array(_as_map(self._visible_sky(smoothing), shown).astype(np.float16)),
             )
         return self._finished
 
@@ -331,17 +339,21 @@ class Bake:
         )
         return light
 
+    def _visible_sky(self, smoothing: Smoothing) -> Float32Array:
+        """Towards where each texel (N, 4) sees the sky."""
+        assert self.patches is not None
+        texels = len(self.texels.pixel)
+        towards = sky_moments(NODES + len(self.patches.area) + 1)
+        moments = np.empty((texels, 4), np.float32)
+        self._over_rows(texels, lambda a, b: gathered(self.table, towards, a, b, moments))
+        return visible_sky(self._smoothed(moments, smoothing), self.texels.normal)
+
     def _mirrored_texels(self, texels: int) -> NDArray[np.integer]:
         """Which of the texels mirrors ask for the key light."""
         if self.mirrors is None:
             return np.empty(0, np.int32)
         seen = self.mirrors.row[: np.searchsorted(self.mirrors.row, texels)]
         return asked_for_key_light(seen, self.texels, self.links)
-
-    def _as_map(self, light: Float32Array, finished: _Finished) -> Float32Array:
-        """Rows' light (N, 4) where each texel of the map (height, width, 4) finds it."""
-        padded = np.concatenate([light, np.zeros((1, 4), np.float32)])
-        return np.take(padded, finished.shown, axis=0)
 
     def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
         grid = self.layout.message.probes
@@ -405,6 +417,12 @@ class Bake:
             return [work(first) for first in firsts]
         with ThreadPoolExecutor(self.threads) as pool:
             return list(pool.map(work, firsts))
+
+
+def _as_map(rows: Float32Array, shown: NDArray[np.int32]) -> Float32Array:
+    """Rows (N, 4) where each texel of the map (height, width, 4) finds them."""
+    padded = np.concatenate([rows, np.zeros((1, 4), np.float32)])
+    return np.take(padded, shown, axis=0)
 
 
 def _are_good(table: Rows, rays: int) -> BoolArray:

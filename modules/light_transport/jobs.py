@@ -147,6 +147,7 @@ def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> Sur
         rays=bake.value.rays,
         source=NAME,
         mirrors=encoded.get("mirrors"),
+        visible_sky=light.visible_sky,
     )
 
 

@@ -125,6 +125,7 @@ SURFACE_LIGHT = SurfaceLightChanged(
     layout_key="l", texels=Array(np.ones((6, 8, 4), np.float16)),
     probes=Array(np.ones((4, 2, 3, 6, 4), np.float16)), radiance_scale=2.0, rays=64, source="s",
     mirrors=Array(np.ones((1, 6, 4, 4, 4), np.float16)),
+    visible_sky=Array(np.zeros((6, 8, 4), np.float16)),
 )  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 SOUND = [

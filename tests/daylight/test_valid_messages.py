@@ -87,6 +87,7 @@ def test_valid_messages_are_delivered(message):
         (LightMapLaid, {"size_px": (8, 5)}, "ground of LightMapLaid must lie within (8, 5) texels"),
         (LightMapLaid, {"uv": Array(np.ones((4, 2), "f4"))}, "must be <f4 of shape ('V', 2)"),
         (SurfaceLightChanged, {"mirrors": Array(np.ones((1, 6, 4, 5, 4), "f2"))}, "mirrors of S"),
+        (SurfaceLightChanged, {"visible_sky": Array(np.ones((6, 7, 4), "f2"))}, "visible_sky of S"),
         (SurfaceLightChanged, {"texels": Array(np.ones((0, 8, 4), "f2"))}, "edges of 1 to 16384"),
         (GpuJob, {"buffers": ((1, Array(np.zeros(3))),)}, "a binding and an array of float32"),
     ],

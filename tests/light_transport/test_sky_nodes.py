@@ -2,7 +2,13 @@
 
 import numpy as np
 import pytest
-from light_transport.rays.sky_nodes import GROUND_NODE, NODES, node_of, node_radiances
+from light_transport.rays.sky_nodes import (
+    GROUND_NODE,
+    NODES,
+    node_directions,
+    node_of,
+    node_radiances,
+)
 
 from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 
@@ -17,16 +23,23 @@ def test_cells_have_equal_solid_angles():
     r = np.sqrt(1.0 - y * y)
     directions = np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
     counts = np.bincount([node_of(*d) for d in directions], minlength=NODES)
-    assert counts[GROUND_NODE] == 0
+    assert not counts[GROUND_NODE:].any()
     np.testing.assert_allclose(counts[:GROUND_NODE], n / GROUND_NODE, rtol=0.05)
-    assert node_of(0.6, -0.8, 0.0) == GROUND_NODE
+    below = np.bincount([node_of(x, -y, z) for x, y, z in directions[::9]], minlength=NODES)
+    assert not below[:GROUND_NODE].any()
+    np.testing.assert_allclose(below[GROUND_NODE:], n / 9 / (NODES - GROUND_NODE), rtol=0.05)
+
+
+def test_a_cell_lies_where_its_directions_are():
+    """The middle of a cell of the sky or the ground falls into that cell."""
+    assert [node_of(*d) for d in node_directions()] == list(range(NODES))
 
 
 def test_a_uniform_sky_is_uniform_in_all_cells():
     """No cell gains or loses by the cube map's grid."""
     found = node_radiances(np.full((6, 64, 64, 3), 3.0, np.float32), (1.0, 2.0, 3.0))
     np.testing.assert_allclose(found[:GROUND_NODE], 3.0, rtol=1e-6)
-    np.testing.assert_array_equal(found[GROUND_NODE], [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(found[GROUND_NODE:], [[1.0, 2.0, 3.0]] * (NODES - GROUND_NODE))
 
 
 @pytest.mark.parametrize("size", [32, 64, 128])

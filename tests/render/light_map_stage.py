@@ -36,8 +36,11 @@ def laid(scene, corners_px, ground=None, probes=None, size_px=(32, 16), key="lay
     return message
 
 
-def lit(layout, texels, probes=None, scale=1.0):
-    """Light in that layout: texels (h, w, 4), probes (nz, ny, nx, 6, 4); irradiance and share."""
+def lit(layout, texels, probes=None, scale=1.0, sky=None):
+    """Light in that layout: texels (h, w, 4), probes (nz, ny, nx, 6, 4); irradiance and share.
+
+    `sky` (4,): b and a of the share of the sky that all see.
+    """
     over = np.array([scale, scale, scale, 1.0])
     message = SurfaceLightChanged(
         layout_key=layout.layout_key,
@@ -46,6 +49,9 @@ def lit(layout, texels, probes=None, scale=1.0):
         radiance_scale=scale,
         rays=64,
         source="test",
+        visible_sky=None
+        if sky is None
+        else Array(np.broadcast_to(sky, texels.shape).astype(np.float16)),
     )
     message.check()
     message.check_arrays()

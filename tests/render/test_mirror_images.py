@@ -86,7 +86,8 @@ def test_rough_metal_shows_a_blurred_image_and_then_none(backend, tmp_path):
     satin = show(backend, square(tmp_path, surface(1.0, 0.3)), cube)
     np.testing.assert_allclose(satin[SIZE // 4 : -SIZE // 4, SIZE // 2], 1.0, rtol=0.02)
     path = square(tmp_path, surface(1.0, 0.7))
-    np.testing.assert_array_equal(show(backend, path, cube), show(backend, path, None))
+    # To rounding: the two are programs of their own.
+    np.testing.assert_allclose(show(backend, path, cube), show(backend, path, None), rtol=1e-6)
 
 
 def test_what_mirrors_nothing_is_the_same_to_the_bit(backend, tmp_path):

@@ -237,6 +237,20 @@ def test_a_mirror_shows_the_share_of_the_sky_and_the_rest_evenly(backend, tmp_pa
     np.testing.assert_allclose(shown[2.0 * np.pi], 2.0, rtol=5e-3)
 
 
+@pytest.mark.parametrize(("towards", "expected"), [(1.0, 1.0), (-1.0, 0.0)])
+def test_gloss_mirrors_the_sky_only_where_it_is_seen(backend, tmp_path, towards, expected):
+    """A metal whose mirror direction is open shows all of the sky; where things hide it, things,
+    which are black here: the same light from the other side makes the difference."""
+    scene = opened(square(tmp_path, surface(1.0, 0.1)), None)
+    layout = laid(scene, ((1, 2),))
+    # Half of the sky, in the mean of the hemisphere: a line along x, past 0 and 1.
+    sky = np.array([3.0 * towards, 0.0, 0.0, 0.5])
+    seen = lit(layout, even(layout, 0.5 * np.pi, 0.5), sky=sky)
+    backend.change(scene=scene, light_map=layout, surface_light=seen)
+    aslant = look(backend, (-1.0, 1.0, 0.0), (0.0, 0.0, 0.0), 2 * np.arctan(0.1))
+    np.testing.assert_allclose(aslant.radiance[SIZE // 2, SIZE // 2], expected, atol=0.02)
+
+
 def test_a_mirror_in_the_shade_does_not_shine(backend, tmp_path):
     """Less light than the share of the sky says: the reflected sky alone is left, never less."""
     path = square(tmp_path, surface(1.0, 0.3))

@@ -21,6 +21,8 @@ NOT_MAPPED = -1
 # Who lights surfaces; without a holder the open sky does.
 SLOT = "light_map"
 _LARGEST_M = 1e10
+# Of how the sky's visible share changes with direction.
+_STEEPEST = 100.0
 _SHAPE_COLUMNS = 5
 _FACES = 6
 _SHORTEST_STEP_M = 1e-9
@@ -242,6 +244,9 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
             and -z; None where the layout has no probes.
         rays: how many each texel has been given: more of them, less noise.
+        visible_sky: (height, width, 4) float16: the share of the sky that is seen from a texel in
+            direction d, world axes, is RGB . d + alpha, kept in [0, 1]. None where it is not known:
+            the share of the sky's irradiance then stands for it.
         mirrors: (N, 6, e, e, 4) float16, what the layout's mirrors see. RGB times `radiance_scale`
             is radiance in W m^-2 sr^-1, weighed by alpha: the share of a texel that is neither sky
             nor ground beyond the map, 0 to 1. None where the layout has no mirrors.
@@ -256,6 +261,7 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     rays: int
     source: str
     mirrors: Array | None = None
+    visible_sky: Array | None = None
 
     def check(self) -> None:
         """Arrays of these shapes."""
@@ -265,6 +271,9 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
         if self.probes is not None:
             checks.arrays(self, {"probes": ("<f2", ("Z", "Y", "X", _FACES, 4))})
             _check_lengths(self, "probes", self.probes.shape[:3], 2, _MOST_PROBES)
+        if self.visible_sky is not None:
+            height, width = self.texels.shape[:2]
+            checks.arrays(self, {"visible_sky": ("<f2", (height, width, 4))})
         if self.mirrors is not None:
             checks.arrays(self, {"mirrors": ("<f2", ("N", _FACES, "E", "E", 4))})
             _check_lengths(self, "mirrors", self.mirrors.shape[2:4], 1, LARGEST_EDGE)
@@ -283,6 +292,8 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
                 checks.contents(self, name, 0.0, max(most, 1.0))
                 if float(getattr(self, name).values[..., 3].max(initial=0.0)) > 1.0:
                     raise UserError(f"{name} of a SurfaceLightChanged hold shares above 1")
+        if self.visible_sky is not None:
+            checks.contents(self, "visible_sky", -_STEEPEST, _STEEPEST)
 
     def fits(self, laid: LightMapLaid) -> bool:
         """Whether this is light of that layout: by name, and by size."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
@@ -21,7 +22,7 @@ from vrut_lite.render.staleness import age_factor, sky_level
 from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.
-_MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT = 5, 6, 7
+_MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT, _VISIBLE_SKY_UNIT = 5, 6, 7, 18
 _UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -38,6 +39,8 @@ class SurfaceLightOnGpu:
         self._open_sky: Any = None
         self._harmonics: NDArray | None = None
         self._map: Any = None
+        self._visible_sky: Any = None
+        self._visible_sky_is: Array | None = None
         self._probes: Any = None
         self._mirrors = MirrorCubes(context)
         self._sees_sky: dict[PlacedPrimitive, bool] = {}
@@ -56,6 +59,7 @@ class SurfaceLightOnGpu:
             self._free()
             return
         self._map = self._written(self._map, light.texels.values, light.texels.shape[1::-1])
+        self._show_visible_sky(light)
         if light.probes is not None:
             # The six faces one behind the other, each with all its slices.
             faces = np.moveaxis(light.probes.values, 3, 0)
@@ -123,6 +127,7 @@ class SurfaceLightOnGpu:
         )
         self._block.bind_to_uniform_block(SURFACE_LIGHT.binding)
         self._map.use(location=_MAP_UNIT)
+        self._visible_sky.use(location=_VISIBLE_SKY_UNIT)
         self._open_sky_of(light.irradiance_sh).use(location=_OPEN_SKY_UNIT)
         if self._laid.probes is not None:
             self._probes.use(location=_PROBE_UNIT)
@@ -133,6 +138,19 @@ class SurfaceLightOnGpu:
         self._mirrors.release()
         self._release(self._open_sky)
         self._block.release()
+
+    def _show_visible_sky(self, light: SurfaceLightChanged) -> None:
+        """Upload towards where texels see the sky, unless it is what hours before had."""
+        known = light.visible_sky
+        if known is not None and known is self._visible_sky_is:
+            return
+        if known is None:
+            # The same in all directions.
+            values = light.texels.values * np.array([0.0, 0.0, 0.0, 1.0], np.float16)
+        else:
+            values = known.values
+        self._visible_sky = self._written(self._visible_sky, values, values.shape[1::-1])
+        self._visible_sky_is = known
 
     def _open_sky_of(self, harmonics: NDArray) -> Any:
         """The table of `open_irradiance` of these harmonics (25, 3)."""
@@ -158,7 +176,8 @@ class SurfaceLightOnGpu:
     def _free(self) -> None:
         self._release(self._map)
         self._release(self._probes)
-        self._map = self._probes = None
+        self._release(self._visible_sky)
+        self._map = self._probes = self._visible_sky = self._visible_sky_is = None
 
     def _release(self, texture: Any) -> None:
         if texture is not None:

@@ -153,12 +153,20 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
                 targets[i, s] = node_of(ray[0], ray[1], ray[2])
                 continue
             distances[i, s] = max(distance, least)
+            height = np.float32(0.0)
             for k in range(3):
                 place[k] += distance * ray[k]
+                height += distance * ray[k] * face[k]
             met = met_row(
                 geometry, texels, groups, first_group, tree.order[hit], u, v, place, ray, pixel
             )
             targets[i, s] = NODES + met if met >= 0 else _DROPPED
+            if met >= first_group and height < least:
+                t = tree.order[hit]
+                if groups.front[t] != met - first_group:
+                    # The back of a sheet that lies on the surface: frames and plinths without a
+                    # back of their own hide what is below them as bodies do.
+                    targets[i, s] = _DROPPED
 
 
 @inlined

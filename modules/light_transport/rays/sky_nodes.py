@@ -1,7 +1,8 @@
-"""The sky as numbers: cells of equal solid angle, and one for open ground below the horizon.
+"""The sky as numbers: cells of equal solid angle, and coarser ones for open ground below the horizon.
 
 The cells are those of a square that Shirley and Chiu's concentric map (1997) lays on the upper
-hemisphere, by way of the disc of radius sqrt(1 - y): 2 pi / 576 sr each.
+hemisphere, by way of the disc of radius sqrt(1 - y): 2 pi / 576 sr each, and 2 pi / 36 sr of those
+on the lower one. All ground is equally bright: its cells tell in which direction it is seen.
 """
 
 import math
@@ -16,25 +17,28 @@ from vrut_lite.geometry.cube_map import (
     FACE_S_AXES,
     FACE_T_AXES,
     reduce_cube,
+    texel_directions,
     texel_solid_angles,
 )
 from vrut_lite.numeric_types import FloatArray
 
-EDGE = 24
+EDGE, GROUND_EDGE = 24, 6
+# The first of the ground's.
 GROUND_NODE = EDGE * EDGE
-NODES = EDGE * EDGE + 1
+NODES = GROUND_NODE + GROUND_EDGE * GROUND_EDGE
 # A cube map is averaged to about this many texels an edge before.
 _CUBE_TEXELS = 64
+# Each cell holds dozens of texels of such a cube map.
+_FINE_TEXELS = 128
 # Texels are cut into so many pieces an edge, each of which lies in one cell.
 _PIECES = 6
 
 
 @kernel
 def node_of(x, y, z):  # type: ignore[no-untyped-def]
-    """The cell of a unit vector; below the horizon that of open ground."""
-    if y < 0.0:
-        return GROUND_NODE
-    radius = math.sqrt(max(0.0, 1.0 - y))
+    """The cell of a unit vector; below the horizon one of open ground."""
+    edge, first = (EDGE, 0) if y >= 0.0 else (GROUND_EDGE, GROUND_NODE)
+    radius = math.sqrt(max(0.0, 1.0 - abs(y)))
     quarter = 0.25 * math.pi
     angle = math.atan2(z, x)
     if angle < -quarter:
@@ -51,9 +55,9 @@ def node_of(x, y, z):  # type: ignore[no-untyped-def]
     else:
         b = -radius
         a = -(angle - 6.0 * quarter) * b / quarter
-    row = min(int(0.5 * (a + 1.0) * EDGE), EDGE - 1)
-    column = min(int(0.5 * (b + 1.0) * EDGE), EDGE - 1)
-    return row * EDGE + column
+    row = min(int(0.5 * (a + 1.0) * edge), edge - 1)
+    column = min(int(0.5 * (b + 1.0) * edge), edge - 1)
+    return first + row * edge + column
 
 
 def node_radiances(sky: NDArray[np.floating], ground_radiance_rgb: ArrayLike) -> FloatArray:
@@ -65,8 +69,19 @@ def node_radiances(sky: NDArray[np.floating], ground_radiance_rgb: ArrayLike) ->
     for channel in range(3):
         total = np.bincount(node, weight * flat[texel, channel], GROUND_NODE)
         means[:GROUND_NODE, channel] = total
-    means[GROUND_NODE] = ground_radiance_rgb
+    means[GROUND_NODE:] = ground_radiance_rgb
     return means
+
+
+@lru_cache(maxsize=1)
+def node_directions() -> FloatArray:
+    """Unit vectors (NODES, 3) to the middle of what lies in each cell."""
+    directions = texel_directions(_FINE_TEXELS).reshape(-1, 3)
+    weight = np.tile(texel_solid_angles(_FINE_TEXELS).ravel(), 6)
+    node = _nodes_of(directions)
+    sums = [np.bincount(node, weight * directions[:, axis], NODES) for axis in range(3)]
+    found = np.stack(sums, axis=1)
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
 @lru_cache(maxsize=2)
@@ -85,7 +100,7 @@ def _shares(size: int) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray
     row, column = np.indices((fine, fine)) // _PIECES
     texel = (np.arange(6)[:, None, None] * size * size + row * size + column).ravel()
     node = _nodes_of(d.reshape(-1, 3))
-    above = node != GROUND_NODE
+    above = node < GROUND_NODE
     # Pieces of one texel in one cell are one.
     key = node[above] * np.int64(6 * size * size) + texel[above]
     keys, where = np.unique(key, return_inverse=True)

@@ -6,6 +6,7 @@ const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
+const float GRAZING_NARROWER = 0.45;  // share of roughness 1 by which the lobe at grazing angles is
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 
 struct Material {
@@ -189,7 +190,7 @@ vec3 point_in_triangle(vec3 face) {
 //!include surface_light.glsl
 
 // Of a surface with this normal, and the one that its map gives it.
-vec4 surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #if defined(GROUND_LIGHT)
     return ground_light(eye_to_point);
 #elif defined(LIGHT_MAP)
@@ -199,15 +200,16 @@ vec4 surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #ifdef LIGHT_PROBES
         if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
 #endif
-        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face));
-        return vec4(front.rgb * tilted(n, -smooth_n, MOST_BEHIND), front.a);
+        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face)).light;
+        front.rgb *= tilted(n, -smooth_n, MOST_BEHIND);
+        return Reached(front, vec4(0.0, 0.0, 0.0, front.a));
     }
 #endif
-    vec4 light = map_light(light_corner_px + place_px * centroid_factor(face));
+    Reached front = map_light(light_corner_px + place_px * centroid_factor(face));
 #ifdef HAS_NORMAL_TEX
-    light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+    front.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
 #endif
-    return light;
+    return front;
 #else
     return probe_light(eye_to_point, n);
 #endif
@@ -324,6 +326,37 @@ vec3 reflected_sky(vec3 d, float roughness) {
                        / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
     return textureLod(reflection, d, level).rgb * reflection_scale;
 }
+
+// What a lobe shows of the sky: to facets that are seen straight on, and at grazing angles.
+struct SkyImage {
+    vec3 direct, grazing;
+};
+
+// Rough facets are seen straight on wherever they lie, so that their lobe stands about the normal,
+// and none of it lies below the surface; Fresnel's term at grazing angles makes another, narrower
+// one about the mirror direction. Both fits are of render's tests.
+SkyImage sky_image(vec3 to_image, vec3 n, float roughness) {
+    vec3 towards = normalize(mix(to_image, n, roughness * roughness));
+    vec3 direct = reflected_sky(towards, roughness);
+    return SkyImage(direct, reflected_sky(to_image, roughness * (1.0 - GRAZING_NARROWER * roughness)));
+}
+
+#ifdef SURFACE_LIGHT
+// Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
+// shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_lobes.py).
+vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {
+    float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
+    vec3 across = nv * n - view;
+    float low = 0.62 * r2 / (r2 + 0.05), low_at_grazing = 0.35 * r2 / (r2 + 0.04);
+    vec2 up = sqrt(vec2(low * low, low_at_grazing * low_at_grazing)
+                   + nv * nv * vec2(straight * straight, (1.0 - roughness) * (1.0 - roughness)));
+    vec3 direct = up.x * n + straight * across;
+    vec3 at_grazing = up.y * n + (1.0 - 0.18 * roughness) * across;
+    vec2 seen = visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing));
+    // A lobe as wide as the hemisphere has all in it, of which a line says too much.
+    return clamp(mix(seen, vec2(in_all), r2 * r2), 0.0, 1.0);
+}
+#endif
 
 #ifdef MIRROR
 //!include mirror.glsl
@@ -460,7 +493,8 @@ void main() {
     more *= below_sheen;
 #endif
 #ifdef SURFACE_LIGHT
-    vec4 reached = surface_light(face, smooth_n, n, behind);
+    Reached found = surface_light(face, smooth_n, n, behind);
+    vec4 reached = found.light;
 #ifndef LIGHT_MAP
     reached *= occlusion;  // of folds that are too fine for the light's own texels or probes
 #endif
@@ -507,25 +541,37 @@ void main() {
     }
 #endif
     radiance += albedo * diffuse / PI;
-    vec3 once = f0 * share.x + f90 * share.y;
+    vec3 once = f0 * share.x, at_grazing = f90 * share.y;
     vec3 mirror_n = n;
 #ifdef ANISOTROPY
     mirror_n = bent_normal(n, view, roughness);
 #endif
+    vec3 to_image = reflect(-view, mirror_n);
 #ifdef SURFACE_LIGHT
     if (coat_f90 + metallic > 0.0) {
-        // The share of the sky that arrives; the rest arrives evenly from all directions.
-        vec3 to_image = reflect(-view, mirror_n), far = reflected_sky(to_image, roughness);
-        vec3 mirrored = reached.a * far;
-        mirrored += max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        SkyImage far = sky_image(to_image, mirror_n, roughness);
+        vec3 far_light = once * far.direct + at_grazing * far.grazing;
+        // Of the sky the share that is seen where each lobe looks; all else that arrives comes
+        // evenly from where the sky is not.
+        vec3 around = max(reached.rgb - reached.a * open_irradiance(n), 0.0) / PI;
+        float sky_in_all = max(found.sky.a + dot(found.sky.rgb, n) * 2.0 / 3.0, 1e-4);
+        vec2 seen = sky_seen(found.sky, sky_in_all, n, view, nv, roughness);
+        // What is seen of the sky may be brighter than the lobe's own image of all of it.
+        float brighter = mix(1.0, min(reached.a / sky_in_all, 4.0), roughness * roughness);
+        vec2 things = (1.0 - seen + FEWEST_THINGS) / (1.0 - min(sky_in_all, 1.0) + FEWEST_THINGS);
+        seen *= brighter;
+        vec3 mirrored = once * (seen.x * far.direct + things.x * around);
+        mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
 #ifdef MIRROR
         vec4 image = mirror_image(eye_to_sample, to_image, alpha);
-        mirrored = mix(image.rgb + (1.0 - image.a) * far, mirrored, mirror_fade(roughness));
+        vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
+        mirrored = mix(imaged, mirrored, mirror_fade(roughness));
 #endif
-        radiance += once * more * mirrored;
+        radiance += more * mirrored;
     }
 #else
-    radiance += once * more * occlusion * reflected_sky(reflect(-view, mirror_n), roughness);
+    SkyImage far = sky_image(to_image, mirror_n, roughness);
+    radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
 #ifdef SHEEN
 #ifdef SURFACE_LIGHT

@@ -4,14 +4,23 @@
 layout(binding = 5) uniform sampler2D light_map;
 layout(binding = 6) uniform sampler3D light_probes;  // its layers: six faces, each all of z
 layout(binding = 7) uniform sampler2D open_sky;      // open_irradiance.py's table
+layout(binding = 18) uniform sampler2D visible_sky;  // b and a of the share a + b . d that is seen
 //!include surface_light_block.glsl
 
+const float FEWEST_THINGS = 0.05;  // share of all directions below which things are too few to tell
 const float OPEN_AIR = 0.5;      // share of the sky at a surface from which the air before it gets all
 const float GROUND_FADE = 0.7;  // of the half width, where the map goes over into open ground
 
-vec4 map_light(vec2 at_px) {
+// Light, and towards where the sky is seen from there: b and a of the share a + b . d.
+struct Reached {
+    vec4 light;
+    vec4 sky;
+};
+
+Reached map_light(vec2 at_px) {
     vec4 light = textureLod(light_map, at_px * surface.texel, 0.0);
-    return vec4(light.rgb * surface.radiance_scale, light.a);
+    vec4 sky = textureLod(visible_sky, at_px * surface.texel, 0.0);
+    return Reached(vec4(light.rgb * surface.radiance_scale, light.a), sky);
 }
 
 // Irradiance of a plane with normal n under the open sky, where sky_irradiance costs more.
@@ -26,14 +35,16 @@ vec3 open_irradiance(vec3 n) {
 
 #ifdef GROUND_LIGHT
 // At a point relative to the eye: daylight/light_map.py says where it lies in the map.
-vec4 ground_light(vec3 point) {
+Reached ground_light(vec3 point) {
     vec2 away_m = surface.ground_eye_m + point.xz;
     vec2 reach = away_m / surface.ground_half_width_m;
     vec2 x = abs(reach) * surface.ground_slope;
     vec2 along = sign(reach) * log(x + sqrt(x * x + 1.0)) / surface.ground_warp;  // asinh
     vec2 at_px = surface.ground_first + clamp(0.5 + 0.5 * along, 0.0, 1.0) * surface.ground_steps;
     float far = smoothstep(GROUND_FADE, 1.0, max(abs(reach.x), abs(reach.y)));
-    return mix(map_light(at_px), vec4(surface.open_ground, 1.0), far);
+    Reached near = map_light(at_px);
+    vec4 open = vec4(surface.open_ground, 1.0);
+    return Reached(mix(near.light, open, far), mix(near.sky, vec4(0.0, 0.0, 0.0, 1.0), far));
 }
 #endif
 
@@ -50,7 +61,7 @@ bool has_probes(vec3 point) {
 
 // Of a plane with normal n: each of the six planes by its squared cosine, so that shares sum up
 // to one (McTaggart 2004, "Half-Life 2 / Valve Source shading").
-vec4 probe_light(vec3 point, vec3 n) {
+Reached probe_light(vec3 point, vec3 n) {
     // Half a step off the surface: the nearest probes are else behind it.
     vec3 at = among_probes(point) + 0.5 * n;
     at = clamp(at, vec3(0.0), surface.probe_counts - 1.0) + 0.5;
@@ -62,7 +73,7 @@ vec4 probe_light(vec3 point, vec3 n) {
         float layer = at.z + face * surface.probe_counts.z;
         light += weight[axis] * textureLod(light_probes, vec3(at.xy, layer) / size, 0.0);
     }
-    return vec4(light.rgb * surface.radiance_scale, light.a);
+    return Reached(vec4(light.rgb * surface.radiance_scale, light.a), vec4(0.0, 0.0, 0.0, light.a));
 }
 #endif
 
