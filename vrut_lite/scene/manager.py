@@ -16,7 +16,7 @@ from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.section import Axis, Side, section_of
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
@@ -214,6 +214,11 @@ class SceneManager(Module):
     def on_ambient(self, message: AmbientChanged) -> None:
         """Light with this sky."""
         self._view.state = self.state.with_light(ambient=message)
+
+    @handles(SkyRadianceChanged)
+    def on_sky_radiance(self, message: SkyRadianceChanged) -> None:
+        """Light with this where the background is seen from aloft, and somebody asks for it."""
+        self._change(sky_radiance=message)
 
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:
