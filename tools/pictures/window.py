@@ -57,7 +57,7 @@ POINTED = (0.0, 0.7071, -0.7071)
 # Panels of one width stand below each other, each column as wide as a dock.
 _COLUMNS, _WIDTH_PX, _GAP_PX = 4, 420, 8
 _BEHIND = (12, 12, 13)
-_REST_S, _LIMIT_S = 1.5, 120.0
+_REST_S, _LIMIT_S = 1.5, 600.0
 
 Pixels = NDArray[np.uint8]
 

@@ -20,10 +20,12 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.encoding import decode_float16
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Of the mean: points with less light by both lie inside bodies.
 _LEAST_SHARE = 0.02
+# Of texels: cosine of their slope, share of their rays that do not begin in bodies.
+_FACES_UP, _FREE_SHARE = 0.99, 0.98
 _CLEARANCE_M = 1e-3
 
 
@@ -95,8 +97,10 @@ class Compared:
         return float(np.abs(self._error).max())
 
     @property
-    def _free(self) -> FloatArray:
-        return np.asarray(np.maximum(self.ours, self.radiance) > _LEAST_SHARE * self.radiance.mean())
+    def _free(self) -> BoolArray:
+        return np.asarray(
+            np.maximum(self.ours, self.radiance) > _LEAST_SHARE * self.radiance.mean()
+        )
 
     @property
     def _error(self) -> FloatArray:
@@ -111,9 +115,7 @@ class Baked:
         quality = quality_for(DEFAULT_TOLERANCE)
         self.surfaces: Surfaces = surfaces_of(scene)
         layout = lay_out(scene, self.surfaces, None, quality.texels)
-        self._bake = Bake(
-            self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left
-        )
+        self._bake = Bake(self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
         self._bake.add_rays(quality.rays)
 
     def at_points(self, places_m: FloatArray, hour: Hour, effort: Effort) -> Compared:
@@ -122,23 +124,25 @@ class Baked:
         ours = self._bake.irradiance_at(places_m, up, hour, effort.rays)
         return self._compared(ours, places_m, up, hour, effort)
 
-    def on_texels(self, count: int, hour: Hour, effort: Effort) -> Compared:
-        """Some texels of the map that face up, as the frame shows them."""
+    def on_texels(self, grid: Grid, count: int, hour: Hour, effort: Effort) -> Compared:
+        """Some texels below a grid that face up, not within bodies, as the frame shows them."""
         bake, surfaces = self._bake, self.surfaces
-        texels, shown = bake.texels, bake.light(hour).texels
-        column, row = texels.pixel.T
-        light = shown[row, column, :3]
-        own = surfaces.part[texels.triangle] >= 0
-        chosen = np.flatnonzero(own & (texels.normal[:, 1] > 0.99) & (light[:, 1] > 0.0))
-        chosen = np.random.default_rng(0).choice(chosen, min(count, len(chosen)), replace=False)
-        normals = texels.normal[chosen].astype(float)
-        places = texels.place[chosen] * surfaces.radius_m + surfaces.centre_m
-        places = places + _CLEARANCE_M * normals
-        return self._compared(light[chosen], places, normals, hour, effort)
+        texels = bake.texels
+        normals = texels.normal.astype(float)
+        places_m = texels.place * surfaces.radius_m + surfaces.centre_m + _CLEARANCE_M * normals
+        x0, z0, x1, z1 = grid.corners_m
+        lower, upper = np.array([x0, -np.inf, z0]), np.array([x1, grid.height_m, z1])
+        below = ((places_m > lower) & (places_m < upper)).all(axis=1)
+        free = bake.table.valid[: len(places_m)] > _FREE_SHARE * bake.rays
+        found = np.flatnonzero(below & free & (normals[:, 1] > _FACES_UP))
+        chosen = np.random.default_rng(0).choice(found, min(count, len(found)), replace=False)
+        column, row = texels.pixel[chosen].T
+        light = bake.light(hour).texels[row, column, :3]
+        return self._compared(light, places_m[chosen], normals[chosen], hour, effort)
 
     def _compared(
         self,
-        ours: FloatArray,
+        ours: Float32Array,
         places_m: FloatArray,
         normals: FloatArray,
         hour: Hour,

@@ -6,8 +6,8 @@ Prague, 21 June, Hosek and Wilkie's sky of turbidity 3 over ground of albedo 0.1
 the scene's triangles as Lambert's, the sky as data, the sun, and the open ground beyond the map. It
 interpolates nothing. Light is that of all but the sun's own rays, which the frame draws by itself.
 "At points" are rays of their own, as many as Radiance's, that end on patches of the light map; "on
-the map" are texels that face up, as the frame shows them at the usual quality, against Radiance at
-their middle. Differences are shares of the grid's mean. Needs the extra `ref`.
+the map" are texels below the grid that face up, as the frame shows them at the usual quality,
+against Radiance at their middle. Differences are shares of the grid's mean. Needs the extra `ref`.
 """
 
 import argparse
@@ -38,7 +38,7 @@ def main() -> None:
             continue
         for caption, baked, hour in compared_hours(grid, SKY, HOURS):
             points = baked.at_points(grid.places_m, hour, effort)
-            texels = baked.on_texels(_TEXELS, hour, effort)
+            texels = baked.on_texels(grid, _TEXELS, hour, effort)
             cells = [
                 f"{points.free}", f"{points.mean:+.2%}", f"{points.rms:.2%}", f"{points.most:.1%}",
                 f"{texels.free}", f"{texels.mean:+.2%}", f"{texels.rms:.2%}",
