@@ -201,7 +201,7 @@ def garden_room() -> bytes:
     tiles = writer.material("tiles", (0.45, 0.28, 0.20), roughness=0.5)
     clay = writer.material("clay", (0.50, 0.22, 0.12), roughness=0.9)
     leaf = writer.material("leaves", (0.09, 0.22, 0.05), roughness=0.7, double_sided=True)
-    tint = writer.material("tint", (0.10, 0.35, 0.30), roughness=0.1, alpha=0.35)
+    tint = writer.material("tint", (0.10, 0.35, 0.30), roughness=0.1, alpha=0.35, double_sided=True)
     half, high = 2.0, 2.6
     shell = joined([
         box((half, 0.0, -half), (half + 0.2, high, half)),
@@ -213,7 +213,9 @@ def garden_room() -> bytes:
     floor = box((-half - 3.0, -0.1, -half - 0.6), (half + 0.2, 0.001, half + 0.6))
     writer.place("floor", writer.mesh("floor", [(floor, tiles)]))
     # The northern half is glazed; the southern one is open.
-    pane = box((-half, 0.002, -half), (-half + 0.02, high, 0.1))
+    pane = polygon(
+        [(-half, y, z) for y, z in ((0.0, -half), (0.0, 0.1), (high, 0.1), (high, -half))]
+    )
     writer.place("pane", writer.mesh("pane", [(pane, tint)]))
     pot = lathe([(0.16, 0.0), (0.22, 0.4), (0.18, 0.4), (0.16, 0.34), (0.0, 0.34)], 20)
     shrub = writer.mesh("shrub", [(pot, clay), (_leaves(420), leaf)])
