@@ -172,9 +172,13 @@ def messages(posed: PosedWindow) -> Pixels:
     posed.window.show_dock("messages")
     posed.rest()
     later(posed)
-    rows = inspector.table.messages.shown
-    chosen = [row.number for row in rows if row.type_name == "SunMoved"] or [rows[-1].number]
-    inspector.table.go_to(chosen[-1])
+
+    def moves_of_the_sun() -> list[int]:
+        rows = inspector.table.messages.shown
+        return [row.number for row in rows if row.type_name == "SunMoved"]
+
+    posed.until(lambda: bool(moves_of_the_sun()))
+    inspector.table.go_to(moves_of_the_sun()[-1])
     return posed.panel("messages")
 
 
