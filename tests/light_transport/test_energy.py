@@ -1,4 +1,7 @@
-"""Light is neither lost nor made: furnaces, open planes, form factors, rooms that are shut."""
+"""Light is neither lost nor made: furnaces, open planes, form factors, rooms that are shut.
+
+`pytest -s` prints how near it came (docs/light.md has the figures).
+"""
 
 from itertools import pairwise
 
@@ -17,6 +20,12 @@ def baked(scene, rays=64):
     return bake
 
 
+def _off(found, expected):
+    """How far light is from what it should be, for people."""
+    off = found / expected - 1.0
+    return f"{off.mean():+.2%} in the mean, {np.abs(off).max():.2%} at most"
+
+
 def on_quad(light, number, texels=8):
     """RGB and openness (texels, texels, 4) of a quad's texels."""
     return light.texels[number * (texels + 2) : number * (texels + 2) + texels]
@@ -27,18 +36,19 @@ def test_a_closed_box_that_glows_is_a_furnace(albedo):
     """Each wall sends M and what it reflects: E = M / (1 - albedo), by all bounces."""
     room = quads(*box((0, 0, 0), (2, 1, 3), inwards=True), reflectance=albedo, emitted=np.pi)
     light = baked(room).light(hour())
-    for side in range(6):
-        found = on_quad(light, side)
-        np.testing.assert_allclose(found[..., :3], np.pi / (1.0 - albedo), rtol=5e-3)
-        assert (found[..., 3] == 0.0).all()
+    found = np.stack([on_quad(light, side) for side in range(6)])
+    print(f"\nglowing box, albedo {albedo}: {_off(found[..., :3], np.pi / (1.0 - albedo))}")
+    np.testing.assert_allclose(found[..., :3], np.pi / (1.0 - albedo), rtol=5e-3)
+    assert (found[..., 3] == 0.0).all()
 
 
 def test_a_white_box_in_a_white_furnace_disappears():
     """Under a sky and ground of radiance L a white body gets pi L everywhere, and sends it on."""
     light = baked(quads(*box((0, 0, 0), (1, 2, 1)), reflectance=1.0)).light(hour(2.0))
-    for side in range(6):
-        np.testing.assert_allclose(on_quad(light, side)[..., :3], 2.0 * np.pi, rtol=2e-3)
-        np.testing.assert_allclose(on_quad(light, side)[..., 3], 1.0, atol=1e-2)
+    found = np.stack([on_quad(light, side) for side in range(6)])
+    print(f"\nwhite box under a white sky: {_off(found[..., :3], 2.0 * np.pi)}")
+    np.testing.assert_allclose(found[..., :3], 2.0 * np.pi, rtol=2e-3)
+    np.testing.assert_allclose(found[..., 3], 1.0, atol=1e-2)
 
 
 def test_an_open_plane_gets_pi_times_the_radiance_of_a_uniform_sky():
@@ -107,7 +117,9 @@ def test_what_is_sent_is_absorbed(albedo):
     light = baked(room, 128).light(hour())
     areas = (3.0, 3.0, 6.0, 6.0, 2.0, 2.0)
     arrived = sum(area * on_quad(light, side, 16)[..., 0].mean() for side, area in enumerate(areas))
-    assert (1.0 - albedo) * arrived == pytest.approx(7.0 * areas[0], rel=5e-3)
+    absorbed = (1.0 - albedo) * arrived
+    print(f"\nabsorbed of what is sent, albedo {albedo}: {absorbed / (7.0 * areas[0]) - 1.0:+.2%}")
+    assert absorbed == pytest.approx(7.0 * areas[0], rel=5e-3)
 
 
 def test_light_is_linear_in_sky_and_key_light():
@@ -154,6 +166,8 @@ def test_a_wall_of_two_texels_lets_no_light_into_a_dark_room():
     assert inside.sum() > 30
     assert found[row, column].max() < 1e-3 * outdoors
     walls = [on_quad(light, number, texels)[..., :3].max() for number in range(7, 12)]
+    brightest = max(found[row, column].max(), *walls) / outdoors
+    print(f"\nbehind a wall of two texels: at most {brightest:.1e} of the light outdoors")
     assert max(walls) < 1e-3 * outdoors
 
 

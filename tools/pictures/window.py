@@ -57,7 +57,7 @@ POINTED = (0.0, 0.7071, -0.7071)
 # Panels of one width stand below each other, each column as wide as a dock.
 _COLUMNS, _WIDTH_PX, _GAP_PX = 4, 420, 8
 _BEHIND = (12, 12, 13)
-_REST_S, _LIMIT_S = 1.5, 120.0
+_REST_S, _LIMIT_S = 1.5, 600.0
 
 Pixels = NDArray[np.uint8]
 
@@ -172,9 +172,13 @@ def messages(posed: PosedWindow) -> Pixels:
     posed.window.show_dock("messages")
     posed.rest()
     later(posed)
-    rows = inspector.table.messages.shown
-    chosen = [row.number for row in rows if row.type_name == "SunMoved"] or [rows[-1].number]
-    inspector.table.go_to(chosen[-1])
+
+    def moves_of_the_sun() -> list[int]:
+        rows = inspector.table.messages.shown
+        return [row.number for row in rows if row.type_name == "SunMoved"]
+
+    posed.until(lambda: bool(moves_of_the_sun()))
+    inspector.table.go_to(moves_of_the_sun()[-1])
     return posed.panel("messages")
 
 

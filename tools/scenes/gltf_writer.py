@@ -35,10 +35,15 @@ class GltfWriter:
         metallic: float = 0.0,
         texture: str | None = None,
         emissive: ArrayLike | None = None,
+        alpha: float = 1.0,
+        double_sided: bool = False,
     ) -> int:
-        """A material of linear base colour (3,); a texture is a file beside the scene."""
+        """A material of linear base colour (3,), blended where its alpha is below 1.
+
+        A texture is a file beside the scene.
+        """
         pbr: dict[str, Any] = {
-            "baseColorFactor": [*(float(value) for value in np.asarray(albedo)), 1.0],
+            "baseColorFactor": [*(float(value) for value in np.asarray(albedo)), alpha],
             "metallicFactor": metallic,
             "roughnessFactor": roughness,
         }
@@ -48,6 +53,10 @@ class GltfWriter:
         material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": pbr}
         if emissive is not None:
             material["emissiveFactor"] = [float(value) for value in np.asarray(emissive)]
+        if alpha < 1.0:
+            material["alphaMode"] = "BLEND"
+        if double_sided:
+            material["doubleSided"] = True
         return self._add("materials", material)
 
     def mesh(self, name: str, parts: list[tuple[Shape, int]]) -> int:

@@ -29,7 +29,7 @@ def build() -> dict[str, bytes]:
     return {
         "courtyard.glb": courtyard(), "staircase.glb": staircase(), "corridor.glb": corridor(),
         "thin_room.glb": thin_room(), "colour_bleeding.glb": colour_bleeding(),
-        "loggia.glb": loggia(),
+        "loggia.glb": loggia(), "garden_room.glb": garden_room(),
     }  # fmt: skip
 
 
@@ -192,6 +192,54 @@ def loggia() -> bytes:
     writer.place("floor", writer.mesh("floor", [(floor, tiles)]))
     writer.camera((-1.2, 1.6, 4.6), (-1.9, 1.5, -4.0), 1.0)
     return writer.glb()
+
+
+def garden_room() -> bytes:
+    """A room with a tinted pane instead of its west wall, and shrubs of leaves on both sides."""
+    writer = GltfWriter()
+    plaster = writer.material("plaster", (0.72, 0.70, 0.66))
+    tiles = writer.material("tiles", (0.45, 0.28, 0.20), roughness=0.5)
+    clay = writer.material("clay", (0.50, 0.22, 0.12), roughness=0.9)
+    leaf = writer.material("leaves", (0.09, 0.22, 0.05), roughness=0.7, double_sided=True)
+    tint = writer.material("tint", (0.10, 0.35, 0.30), roughness=0.1, alpha=0.35, double_sided=True)
+    half, high = 2.0, 2.6
+    shell = joined([
+        box((half, 0.0, -half), (half + 0.2, high, half)),
+        box((-half, 0.0, -half - 0.2), (half + 0.2, high, -half)),
+        box((-half, 0.0, half), (half + 0.2, high, half + 0.2)),
+        box((-half, high, -half - 0.2), (half + 0.2, high + 0.2, half + 0.2)),
+    ])  # fmt: skip
+    writer.place("shell", writer.mesh("shell", [(shell, plaster)]))
+    floor = box((-half - 3.0, -0.1, -half - 0.6), (half + 0.2, 0.001, half + 0.6))
+    writer.place("floor", writer.mesh("floor", [(floor, tiles)]))
+    # The northern half is glazed; the southern one is open.
+    pane = polygon(
+        [(-half, y, z) for y, z in ((0.0, -half), (0.0, 0.1), (high, 0.1), (high, -half))]
+    )
+    writer.place("pane", writer.mesh("pane", [(pane, tint)]))
+    pot = lathe([(0.16, 0.0), (0.22, 0.4), (0.18, 0.4), (0.16, 0.34), (0.0, 0.34)], 20)
+    shrub = writer.mesh("shrub", [(pot, clay), (_leaves(420), leaf)])
+    places = [(-2.9 - 0.7 * row, -1.9 + 0.75 * column) for row in range(3) for column in range(6)]
+    places += [(-0.9, -1.2), (1.3, -1.4), (-0.5, 0.9), (0.2, -1.6), (-1.5, -0.3), (-1.6, -1.5)]
+    for number, (x, z) in enumerate(places):
+        writer.place(f"shrub {number + 1}", shrub, (x, 0.001, z), azimuth_deg=53.0 * number)
+    writer.camera((1.7, 1.6, 1.7), (-1.6, 0.9, -0.9), 1.0)
+    return writer.glb()
+
+
+def _leaves(count: int) -> Shape:
+    """Leaves of 5 cm in a ball above a pot."""
+    rng = np.random.default_rng(4)
+    leaves = []
+    for away in rng.normal(size=(count, 3)):
+        away /= np.linalg.norm(away)
+        middle = away * 0.42 * rng.random() ** (1.0 / 3.0) + [0.0, 0.95, 0.0]
+        along = np.cross(away, rng.normal(size=3))
+        along *= 0.05 / np.linalg.norm(along)
+        side = 0.4 * np.cross(along, away)
+        leaves.append(polygon([middle, middle + 0.5 * along - side, middle + along,
+                               middle + 0.5 * along + side]))  # fmt: skip
+    return joined(leaves)
 
 
 def _wall_x(

@@ -1,0 +1,74 @@
+"""Irradiance at points by Radiance's `rtrace`: the wheel `pyradiance` brings the programs."""
+
+import importlib.util
+import os
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from light_transport.hour.hour import Hour
+from light_transport.surfaces.surfaces import Surfaces
+
+from tools.radiance.scene_files import turned, write_scene, write_sky, write_sun
+from vrut_lite.errors import UserError
+from vrut_lite.numeric_types import FloatArray
+
+# Nothing is interpolated between points, and paths end by chance, without bias.
+_EXACT = ("-aa", "0", "-as", "0", "-lr", "-12", "-dt", "0", "-dj", "0", "-u+")
+# A ray's weight below which it goes on by chance, in shares of one of the first rays.
+_LEAST_WEIGHT = 0.5
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard Radiance tries: rays from each point, and how many bounces they may take."""
+
+    rays: int = 32_768
+    bounces: int = 24
+
+
+def radiance_folder() -> Path | None:
+    """Where Radiance is installed."""
+    found = importlib.util.find_spec("pyradiance")
+    return None if found is None or found.origin is None else Path(found.origin).parent
+
+
+def irradiance_by_radiance(
+    surfaces: Surfaces,
+    hour: Hour,
+    places_m: FloatArray,
+    normals: FloatArray,
+    effort: Effort = Effort(),
+) -> FloatArray:
+    """Irradiance (P, 3), W m^-2, without the key light's own, at points (P, 3) in world axes.
+
+    Raises:
+        UserError: Radiance is not installed.
+    """
+    home = radiance_folder()
+    if home is None:
+        raise UserError("Radiance is not installed: pip install pyradiance")
+    environment = dict(os.environ, PATH=f"{home / 'bin'}:{os.environ['PATH']}")
+    environment["RAYPATH"] = f".:{home / 'lib'}"
+    rows = np.concatenate([turned(places_m), turned(normals)], axis=1)
+    points = "".join(" ".join(f"{value:.9g}" for value in row) + "\n" for row in rows).encode()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+
+        def run(*command: str, told: bytes | None = None) -> bytes:
+            return subprocess.run(
+                command, cwd=folder, env=environment, input=told, capture_output=True, check=True
+            ).stdout
+
+        def irradiance(bounces: int, *files: str) -> FloatArray:
+            (folder / "scene.oct").write_bytes(run("oconv", *files))
+            ambient = ("-ab", str(bounces), "-ad", str(effort.rays))
+            weight = ("-lw", f"{_LEAST_WEIGHT / effort.rays:.3g}")
+            out = run("rtrace", "-I+", "-h", *_EXACT, *ambient, *weight, "scene.oct", told=points)
+            return np.array(out.split(), float).reshape(-1, 3)
+
+        scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
+        sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
+        return irradiance(effort.bounces, scene, sky, sun) - irradiance(0, scene, sun)
