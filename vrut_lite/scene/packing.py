@@ -144,6 +144,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
             camera=own.name if own is not None and own is not loaded.cameras[0] else "",
         ),
         cameras=tuple(camera.name for camera in loaded.cameras),
+        animation_s=loaded.animation_s,
     )
 
 
