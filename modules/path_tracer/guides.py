@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from path_tracer.camera import sensor
 from path_tracer.library import load_mitsuba
 from path_tracer.settings import PathTracerSettings
-from path_tracer.shapes import shapes
+from path_tracer.shapes import matter
 from path_tracer.subject import Subject
 from path_tracer.surfaces import model_of
 
@@ -33,7 +33,7 @@ def guides(subject: Subject, settings: PathTracerSettings, samples: int) -> Guid
         "camera": sensor(mitsuba, subject, subject.reach_units()),
         # Without any light mitsuba shows nothing.
         "sky": {"type": "constant"},
-        **shapes(mitsuba, subject, model_of(settings, mitsuba)),
+        **matter(mitsuba, subject, model_of(settings, mitsuba)).shapes,
     }
     found = np.asarray(mitsuba.render(mitsuba.load_dict(content), spp=samples, seed=0))
     albedo, normal = found[..., :3], found[..., 3:6]

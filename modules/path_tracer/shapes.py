@@ -30,8 +30,15 @@ from vrut_lite.daylight.scene_content import Material, Mesh
 _FLAT = 1e-5
 
 
-def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
-    """All shapes of a scene by name, none of which glows; `model` as for `surface`."""
+class Matter(NamedTuple):
+    """Shapes by name, and the BSDFs of those that are single-sided."""
+
+    shapes: dict[str, Any]
+    one_sided: list[Any]
+
+
+def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
+    """All of a scene, none of which glows; `model` as for `surface`."""
     geometry = subject.scene.geometry
     skins = _skins(subject)
     times = Counter(geometry.part_mesh.values.tolist())
@@ -41,7 +48,7 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
     for part, (number, world_from_mesh) in enumerate(_places(subject)):
         matrix = subject.units_from_world() @ world_from_mesh
         name, skin = f"shape_{part}", skins[number]
-        if times[number] == 1 or skin.glows or skin.is_painted or _is_flat(matrix):
+        if times[number] == 1 or skin.glows or skin.is_painted or not _is_instanced(matrix):
             result[name] = _mesh(mitsuba, skin, matrix, model, bsdfs)
             continue
         centre = _centre(skin.mesh)
@@ -61,18 +68,19 @@ def shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict
         }
     if subject.scene.ground is not None:
         result["ground"] = _ground(mitsuba, subject, subject.scene.ground)
-    return result
+    return Matter(result, bsdfs.one_sided)
 
 
-def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> dict[str, Any]:
-    """The shapes that shine, under the names that they have in `shapes`."""
+def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
+    """The shapes that shine, under the names that they have in `matter`."""
     units = subject.units_from_world()
     skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject.units_per_m)
-    return {
+    shining = {
         f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, bsdfs, glowing=True)
         for part, (number, matrix) in enumerate(_places(subject))
         if skins[number].glows
     }
+    return Matter(shining, bsdfs.one_sided)
 
 
 class _Skin(NamedTuple):
@@ -99,6 +107,7 @@ class _Bsdfs:
     def __init__(self, mitsuba: Any, model: SurfaceModel, units_per_m: float):
         self._mitsuba, self._model, self._units_per_m = mitsuba, model, units_per_m
         self._made: dict[tuple[int, bytes], Any] = {}
+        self.one_sided: list[Any] = []
 
     def of(self, skin: _Skin) -> Any:
         """The mesh's BSDF."""
@@ -118,6 +127,8 @@ class _Bsdfs:
                 self._units_per_m,
             )
             self._made[key] = self._mitsuba.load_dict(made)
+            if not skin.material.double_sided:
+                self.one_sided.append(self._made[key])
         return self._made[key]
 
 
@@ -240,9 +251,10 @@ def _repeats(uv: NDArray[np.float64] | None) -> bool:
     return uv is None or bool(uv.min() < -1e-3 or uv.max() > 1.0 + 1e-3)
 
 
-def _is_flat(matrix: NDArray[np.float64]) -> bool:
+def _is_instanced(matrix: NDArray[np.float64]) -> bool:
+    """Whether mitsuba may place a mesh by this matrix: it has an inverse, and mirrors nothing."""
     scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
-    return bool(scales[2] <= _FLAT * scales[0])
+    return bool(scales[2] > _FLAT * scales[0] and np.linalg.det(matrix[:3, :3]) > 0.0)
 
 
 def _centre(mesh: Mesh) -> NDArray[np.float64]:

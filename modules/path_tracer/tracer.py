@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from path_tracer.camera import sensor
 from path_tracer.library import load_mitsuba
+from path_tracer.seen_backs import past_backs, sees
 from path_tracer.settings import PathTracerSettings
-from path_tracer.shapes import glowing_shapes, shapes
+from path_tracer.shapes import glowing_shapes, matter
 from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
 from path_tracer.subject import Subject
 from path_tracer.sun import sun_emitter
@@ -34,7 +35,8 @@ class Tracer:
     def __init__(self, subject: Subject, settings: PathTracerSettings):
         self._subject = subject
         self._settings = settings
-        self._scenes: list[Any] | None = None
+        # Each with its integrator.
+        self._scenes: list[tuple[Any, Any]] | None = None
 
     def trace(
         self,
@@ -61,30 +63,36 @@ class Tracer:
             if self._scenes is None:
                 self._scenes = _scenes(mitsuba, self._subject, self._settings)
             samples = min(at_once, first + count - start)
-            for number, scene in enumerate(self._scenes):
+            for number, (scene, integrator) in enumerate(self._scenes):
                 seed = len(self._scenes) * start + number
-                batch = mitsuba.render(scene, spp=samples, seed=seed)
+                batch = mitsuba.render(scene, integrator=integrator, spp=samples, seed=seed)
                 total += samples * np.asarray(batch, dtype=np.float64)
             traced(samples)
         return (total / count).astype(np.float32)
 
 
-def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
+def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[tuple[Any, Any]]:
     """One scene lit by the sun and one by all else, without those that are dark."""
     model = model_of(settings, mitsuba)
-    matter = shapes(mitsuba, subject, model)
+    there = matter(mitsuba, subject, model)
+    backs = there.one_sided
     farthest = subject.reach_units()
     scenes = []
     if any(subject.sun.irradiance_rgb):
         sun, distance = sun_emitter(mitsuba, subject.sun, settings.sun == "disc", farthest)
         lights = {"sun": sun, "sky": darkness()}
-        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
+        scenes.append(
+            _scene(mitsuba, subject, settings, {**there.shapes, **lights}, backs, distance)
+        )
     cube = radiance_cube(subject.background)
     bright = bool(np.any(cube > 0.0))
-    lamps = glowing_shapes(mitsuba, subject, model)
+    lamps, lamp_backs = glowing_shapes(mitsuba, subject, model)
+    glowing = [*backs, *lamp_backs]
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
-        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))
+        scenes.append(
+            _scene(mitsuba, subject, settings, {**there.shapes, **lights}, glowing, farthest)
+        )
     return scenes
 
 
@@ -93,20 +101,24 @@ def _scene(
     subject: Subject,
     settings: PathTracerSettings,
     content: dict[str, Any],
+    backs: list[Any],
     farthest: float,
-) -> Any:
-    """A scene as mitsuba has it."""
+) -> tuple[Any, Any]:
+    """A scene as mitsuba has it, and what integrates it."""
     bounces = settings.max_bounces
-    integrator = {
+    integrator: dict[str, Any] = {
         # The latter seeks light through what lets it straight on, which costs.
         "type": "volpath" if _lets_light_on(subject) else "path",
         "max_depth": -1 if bounces is None else bounces + 1,
         "rr_depth": _ROULETTE_DEPTH,
     }
     camera = sensor(mitsuba, subject, farthest)
-    return mitsuba.load_dict(
+    scene = mitsuba.load_dict(
         {"type": "scene", "integrator": integrator, "camera": camera, **content}
     )
+    if mitsuba.variant().startswith("scalar") or not backs or not sees(mitsuba, scene, backs):
+        return scene, scene.integrator()
+    return scene, past_backs(mitsuba, scene.integrator(), backs)
 
 
 def _lets_light_on(subject: Subject) -> bool:

@@ -94,7 +94,7 @@ def test_a_coated_surface_is_lamberts_below_and_a_principled_one_is_not(backend,
 
 def test_a_back_side_is_lit_like_a_front_side(backend, tmp_path):
     """Walls of one sheet are seen from inside too."""
-    path = square(tmp_path, surface(1.0, 0.1, 0.7))
+    path = square(tmp_path, {**surface(1.0, 0.1, 0.7), "doubleSided": True})
     below = ((0.0, -3.0, 0.0), (0.0, 0.0, 0.0))
     np.testing.assert_allclose(picture(backend, path, eye_target=below).mean(), 0.7, rtol=0.01)
 

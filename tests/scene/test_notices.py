@@ -132,3 +132,22 @@ def test_an_obj_that_came_alone_opens(write_obj: WriteScene) -> None:
         "material library square.mtl: missing, grey instead",
         "material that no MTL defines: grey instead",
     )
+
+
+def test_variants_and_maps_by_their_mean_are_told(write_square: WriteScene) -> None:
+    """Which other looks a file has, and which of its maps are not drawn texel by texel."""
+
+    def edit(document: dict[str, Any]) -> None:
+        variants = {"variants": [{"name": "beach"}, {"name": "midnight"}]}
+        document["extensions"] = {"KHR_materials_variants": variants}
+        document["extensionsUsed"] = ["KHR_materials_variants", "KHR_materials_sheen"]
+        png = base64.b64encode(png_bytes()).decode()
+        document["images"] = [{"uri": f"data:image/png;base64,{png}"}]
+        document["textures"] = [{"source": 0}]
+        sheen = {"sheenColorFactor": [1, 1, 1], "sheenColorTexture": {"index": 0}}
+        document["materials"][0] = {"extensions": {"KHR_materials_sheen": sheen}}
+
+    assert load_scene(write_square(edit)).notices == (
+        "sheenColorTexture: its mean is taken",
+        "material variants beach, midnight: the default materials are shown",
+    )

@@ -25,6 +25,8 @@ HONOURED = frozenset(
 )
 # They say nothing of what a picture shows.
 _UNSEEN = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "EXT_structural_metadata", "EXT_mesh_features"})
+# gltf_notices.py tells more of it.
+_TOLD_BY_NAME = frozenset({"KHR_materials_variants"})
 # Without them the file still has a plain reading, so that one that requires them is opened too.
 _INSTEAD = {
     "EXT_lights_ies": "its lamps are dark",
@@ -34,7 +36,6 @@ _INSTEAD = {
     "KHR_lights_punctual": "its lamps are dark",
     "KHR_materials_dispersion": "light of all colours is bent alike",
     "KHR_materials_iridescence": "reflects without its thin film",
-    "KHR_materials_variants": "the default variant is shown",
     "KHR_node_visibility": "everything is shown",
     "MSFT_lod": "the finest level is shown",
 }
@@ -50,7 +51,7 @@ def check_extensions(
         SceneFileError: it requires one that has no plain reading.
     """
     names = dict.fromkeys((*used, *required))
-    unread = [name for name in names if name not in HONOURED | _UNSEEN]
+    unread = [name for name in names if name not in HONOURED | _UNSEEN | _TOLD_BY_NAME]
     refused = [name for name in unread if name in set(required) and not _has_plain_reading(name)]
     if refused:
         shown = ", ".join(ascii(name)[1:-1][:60] for name in refused[:4])

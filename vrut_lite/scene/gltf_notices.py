@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Mesh, Node, Primitive
+from vrut_lite.scene.gltf_terms import averaged_maps, variant_names
 from vrut_lite.scene.uv_layers import layers_of, texture_infos
 
 _TRIANGLES = 4
@@ -15,6 +16,9 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
     meshes = {node.mesh for node in nodes if node.mesh is not None}
     for number in meshes:
         _tell_mesh(file, item_at(document.meshes, number, "mesh"))
+    variants = variant_names(bytes(document.extensions))
+    if variants:
+        notices.tell(f"material variants {', '.join(variants)}", "the default materials are shown")
     others = len(document.scenes) - 1
     notices.tell("scene beside the default one", "not drawn", max(others, 0))
 
@@ -28,10 +32,13 @@ def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
 
 
 def _tell_maps(file: GltfFile, primitive: Primitive) -> None:
-    """Maps whose texture coordinates are a third set, or that the primitive lacks."""
+    """Maps of which the mean is taken, and those that lack their texture coordinates."""
     if primitive.material is None or primitive.mode < _TRIANGLES:
         return
     source = item_at(file.document.materials, primitive.material, "material")
+    for name in averaged_maps(source):
+        instead = "left out" if name == "clearcoatNormalTexture" else "its mean is taken"
+        file.notices.tell(name, instead)
     layers, numbers = layers_of(source)
     left_out = [name for name in texture_infos(source) if name not in numbers]
     for name in left_out:

@@ -341,4 +341,6 @@ class Gltf(Part, frozen=True):
     scenes: list[Scene] = []
     animations: list[Animation] = []
     skins: list[Skin] = []
+    # JSON that gltf_terms.py reads.
+    extensions: Raw = Raw(b"{}")
     scene: Index | None = None

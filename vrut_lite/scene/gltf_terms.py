@@ -30,6 +30,7 @@ DRAWN_EXTENSIONS = (
     "KHR_materials_unlit",
     "KHR_materials_volume",
 )
+_MOST_IOR = 1e6
 # What black leaves: a logarithm needs some.
 _LEAST_LEFT = 1e-4
 _WHITE: Vector = (1.0, 1.0, 1.0)
@@ -56,6 +57,7 @@ class _Clearcoat(Part, frozen=True):
     clearcoat_texture: TextureInfo | None = None
     clearcoat_roughness_factor: float = 0.0
     clearcoat_roughness_texture: TextureInfo | None = None
+    clearcoat_normal_texture: TextureInfo | None = None
 
 
 class _Sheen(Part, frozen=True):
@@ -95,6 +97,18 @@ class _Extensions(Part, frozen=True):
     unlit: dict[str, Any] | None = field(default=None, name="KHR_materials_unlit")
 
 
+class _Variant(Part, frozen=True):
+    name: str = ""
+
+
+class _Variants(Part, frozen=True):
+    variants: tuple[_Variant, ...] = ()
+
+
+class _FileExtensions(Part, frozen=True):
+    variants: _Variants = field(default=_Variants(), name="KHR_materials_variants")
+
+
 ImageOf = Callable[[TextureInfo], Image.Image | None]
 
 
@@ -113,6 +127,29 @@ def further_textures(source: Material) -> dict[str, TextureInfo]:
         "transmission": found.transmission.transmission_texture,
     }
     return {name: info for name, info in named.items() if info is not None}
+
+
+def averaged_maps(source: Material) -> list[str]:
+    """The file's names of those that scale their factor by their mean, or that are left out."""
+    found = _extensions(source)
+    textures = {
+        "clearcoatRoughnessTexture": found.clearcoat.clearcoat_roughness_texture,
+        "clearcoatNormalTexture": found.clearcoat.clearcoat_normal_texture,
+        "sheenColorTexture": found.sheen.sheen_color_texture,
+        "sheenRoughnessTexture": found.sheen.sheen_roughness_texture,
+        "anisotropyTexture": found.anisotropy.anisotropy_texture,
+        "thicknessTexture": found.volume.thickness_texture,
+    }
+    return [name for name, info in textures.items() if info is not None]
+
+
+def variant_names(extensions: bytes) -> list[str]:
+    """The names of a file's material variants, from the JSON of its own extensions."""
+    try:
+        found = msgspec.json.decode(extensions, type=_FileExtensions)
+    except msgspec.ValidationError:
+        return []
+    return [variant.name for variant in found.variants.variants]
 
 
 def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
@@ -137,7 +174,9 @@ def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
             tint = tint**2.2
     return SurfaceTerms(
         # 0 is the specification's way to say that nothing goes below the coat.
-        ior=max(_finite(found.ior.ior, 1.5), 1.0) if found.ior.ior else 1e6,
+        ior=float(np.clip(_finite(found.ior.ior, 1.5), 1.0, _MOST_IOR))
+        if found.ior.ior
+        else _MOST_IOR,
         specular=_share(found.specular.specular_factor),
         specular_rgb=_colour(found.specular.specular_color_factor, most=1e3),
         clearcoat=_share(clearcoat.clearcoat_factor),
