@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from loaded_scenes import WriteScene
 from scene_files import png_bytes
 
 from vrut_lite.daylight.placement import PlacedFile, Placement
@@ -81,6 +82,16 @@ def test_terrain_and_towns_keep_their_metres(tmp_path: Path) -> None:
     """What is high but far wider is large, not in centimetres."""
     town = [_box((5000, 1, 5000), (0, -1, 0)), _box((60, 420, 60), (2000, 0, 2000))]
     assert load_scene(_write(tmp_path / "town.obj", *town)).notices == ()
+
+
+def test_a_gltf_in_centimetres_is_left_and_told(write_square: WriteScene) -> None:
+    """glTF is in metres by its standard: a square of 400 m stays, with a line, unless it is said to
+    be as high as that."""
+    path = write_square(lambda document: document["nodes"][0].update(scale=[400, 400, 400]))
+    scene = load_scene(path)
+    assert scene.upper_m[1] == 400
+    assert scene.notices[0].startswith("400 m high, by the file's own unit")
+    assert load_scene(path, placement=Placement(metres_per_unit=1.0)).notices == ()
 
 
 def test_paths_as_windows_writes_them(tmp_path: Path) -> None:

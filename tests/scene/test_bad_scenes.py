@@ -111,9 +111,10 @@ def test_short_buffer(write_square: WriteScene) -> None:
 
 
 def test_missing_image(write_square: WriteScene) -> None:
-    """A missing texture is refused, not replaced by white."""
-    path = write_square(lambda d: add_texture(d, {"uri": "brick.png"}))
-    assert "brick.png" in refusal(path)
+    """A missing texture is told and left out, so that the rest can be seen."""
+    scene = load_scene(write_square(lambda d: add_texture(d, {"uri": "brick.png"})))
+    assert "picture brick.png: missing, left out" in scene.notices
+    assert scene.meshes[0].mesh.visual.material.baseColorTexture is None
 
 
 def test_damaged_image(write_square: WriteScene) -> None:

@@ -123,6 +123,17 @@ def test_other_formats_name_what_converts_them(tmp_path: Path, name: str, says: 
         load_scene(tmp_path / name)
 
 
+def test_an_obj_that_came_alone_opens(write_obj: WriteScene) -> None:
+    """Its library or its pictures are often not beside it: it is grey, and says why."""
+    path = write_obj("newmtl paint\nmap_Kd brick.png\n")
+    assert load_scene(path).notices == ("picture brick.png: missing, left out",)
+    (path.parent / "square.mtl").unlink()
+    assert load_scene(path).notices == (
+        "material library square.mtl: missing, grey instead",
+        "material that no MTL defines: grey instead",
+    )
+
+
 def test_variants_and_maps_by_their_mean_are_told(write_square: WriteScene) -> None:
     """Which other looks a file has, and which of its maps are not drawn texel by texel."""
 

@@ -49,7 +49,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
     `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
     what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
-    of the file's cameras.
+    of the file's cameras; `animation_s` is how long its animations last, 0 without any.
     """
 
     path: str
@@ -64,6 +64,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     notices: tuple[str, ...] = ()
     opened: LoadScene | None = None
     cameras: tuple[str, ...] = ()
+    animation_s: float = 0.0
 
     @property
     def content_key(self) -> str:
@@ -97,6 +98,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
             self.lamps.check()
         checks.lines(self, "notices")
         checks.lines(self, "cameras")
+        checks.number(self, "animation_s", 0.0)
         checks.instance(self, "opened", (LoadScene, type(None)))
         if self.opened is not None:
             self.opened.check()

@@ -11,7 +11,7 @@ from pathlib import Path
 from urllib.parse import unquote_to_bytes
 
 from vrut_lite.scene.budget import SceneBudget
-from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.scene_file_error import MissingFile, SceneFileError
 
 MAX_FILE_BYTES = 2**30
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*):")
@@ -84,10 +84,12 @@ class SceneFolder:
         path = self.locate(name)
         try:
             there = path.is_file()
-        except OSError:
-            there = False
-        if not there:
+        except OSError as fault:
             raise SceneFileError(
+                f"it names {_short(name)}, which no file can be called; mend the reference"
+            ) from fault
+        if not there:
+            raise MissingFile(
                 f"it names {_short(name)}, which is missing; put that file beside the scene"
             )
         return self.read(path)

@@ -172,8 +172,15 @@ def _filled(asked: Placement, file: SceneFile) -> Placement:
 
 
 def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[str]:
-    """Lines on guesses that change the scene."""
+    """Lines on guesses that change the scene, and on units that a file may mean otherwise."""
     lines = []
+    if asked.metres_per_unit is None and file.says.metres_per_unit is not None:
+        extent_m = _extent(file.placed, filled.world_from_file())
+        if guess_metres_per_unit(extent_m) != 1.0:
+            lines.append(
+                f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
+                "--metres-per-unit 0.01, or Unit in the Scene panel"
+            )
     if asked.up is None and file.says.up is None and filled.up != "y":
         lines.append(
             "taken to stand along +Z, where it has a floor: if that is wrong, --up y, or Up in the "

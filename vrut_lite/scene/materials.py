@@ -15,6 +15,7 @@ from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
 from vrut_lite.scene.gltf_terms import emissive_strength, terms_of
 from vrut_lite.scene.images import Encoded, PixelBudget, decode_image
+from vrut_lite.scene.scene_file_error import MissingFile
 from vrut_lite.scene.spec_gloss import roughness_image, spec_gloss_of
 from vrut_lite.scene.uv_layers import UvLayer, layers_of, texture_infos
 
@@ -114,7 +115,7 @@ class GltfMaterials:
     def _texture(self, info: TextureInfo) -> Image.Image | None:
         texture = item_at(self._file.document.textures, info.index, "texture")
         index = _image_index(texture)
-        if index is None:
+        if index is None or index not in self._keys:
             return None
         key = self._keys[index]
         if key not in self._images:
@@ -138,7 +139,12 @@ class GltfMaterials:
             index = _image_index(texture)
             if index is None or index in self._keys:
                 continue
-            key, data = self._file.image_source(item_at(document.images, index, "image"))
+            image = item_at(document.images, index, "image")
+            try:
+                key, data = self._file.image_source(image)
+            except MissingFile:
+                self._file.notices.tell(f"picture {image.uri}", "missing, left out")
+                continue
             if key not in encoded:
                 memory.ask(len(data), f"the image number {index}")
                 pixels.admit(data, f"number {index}")

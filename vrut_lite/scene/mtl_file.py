@@ -10,7 +10,7 @@ from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material, from_mtl
 from vrut_lite.scene.notices import Notices
-from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.scene_file_error import MissingFile, SceneFileError
 
 # How many words follow each option of a map statement (Wavefront MTL, "texture map options").
 _OPTION_WORDS = {
@@ -32,7 +32,7 @@ class MtlMaterials:
     """The materials of one MTL file by name; each picture is decoded once.
 
     Raises:
-        SceneFileError: if a picture is missing, damaged, too large or outside the folder.
+        SceneFileError: if a picture is damaged, too large or outside the folder.
     """
 
     def __init__(self, data: bytes, folder: SceneFolder, notices: Notices) -> None:
@@ -66,8 +66,13 @@ class MtlMaterials:
                 if word.lower() in _OPTION_WORDS:
                     self._notices.tell(f"map_kd's option {word.lower()}", "left out")
 
-    def _picture(self, name: str) -> Image.Image:
-        data = self._folder.get(name)
+    def _picture(self, name: str) -> Image.Image | None:
+        """The decoded picture; None if there is no such file, which is told."""
+        try:
+            data = self._folder.get(name)
+        except MissingFile:
+            self._notices.tell(f"picture {name}", "missing, left out")
+            return None
         key = id(data)  # The folder gives the same file as the same object.
         if key not in self._pictures:
             self._pixels.admit(data, ascii(name))

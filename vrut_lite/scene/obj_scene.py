@@ -21,6 +21,7 @@ from vrut_lite.scene.mtl_file import MtlMaterials, portable_name
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_file import ObjFile, parse_obj
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles
+from vrut_lite.scene.scene_file_error import MissingFile
 
 
 def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[PlacedMesh]:
@@ -33,7 +34,7 @@ def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[Pl
     folder = SceneFolder(path.parent, budget)
     obj = parse_obj(folder.read(path), budget)
     check_triangles(len(obj.corners))
-    library = b"" if obj.library is None else folder.get(portable_name(obj.library))
+    library = _library(obj, folder, notices)
     materials = MtlMaterials(library, folder, notices)
     for kind, count in obj.unread.items():
         notices.tell(f"{kind} statement of the OBJ", "not drawn", count)
@@ -45,6 +46,17 @@ def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[Pl
         geometry = _geometry(obj, shown, corners, budget)
         placed.append(PlacedMesh(shown, make_mesh(geometry, materials.make(name)), np.eye(4)))
     return placed
+
+
+def _library(obj: ObjFile, folder: SceneFolder, notices: Notices) -> bytes:
+    """The text of the material library; empty without one."""
+    if obj.library is None:
+        return b""
+    try:
+        return folder.get(portable_name(obj.library))
+    except MissingFile:
+        notices.tell(f"material library {obj.library}", "missing, grey instead")
+        return b""
 
 
 def _groups(obj: ObjFile) -> Iterator[tuple[int, NDArray[np.int32]]]:

@@ -146,6 +146,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
             luminaires=loaded.luminaires,
         ),
         cameras=tuple(camera.name for camera in loaded.cameras),
+        animation_s=loaded.animation_s,
     )
 
 

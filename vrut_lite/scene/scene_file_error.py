@@ -2,4 +2,8 @@
 
 
 class SceneFileError(ValueError):
-    """A fault in a scene file and its remedy; `load_scene` adds the path."""
+    """What is wrong with a scene file and what to do; the path is added by `load_scene`."""
+
+
+class MissingFile(SceneFileError):
+    """A file that a scene names is not there; a texture is then left out, and told."""

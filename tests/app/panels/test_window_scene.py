@@ -1,5 +1,8 @@
 """The Scene panel tells how the file stands and what of it is not shown, and changes it."""
 
+import json
+
+import numpy as np
 import pytest
 from window_driver import SCENES
 
@@ -50,3 +53,46 @@ def test_the_first_scene_has_nothing_to_note(headless_window):
     driver.open(Project(scene=str(SCENES / "street.obj")))
     driver.until(lambda: "25.5" in panel.extent.text())
     assert panel.notices.text() == ""
+
+
+def test_animations_run_at_their_own_pace(headless_window, tmp_path):
+    """The button lets a clip run and holds it; a scene without animations has no button."""
+    driver = headless_window
+    panel = driver.panel("module scene")
+    assert panel.play.isHidden()
+    driver.open(Project(scene=str(sliding_glb(tmp_path))))
+    driver.until(lambda: not panel.play.isHidden())
+    panel.play.click()
+    driver.until(lambda: driver.session.last(SceneOpened).lower_m[0] > 0.0)
+    panel.play.click()
+    assert not panel.play.isChecked()
+
+
+def sliding_glb(folder):
+    """A triangle that slides by 1 m a second for ten seconds."""
+    numbers = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [10, 0, 0]], "<f4")
+    data = numbers.tobytes() + np.array([0, 10], "<f4").tobytes()
+    views = [(0, 36), (36, 24), (60, 8)]
+    document = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [
+            {
+                "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                "samplers": [{"input": 2, "output": 1}],
+            }
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR"},
+        ],
+        "bufferViews": [{"buffer": 0, "byteOffset": a, "byteLength": n} for a, n in views],
+        "buffers": [{"uri": "sliding.bin", "byteLength": len(data)}],
+    }
+    (folder / "sliding.bin").write_bytes(data)
+    path = folder / "sliding.gltf"
+    path.write_text(json.dumps(document))
+    return path

@@ -1,13 +1,16 @@
 """The scene's file: its size, axes, units and cameras, and what of it is not shown."""
 
+from time import perf_counter
+
 import msgspec
-from PySide6.QtWidgets import QComboBox, QVBoxLayout
+from PySide6.QtWidgets import QComboBox, QPushButton, QVBoxLayout
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.presets import PresetStore
-from vrut_lite.app.widgets import aligned_form, faint_label
+from vrut_lite.app.widgets import aligned_form, faint_label, make_timer
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
+from vrut_lite.kernel.messages import SetSetting
 
 _UPS = {"y": "+Y", "z": "+Z"}
 _UNITS = {
@@ -17,6 +20,7 @@ _UNITS = {
     0.0254: "inches",
     0.3048: "feet",
 }
+_STEP_MS = 40
 _SIZE = " \N{MULTIPLICATION SIGN} "
 
 
@@ -28,6 +32,14 @@ class ScenePanel(ModulePanel):
         self._opened: LoadScene | None = None
         self.extent = faint_label(wraps=True)
         self.up, self.unit, self.camera = QComboBox(), QComboBox(), QComboBox()
+        self.play = QPushButton("Play")
+        self.play.setCheckable(True)
+        self.play.hide()
+        self.play.setAccessibleName("Play the animations")
+        self.play.setToolTip("Let the file's animations run at their own pace")
+        self._steps = make_timer(self, _STEP_MS, self._step)
+        self._duration_s = 0.0
+        self._since = (0.0, 0.0)
         self.notices = faint_label(wraps=True)
         self._lay_out_file()
         session.listen(SceneOpened, self._show_file)
@@ -44,6 +56,7 @@ class ScenePanel(ModulePanel):
             box.setAccessibleName(title)
             box.setEnabled(False)
             form.addRow(title, box)
+        form.addRow("", self.play)
         form.addRow(self.notices)
         for axis, title in _UPS.items():
             self.up.addItem(title, axis)
@@ -52,9 +65,26 @@ class ScenePanel(ModulePanel):
         self.up.activated.connect(lambda _: self._place(up=self.up.currentData()))
         self.unit.activated.connect(lambda _: self._place(metres_per_unit=self.unit.currentData()))
         self.camera.activated.connect(lambda _: self._open(camera=self.camera.currentText()))
+        self.play.toggled.connect(self._run)
         column = self.layout()
         assert isinstance(column, QVBoxLayout)
         column.insertLayout(1, form)
+
+    def _run(self, on: bool) -> None:
+        """Let the animations run from where they stand, or hold them."""
+        if on:
+            stands_at = self._module.values["animation_time_s"]
+            assert isinstance(stands_at, float)
+            self._since = (perf_counter(), stands_at)
+            self._session.send(SetSetting(module=self._name, name="animation", value="time"))
+            self._steps.start()
+        else:
+            self._steps.stop()
+
+    def _step(self) -> None:
+        started_s, from_s = self._since
+        time_s = (from_s + perf_counter() - started_s) % self._duration_s
+        self._session.send(SetSetting(module=self._name, name="animation_time_s", value=time_s))
 
     def _place(self, **changed: object) -> None:
         if self._opened is not None:
@@ -68,6 +98,9 @@ class ScenePanel(ModulePanel):
     def _show_file(self, scene: SceneOpened) -> None:
         if scene.opened is None or scene.opened == self._opened:
             return
+        self._duration_s = scene.animation_s
+        self.play.setChecked(False)
+        self.play.setVisible(scene.animation_s > 0.0)
         self._opened = scene.opened
         lengths = (upper - lower for lower, upper in zip(scene.lower_m, scene.upper_m, strict=True))
         self.extent.setText(
