@@ -215,6 +215,7 @@ class MainWindow(QMainWindow):
                        self.session.meter_exposure),
             ActionSpec("play", "Time", "Play or pause", "Space", lambda: self.time.toggle_play()),
             ActionSpec("now", "Time", "Now", "N", lambda: self.time.go_to_now()),
+            ActionSpec("hour", "Time", "Type an hour", "H", self.type_hour),
             ActionSpec("day before", "Time", "A day earlier", "Ctrl+PgUp",
                        lambda: self.time.step_days(-1)),
             ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",
@@ -231,6 +232,9 @@ class MainWindow(QMainWindow):
                        partial(self.toggle_dock, "modules")),
             ActionSpec("messages", "View", "Message inspector", "F5",
                        partial(self.toggle_dock, "messages")),
+            ActionSpec("find place", "View", "Find a place", "G",
+                       partial(self.go_to_dock, "place")),
+            ActionSpec("picture focus", "View", "Keys to the picture", "Esc", viewport.setFocus),
             ActionSpec("palette", "Help", f"Find a command{dots}", "Ctrl+K, Ctrl+Shift+P",
                        self.show_palette),
             ActionSpec("keys", "Help", "Keys", "F1", self.show_keys),
@@ -240,6 +244,20 @@ class MainWindow(QMainWindow):
         """Show a dock, as the front tab of its group."""
         self.docks[name].show()
         self.docks[name].raise_()
+
+    def go_to_dock(self, name: str) -> None:
+        """Show a dock, and give the keys to its first control."""
+        self.show_dock(name)
+        controls = self.panels[name].findChildren(QWidget)
+        takes = (c for c in controls if c.focusPolicy() & Qt.FocusPolicy.TabFocus)
+        first = next((c for c in takes if c.isVisible() and c.isEnabled()), None)
+        if first is not None:
+            first.setFocus(Qt.FocusReason.TabFocusReason)
+
+    def type_hour(self) -> None:
+        """Give the keys to the field of the hour."""
+        self.show_dock("time")
+        self.time.clock.setFocus(Qt.FocusReason.TabFocusReason)
 
     def toggle_dock(self, name: str) -> None:
         """Hide a visible dock; show a hidden one."""
@@ -259,7 +277,7 @@ class MainWindow(QMainWindow):
         entries = [
             *action_entries(self.actions_by_name.values()),
             *slot_entries(self.session),
-            *dock_entries(self.docks, self.show_dock),
+            *dock_entries(self.docks, self.go_to_dock),
             *recent_entries(self.files.kept.recent, self.files.open_path),
         ]
         return CommandPalette(self, entries)
