@@ -3,7 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -248,11 +248,17 @@ class MainWindow(QMainWindow):
     def go_to_dock(self, name: str) -> None:
         """Show a dock, and give the keys to its first control."""
         self.show_dock(name)
-        controls = self.panels[name].findChildren(QWidget)
-        takes = (c for c in controls if c.focusPolicy() & Qt.FocusPolicy.TabFocus)
-        first = next((c for c in takes if c.isVisible() and c.isEnabled()), None)
-        if first is not None:
-            first.setFocus(Qt.FocusReason.TabFocusReason)
+        panel = self.panels[name]
+        controls = [
+            control
+            for control in panel.findChildren(QWidget)
+            if control.focusPolicy() & Qt.FocusPolicy.TabFocus
+            and control.isVisible()
+            and control.isEnabled()
+        ]
+        if controls:
+            highest = min(controls, key=lambda control: control.mapTo(panel, QPoint()).y())
+            highest.setFocus(Qt.FocusReason.TabFocusReason)
 
     def type_hour(self) -> None:
         """Give the keys to the field of the hour."""
