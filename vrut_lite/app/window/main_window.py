@@ -157,7 +157,9 @@ class MainWindow(QMainWindow):
         self.setDockNestingEnabled(True)
         self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, _TABS_ABOVE)
         right = [dock for dock in self.docks.values() if dock.property("group") != "time"]
-        width_px = min(_RIGHT_PX, round(_MOST_RIGHT * self.width()))
+        # Before it is shown a window has no width of its own yet.
+        most_px = round(_MOST_RIGHT * self.width()) if self.isVisible() else _RIGHT_PX
+        width_px = min(_RIGHT_PX, most_px)
         self.resizeDocks(right, [width_px] * len(right), Qt.Orientation.Horizontal)
         self.resizeDocks(
             [self.docks["place"], self.docks["sky"]], [430, 440], Qt.Orientation.Vertical
