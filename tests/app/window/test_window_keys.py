@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QToolButton
 
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.dock_title import DockTitle
+from vrut_lite.daylight.place import SetPlace
 from vrut_lite.kernel.messages import SlotChanged
 
 
@@ -80,6 +81,30 @@ def test_alt_and_a_letter_opens_each_menu(driver, qtbot):
         marked = [text.partition("&")[2][:1].lower() for text in entries]
         assert all(marked), entries
         assert len(set(marked)) == len(marked), entries
+
+
+def test_keys_lead_to_the_place_the_hour_and_back_to_the_picture(driver, qtbot):
+    """G and a city, H and an hour, Escape: the main tasks without a mouse."""
+    window, viewport = driver.window, driver.window.desk.viewport
+    viewport.setFocus()
+    qtbot.keyClick(viewport, Qt.Key.Key_G)
+    search = driver.panel("place").search
+    driver.until(search.hasFocus)
+    search.selectAll()
+    qtbot.keyClicks(search, "Reykjav")
+    qtbot.keyClick(search, Qt.Key.Key_Return)
+    driver.until_heard(SetPlace, lambda m: m.latitude_deg > 60.0)
+    qtbot.keyClick(search, Qt.Key.Key_Escape)
+    assert viewport.hasFocus()
+    qtbot.keyClick(viewport, Qt.Key.Key_H)
+    clock = window.time.clock
+    assert clock.hasFocus()
+    qtbot.keyClicks(clock, "7:4")
+    # What is being typed is given up first.
+    qtbot.keyClick(clock, Qt.Key.Key_Escape)
+    assert clock.hasFocus()
+    qtbot.keyClick(clock, Qt.Key.Key_Escape)
+    assert viewport.hasFocus()
 
 
 def test_signs_of_buttons_are_drawn(driver):

@@ -3,7 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -158,7 +158,9 @@ class MainWindow(QMainWindow):
         self.setDockNestingEnabled(True)
         self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, _TABS_ABOVE)
         right = [dock for dock in self.docks.values() if dock.property("group") != "time"]
-        width_px = min(_RIGHT_PX, round(_MOST_RIGHT * self.width()))
+        # Before it is shown a window has no width of its own yet.
+        most_px = round(_MOST_RIGHT * self.width()) if self.isVisible() else _RIGHT_PX
+        width_px = min(_RIGHT_PX, most_px)
         self.resizeDocks(right, [width_px] * len(right), Qt.Orientation.Horizontal)
         self.resizeDocks(
             [self.docks["place"], self.docks["sky"]], [430, 440], Qt.Orientation.Vertical
@@ -216,6 +218,7 @@ class MainWindow(QMainWindow):
                        self.session.meter_exposure),
             ActionSpec("play", "Time", "Play or pause", "Space", lambda: self.time.toggle_play()),
             ActionSpec("now", "Time", "Now", "N", lambda: self.time.go_to_now()),
+            ActionSpec("hour", "Time", "Type an hour", "H", self.type_hour),
             ActionSpec("day before", "Time", "A day earlier", "Ctrl+PgUp",
                        lambda: self.time.step_days(-1)),
             ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",
@@ -232,6 +235,9 @@ class MainWindow(QMainWindow):
                        partial(self.toggle_dock, "modules")),
             ActionSpec("messages", "View", "Message inspector", "F5",
                        partial(self.toggle_dock, "messages")),
+            ActionSpec("find place", "View", "Find a place", "G",
+                       partial(self.go_to_dock, "place")),
+            ActionSpec("picture focus", "View", "Keys to the picture", "Esc", viewport.setFocus),
             ActionSpec("palette", "Help", f"Find a command{dots}", "Ctrl+K, Ctrl+Shift+P",
                        self.show_palette),
             ActionSpec("keys", "Help", "Keys", "F1", self.show_keys),
@@ -241,6 +247,26 @@ class MainWindow(QMainWindow):
         """Show a dock, as the front tab of its group."""
         self.docks[name].show()
         self.docks[name].raise_()
+
+    def go_to_dock(self, name: str) -> None:
+        """Show a dock, and give the keys to its first control."""
+        self.show_dock(name)
+        panel = self.panels[name]
+        controls = [
+            control
+            for control in panel.findChildren(QWidget)
+            if control.focusPolicy() & Qt.FocusPolicy.TabFocus
+            and control.isVisible()
+            and control.isEnabled()
+        ]
+        if controls:
+            highest = min(controls, key=lambda control: control.mapTo(panel, QPoint()).y())
+            highest.setFocus(Qt.FocusReason.TabFocusReason)
+
+    def type_hour(self) -> None:
+        """Give the keys to the field of the hour."""
+        self.show_dock("time")
+        self.time.clock.setFocus(Qt.FocusReason.TabFocusReason)
 
     def toggle_dock(self, name: str) -> None:
         """Hide a visible dock; show a hidden one."""
@@ -260,7 +286,7 @@ class MainWindow(QMainWindow):
         entries = [
             *action_entries(self.actions_by_name.values()),
             *slot_entries(self.session),
-            *dock_entries(self.docks, self.show_dock),
+            *dock_entries(self.docks, self.go_to_dock),
             *recent_entries(self.files.kept.recent, self.files.open_path),
         ]
         return CommandPalette(self, entries)

@@ -29,6 +29,7 @@ _ANYWHERE = (
     ("Tab, Shift+Tab", "the next control, the one before"),
     ("Alt and a letter", "menus"),
     ("Up, Down, Page Up, Page Down", "a control's value by a little, by more"),
+    ("Enter in a drop-down", "opens it, and chooses"),
     ("Left, Right in the day", "a few minutes earlier or later"),
 )
 
