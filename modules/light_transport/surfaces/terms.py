@@ -6,6 +6,7 @@ colour; tinted panes pass the luminance of their tint. Bodies let rays straight 
 what they take away at either side.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,10 @@ from vrut_lite.daylight.scene_content import MapName, Material, Mesh
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.numeric_types import Float32Array, FloatArray
+
+
+# Of any real surface; see grazing() in mesh.frag.
+_DARKEST_F0 = 0.02
 
 
 class SentBack(NamedTuple):
@@ -41,7 +46,9 @@ def sent_back(
     paint = colour * (1.0 - coat)
     second = terms.clearcoat * _channel_means(mesh, material, "clearcoat", 0)
     second = second * mean_coat(np.array(terms.clearcoat_roughness), DIELECTRIC_F0, 1.0)
-    below = metallic * colour + (1.0 - metallic) * (paint * (1.0 - glass) + coat_rgb)
+    below = metallic * mean_metal(roughness, colour) + (1.0 - metallic) * (
+        paint * (1.0 - glass) + coat_rgb
+    )
     back = second + (1.0 - second) * below
     passing = luminance(_one_side(material, colour)) * ((1.0 - second) * glass * (1.0 - coat))[:, 0]
     reflectance = np.clip(back / np.maximum(1.0 - passing, 1e-3)[:, None], 0.0, 1.0)
@@ -54,6 +61,34 @@ def mean_coat(roughness: FloatArray, f0: FloatArray | float, f90: FloatArray | f
     mean = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
     more = (np.asarray(f0) - DIELECTRIC_F0 * f90) * (1.0 - mean) / (1.0 - DIELECTRIC_F0)
     return np.asarray(mean * f90 + more)
+
+
+def mean_metal(roughness: FloatArray, f0_rgb: FloatArray) -> FloatArray:
+    """Share (F, 3) of diffuse light that metal of roughness (F, 1) sends back, all bounces."""
+    steps = np.linspace(0.0, 1.0, len(reflectance_table()))
+    constant, linear_in, square_in = (
+        np.interp(roughness, steps, coefficient) for coefficient in _metal_coefficients()
+    )
+    # What is darker than any real surface does not reflect grazing light either, as in the frame.
+    is_real = np.clip(f0_rgb.max(axis=1, keepdims=True) / _DARKEST_F0, 0.0, 1.0)
+    return np.asarray(is_real * constant + f0_rgb * (linear_in + f0_rgb * square_in))
+
+
+@lru_cache(maxsize=1)
+def _metal_coefficients() -> FloatArray:
+    """Means over the hemisphere (3, roughness) of what metal sends back, by powers of its colour.
+
+    The frame's metal, (f0 a + b)(1 + f0 (1 / (a + b) - 1)) from each direction
+    (`reflection.all_bounces`), is a polynomial in f0: grazing light leaves it white.
+    """
+    table = reflectance_table().astype(np.float64)
+    a, b = table[..., 0], table[..., 1]
+    more = 1.0 / (a + b) - 1.0
+    # Columns are equal steps of the root of the cosine: 2 mu dmu is 4 s^3 ds.
+    steps = np.linspace(0.0, 1.0, table.shape[1])
+    weight = steps**3 / np.trapezoid(steps**3, steps)
+    powers = np.stack([b, a + b * more, a * more])
+    return np.asarray(np.trapezoid(powers * weight, steps, axis=-1))
 
 
 def triangle_means_of(mesh: Mesh, material: Material, name: MapName) -> Float32Array | None:
