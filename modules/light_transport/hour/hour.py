@@ -36,8 +36,9 @@ class HourLight:
     `texels` (height, width, 4) float32: RGB in W m^-2, and openness in [0, 1]; `probes`
     (nz, ny, nx, 6, 4) float32 or None: the same on planes that face +x, -x, +y, -y, +z and -z.
     `visible_sky` (height, width, 4) float16: the share of the sky that is seen from a texel in
-    direction d is RGB . d + alpha, kept in [0, 1]. `mirrors` (C, 6, e, e, 4) float32 or None: radiance that glossy parts see around them, and the
-    share of a texel that is neither sky nor open ground; it weighs the radiance too.
+    direction d is RGB . d + alpha, kept in [0, 1]. `mirrors` (C, 6, e, e, 4) float32 or None:
+    radiance that glossy parts see around them, and the share of a texel that is neither sky nor
+    open ground; it weighs the radiance too.
     """
 
     texels: Float32Array
