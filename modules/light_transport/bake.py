@@ -56,6 +56,9 @@ from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 # Rows of which a smaller share of rays counts lie inside bodies. A tenth is too little: what gets
 # out between the pieces of a wall then shines at its edge.
 _LEAST_FREE = 0.25
+# Orientations that the open sky hardly lights are lit by what stands around: so much is enough of
+# the brightest orientation's light to tell how light changes as a surface bends.
+_LEAST_OF_SKY = 0.05
 _BLOCK_ROWS = 2048
 _Made = TypeVar("_Made")
 _GROUP_TEXELS = 4.0
@@ -193,8 +196,12 @@ class Bake:
         light = np.empty((rows, 4), np.float32)
         self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
         texels = len(self.texels.pixel)
-        light[:texels] = self._smoothed(light[:texels], finished.smoothing)
-        light[:, 3] = np.clip(light[:, 3] / open_luminance(hour.open_sky)[self._orientation], 0, 1)
+        open_sky = open_luminance(hour.open_sky)
+        # Where a surface bends, light changes as the open sky's does: what is left is smooth.
+        bends = np.maximum(open_sky, _LEAST_OF_SKY * open_sky.max())[self._orientation[:texels]]
+        relative = light[:texels] / bends[:, None]
+        light[:texels] = self._smoothed(relative, finished.smoothing) * bends[:, None]
+        light[:, 3] = np.clip(light[:, 3] / open_sky[self._orientation], 0, 1)
         return HourLight(
             _as_map(light[:texels], finished.shown),
             self._as_probes(light[texels:], finished),

@@ -22,7 +22,7 @@ from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import UserError
@@ -84,7 +84,7 @@ class PathTracer(Module):
         if message.message != PathTracedPicture.__name__ or wanted == self._wanted:
             return
         self._wanted = wanted
-        for kind in (*LIGHT, SkyLightChanged):
+        for kind in (*LIGHT, SkyLightChanged, SkyRadianceChanged):
             self.link.demand(kind, SKY_SIZE if wanted else 0, "float16" if wanted else "")
         if wanted:
             self._outdated()
@@ -133,6 +133,11 @@ class PathTracer(Module):
     def on_ambient(self, message: AmbientChanged) -> None:
         """Other light on the ground, of which its albedo is known."""
         self._see(self._state.with_light(ambient=message))
+
+    @handles(SkyRadianceChanged)
+    def on_sky_radiance(self, message: SkyRadianceChanged) -> None:
+        """Another sky that lights the scene."""
+        self._see(replace(self._state, sky_radiance=message))
 
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:

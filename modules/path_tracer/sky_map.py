@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.geometry.panorama import sample_sky
@@ -22,16 +22,16 @@ _ROWS_A_TEXEL = 4
 _FEWEST_ROWS, _MOST_ROWS = 64, 2048
 
 
-def radiance_cube(background: BackgroundChanged) -> NDArray[np.float32]:
+def radiance_cube(sky: BackgroundChanged | SkyRadianceChanged) -> NDArray[np.float32]:
     """The cube map (6, n, n, 3) in W m^-2 sr^-1.
 
     Raises:
         ValueError: it is a texture that never left the GPU.
     """
-    if isinstance(background.cube, GpuTexture):
+    if isinstance(sky.cube, GpuTexture):
         raise ValueError("the path tracer needs the sky as an array: demand it as float16")
-    values = np.asarray(background.cube.values)
-    return decode_float16(values, background.radiance_scale)
+    values = np.asarray(sky.cube.values)
+    return decode_float16(values, sky.radiance_scale)
 
 
 def map_directions(rows: int) -> NDArray[np.float64]:

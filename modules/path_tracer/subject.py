@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import BackgroundChanged
+from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 
 # The scene's own radius in units of the tracer, whose ray offsets are made for such sizes:
@@ -36,6 +36,13 @@ class Subject:
             return self.state.sky_light.background
         assert self.state.background is not None
         return self.state.background
+
+    @property
+    def light(self) -> BackgroundChanged | SkyRadianceChanged:
+        """The sky that lights it: as the ground sees it, however high the camera is."""
+        if self.state.sky_light is not None:
+            return self.state.sky_light.radiance or self.state.sky_light.background
+        return self.state.sky_radiance or self.background
 
     @property
     def sun(self) -> KeyLightChanged:

@@ -5,8 +5,9 @@ them would find the sun every other time, and sunlit ground would be grainy.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,11 +19,17 @@ from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
 from path_tracer.subject import Subject
 from path_tracer.sun import sun_emitter
 from path_tracer.surfaces import model_of
+from vrut_lite.geometry.cube_map import reduce_cube
 
 # Between two questions whether to go on: a second or less on one core.
 _PATHS_A_BATCH = 2**18
 # From here on dim paths are ended by chance, and the others weigh more for it.
 _ROULETTE_DEPTH = 8
+
+# Two seeds a sample: one of the sun's, one of all else's.
+_SEEDS_A_SAMPLE = 2
+# Share of a sky by which another may differ and pass for it.
+_UNSEEN = 0.01
 
 Ask = Callable[[], bool]
 Tell = Callable[[int], None]
@@ -34,7 +41,7 @@ class Tracer:
     def __init__(self, subject: Subject, settings: PathTracerSettings):
         self._subject = subject
         self._settings = settings
-        self._scenes: list[Any] | None = None
+        self._scenes: list[_Addend] | None = None
 
     def trace(
         self,
@@ -61,16 +68,28 @@ class Tracer:
             if self._scenes is None:
                 self._scenes = _scenes(mitsuba, self._subject, self._settings)
             samples = min(at_once, first + count - start)
-            for number, scene in enumerate(self._scenes):
-                seed = len(self._scenes) * start + number
+            for scene, number, sign in self._scenes:
+                seed = _SEEDS_A_SAMPLE * start + number
                 batch = mitsuba.render(scene, spp=samples, seed=seed)
-                total += samples * np.asarray(batch, dtype=np.float64)
+                total += sign * samples * np.asarray(batch, dtype=np.float64)
             traced(samples)
         return (total / count).astype(np.float32)
 
 
-def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[Any]:
-    """One scene lit by the sun and one by all else, without those that are dark."""
+class _Addend(NamedTuple):
+    """A scene of mitsuba whose picture counts with a sign; equal numbers have equal rays."""
+
+    scene: Any
+    number: int
+    sign: float = 1.0
+
+
+def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> list[_Addend]:
+    """One scene lit by the sun and one by all else, without those that are dark.
+
+    A sky that the eye sees from aloft does not light the scene: what is seen of the one that does
+    is taken away, and what is seen from the eye is added.
+    """
     model = model_of(settings, mitsuba)
     matter = shapes(mitsuba, subject, model)
     farthest = subject.reach_units()
@@ -78,14 +97,34 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
     if any(subject.sun.irradiance_rgb):
         sun, distance = sun_emitter(mitsuba, subject.sun, settings.sun == "disc", farthest)
         lights = {"sun": sun, "sky": darkness()}
-        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, distance))
-    cube = radiance_cube(subject.background)
+        scenes.append(
+            _Addend(_scene(mitsuba, subject, settings, {**matter, **lights}, distance), 0)
+        )
+    seen, cube = radiance_cube(subject.background), radiance_cube(subject.light)
+    is_low = _alike(seen, cube)
+    if is_low:
+        cube = seen
     bright = bool(np.any(cube > 0.0))
     lamps = glowing_shapes(mitsuba, subject, model)
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
-        scenes.append(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest))
+        scenes.append(
+            _Addend(_scene(mitsuba, subject, settings, {**matter, **lights}, farthest), 1)
+        )
+    if not is_low:
+        alone = msgspec.structs.replace(settings, max_bounces=0)
+        for sky, sign in ((seen, 1.0), (cube, -1.0)):
+            light = {"sky": sky_emitter(mitsuba, sky) if np.any(sky > 0.0) else darkness()}
+            scene = _scene(mitsuba, subject, alone, {**matter, **light}, farthest)
+            scenes.append(_Addend(scene, 1, sign))
     return scenes
+
+
+def _alike(seen: NDArray[np.float32], light: NDArray[np.float32]) -> bool:
+    """Whether two cubes differ by what nobody sees: an eye near the ground sees what lights."""
+    edge = min(seen.shape[1], light.shape[1])
+    seen_means, light_means = reduce_cube(seen, edge), reduce_cube(light, edge)
+    return bool(np.abs(seen_means - light_means).mean() <= _UNSEEN * light_means.mean())
 
 
 def _scene(

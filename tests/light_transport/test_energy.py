@@ -1,11 +1,14 @@
 """Light is neither lost nor made: furnaces, open planes, form factors, rooms that are shut."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
 
 from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance, irradiance_coefficients
 
 
 def baked(scene, rays=64):
@@ -52,6 +55,39 @@ def test_a_sky_that_varies_gives_the_irradiance_of_its_harmonics():
     light = baked(quads(floor(0, 1, 0, 1)), 256).light(hour(cube=cube, ground=0.0))
     expected = np.pi * (1.0 + 4.0 / 3.0)
     assert on_quad(light, 0)[..., 0].mean() == pytest.approx(expected, rel=3e-3)
+
+
+def test_a_bend_keeps_its_own_light_where_noise_is_smoothed():
+    """Eight strips round an arch under light from one side: each gets its harmonics', to 3 %.
+
+    Smoothed as they are, neighbours turned by 20 degrees would share their light.
+    """
+    d = texel_directions(32)
+    from_east = np.where(d[..., 1:2] > 0.0, np.maximum(d[..., :1], 0.0) ** 2, 0.0)
+    cube = (from_east + 0.05) * np.ones(3)
+    surfaces, layout = arch(strips=8, texels=4)
+    light = baked((surfaces, layout), 1024).light(hour(cube=cube.astype(np.float32), ground=0.05))
+    normals = surfaces.face_normals()[::2]
+    expected = evaluate_irradiance(irradiance_coefficients(cube), normals)[:, 0]
+    found = light.texels[:, :, 0].reshape(8, 4, 4).mean(axis=(1, 2))
+    np.testing.assert_allclose(found, expected, rtol=0.03)
+
+
+def arch(strips, texels):
+    """Strips from west over the top to east, one chart, each with a flat normal."""
+    turn = np.radians(np.linspace(170.0, 10.0, strips + 1))
+    edge = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    corners = [
+        [[a[0], a[1], 0.0], [a[0], a[1], 0.5], [b[0], b[1], 0.5], [b[0], b[1], 0.0]]
+        for a, b in pairwise(edge)
+    ]
+    surfaces, layout = quads(*corners, texels=texels, reflectance=0.0)
+    surfaces.part[:] = 0
+    # One strip below the other, without the gaps that keep charts apart.
+    gaps = np.repeat(np.arange(strips), 2)[:, None] * 2.0
+    layout.uv_px[..., 1] -= gaps
+    layout.owner = layout.owner[layout.owner[:, 0] >= 0]
+    return surfaces, layout
 
 
 def test_a_lamp_over_a_floor_gives_the_known_form_factor():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from dynamic_skylight import HosekWilkieSky
-from light_messages import light_messages
+from light_messages import light_messages, radiance_of
 from path_tracer import tracer as tracer_module
 from path_tracer.settings import PathTracerSettings
 from path_tracer.sky_map import environment_map, map_directions, sky_emitter
@@ -73,6 +73,26 @@ def test_the_environment_map_keeps_the_skys_energy(elevation_deg, axis):
     cosine = np.maximum(map_directions(rows) @ axis, 0.0)
     found = np.einsum("i,ij,ijc->c", weight, cosine, image)
     np.testing.assert_allclose(found, expected, rtol=2e-3)
+
+
+def test_a_sky_seen_from_aloft_is_seen_and_does_not_light(box_file):
+    """The scene is lit by the sky of the ground; behind it stands what the eye sees of its own."""
+    ground_sky = np.ones((6, 16, 16, 3))
+    view = {"size": (24, 16), "eye": (7.0, 1.5, 8.0)}
+    seen_from_aloft = subject_of(box_file, 5.0 * ground_sky, **view)
+    low = light_messages(ground_sky)[0]
+    state = replace(seen_from_aloft.state, sky_radiance=radiance_of(low))
+    alike = subject_of(box_file, ground_sky, **view)
+    pictures = []
+    for subject in (Subject(state), alike):
+        pictures.append(Tracer(subject, PathTracerSettings(spp=8, variant="scalar")).trace(0, 8))
+    aloft, plain = pictures
+    np.testing.assert_allclose(aloft[:5], 5.0, rtol=1e-3)
+    np.testing.assert_allclose(plain[:5], 1.0, rtol=1e-3)
+    # Below the horizon the same rays meet the same light.
+    np.testing.assert_allclose(aloft[7:], plain[7:], atol=1e-4)
+    # Between, only the share of a pixel that the sky fills is brighter.
+    assert (aloft[5:7] >= plain[5:7] - 1e-4).all()
 
 
 def test_mitsuba_looks_the_map_up_where_we_put_it():

@@ -11,6 +11,7 @@ from stateful_backend import opened
 
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.ground_disc import GroundDisc
+from vrut_lite.geometry.cube_map import texel_directions
 
 pytestmark = pytest.mark.gl
 ROUGH = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
@@ -163,6 +164,26 @@ def test_a_normal_map_tilts_the_light(backend, tmp_path):
     mapped = seen(backend, square(tmp_path, material, [tilted]), sun=sun, sky=0.0)[32, 32]
     flat = seen(backend, square(tmp_path, {"pbrMetallicRoughness": pbr}), sun=sun, sky=0.0)[32, 32]
     np.testing.assert_allclose(mapped / flat, np.sqrt(2.0), rtol=0.03)
+
+
+def test_flanks_of_bumps_that_lean_away_from_the_eye_are_not_seen(backend, tmp_path):
+    """From low in the west a map that leans east shows its western flanks, as mitsuba has it.
+
+    Unseen flanks would be looked at along their edge, and mirror all of the light.
+    """
+    shown = []
+    for leaning in ([218, 128, 218], [38, 128, 218]):
+        material = {"pbrMetallicRoughness": ROUGH, "normalTexture": {"index": 0}}
+        texels = np.tile(np.uint8(leaning), (2, 2, 1))
+        backend.change(scene=opened(square(tmp_path, material, [texels])))
+        light(backend, clear_gradient(), sun_direction=(-1, 1, 0), sun_irradiance=(np.pi,) * 3)
+        shown.append(look(backend, (-2.0, 0.5, 0.0), (0, 0, 0), 0.05).radiance[24, 24])
+    np.testing.assert_allclose(shown[0], shown[1], rtol=0.03)
+
+
+def clear_gradient():
+    """A sky that is brighter in the east."""
+    return (1.0 + 0.9 * texel_directions(16)[..., :1]) * np.ones(3)
 
 
 @pytest.mark.parametrize("sun", [(0.3, 0.6, 0.7), (-0.9, 0.12, 0.4), (0.5, 0.5, -0.1)])

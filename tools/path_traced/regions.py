@@ -36,10 +36,10 @@ def _regions(state: SceneState) -> dict[str, Mask]:
     """
     above = (texel_directions(64)[..., 1:2] > 0.0) * np.ones(3)
     # No surface may be met: what the eye sees of the sky is 1, and all else black.
-    unlit, seen = replace(state, key_light=no_sun()), Recipe(max_bounces=0)
+    unlit, seen = replace(state, key_light=no_sun(), sky_radiance=None), Recipe(max_bounces=0)
     sky = traced(replace(unlit, background=uniform(above)), seen, _SAMPLES)
     bare = traced(replace(unlit, background=uniform(np.ones_like(above))), seen, _SAMPLES)
-    by_sun = replace(state, background=no_background())
+    by_sun = replace(state, background=no_background(), sky_radiance=None)
     sharp = Recipe(max_bounces=1, sun="sharp")
     lit = luminance(traced(by_sun, sharp, _SAMPLES))
     disc = luminance(traced(by_sun, seen, _SAMPLES))

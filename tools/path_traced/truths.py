@@ -104,7 +104,7 @@ def traced(state: SceneState, recipe: Recipe, samples: int) -> Picture:
 def lit_by(state: SceneState, light: Light) -> SceneState:
     """The state with sun or sky alone, or as it is."""
     if light == "sun":
-        return replace(state, background=no_background(), ambient=no_ambient())
+        return replace(state, background=no_background(), ambient=no_ambient(), sky_radiance=None)
     return replace(state, key_light=no_sun()) if light == "sky" else state
 
 

@@ -19,29 +19,19 @@ def build() -> dict[str, bytes]:
 
 
 def room() -> bytes:
-    """A closed room with lamps: no daylight gets in, and none need be made.
+    """A closed room with paper lanterns: no daylight gets in, and none need be made.
 
-    Nothing lights anything but sun and sky; walls and table glow as the lamps would have them.
+    Nothing but the lanterns glows; light transport brings their light to walls and table.
     """
     writer = GltfWriter()
     walls = _turned(box((-3.0, 0.0, -4.0), (3.0, 2.8, 4.0)))
-    parts = []
-    for number, glow in enumerate((0.10, 0.10, 0.07, 0.05, 0.06, 0.13)):
-        plaster = writer.material(
-            f"plaster {number + 1}", (0.75, 0.73, 0.68), emissive=(glow, 0.84 * glow, 0.62 * glow)
-        )
-        corners, faces = slice(4 * number, 4 * number + 4), slice(2 * number, 2 * number + 2)
-        face = Shape(
-            walls.positions[corners], walls.normals[corners], walls.uv[corners],
-            walls.faces[faces] - 4 * number,
-        )  # fmt: skip
-        parts.append((face, plaster))
-    writer.place("walls", writer.mesh("walls", parts))
-    lamp = writer.material("lamp", (0.8, 0.8, 0.8), emissive=(1.0, 0.86, 0.66))
-    ball = writer.mesh("lamp", [(sphere(0.18, 32), lamp)])
+    plaster = writer.material("plaster", (0.75, 0.73, 0.68))
+    writer.place("walls", writer.mesh("walls", [(walls, plaster)]))
+    paper = writer.material("paper", (0.8, 0.8, 0.8), emissive=(1.0, 0.86, 0.66))
+    lantern = writer.mesh("lantern", [(sphere(0.4, 32), paper)])
     for number, (x, z) in enumerate(((-1.5, -2.4), (1.5, -2.4), (0.0, -0.4))):
-        writer.place(f"lamp {number + 1}", ball, (x, 2.2, z))
-    wood = writer.material("wood", (0.30, 0.18, 0.09), roughness=0.6, emissive=(0.03, 0.02, 0.01))
+        writer.place(f"lantern {number + 1}", lantern, (x, 2.1, z))
+    wood = writer.material("wood", (0.30, 0.18, 0.09), roughness=0.6)
     writer.place("table", writer.mesh("table", [(_table(), wood)]), (0.0, 0.0, -1.6))
     writer.camera((0.0, 1.6, 3.4), (0.0, 1.3, -2.0), 1.0)
     return writer.glb()

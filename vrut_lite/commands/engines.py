@@ -18,6 +18,7 @@ from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.commands.open_kernel import tell
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.sky import SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
@@ -29,7 +30,7 @@ from vrut_lite.project import Project, setting_inputs
 from vrut_lite.scene.backend import SceneView
 from vrut_lite.scene.manager import SceneManager
 
-# Edge of the cube map with clouds in it.
+# Edge of the cube maps of what lights, and of what has clouds in it.
 _SKY_SIZE = 256
 
 GL = "gl"
@@ -94,7 +95,8 @@ class EngineHost:
         self.inject(SetSetting(module=SceneManager.manifest.name, name="air", value=False))
         self.kernel.add_module(SceneManager, view=self._view, light_map=False)
         # Clouds are seen in the sky that lights.
-        self.inject(Demand(consumer=name, message=SkyLightChanged.__name__, size=_SKY_SIZE))
+        for kind in (SkyLightChanged, SkyRadianceChanged):
+            self.inject(Demand(consumer=name, message=kind.__name__, size=_SKY_SIZE))
         self.settle()
 
     @property

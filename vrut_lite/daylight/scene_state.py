@@ -54,6 +54,8 @@ class SceneState:
     Attributes:
         background, key_light, ambient: of the clear sky; None before the sky has spoken.
         sky_light: the sum of sky and layers; None without layers, where it is the clear sky's.
+        sky_radiance: what lights the scene, of the clear sky; None where nobody asks, or where it
+            is what is seen in the background.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
@@ -70,6 +72,7 @@ class SceneState:
     key_light: KeyLightChanged | None = None
     ambient: AmbientChanged | None = None
     sky_light: SkyLightChanged | None = None
+    sky_radiance: SkyRadianceChanged | None = None
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)

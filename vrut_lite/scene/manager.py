@@ -13,7 +13,7 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
@@ -135,6 +135,11 @@ class SceneManager(Module):
     def on_ambient(self, message: AmbientChanged) -> None:
         """Light with this sky."""
         self._view.state = self.state.with_light(ambient=message)
+
+    @handles(SkyRadianceChanged)
+    def on_sky_radiance(self, message: SkyRadianceChanged) -> None:
+        """Light with this where the background is seen from aloft, and somebody asks for it."""
+        self._change(sky_radiance=message)
 
     @handles(SkyLightChanged)
     def on_sky_light(self, message: SkyLightChanged) -> None:

@@ -1,6 +1,7 @@
 """A scene's triangles as light transport sees them: places, reflectance, emission."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ GROUND = -1
 # Half the width of the ground's square, in radii of the scene; what lies beyond is open ground.
 _GROUND_RADII = 4.0
 _SMALLEST_RADIUS_M = 1e-6
+_DARKEST_F0 = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +135,7 @@ def _map_means(mesh: Mesh, material: Material, name: MapName) -> Float32Array | 
 
 
 def _reflectance_rgb(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> Float32Array:
-    """Paint under a coat that reflects the share c of diffuse light, or metal."""
+    """What is sent back of diffuse light: by paint under a coat that reflects a share, or metal."""
     colour = vertex_rgb * np.asarray(material.base_colour_rgba[:3], np.float32)
     texels = _map_means(mesh, material, "base_colour")
     if texels is not None:
@@ -144,9 +146,33 @@ def _reflectance_rgb(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -
     if both is not None:
         roughness, metallic = roughness * both[:, 1:2], metallic * both[:, 2:3]
     table = reflectance_table()
-    coat = np.interp(roughness, np.linspace(0.0, 1.0, len(table)), table[:, 0, 2])
-    sent_back = metallic * colour + (1.0 - metallic) * (colour * (1.0 - coat) + coat)
+    steps = np.linspace(0.0, 1.0, len(table))
+    coat = np.interp(roughness, steps, table[:, 0, 2])
+    constant, linear_in, square_in = (
+        np.interp(roughness, steps, coefficient) for coefficient in _metal_coefficients()
+    )
+    # What is darker than any real surface does not reflect grazing light either, as in the frame.
+    is_real = np.clip(colour.max(axis=1, keepdims=True) / _DARKEST_F0, 0.0, 1.0)
+    metal = is_real * constant + colour * (linear_in + colour * square_in)
+    sent_back = metallic * metal + (1.0 - metallic) * (colour * (1.0 - coat) + coat)
     return np.asarray(np.clip(sent_back, 0.0, 1.0), np.float32)
+
+
+@lru_cache(maxsize=1)
+def _metal_coefficients() -> FloatArray:
+    """Means over the hemisphere (3, roughness) of what metal sends back, by powers of its colour.
+
+    The frame's metal, (f0 a + b)(1 + f0 (1 / (a + b) - 1)) from each direction
+    (`reflection.all_bounces`), is a polynomial in f0: grazing light leaves it white.
+    """
+    table = reflectance_table().astype(np.float64)
+    a, b = table[..., 0], table[..., 1]
+    more = 1.0 / (a + b) - 1.0
+    # Columns are equal steps of the root of the cosine: 2 mu dmu is 4 s^3 ds.
+    steps = np.linspace(0.0, 1.0, table.shape[1])
+    weight = steps**3 / np.trapezoid(steps**3, steps)
+    powers = np.stack([b, a + b * more, a * more])
+    return np.asarray(np.trapezoid(powers * weight, steps, axis=-1))
 
 
 def _emitted_rgb(mesh: Mesh, material: Material) -> Float32Array:

@@ -6,7 +6,6 @@ const float PI = 3.141592653589793;
 const float LUMENS_PER_WATT = 683.0;
 const float MOST_TILTED = 2.0;       // times the light, by what a normal map tilts
 const float MOST_BEHIND = 10.0;      // and on the back of a sheet
-const float GRAZING_NARROWER = 0.45;  // share of roughness 1 by which the lobe at grazing angles is
 const float SMALLEST_ALPHA = 0.005;  // the sun's own radius blurs a mirror image about so much
 
 struct Material {
@@ -116,8 +115,9 @@ vec3 smooth_normal(vec3 face, out bool behind) {
     return n;
 }
 
-// The normal that its map gives a surface.
-vec3 mapped_normal(vec3 n) {
+// The normal that its map gives a surface. Flanks that lean away from the eye are not seen: those
+// opposite show in their place.
+vec3 mapped_normal(vec3 n, vec3 view) {
 #ifdef HAS_NORMAL_TEX
 #ifdef TEXCOORD_0_LOC
     // Tangents from screen derivatives (Schueler, "Normal mapping without precomputed
@@ -132,7 +132,8 @@ vec3 mapped_normal(vec3 n) {
     if (longest > 0.0) {
         vec3 m = 2.0 * texture(material.normal_texture, uv).rgb - 1.0;
         m.xy *= normal_scale;
-        n = normalize(mat3(t * inversesqrt(longest), b * inversesqrt(longest), n) * m);
+        vec3 bent = normalize(mat3(t * inversesqrt(longest), b * inversesqrt(longest), n) * m);
+        n = dot(bent, view) > 0.0 ? bent : 2.0 * dot(bent, n) * n - bent;
     }
 #endif
 #endif
@@ -304,18 +305,21 @@ vec3 reflected_sky(vec3 d, float roughness) {
     return textureLod(reflection, d, level).rgb * reflection_scale;
 }
 
-// What a lobe shows of the sky: to facets that are seen straight on, and at grazing angles.
+// What a lobe shows of the sky: by the share of Fresnel's term that is the same from everywhere,
+// and by that of grazing angles.
 struct SkyImage {
     vec3 direct, grazing;
 };
 
-// Rough facets are seen straight on wherever they lie, so that their lobe stands about the normal,
-// and none of it lies below the surface; Fresnel's term at grazing angles makes another, narrower
-// one about the mirror direction. Both fits are of render's tests.
-SkyImage sky_image(vec3 to_image, vec3 n, float roughness) {
-    vec3 towards = normalize(mix(to_image, n, roughness * roughness));
-    vec3 direct = reflected_sky(towards, roughness);
-    return SkyImage(direct, reflected_sky(to_image, roughness * (1.0 - GRAZING_NARROWER * roughness)));
+// Rough facets are seen from wherever they lie: their lobe stands about the normal, and no light
+// comes from below the surface. At grazing angles another, narrower one stands about the mirror
+// direction, and what the surface cuts off it moves its middle away from the surface. Directions
+// and widths are fitted to the BRDF's integral under clear skies (test_reflection.py).
+SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
+    vec3 about = normalize(mix(to_image, n, roughness * roughness));
+    float narrower = roughness * (0.8 - 0.36 * roughness);
+    vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
+    return SkyImage(reflected_sky(about, roughness), reflected_sky(cut, narrower));
 }
 
 #ifdef SURFACE_LIGHT
@@ -391,7 +395,7 @@ void main() {
     vec3 face = face_normal(view);
     bool behind;
     vec3 smooth_n = smooth_normal(face, behind);
-    vec3 n = mapped_normal(smooth_n);
+    vec3 n = mapped_normal(smooth_n, view);
     float nv = max(dot(n, view), 1e-4);
     float nl = dot(n, sun_direction);
     float cos_face = dot(face, sun_direction);
@@ -434,7 +438,7 @@ void main() {
     vec3 to_image = reflect(-view, n);
 #ifdef SURFACE_LIGHT
     if (dielectric_f0 + metallic > 0.0) {
-        SkyImage far = sky_image(to_image, n, roughness);
+        SkyImage far = sky_image(to_image, n, nv, roughness);
         vec3 far_light = once * far.direct + at_grazing * far.grazing;
         // Of the sky the share that is seen where each lobe looks; all else that arrives comes
         // evenly from where the sky is not.
@@ -455,7 +459,7 @@ void main() {
         radiance += more * mirrored;
     }
 #else
-    SkyImage far = sky_image(to_image, n, roughness);
+    SkyImage far = sky_image(to_image, n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
 #endif
 #ifdef AIR
