@@ -17,7 +17,6 @@ from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-
 # Of any real surface; see grazing() in mesh.frag.
 _DARKEST_F0 = 0.02
 
