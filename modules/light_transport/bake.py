@@ -4,10 +4,11 @@ Daylight coefficients (Tregenza and Waters 1983) carry the sky to texels, radios
 all bounces; docs and sources of each step stand in its file.
 """
 
+import hashlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import TypeVar
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from light_transport.giving_up import GoOn, always
 from light_transport.hour.exchange import Exchange, direct_sky, enclosure, exchange_of, radiosity
 from light_transport.hour.filling import takes_light_of
-from light_transport.hour.gather import gathered
+from light_transport.hour.gather import patches_gathered, sky_gathered
 from light_transport.hour.hour import Hour, HourLight
 from light_transport.hour.key_light import KeyRays, key_rays_of, lit_shares, patch_means
 from light_transport.hour.lamp_light import (
@@ -114,8 +115,8 @@ class Bake:
             bounces_left: share of any patch's light that bounces left out may bring; of the mean
                 it is a hundredth of that.
         """
-        self.surfaces = surfaces
-        self.layout = layout
+        self.surfaces = surfaces.without_shapes()
+        self.probes = layout.message.probes
         self.threads = threads
         self.patch_texels = patch_texels
         self.bounces_left = bounces_left
@@ -124,10 +125,10 @@ class Bake:
         geometry = map_geometry(surfaces, layout)
         self.texels = texels_of(geometry)
         self.tree = tree_over(surfaces.corners_m / surfaces.radius_m, surfaces.opacity)
-        grid = layout.message.probes
         probes = no_probes()
-        if grid is not None:
-            probes = probe_planes(probe_places_m(grid), surfaces.centre_m, surfaces.radius_m)
+        if self.probes is not None:
+            places_m = probe_places_m(self.probes)
+            probes = probe_planes(places_m, surfaces.centre_m, surfaces.radius_m)
         edge = _SMALLEST_GROUP
         if len(self.texels.width):
             edge = max(edge, _GROUP_TEXELS * float(np.median(self.texels.width)))
@@ -145,13 +146,28 @@ class Bake:
 
     @property
     def memory_bytes(self) -> int:
-        """What the arrays of this take."""
-        parts = [*self.tree, *self.texels, *self.table[1:], self.links, *self.receivers.geometry]
+        """What the arrays of this take; those that grow out of the table, when there are some."""
+        parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.links, self.seams]
+        parts += [*self.receivers.geometry, *self.receivers.probes, *self.receivers.groups]
+        parts += [*self.surfaces.arrays, self._orientation]
         parts += [] if self.patches is None else [*self.patches]
         parts += [] if self.mirrors is None else [*self.mirrors[1:]]
         if self._finished is not None:
-            parts += [*self._finished.exchange, *self._finished.smoothing, self._finished.shown]
-        return sum(part.nbytes for part in parts)
+            parts += [*self._finished.exchange, *self._finished.smoothing, *self._finished.key_rays]
+            parts += [self._finished.shown, self._finished.good]
+        # The links of smoothing may be those of the texels.
+        return sum({id(part): part.nbytes for part in parts}.values())
+
+    @cached_property
+    def geometry_digest(self) -> str:
+        """Of all that rays meet and begin at."""
+        digest = hashlib.blake2b(digest_size=16)
+        receivers = self.receivers
+        begin: list[NDArray] = [receivers.texels.pixel, *receivers.probes, *receivers.groups]
+        for array in [*begin, *self.tree, *receivers.geometry]:
+            digest.update(f"{array.dtype.str}{array.shape}".encode())
+            digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+        return digest.hexdigest()
 
     def add_mirrors(self, parts: MirrorParts, go_on: GoOn = always) -> None:
         """See what stands around these parts; hours then have cubes of it.
@@ -206,10 +222,14 @@ class Bake:
         assert self.patches is not None
         finished = self._finish()
         shares = self._key_shares(hour, finished)
-        column_light = self._column_light(hour, finished, shares)
-        rows = len(self._orientation)
-        light = np.empty((rows, 4), np.float32)
-        self._over_rows(rows, lambda a, b: gathered(self.table, column_light, a, b, light))
+        column_light = self._node_light(hour)
+        light = np.empty((self.rows, 4), np.float32)
+        self._over_rows(self.rows, lambda a, b: sky_gathered(self.table, column_light, a, b, light))
+        self._bounce(hour, finished, shares, light, column_light)
+        light = light[: len(self._orientation)]
+        self._over_rows(
+            len(light), lambda a, b: patches_gathered(self.table, column_light, a, b, light)
+        )
         texels = len(self.texels.pixel)
         open_sky = open_luminance(hour.open_sky)
         # Where a surface bends, light changes as the open sky's does: what is left is smooth.
@@ -249,11 +269,15 @@ class Bake:
             0,
             rays,
         )
-        light = np.empty((len(places), 4), np.float32)
-        finished = self._finish()
+        finished, column_light = self._finish(), self._node_light(hour)
+        light = np.empty((self.rows, 4), np.float32)
+        sky_gathered(self.table, column_light, 0, self.rows, light)
         shares = self._key_shares(hour, finished)
-        gathered(rows, self._column_light(hour, finished, shares), 0, len(places), light)
-        return light[:, :3]
+        self._bounce(hour, finished, shares, light, column_light)
+        found = np.empty((len(places), 4), np.float32)
+        sky_gathered(rows, column_light, 0, len(places), found)
+        patches_gathered(rows, column_light, 0, len(places), found)
+        return found[:, :3]
 
     def _key_shares(self, hour: Hour, finished: _Finished) -> Float32Array:
         """Visible share of the key light times its cosine (N,), of the rows that are asked."""
@@ -268,17 +292,15 @@ class Bake:
             )
         return share
 
-    def _column_light(
-        self, hour: Hour, finished: _Finished, key_shares: Float32Array
-    ) -> Float32Array:
-        """What a ray brings from each column (C, 4): pi L, and luminance of the sky's alone."""
+    def _node_light(self, hour: Hour) -> Float32Array:
+        """What a ray brings from each column (C, 4): pi L of nodes and its luminance.
+
+        It is 0 of patches, for `_bounce` to fill in; the fourth channel is of the sky alone.
+        """
         assert self.patches is not None
         column_light = np.zeros((NODES + len(self.patches.area) + 1, 4), np.float32)
         radiances = np.pi * node_radiances(hour.sky, hour.ground_radiance_rgb)
         column_light[:NODES, :3], column_light[:NODES, 3] = radiances, luminance(radiances)
-        column_light[NODES:-1, :3] = self._radiosity(
-            hour, column_light[:NODES], finished, key_shares
-        )
         return column_light
 
     def _smoothed(self, light: Float32Array, smoothing: Smoothing) -> Float32Array:
@@ -289,22 +311,28 @@ class Bake:
             light, other = other, light
         return light
 
-    def _radiosity(
-        self, hour: Hour, node_light: Float32Array, finished: _Finished, key_shares: Float32Array
-    ) -> Float32Array:
-        """What patches (M, 3) send, W m^-2."""
+    def _bounce(
+        self,
+        hour: Hour,
+        finished: _Finished,
+        key_shares: Float32Array,
+        sky_light: Float32Array,
+        column_light: Float32Array,
+    ) -> None:
+        """Fill in what patches send, by the sky's light (N, 4) on rows and all bounces."""
         assert self.patches is not None
         patches = self.patches
         direct = np.empty((len(patches.area), 3), np.float32)
-        direct_sky(finished.exchange, node_light, direct)
+        direct_sky(patches, self.table.valid, sky_light, direct)
         means = patch_means(patches, finished.key_rays, key_shares)
         direct += means[:, None] * np.asarray(hour.key_irradiance_rgb, np.float32)
         if finished.lamps_on_patches is not None:
             direct += finished.lamps_on_patches
         reflectance = patches.reflectance_rgb.copy()
         reflectance[patches.on_ground] = hour.ground_albedo_rgb
-        emitted = patches.emitted_rgb
-        return radiosity(finished.exchange, direct, emitted, reflectance, self.bounces_left)
+        column_light[NODES:-1, :3] = radiosity(
+            finished.exchange, direct, patches.emitted_rgb, reflectance, self.bounces_left
+        )
 
     def _finish(self) -> _Finished:
         if self._finished is None:
@@ -363,10 +391,9 @@ class Bake:
         return asked_for_key_light(seen, self.texels, self.links)
 
     def _as_probes(self, light: Float32Array, finished: _Finished) -> Float32Array | None:
-        grid = self.layout.message.probes
-        if grid is None:
+        if self.probes is None:
             return None
-        nx, ny, nz = grid.counts
+        nx, ny, nz = self.probes.counts
         buried = ~finished.good[len(self.texels.pixel) :][: len(light)].reshape(nz, ny, nx, 6)
         return without_buried(light.reshape(nz, ny, nx, 6, 4), np.asarray(buried.any(axis=-1)))
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 _MOST_THREADS = 4
 # Of a texel, and of all together.
-_FIRST_RAYS, _RAYS_AT_FIRST = 64, 2_500_000
+_FIRST_RAYS, _RAYS_AT_FIRST = 64, 1_250_000
 
 
 class Unwritten(Generic[T]):

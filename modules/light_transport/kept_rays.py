@@ -24,7 +24,7 @@ _LIMIT_BYTES = 2 << 30
 def add_kept_rays(bake: Bake, count: int, is_cancelled: Callable[[], bool]) -> bool:
     """As `Bake.add_rays`, but what was traced before is read."""
     cache = ArrayCache.of_user("light_maps", _LIMIT_BYTES)
-    recipe = (_code_digest(), _geometry_digest(bake), bake.patch_texels, bake.rays + count)
+    recipe = (_code_digest(), bake.geometry_digest, bake.patch_texels, bake.rays + count)
     arrays = cache.get(recipe)
     if arrays is not None and _fits(arrays, bake):
         bake.take_rays(Rows(0, **arrays), count)
@@ -40,23 +40,6 @@ def add_kept_rays(bake: Bake, count: int, is_cancelled: Callable[[], bool]) -> b
 def _fits(arrays: dict[str, np.ndarray], bake: Bake) -> bool:
     names = {name for name in Rows._fields if name != "first"}
     return arrays.keys() == names and len(arrays["start"]) == bake.rows + 1
-
-
-def _geometry_digest(bake: Bake) -> str:
-    """Of all that rays meet and begin at."""
-    surfaces, digest = bake.surfaces, hashlib.blake2b(digest_size=16)
-    receivers = bake.receivers
-    for array in (
-        surfaces.corners_m,
-        surfaces.opacity,
-        *receivers.geometry,
-        receivers.texels.pixel,
-        *receivers.probes,
-        *receivers.groups,
-    ):
-        digest.update(f"{array.dtype.str}{array.shape}".encode())
-        digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
-    return digest.hexdigest()
 
 
 @lru_cache(maxsize=1)

@@ -76,8 +76,8 @@ def test_a_sample_of_many_partners_stands_for_all():
     bake.add_rays(768)
     exchange = bake._finish().exchange
     assert np.median(np.diff(bake.table.start)) > 200
-    assert np.diff(exchange.patch_start).max() <= 192
-    kept = np.add.reduceat(exchange.patch_share, exchange.patch_start[:-1])
+    assert np.diff(exchange.start).max() <= 192
+    kept = np.add.reduceat(exchange.share, exchange.start[:-1])
     np.testing.assert_allclose(kept, 1.0, rtol=1e-5)
     now = hour()
     expected = smoothed(bake, plain_hour(bake, now, 0.0))

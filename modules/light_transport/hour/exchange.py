@@ -1,4 +1,4 @@
-"""What patches get of the sky and of each other, and the bounces of an hour between them."""
+"""What patches get of each other, and the bounces of an hour between them."""
 
 import math
 from typing import NamedTuple
@@ -25,65 +25,52 @@ _SMALL = 65_536
 
 
 class Exchange(NamedTuple):
-    """Shares of light (M patches): of nodes of the sky, and of other patches.
+    """Which share of other patches' radiosity each patch (M) gets.
 
-    Row i of each has the entries `start[i]` to `start[i + 1]`; columns of `patch_column` count
-    patches from 0. Shares are of pi L from a node, and of radiosity from a patch.
+    Patch i has the entries `start[i]` to `start[i + 1]`; columns count patches from 0.
     """
 
-    node_start: IntArray
-    node_column: NDArray[np.uint16]
-    node_share: Float32Array
-    patch_start: IntArray
-    patch_column: NDArray[np.uint16] | NDArray[np.int32]
-    patch_share: Float32Array
+    start: IntArray
+    column: NDArray[np.uint16] | NDArray[np.int32]
+    share: Float32Array
 
 
 def exchange_of(table: Rows, patches: Patches) -> Exchange:
-    """Means of the table's rows over patches (P D and P F of the note)."""
+    """Means of the table's rows over patches."""
     total = len(patches.area)
-    nodes, others = _most_entries(table, patches, NODES + total + 1)
+    most = _most_entries(table, patches, NODES + total + 1)
     made = Exchange(
         np.zeros(total + 1, np.int64),
-        np.empty(nodes, np.uint16),
-        np.empty(nodes, np.float32),
-        np.zeros(total + 1, np.int64),
-        np.empty(others, np.uint16 if total <= _SMALL else np.int32),
-        np.empty(others, np.float32),
+        np.empty(most, np.uint16 if total <= _SMALL else np.int32),
+        np.empty(most, np.float32),
     )
     _fill(table, patches, NODES + total + 1, made)
-    entries = int(made.patch_start[-1])
-    return made._replace(
-        patch_column=made.patch_column[:entries].copy(),
-        patch_share=made.patch_share[:entries].copy(),
-    )
+    entries = int(made.start[-1])
+    return Exchange(made.start, made.column[:entries].copy(), made.share[:entries].copy())
 
 
 def enclosure(exchange: Exchange) -> Float32Array:
     """Which share (M,) of what a patch sees is other patches."""
-    running = np.append(0.0, np.cumsum(exchange.patch_share, dtype=np.float64))
-    return np.diff(running[exchange.patch_start]).astype(np.float32)
+    running = np.append(0.0, np.cumsum(exchange.share, dtype=np.float64))
+    return np.diff(running[exchange.start]).astype(np.float32)
 
 
 @kernel
 def _most_entries(table, patches, columns):  # type: ignore[no-untyped-def]
-    """How many entries of nodes there are, and of patches at most."""
-    nodes, others = 0, 0
+    """How many entries there are at most."""
+    most = 0
     seen = np.full(columns, -1, np.int32)
     for p in range(len(patches.area)):
         here = 0
         for m in range(patches.start[p], patches.start[p + 1]):
             row = patches.member[m]
-            for e in range(table.start[row], table.start[row + 1]):
+            for e in range(table.start[row] + table.nodes[row], table.start[row + 1]):
                 c = np.int64(table.column[e])
                 if seen[c] != p:
                     seen[c] = p
-                    if c < NODES:
-                        nodes += 1
-                    else:
-                        here += c < columns - 1
-        others += min(here, _MOST_PARTNERS)
-    return nodes, others
+                    here += c < columns - 1
+        most += min(here, _MOST_PARTNERS)
+    return most
 
 
 @inlined
@@ -103,7 +90,7 @@ def _sort(numbers, count):  # type: ignore[no-untyped-def]
 def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
     amount = np.zeros(columns)
     touched = np.empty(columns, np.int64)
-    node, other = 0, 0
+    used = 0
     for p in range(len(patches.area)):
         met, weight = 0, 0.0
         for m in range(patches.start[p], patches.start[p + 1]):
@@ -114,7 +101,7 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
             if table.valid[row] == 0:
                 continue
             share = patches.weight[m] / (weight * table.valid[row])
-            for e in range(table.start[row], table.start[row + 1]):
+            for e in range(table.start[row] + table.nodes[row], table.start[row + 1]):
                 c = np.int64(table.column[e])
                 if amount[c] == 0.0:
                     touched[met] = c
@@ -124,7 +111,7 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
         partners, total = 0, 0.0
         for k in range(met):
             c = touched[k]
-            if NODES <= c < columns - 1:
+            if c < columns - 1:
                 partners += 1
                 total += amount[c]
         # Of many partners an even sample stands for all: neighbours have neighbouring numbers.
@@ -132,20 +119,17 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
         left = 0.5 * portion
         for k in range(met):
             c = touched[k]
-            if c < NODES:
-                made.node_column[node], made.node_share[node] = c, amount[c]
-                node += 1
-            elif c < columns - 1:
+            if c < columns - 1:
                 share = amount[c]
                 if portion > 0.0:
                     times = math.floor((left + share) / portion)
                     left += share - times * portion
                     share = times * portion
-                if share > 0.0 and other < len(made.patch_column):
-                    made.patch_column[other], made.patch_share[other] = c - NODES, share
-                    other += 1
+                if share > 0.0 and used < len(made.column):
+                    made.column[used], made.share[used] = c - NODES, share
+                    used += 1
             amount[c] = 0.0
-        made.node_start[p + 1], made.patch_start[p + 1] = node, other
+        made.start[p + 1] = used
 
 
 def radiosity(
@@ -166,12 +150,17 @@ def radiosity(
 
 
 @hot
-def direct_sky(exchange, node_light, out):  # type: ignore[no-untyped-def]
-    """Irradiance (M, 3) of patches by pi times the radiance (NODES, 4) of nodes."""
-    start, column, share = exchange.node_start, exchange.node_column, exchange.node_share
+def direct_sky(patches, valid, light, out):  # type: ignore[no-untyped-def]
+    """Irradiance (M, 3) of patches by that of the sky on rows (N, 4) that have `valid` rays."""
+    start, member, weight = patches.start, patches.member, patches.weight
     for p in range(len(out)):
-        r, g, b, _ = four_sums(node_light, column, share, start[p], start[p + 1])
-        out[p, 0], out[p, 1], out[p, 2] = r, g, b
+        whole = np.float32(0.0)
+        for m in range(start[p], start[p + 1]):
+            if valid[member[m]] > 0:
+                whole += weight[m]
+        r, g, b, _ = four_sums(light, member, weight, start[p], start[p + 1])
+        scale = np.float32(1.0) / max(whole, np.float32(1e-12))
+        out[p, 0], out[p, 1], out[p, 2] = r * scale, g * scale, b * scale
 
 
 @hot
@@ -182,7 +171,7 @@ def _bounce(exchange, direct, emitted, reflectance, left, sent):  # type: ignore
     which the largest share of any patch's light decides. q is measured, and at most what the
     surfaces send back.
     """
-    start, column, share = exchange.patch_start, exchange.patch_column, exchange.patch_share
+    start, column, share = exchange.start, exchange.column, exchange.share
     patches = len(direct)
     brightest, mean = np.float32(0.0), np.float32(0.0)
     for p in range(patches):

@@ -1,4 +1,8 @@
-"""What rows of the table get by an hour's light of its columns."""
+"""What rows of the table get by an hour's light of its columns: of the sky, then of each other.
+
+What patches get of the sky is a mean of what their rows get: so rows come first, the bounces
+between patches next, and what they bring to rows last. Each entry of the table is read once.
+"""
 
 import numpy as np
 
@@ -7,10 +11,25 @@ from light_transport.kernels import hot
 
 
 @hot
-def gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
-    """Fill out[first:last] (N, 4): means over each row's rays of light (columns, 4)."""
+def sky_gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
+    """Fill out[first:last] (N, 4): means over each row's rays of light (columns, 4) of nodes."""
     start, column, rays = table.start, table.column, table.rays
     for i in range(first, last):
-        r, g, b, a = four_sums(light, column, rays, start[i], start[i + 1])
+        end = start[i] + np.int64(table.nodes[i])
+        r, g, b, a = four_sums(light, column, rays, start[i], end)
         scale = np.float32(1.0) / np.float32(max(table.valid[i], 1))
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = r * scale, g * scale, b * scale, a * scale
+
+
+@hot
+def patches_gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
+    """Add to out[first:last] (N, 4) what the other columns of light (columns, 4) bring."""
+    start, column, rays = table.start, table.column, table.rays
+    for i in range(first, last):
+        begin = start[i] + np.int64(table.nodes[i])
+        r, g, b, a = four_sums(light, column, rays, begin, start[i + 1])
+        scale = np.float32(1.0) / np.float32(max(table.valid[i], 1))
+        out[i, 0] += r * scale
+        out[i, 1] += g * scale
+        out[i, 2] += b * scale
+        out[i, 3] += a * scale

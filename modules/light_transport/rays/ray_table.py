@@ -33,7 +33,8 @@ class Rows(NamedTuple):
         first: number of the first row.
         start: (R + 1,) int64, where each row's entries begin.
         column: (E,) uint16 or int32; rays: (E,) uint8, how many; more than 255 are cut into
-            several entries.
+            several entries. A row's nodes come before all else.
+        nodes: (R,) uint16, how many of each row's entries are of nodes.
         valid: (R,) int32, rays that count: those that did not begin inside a body.
         nearness: (R,) float32, sum of 1 / distance over rays that met something, in 1 / radius.
         free: (R,) uint8, the first ray that counts, or TRIED.
@@ -43,6 +44,7 @@ class Rows(NamedTuple):
     start: IntArray
     column: NDArray[np.uint16] | NDArray[np.int32]
     rays: NDArray[np.uint8]
+    nodes: NDArray[np.uint16]
     valid: NDArray[np.int32]
     nearness: Float32Array
     free: NDArray[np.uint8]
@@ -55,6 +57,7 @@ def empty_rows(first: int, number: int) -> Rows:
         np.zeros(number + 1, np.int64),
         np.empty(0, np.int32),
         np.empty(0, np.uint8),
+        np.zeros(number, np.uint16),
         np.zeros(number, np.int32),
         np.zeros(number, np.float32),
         np.full(number, TRIED, np.uint8),
@@ -69,6 +72,7 @@ def slice_of(rows: Rows, first: int, last: int) -> Rows:
         rows.start[first : last + 1] - rows.start[first],
         rows.column[here],
         rows.rays[here],
+        rows.nodes[first:last],
         rows.valid[first:last],
         rows.nearness[first:last],
         rows.free[first:last],
@@ -85,6 +89,7 @@ def joined(blocks: list[Rows]) -> Rows:
         np.concatenate([*starts, offsets[-1:]]),
         np.concatenate([block.column for block in blocks]),
         np.concatenate([block.rays for block in blocks]),
+        np.concatenate([block.nodes for block in blocks]),
         np.concatenate([block.valid for block in blocks]),
         np.concatenate([block.nearness for block in blocks]),
         np.concatenate([block.free for block in blocks]),
@@ -199,6 +204,7 @@ def _counted(rows, column_of, targets, distances, columns, like):  # type: ignor
     most = len(rows.column) + number * count
     start = np.zeros(number + 1, np.int64)
     column, share = np.empty(most, like.dtype), np.empty(most, np.uint8)
+    nodes = np.zeros(number, np.uint16)
     valid, nearness, free = rows.valid.copy(), rows.nearness.copy(), rows.free.copy()
     amount = np.zeros(columns, np.int32)
     touched = np.empty(columns, np.int32)
@@ -225,14 +231,19 @@ def _counted(rows, column_of, targets, distances, columns, like):  # type: ignor
             valid[i] += 1
             if distances[i, s] > 0.0:
                 nearness[i] += 1.0 / max(distances[i, s], np.float32(1e-6))
-        for k in range(met):
-            c = touched[k]
-            left = amount[c]
-            amount[c] = 0
-            while left > 0:
-                column[used] = c
-                share[used] = min(left, _MOST_A_COUNT)
-                left -= _MOST_A_COUNT
-                used += 1
+        for others in range(2):
+            for k in range(met):
+                c = touched[k]
+                if (c >= NODES) != (others == 1):
+                    continue
+                left = amount[c]
+                amount[c] = 0
+                while left > 0:
+                    column[used] = c
+                    share[used] = min(left, _MOST_A_COUNT)
+                    left -= _MOST_A_COUNT
+                    used += 1
+            if others == 0:
+                nodes[i] = used - start[i]
         start[i + 1] = used
-    return start, column[:used].copy(), share[:used].copy(), valid, nearness, free
+    return start, column[:used].copy(), share[:used].copy(), nodes, valid, nearness, free

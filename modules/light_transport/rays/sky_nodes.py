@@ -95,16 +95,16 @@ def _shares(size: int) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray
         + a * FACE_S_AXES[:, None, None]
         + b * FACE_T_AXES[:, None, None]
     )
+    above = d[..., 1] >= 0.0
+    d = d[above]
     d /= np.linalg.norm(d, axis=-1, keepdims=True)
-    solid_angle = np.broadcast_to(texel_solid_angles(fine), d.shape[:3]).ravel()
+    solid_angle = np.broadcast_to(texel_solid_angles(fine), above.shape)[above]
     row, column = np.indices((fine, fine)) // _PIECES
-    texel = (np.arange(6)[:, None, None] * size * size + row * size + column).ravel()
-    node = _nodes_of(d.reshape(-1, 3))
-    above = node < GROUND_NODE
+    texel = (np.arange(6)[:, None, None] * size * size + row * size + column)[above]
     # Pieces of one texel in one cell are one.
-    key = node[above] * np.int64(6 * size * size) + texel[above]
+    key = _nodes_of(d) * np.int64(6 * size * size) + texel
     keys, where = np.unique(key, return_inverse=True)
-    weight = np.bincount(where.ravel(), solid_angle[above])
+    weight = np.bincount(where.ravel(), solid_angle)
     node, texel = keys // (6 * size * size), keys % (6 * size * size)
     share = weight / np.bincount(node, weight, GROUND_NODE)[node]
     return node.astype(np.int64), texel.astype(np.int64), share

@@ -1,6 +1,6 @@
 """A scene's triangles as light transport sees them: places, reflectance, emission."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,16 @@ class Surfaces:
     double_sided: BoolArray
     centre_m: FloatArray
     radius_m: float
+
+    @property
+    def arrays(self) -> list[NDArray]:
+        """All that grow with the number of triangles."""
+        return [value for value in vars(self).values() if isinstance(value, np.ndarray)]
+
+    def without_shapes(self) -> "Surfaces":
+        """Parts, colours and the frame alone, for who has the shapes in a form of his own."""
+        nothing = np.empty((0, 3, 3))
+        return replace(self, corners_m=nothing, normals=nothing.astype(np.float32))
 
     def face_normals(self) -> FloatArray:
         """Unit normals (F, 3) of the triangles, on the side of their shading normals.
