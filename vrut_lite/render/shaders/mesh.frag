@@ -261,8 +261,15 @@ vec3 sun_through_glass(vec3 face) {
     vec3 at = (shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
 #endif
     if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
-    vec4 glass = textureLod(glass_shadow, at.xy, 0.0);
-    return at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
+    vec2 texel = 1.0 / vec2(textureSize(glass_shadow, 0));
+    vec3 left = vec3(0.0);
+    for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+            vec4 glass = textureLod(glass_shadow, at.xy + vec2(i, j) * texel, 0.0);
+            left += at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
+        }
+    }
+    return left / 9.0;
 }
 #endif
 
