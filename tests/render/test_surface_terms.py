@@ -224,4 +224,4 @@ def test_a_scene_without_glass_has_no_map_for_it(backend, tmp_path):
     path = square(tmp_path, material())
     backend.change(scene=opened(path, GROUND))
     seen(backend, tmp_path, material())
-    assert not backend.backend._scene.has_glass
+    assert not backend.backend._scene.dims_sun
