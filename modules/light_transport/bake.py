@@ -238,7 +238,7 @@ class Bake:
         light[:texels] = self._smoothed(relative, finished.smoothing) * bends[:, None]
         if finished.lamps is not None:
             # It has no noise that is to be smoothed, and edges that are not.
-            light[:, :3] += finished.lamps.baked[:rows]
+            light[:, :3] += finished.lamps.baked[: len(light)]
         light[:, 3] = np.clip(light[:, 3] / open_sky[self._orientation], 0, 1)
         return HourLight(
             _as_map(light[:texels], finished.shown),
@@ -380,7 +380,7 @@ class Bake:
         texels = len(self.texels.pixel)
         towards = sky_moments(NODES + len(self.patches.area) + 1)
         moments = np.empty((texels, 4), np.float32)
-        self._over_rows(texels, lambda a, b: gathered(self.table, towards, a, b, moments))
+        self._over_rows(texels, lambda a, b: sky_gathered(self.table, towards, a, b, moments))
         return visible_sky(self._smoothed(moments, smoothing), self.texels.normal)
 
     def _mirrored_texels(self, texels: int) -> NDArray[np.integer]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from light_messages import light_messages
+from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
@@ -31,7 +32,7 @@ def test_a_pane_reflects_its_share_and_tints_the_rest(tmp_path, roughness):
     """4 % of the sky, and of what is behind what is left, times the colour."""
     colour = (0.2, 0.5, 0.9)
     pane = material(colour, roughness, transmission={"transmissionFactor": 1.0})
-    shown = seen(square(tmp_path, pane, corners=CORNERS * 20.0), spp=256)
+    shown = seen(square(tmp_path, pane, corners=CORNERS * 20.0), spp=64)
     # The ground gets its own sky through the pane, and sends it up again.
     behind = ALBEDO * 0.91 * np.array(colour)
     expected = F0 + (1.0 - F0) * behind * np.array(colour)
@@ -78,7 +79,7 @@ def test_a_body_bends_light_and_takes_some_away(tmp_path, model):
     np.testing.assert_allclose(shown, [expected, 1.0, 1.0], rtol=0.04)
 
 
-@pytest.mark.parametrize("elevation_deg", [15.0, 90.0])
+@pytest.mark.parametrize("elevation_deg", mostly_long([15.0, 90.0], lambda deg: deg < 45.0))
 @pytest.mark.parametrize(
     "extensions",
     [

@@ -5,6 +5,8 @@ import pytest
 from scene_stage import CORNERS, ORDER, light, look, square
 from stateful_backend import opened
 
+from vrut_lite.daylight.ground_disc import GroundDisc
+
 pytestmark = pytest.mark.gl
 SKY = 1.0
 
@@ -61,3 +63,18 @@ def test_backs_of_a_closed_body_are_blended_before_its_fronts(backend, tmp_path)
     )
     shown = seen(backend, path)
     np.testing.assert_allclose(shown, [0.4 + 0.36, 0.24 + 0.36, 0.36], rtol=0.02)
+
+
+@pytest.mark.parametrize("alpha", [51, 204])
+def test_a_blended_sheet_leaves_the_sun_what_it_lets_through(backend, tmp_path, alpha):
+    """Of alpha a, from a texture, 1 - a of the sun reaches the ground below: not none, not all."""
+    image = np.zeros((2, 2, 4), np.uint8)
+    image[..., 3] = alpha
+    pbr = {"metallicFactor": 1.0, "baseColorTexture": {"index": 0}}
+    material = {"pbrMetallicRoughness": pbr, "alphaMode": "BLEND", "doubleSided": True}
+    path = square(tmp_path, material, [image], corners=CORNERS * 4.0)
+    backend.change(scene=opened(path, GroundDisc((0, 0), -1.0, 99)), ground_albedo_rgb=(0.5,) * 3)
+    sun = {"sun_direction": (0.0, 1.0, 1e-6), "sun_irradiance": (np.pi,) * 3}
+    light(backend, np.zeros((6, 8, 8, 3)), **sun)
+    shown = look(backend, (0.0, -0.5, 1e-3), (0.0, -1.0, 0.0), 0.2).radiance[16, 16]
+    np.testing.assert_allclose(shown, 0.5 * (1.0 - alpha / 255), rtol=0.02)

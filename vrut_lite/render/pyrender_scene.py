@@ -68,7 +68,10 @@ class PyrenderScene:
         self.ground_level_m = 0.0 if ground is None else ground.height_m
         self.ground_centre_xz_m = np.array((0.0, 0.0) if ground is None else ground.centre_xz_m)
         self._surfaces = [_surface(material) for material in opened.materials.all()]
-        self.has_glass = any(surface.terms.transmits for surface in self._surfaces)
+        # Whether something lets a part of the sun's light through.
+        self.dims_sun = any(
+            surface.terms.transmits or surface.alphaMode == "BLEND" for surface in self._surfaces
+        )
         self._ground = None if ground is None else _ground(ground)
         # By the number of the mesh and of its shape in the light map.
         self._cuts: dict[tuple[int, int], _Cut] = {}

@@ -46,11 +46,6 @@ def has_solid_texels(primitive: Any) -> bool:
     return material.baseColorTexture is not None or primitive.color_0 is not None
 
 
-def casts_shadow(primitive: Any) -> bool:
-    """Whether it takes the sun from what is behind it; glass alone does not."""
-    return not primitive.material.terms.transmits or has_solid_texels(primitive)
-
-
 def alpha_range(primitive: Any, blended: bool) -> tuple[float, float]:
     """From which alpha on, and below which, fragments are drawn: among the blended or the solid."""
     material = primitive.material

@@ -17,7 +17,12 @@ from vrut_lite.daylight.section import Section
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
-from vrut_lite.render.passes.draw_order import alpha_range, casts_shadow
+from vrut_lite.render.passes.draw_order import (
+    SOLID_ALPHA,
+    alpha_range,
+    has_solid_texels,
+    is_blended,
+)
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.shader_files import SHADERS, Defines, defined, shader_source
@@ -183,15 +188,15 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
-            if not placed.is_ground and casts_shadow(placed.primitive):
+            if not placed.is_ground and has_solid_texels(placed.primitive):
                 self._draw_caster(placed, shadow, ())
         GL.glDisable(GL.GL_DEPTH_CLAMP)
         GL.glUseProgram(0)
 
     def draw_tint(self, scene: PyrenderScene, shadow: Shadow, texels: int) -> None:
-        """Multiply what glass before the depth in the bound framebuffer leaves of sunlight.
+        """Multiply what blended surfaces before the bound depth leave of sunlight.
 
-        Alpha becomes the depth of the glass that is nearest to the sun.
+        Alpha becomes the depth of the one that is nearest to the sun.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glEnable(GL.GL_DEPTH_CLAMP)
@@ -200,8 +205,10 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glBlendEquationSeparate(GL.GL_FUNC_ADD, GL.GL_MIN)
         GL.glBlendFuncSeparate(GL.GL_ZERO, GL.GL_SRC_COLOR, GL.GL_ONE, GL.GL_ONE)
         for placed in scene.placed:
-            if placed.primitive.material.terms.transmits:
-                self._draw_caster(placed, shadow, ("TINT",), float(texels))
+            material = placed.primitive.material
+            if is_blended(material):
+                glass = ("GLASS",) if material.terms.transmits else ()
+                self._draw_caster(placed, shadow, ("TINT", *glass), float(texels))
         GL.glBlendEquation(GL.GL_FUNC_ADD)
         GL.glDisable(GL.GL_BLEND)
         GL.glDepthMask(GL.GL_TRUE)
@@ -224,8 +231,10 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         if material.terms.transmits:
             self._terms.bind(material, scale_of(placed.world_from_model))
         if defines:
-            program.set_uniform("map_texels", texels)
-            program.set_uniform("base_tint", np.asarray(material.baseColorFactor[:3]))
+            program.set_uniform("blended", float(material.alphaMode == "BLEND"))
+            if "GLASS" in defines:
+                program.set_uniform("map_texels", texels)
+                program.set_uniform("base_tint", np.asarray(material.baseColorFactor[:3]))
             GL.glEnable(GL.GL_BLEND)
         else:
             GL.glDisable(GL.GL_BLEND)
@@ -235,8 +244,8 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         self._reset_active_textures()
 
     def _set_cut_out(self, program: ShaderProgram, material: Any) -> None:
-        """A masked surface casts by its own cut-off, a blended one where alpha exceeds 0.5."""
-        cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": 0.5}
+        """A masked surface casts by its own cut-off, a blended one where nothing shows through."""
+        cut_offs = {"MASK": float(material.alphaCutoff), "BLEND": SOLID_ALPHA}
         cut_off = cut_offs.get(material.alphaMode, 0.0)
         looked_up = cut_off > 0.0 or material.terms.transmits
         texture = material.baseColorTexture if looked_up else None

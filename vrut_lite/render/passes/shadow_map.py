@@ -87,7 +87,7 @@ class ShadowMap:
 
     def _tint_of(self, scene: PyrenderScene) -> Any:
         """The texture of what glass leaves, made when a scene first has some."""
-        if not scene.has_glass:
+        if not scene.dims_sun:
             return None
         if self._tint is None:
             size = (SHADOW_SIZE, SHADOW_SIZE)

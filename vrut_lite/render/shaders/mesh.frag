@@ -256,16 +256,27 @@ float sun_visibility(vec3 face) {
 layout(binding = 23) uniform sampler2D glass_shadow;  // of the nearest of the maps
 const float GLASS_DEPTH = 2e-3;                      // half floats tell no less apart
 
-// What glass before this point leaves of the sun.
+// What glass before this point leaves of the sun; off its own surface as in `sun_visibility`.
 vec3 sun_through_glass(vec3 face) {
+    vec3 slope = normalize(mat3(shadow_matrix) * face);
+    vec3 off = face * (0.5 + 2.0 * (abs(slope.x) + abs(slope.y)));
 #ifdef NEAR_SHADOW
-    vec3 at = (near_shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
+    vec3 p = point_in_triangle(face) + off * near_shadow_texel_m;
+    vec3 at = (near_shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
 #else
-    vec3 at = (shadow_matrix * vec4(point_in_triangle(face), 1.0)).xyz * 0.5 + 0.5;
+    vec3 p = point_in_triangle(face) + off * shadow_texel_m;
+    vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
 #endif
     if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
-    vec4 glass = textureLod(glass_shadow, at.xy, 0.0);
-    return at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
+    vec2 texel = 1.0 / vec2(textureSize(glass_shadow, 0));
+    vec3 left = vec3(0.0);
+    for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+            vec4 glass = textureLod(glass_shadow, at.xy + vec2(i, j) * texel, 0.0);
+            left += at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
+        }
+    }
+    return left / 9.0;
 }
 #endif
 

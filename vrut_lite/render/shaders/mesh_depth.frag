@@ -1,6 +1,6 @@
 #version 430 core
 // A cut-out leaf casts the shadow of the leaf, not of its quad; glass is no part of it. With TINT,
-// what glass leaves of the sun's light, to be multiplied, and how near to the sun it is.
+// what glass and blended surfaces leave of the sun's light, to be multiplied, and their depth.
 
 uniform float base_alpha;
 uniform float alpha_cutoff;
@@ -16,12 +16,14 @@ in vec2 uv;
 #endif
 
 #ifdef TINT
+uniform float blended;     // 1: alpha says how much of the surface is there
+out vec4 left;
+#ifdef GLASS
 //!include surface_terms_block.glsl
 uniform vec3 base_tint;
 uniform float map_texels;  // along a side of the shadow map
-out vec4 left;
 
-vec4 left_by_glass(vec3 texel) {
+vec3 left_by_glass(vec3 texel) {
     // Sides of the sun's box are as long as it is deep.
     vec2 slope = map_texels * vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
     float nl = inversesqrt(1.0 + dot(slope, slope));
@@ -30,8 +32,9 @@ vec4 left_by_glass(vec3 texel) {
     vec3 tint = base_tint * texel;
     // The sides of a body tint half each.
     if (terms.thickness_m > 0.0) tint = sqrt(tint * exp(-terms.extinction_per_m * terms.thickness_m));
-    return vec4(tint * (through * terms.transmission), gl_FragCoord.z);
+    return tint * (through * terms.transmission);
 }
+#endif
 #endif
 
 #ifdef HAS_TRANSMISSION_TEX
@@ -49,11 +52,15 @@ void main() {
 #endif
 #endif
 #ifdef TINT
-    vec3 texel = vec3(1.0);
+    vec4 texel = vec4(1.0);
 #ifdef TEXCOORD_0_LOC
-    if (has_alpha_texture > 0.5) texel = texture(alpha_texture, uv).rgb;
+    if (has_alpha_texture > 0.5) texel = texture(alpha_texture, uv);
 #endif
-    left = left_by_glass(texel);
+    vec3 tint = vec3(0.0);
+#ifdef GLASS
+    tint = left_by_glass(texel.rgb);
+#endif
+    left = vec4(mix(vec3(1.0), tint, mix(1.0, base_alpha * texel.a, blended)), gl_FragCoord.z);
     return;
 #endif
 #if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
