@@ -1,4 +1,4 @@
-"""Opens scene files (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
+"""Opens scene files (glTF, GLB, OBJ, USD) as placed meshes in metres, without GL."""
 
 import os
 from collections.abc import Sequence
