@@ -174,6 +174,20 @@ def test_layers_keep_to_the_folder(tmp_path: Path) -> None:
                 load_scene(path)
 
 
+def test_usd_at_rest_says_so(tmp_path: Path) -> None:
+    """What moves over time is shown as it begins, and told."""
+    body = f"""
+def Mesh "floor" {{{QUAD}
+    double3 xformOp:translate.timeSamples = {{ 1: (100, 0, 0), 24: (900, 0, 0) }}
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+"""
+    head = HEAD.replace("(\n", "(\n    startTimeCode = 1\n    endTimeCode = 24\n", 1)
+    scene = load_scene(_write(tmp_path, body, head=head))
+    np.testing.assert_allclose(scene.lower_m, [1, 0, -2], atol=1e-12)
+    assert scene.notices == ("USD animation: at rest, at the first of its times",)
+
+
 @pytest.mark.parametrize("text", ["", "#usda 1.0\ndef Mesh {", "noise"])
 def test_damaged_usd_gives_one_sentence(tmp_path: Path, text: str) -> None:
     """What is no USD, or ends early, is refused."""

@@ -29,6 +29,9 @@ class GltfScene:
         nodes = list(placed_nodes(file, REST))
         tell_unread(file, [node for _, node, _ in nodes])
         self.cameras = list(cameras_of(file, nodes))
+        filmed = [one for one in nodes if one.node.camera is not None]
+        moved = [one for one in filmed if one.number in self._animations.nodes]
+        file.notices.tell("camera that an animation moves", "at rest", len(moved))
         self._skins = Skins(file, nodes)
         self._instances = {
             one.number: instances_of(file, one.node.extensions.instancing)

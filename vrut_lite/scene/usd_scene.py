@@ -120,6 +120,8 @@ class _Reader:
             elif prim.IsA(UsdGeom.Gprim):
                 self._notices.tell(f"USD {prim.GetTypeName()}", "not drawn")
             check_places(len(placed))
+        if self._stage.GetEndTimeCode() > self._stage.GetStartTimeCode():
+            self._notices.tell("USD animation", "at rest, at the first of its times")
         up: UpAxis = "z" if UsdGeom.GetStageUpAxis(self._stage) == UsdGeom.Tokens.z else "y"
         unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
         unit = float(np.clip(unit, LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT))
