@@ -280,6 +280,17 @@ def test_a_scene_at_rest_says_so(write_square: WriteScene) -> None:
     assert scene.at(1.0).notices == ()
 
 
+def test_a_camera_that_would_move_rests_and_says_so(write_square: WriteScene) -> None:
+    """The file's own camera is offered where it stands at rest."""
+
+    def edit(document: dict[str, Any]) -> None:
+        _animated("LINEAR", ALONG)(document)
+        document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
+        document["nodes"][0]["camera"] = 0
+
+    assert "camera that an animation moves: at rest" in load_scene(write_square(edit)).notices
+
+
 @pytest.mark.parametrize("broken", ["order", "width", "missing", "infinite"])
 def test_broken_keys_are_refused(write_square: WriteScene, broken: str) -> None:
     """Keys out of order, of the wrong number, missing or infinite give one sentence."""

@@ -73,7 +73,7 @@ def record(
 ) -> None:
     """Record the modules' messages for a place, a time, settings, and a script of inputs.
 
-    SCENE (glTF, GLB, OBJ, or a project file .toml) is opened and never drawn: no GPU is needed.
+    SCENE (glTF, GLB, OBJ, USD, or a project .toml) is opened and never drawn: no GPU is needed.
     Without SCENE only the modules run. After place, time and settings come the inputs of
     --inputs, then a day that passes.
 

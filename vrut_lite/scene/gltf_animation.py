@@ -45,6 +45,11 @@ class GltfAnimations:
         """When the last of them has ended; 0 without any."""
         return max((float(track.times_s[-1]) for track in self._tracks), default=0.0)
 
+    @property
+    def nodes(self) -> set[int]:
+        """The numbers of the nodes that they move."""
+        return {track.node for track in self._tracks}
+
     def pose(self, time_s: float | None) -> Pose:
         """The pose at a time, seconds; None is the rest."""
         if time_s is None:

@@ -33,6 +33,9 @@ class GltfScene:
         self.cameras = list(cameras_of(file, nodes))
         self._lamps = GltfLamps(file)
         self._lamps.tell_unread(nodes)
+        filmed = [one for one in nodes if one.node.camera is not None]
+        moved = [one for one in filmed if one.number in self._animations.nodes]
+        file.notices.tell("camera that an animation moves", "at rest", len(moved))
         self._skins = Skins(file, nodes)
         self._instances = {
             one.number: instances_of(file, one.node.extensions.instancing)

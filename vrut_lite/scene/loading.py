@@ -1,4 +1,4 @@
-"""Opens scene files (glTF, GLB or OBJ) as placed meshes in metres, without GL."""
+"""Opens scene files (glTF, GLB, OBJ, USD) as placed meshes in metres, without GL."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -141,6 +141,7 @@ class _Stood:
     cameras: list[SceneCamera]
     lamps: list[PlacedLamp]
     notices: list[str]
+    says_unit: bool
 
 
 def _stand(
@@ -157,8 +158,9 @@ def _stand(
             placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
         cameras = [camera.moved(matrix) for camera in cameras]
         lamps = [lamp.moved(matrix) for lamp in lamps]
+    says_unit = asked.placement.metres_per_unit is None and file.says.metres_per_unit is not None
     filled = msgspec.structs.replace(asked, placement=placement)
-    return _Stood(filled, placed, cameras, lamps, lines)
+    return _Stood(filled, placed, cameras, lamps, lines, says_unit)
 
 
 def _filled(asked: Placement, file: SceneFile) -> Placement:
@@ -172,15 +174,8 @@ def _filled(asked: Placement, file: SceneFile) -> Placement:
 
 
 def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[str]:
-    """Lines on guesses that change the scene, and on units that a file may mean otherwise."""
+    """Lines on guesses that change the scene."""
     lines = []
-    if asked.metres_per_unit is None and file.says.metres_per_unit is not None:
-        extent_m = _extent(file.placed, filled.world_from_file())
-        if guess_metres_per_unit(extent_m) != 1.0:
-            lines.append(
-                f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
-                "--metres-per-unit 0.01, or Unit in the Scene panel"
-            )
     if asked.up is None and file.says.up is None and filled.up != "y":
         lines.append(
             "taken to stand along +Z, where it has a floor: if that is wrong, --up y, or Up in the "
@@ -213,7 +208,7 @@ def _joined(
         triangles=triangles,
         camera=_chosen(cameras, camera),
         cameras=tuple(cameras),
-        notices=_lines(stood),
+        notices=(*_lines(stood), *_told_height(stood, upper_m - lower_m)),
         placement=stood[0].asked.placement,
         beside=tuple(one.asked for one in stood[1:]),
         animation_s=animation_s,
@@ -226,6 +221,16 @@ def _lines(stood: list[_Stood]) -> tuple[str, ...]:
         return tuple(stood[0].notices)
     named = [f"{Path(one.asked.scene).name}: {line}" for one in stood for line in one.notices]
     return tuple(dict.fromkeys(named))
+
+
+def _told_height(stood: list[_Stood], extent_m: NDArray[np.float64]) -> list[str]:
+    """A line where files that say their unit themselves are so high that they may mean another."""
+    if not all(one.says_unit for one in stood) or guess_metres_per_unit(extent_m) == 1.0:
+        return []
+    return [
+        f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
+        "--metres-per-unit 0.01, or Unit in the Scene panel"
+    ]
 
 
 def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from vrut_lite.daylight.placement import Placement
 from vrut_lite.errors import UserError
+from vrut_lite.scene import usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
 from vrut_lite.scene.gltf_scene import GltfScene
@@ -14,11 +15,9 @@ from vrut_lite.scene.obj_scene import read_obj_scene
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 from vrut_lite.scene.scene_file_error import SceneFileError
 
-SUFFIXES = (".glb", ".gltf", ".obj")
+SUFFIXES = (".glb", ".gltf", ".obj", *usd_scene.SUFFIXES)
 # Blender imports them as it comes, or is their home.
-_OF_BLENDER = (
-    ".abc", ".blend", ".fbx", ".ply", ".stl", ".usd", ".usda", ".usdc", ".usdz",
-)  # fmt: skip
+_OF_BLENDER = (".abc", ".blend", ".fbx", ".ply", ".stl")
 _EXPORT = "export it as one of these"
 # What a glTF file is by its standard.
 _GLTF = Placement(up="y", metres_per_unit=1.0)
@@ -87,12 +86,21 @@ def _read_file(real: Path, budget: SceneBudget) -> SceneFile:
     notices = Notices()
     if real.suffix.lower() == ".obj":
         file = SceneFile(read_obj_scene(real, budget, notices), [], notices, Placement())
+    elif real.suffix.lower() in usd_scene.SUFFIXES:
+        file = SceneFile(*_usd(real, budget, notices))
     else:
         gltf = GltfScene(read_gltf_file(real, budget, notices))
         file = SceneFile(gltf.posed(None), gltf.cameras, notices, _GLTF, gltf)
     if not any(len(place.mesh.faces) for place in file.placed):
         raise SceneFileError("it has no triangles; export the scene with its meshes")
     return file
+
+
+def _usd(
+    real: Path, budget: SceneBudget, notices: Notices
+) -> tuple[list[PlacedMesh], list[SceneCamera], Notices, Placement]:
+    placed, cameras, says = usd_scene.read_usd_scene(real, budget, notices)
+    return placed, cameras, notices, says
 
 
 def _check_path(path: Path) -> None:

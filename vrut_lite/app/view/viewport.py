@@ -41,8 +41,9 @@ from vrut_lite.app.widgets import make_timer, rgb_image
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds, pixel_rays
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.scene.scene_files import SUFFIXES
 
-SCENE_SUFFIXES = (".glb", ".gltf", ".obj", ".toml")
+SCENE_SUFFIXES = (*SUFFIXES, ".toml")
 _INVITATION = "Drop a glTF or OBJ file here, or open one with Ctrl+O"
 _SETTLED_MS, _FLIGHT_MS = 60, 16
 _SMALLEST_PX = 16

@@ -20,7 +20,7 @@ from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.errors import UserError
 from vrut_lite.project import PROJECT_SUFFIX, CameraView, Project, load_project, save_project
 
-_TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.toml)"
+_TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.usd *.usda *.usdc *.usdz *.toml)"
 
 
 class Files:

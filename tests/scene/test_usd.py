@@ -1,0 +1,212 @@
+"""USD: geometry, UsdPreviewSurface, instances, axes and units, and the limits of any scene file."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scene_files import png_bytes
+
+from vrut_lite.errors import UserError
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.loading import LoadedScene, load_scene
+
+pytest.importorskip("pxr")
+
+HEAD = '#usda 1.0\n(\n    upAxis = "Z"\n    metersPerUnit = 0.01\n)\n'
+QUAD = """
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (100, 0, 0), (100, 200, 0), (0, 200, 0)]
+    uniform token subdivisionScheme = "none"
+"""
+
+
+def _write(folder: Path, body: str, name: str = "a.usda", head: str = HEAD) -> Path:
+    path = folder / name
+    path.write_text(head + body)
+    return path
+
+
+def _corners(scene: LoadedScene) -> list[np.ndarray]:
+    return [place.world_triangles().reshape(-1, 3) for place in scene.meshes]
+
+
+def test_axis_and_unit_are_the_files_own(tmp_path: Path) -> None:
+    """A floor of 1 x 2 m, Z-up in centimetres, lies level, facing up, without a guess."""
+    scene = load_scene(_write(tmp_path, f'def Mesh "floor" {{{QUAD}}}'))
+    assert scene.triangles == 2
+    np.testing.assert_allclose([scene.lower_m, scene.upper_m], [[0, 0, -2], [1, 0, 0]], atol=1e-12)
+    a, b, c = scene.meshes[0].world_triangles()[0]
+    assert np.cross(b - a, c - a)[1] > 0
+    assert (scene.placement.up, scene.placement.metres_per_unit) == ("z", 0.01)
+    assert scene.notices == ()
+
+
+def test_a_left_handed_mesh_is_wound_back(tmp_path: Path) -> None:
+    """Left-handed faces have their outside on the other side."""
+    body = f'def Mesh "floor" {{{QUAD} uniform token orientation = "leftHanded"\n}}'
+    a, b, c = load_scene(_write(tmp_path, body)).meshes[0].world_triangles()[0]
+    assert np.cross(b - a, c - a)[1] < 0
+
+
+def test_preview_surface_and_its_picture(tmp_path: Path) -> None:
+    """Values of UsdPreviewSurface, and the picture of the diffuse colour, with coordinates given at
+    each corner of each face."""
+    (tmp_path / "brick.png").write_bytes(png_bytes((4, 2)))
+    body = f"""
+def Mesh "floor" (prepend apiSchemas = ["MaterialBindingAPI"]) {{{QUAD}
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "faceVarying")
+    rel material:binding = </paint>
+}}
+def Material "paint" {{
+    token outputs:surface.connect = </paint/surface.outputs:surface>
+    def Shader "surface" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </paint/picture.outputs:rgb>
+        float inputs:roughness = 0.25
+        float inputs:metallic = 0.75
+        token outputs:surface
+    }}
+    def Shader "picture" {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @./brick.png@
+        float3 outputs:rgb
+    }}
+}}
+"""
+    mesh = load_scene(_write(tmp_path, body)).meshes[0].mesh
+    material = mesh.visual.material
+    assert (material.roughnessFactor, material.metallicFactor) == (0.25, 0.75)
+    assert material.baseColorTexture.size == (4, 2)
+    np.testing.assert_allclose(mesh.visual.uv.max(axis=0), [1, 1])
+    outside = body.replace("./brick.png", "../brick.png")
+    (tmp_path / "deeper").mkdir()
+    with pytest.raises(UserError, match="leads out of the scene's folder"):
+        load_scene(_write(tmp_path / "deeper", outside))
+
+
+def test_faces_of_two_materials(tmp_path: Path) -> None:
+    """Subsets of faces wear materials of their own."""
+    body = f"""
+def Mesh "floor" {{{QUAD.replace("[4]", "[3, 3]").replace("[0, 1, 2, 3]", "[0, 1, 2, 0, 2, 3]")}
+    def GeomSubset "red" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+        uniform token elementType = "face"
+        uniform token familyName = "materialBind"
+        int[] indices = [1]
+        rel material:binding = </red>
+    }}
+}}
+def Material "red" {{
+    token outputs:surface.connect = </red/s.outputs:surface>
+    def Shader "s" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (1, 0, 0)
+        token outputs:surface
+    }}
+}}
+"""
+    scene = load_scene(_write(tmp_path, body))
+    colours = [tuple(place.mesh.visual.material.baseColorFactor) for place in scene.meshes]
+    assert colours == [(1, 0, 0, 1), (0.5, 0.5, 0.5, 1)]
+    assert scene.triangles == 2
+
+
+def test_instances_share_their_mesh(tmp_path: Path) -> None:
+    """Native instances and those of a point instancer stand where they are placed, and share."""
+    body = f"""
+class "tile" {{
+    def Mesh "floor" {{{QUAD}}}
+}}
+def Xform "a" (instanceable = true; prepend inherits = </tile>) {{
+    double3 xformOp:translate = (300, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def Xform "b" (instanceable = true; prepend inherits = </tile>) {{
+    double3 xformOp:translate = (500, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def PointInstancer "many" {{
+    rel prototypes = [</many/one>]
+    int[] protoIndices = [0, 0, 0]
+    point3f[] positions = [(0, 0, 0), (0, 0, 100), (0, 0, 200)]
+    def Mesh "one" {{{QUAD}}}
+}}
+"""
+    scene = load_scene(_write(tmp_path, body))
+    low = sorted(tuple(np.round(corners.min(axis=0), 6) + 0.0) for corners in _corners(scene))
+    assert low == [(0, 0, -2), (0, 1, -2), (0, 2, -2), (3, 0, -2), (5, 0, -2)]
+    assert len({id(place.mesh) for place in scene.meshes}) == 2
+
+
+def test_hidden_things_and_guides_are_not_shown(tmp_path: Path) -> None:
+    """Invisible prims and those of another purpose stay out; what is no mesh is told."""
+    body = f"""
+def Mesh "floor" {{{QUAD}}}
+def Mesh "hidden" {{{QUAD} token visibility = "invisible"
+}}
+def Mesh "guide" {{{QUAD} uniform token purpose = "guide"
+}}
+def Mesh "smooth" {{{QUAD.replace('"none"', '"catmullClark"')}}}
+def Sphere "ball" {{}}
+"""
+    scene = load_scene(_write(tmp_path, body))
+    assert scene.triangles == 4
+    assert scene.notices == (
+        "USD subdivision surface: its cage is drawn",
+        "USD Sphere: not drawn",
+    )
+
+
+def test_layers_keep_to_the_folder(tmp_path: Path) -> None:
+    """A reference beside the scene is followed, one out of its folder is refused."""
+    (tmp_path / "in").mkdir()
+    tile = f'def Mesh "floor" {{{QUAD}}}'
+    part = HEAD.replace("(\n", '(\n    defaultPrim = "floor"\n', 1)
+    _write(tmp_path / "in", tile, "part.usda", part)
+    _write(tmp_path, tile, "part.usda", part)
+    for name, good in (("./part.usda", True), ("../part.usda", False)):
+        path = _write(tmp_path / "in", f'def "x" (prepend references = @{name}@) {{}}', "b.usda")
+        if good:
+            assert load_scene(path).triangles == 2
+        else:
+            with pytest.raises(UserError, match="leads out of the scene's folder"):
+                load_scene(path)
+
+
+def test_usd_at_rest_says_so(tmp_path: Path) -> None:
+    """What moves over time is shown as it begins, and told."""
+    body = f"""
+def Mesh "floor" {{{QUAD}
+    double3 xformOp:translate.timeSamples = {{ 1: (100, 0, 0), 24: (900, 0, 0) }}
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+"""
+    head = HEAD.replace("(\n", "(\n    startTimeCode = 1\n    endTimeCode = 24\n", 1)
+    scene = load_scene(_write(tmp_path, body, head=head))
+    np.testing.assert_allclose(scene.lower_m, [1, 0, -2], atol=1e-12)
+    assert scene.notices == ("USD animation: at rest, at the first of its times",)
+
+
+@pytest.mark.parametrize("text", ["", "#usda 1.0\ndef Mesh {", "noise"])
+def test_damaged_usd_gives_one_sentence(tmp_path: Path, text: str) -> None:
+    """What is no USD, or ends early, is refused."""
+    (tmp_path / "a.usda").write_text(text)
+    with pytest.raises(UserError, match="cannot open the scene"):
+        load_scene(tmp_path / "a.usda")
+
+
+def test_a_stage_beyond_the_budget_is_refused(tmp_path: Path) -> None:
+    """The file's size is counted before usd-core reads it."""
+    path = _write(tmp_path, f'def Mesh "floor" {{{QUAD}}}' + " " * 2**22)
+    with pytest.raises(UserError, match="its USD stage would hold"):
+        load_scene(path, SceneBudget(600 * 2**20))
+
+
+def test_without_the_package_the_line_says_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where usd-core is not installed the sentence names the extra, and Blender."""
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    with pytest.raises(UserError, match=r"vrut-lite\[usd\].*Blender"):
+        load_scene(_write(tmp_path, f'def Mesh "floor" {{{QUAD}}}'))

@@ -1,0 +1,281 @@
+"""USD files (extra `usd`) as placed triangle meshes and cameras, at the first of their times.
+
+Native instances and point instancers share their prototypes' meshes. A subdivision surface is shown
+as its cage. usd-core reads the files itself, so that memory is counted from their sizes and then
+from the arrays that are taken, and every layer and picture must lie in the scene's folder.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from vrut_lite.daylight.placement import (
+    LEAST_METRES_PER_UNIT,
+    MOST_METRES_PER_UNIT,
+    Placement,
+    UpAxis,
+)
+from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.file_checks import MAX_FILE_BYTES
+from vrut_lite.scene.mesh import (
+    MESH_BYTES,
+    geometry_bytes,
+    make_geometry,
+    make_mesh,
+    used_vertices,
+)
+from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera, check_places, check_triangles
+from vrut_lite.scene.scene_file_error import SceneFileError
+from vrut_lite.scene.usd_materials import UsdMaterials
+
+SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+_MISSING = (
+    "it is USD, and the Python package usd-core is not installed: `pip install 'vrut-lite[usd]'`, "
+    "or import it into Blender and export it as glTF"
+)
+# What an open stage takes for each byte of its files, measured on text and crate files.
+_STAGE_BYTES = 16
+Matrix = NDArray[np.float64]
+
+
+def read_usd_scene(
+    path: Path, budget: SceneBudget, notices: Notices
+) -> tuple[list[PlacedMesh], list[SceneCamera], Placement]:
+    """Meshes and cameras in the file's axes and units, and what it says of these.
+
+    Raises:
+        SceneFileError: usd-core is missing, or the file is damaged, too large, or names anything
+            outside its own folder.
+    """
+    try:
+        from pxr import Tf, Usd
+    except ImportError as fault:
+        raise SceneFileError(_MISSING) from fault
+    size = path.stat().st_size
+    if size > MAX_FILE_BYTES:
+        raise SceneFileError(f"it has {size} bytes, more than the limit of {MAX_FILE_BYTES}")
+    budget.take(_STAGE_BYTES * size, "its USD stage")
+    budget.find(size)
+    try:
+        stage = Usd.Stage.Open(str(path), Usd.Stage.LoadNone)
+        _check_layers(stage, path, budget)
+        stage.Load()
+        _check_layers(stage, path, budget)
+        return _Reader(stage, path.parent, budget, notices).read()
+    except (Tf.ErrorException, RuntimeError) as fault:
+        # usd-core's own text is a page of its C++.
+        raise SceneFileError("its USD is damaged, or lacks a layer; export it again") from fault
+
+
+def _check_layers(stage: Any, path: Path, budget: SceneBudget) -> None:
+    """Refuse layers that lie elsewhere."""
+    folder = path.parent.resolve()
+    for layer in stage.GetUsedLayers():
+        if layer.anonymous:
+            continue
+        real = Path(layer.realPath.partition("[")[0]).resolve()
+        if not real.is_relative_to(folder):
+            raise SceneFileError(
+                f"it names {ascii(layer.identifier)[:80]}, which leads out of the scene's folder; "
+                "put that file beside the scene"
+            )
+        if real != path:
+            budget.take(_STAGE_BYTES * real.stat().st_size, f"the layer {real.name!a}")
+
+
+class _Reader:
+    """Reads one stage."""
+
+    def __init__(self, stage: Any, folder: Path, budget: SceneBudget, notices: Notices) -> None:
+        from pxr import Usd, UsdGeom
+
+        self._stage, self._budget, self._notices = stage, budget, notices
+        self._time = Usd.TimeCode.EarliestTime()
+        self._at = UsdGeom.XformCache(self._time)
+        self._materials = UsdMaterials(folder, budget, notices, self._time)
+        self._made: dict[str, list[trimesh.Trimesh]] = {}
+        self._triangles = 0
+
+    def read(self) -> tuple[list[PlacedMesh], list[SceneCamera], Placement]:
+        """Everything that is visible."""
+        from pxr import Usd, UsdGeom
+
+        placed: list[PlacedMesh] = []
+        cameras: list[SceneCamera] = []
+        proxies = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+        walk = iter(Usd.PrimRange(self._stage.GetPseudoRoot(), proxies))
+        for prim in walk:
+            if prim.IsA(UsdGeom.PointInstancer):
+                walk.PruneChildren()
+                placed += self._instances(prim)
+            elif prim.IsA(UsdGeom.Mesh):
+                placed += self._places(prim, self._matrix(prim))
+            elif prim.IsA(UsdGeom.Camera):
+                cameras.append(self._camera(prim))
+            elif prim.IsA(UsdGeom.Gprim):
+                self._notices.tell(f"USD {prim.GetTypeName()}", "not drawn")
+            check_places(len(placed))
+        if self._stage.GetEndTimeCode() > self._stage.GetStartTimeCode():
+            self._notices.tell("USD animation", "at rest, at the first of its times")
+        up: UpAxis = "z" if UsdGeom.GetStageUpAxis(self._stage) == UsdGeom.Tokens.z else "y"
+        unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
+        unit = float(np.clip(unit, LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT))
+        return placed, cameras, Placement(up=up, metres_per_unit=unit)
+
+    def _matrix(self, prim: Any) -> Matrix:
+        return np.array(self._at.GetLocalToWorldTransform(prim)).T
+
+    def _instances(self, prim: Any) -> Iterator[PlacedMesh]:
+        """The places of a point instancer."""
+        from pxr import Usd, UsdGeom
+
+        instancer = UsdGeom.PointInstancer(prim)
+        if not _is_shown(prim):
+            return
+        numbers = np.array(instancer.GetProtoIndicesAttr().Get(self._time) or [], np.int64)
+        found = instancer.ComputeInstanceTransformsAtTime(self._time, self._time) or []
+        check_places(len(found))
+        matrices = [np.array(matrix).T for matrix in found]
+        if len(matrices) != len(numbers):
+            self._notices.tell("point instancer with instances left out", "not drawn")
+            return
+        to_world = self._matrix(prim)
+        for number, target in enumerate(instancer.GetPrototypesRel().GetForwardedTargets()):
+            root = self._stage.GetPrimAtPath(target)
+            from_root = np.linalg.inv(self._matrix(root.GetParent()))
+            for part in Usd.PrimRange(root, Usd.TraverseInstanceProxies()):
+                if not part.IsA(UsdGeom.Mesh):
+                    continue
+                in_prototype = from_root @ self._matrix(part)
+                for place in np.flatnonzero(numbers == number):
+                    yield from self._places(part, to_world @ matrices[place] @ in_prototype)
+
+    def _places(self, prim: Any, matrix: Matrix) -> list[PlacedMesh]:
+        """A mesh, one part a material, at a place."""
+        if not _is_shown(prim):
+            return []
+        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        key = str(source.GetPath())
+        if key not in self._made:
+            self._made[key] = self._meshes(source)
+        return [PlacedMesh(prim.GetName(), mesh, matrix) for mesh in self._made[key]]
+
+    def _meshes(self, prim: Any) -> list[trimesh.Trimesh]:
+        from pxr import UsdGeom
+
+        mesh, name = UsdGeom.Mesh(prim), prim.GetName()
+        points = np.array(mesh.GetPointsAttr().Get(self._time) or [], np.float64).reshape(-1, 3)
+        counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self._time) or [], np.int64)
+        indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(self._time) or [], np.int64)
+        if counts.sum() != len(indices) or counts.min(initial=3) < 0:
+            raise SceneFileError(f"mesh {ascii(name)[:60]} has faces without corners; export again")
+        corners, face = fans(counts)
+        self._triangles += len(corners)
+        check_triangles(self._triangles)
+        if not len(corners):
+            return []
+        if mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
+            self._notices.tell("USD subdivision surface", "its cage is drawn")
+        if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:
+            corners = corners[:, ::-1]
+        normals = self._corner_values(mesh, "normals", indices, face, corners, 3)
+        uv = self._corner_values(mesh, "st", indices, face, corners, 2)
+        if normals is None and mesh.GetNormalsAttr().HasAuthoredValue():
+            values = np.array(mesh.GetNormalsAttr().Get(self._time), np.float64)
+            how = mesh.GetNormalsInterpolation()
+            normals = _spread(values, how, indices, face, corners, 3)
+        made = []
+        for faces, material in self._materials.parts(prim, len(counts)):
+            chosen = np.isin(face, faces) if faces is not None else slice(None)
+            part = corners[chosen]
+            if not len(part):
+                continue
+            size = geometry_bytes(0, len(part), normals=False, layers=2)
+            self._budget.take(size + MESH_BYTES, f"mesh {ascii(name)[:60]}")
+            arrays = {"POSITION": points}
+            triangles, arrays = used_vertices(name, indices[part], arrays)
+            if normals is not None or uv is not None:
+                # Values at corners: each corner is a vertex of its own.
+                arrays = {"POSITION": arrays["POSITION"][triangles.reshape(-1)]}
+                triangles = np.arange(triangles.size).reshape(-1, 3)
+            geometry = make_geometry(
+                name,
+                arrays["POSITION"],
+                triangles,
+                self._budget,
+                normals=None if normals is None else normals[chosen].reshape(-1, 3),
+                uv=None if uv is None else uv[chosen].reshape(-1, 2),
+            )
+            made.append(make_mesh(geometry, material))
+        return made
+
+    def _corner_values(
+        self,
+        mesh: Any,
+        name: str,
+        indices: NDArray[np.int64],
+        face: NDArray[np.int64],
+        corners: NDArray[np.int64],
+        width: int,
+    ) -> Matrix | None:
+        """A primvar at the triangles' corners (F, 3, width)."""
+        from pxr import UsdGeom
+
+        primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar(name)
+        if not primvar or not primvar.HasValue():
+            return None
+        values = np.array(primvar.ComputeFlattened(self._time), np.float64)
+        return _spread(values, primvar.GetInterpolation(), indices, face, corners, width)
+
+    def _camera(self, prim: Any) -> SceneCamera:
+        from pxr import Gf, UsdGeom
+
+        camera = UsdGeom.Camera(prim).GetCamera(self._time)
+        pose = np.array(camera.transform).T
+        left, _, right = np.linalg.svd(pose[:3, :3])
+        pose[:3, :3] = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+        degrees = camera.GetFieldOfView(Gf.Camera.FOVVertical)
+        return SceneCamera(pose, float(np.radians(degrees)), prim.GetName()[:80])
+
+
+def _is_shown(prim: Any) -> bool:
+    from pxr import UsdGeom
+
+    seen = UsdGeom.Imageable(prim)
+    if seen.ComputePurpose() not in (UsdGeom.Tokens.default_, UsdGeom.Tokens.render):
+        return False
+    return bool(seen.ComputeVisibility() != UsdGeom.Tokens.invisible)
+
+
+def fans(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Triangles (F, 3) of polygons, as numbers of corners, and the polygon (F,) of each."""
+    starts = np.cumsum(counts) - counts
+    triangles = np.maximum(counts - 2, 0)
+    face = np.repeat(np.arange(len(counts)), triangles)
+    within = np.arange(triangles.sum()) - np.repeat(np.cumsum(triangles) - triangles, triangles)
+    first = starts[face]
+    return np.stack([first, first + within + 1, first + within + 2], axis=1), face
+
+
+def _spread(
+    values: Matrix,
+    how: str,
+    indices: NDArray[np.int64],
+    face: NDArray[np.int64],
+    corners: NDArray[np.int64],
+    width: int,
+) -> Matrix | None:
+    """Values at the triangles' corners (F, 3, width); None if they are too few."""
+    at = {
+        "constant": np.zeros_like(corners),
+        "uniform": np.repeat(face[:, None], 3, axis=1),
+        "faceVarying": corners,
+    }.get(how, indices[corners])
+    if values.ndim != 2 or values.shape[1] != width or not len(values) or at.max() >= len(values):
+        return None
+    return np.asarray(values[at])
