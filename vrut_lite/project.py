@@ -32,7 +32,7 @@ Pixels = Annotated[int, msgspec.Meta(ge=16, le=8192)]
 Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 # Of the scene manager, which a project has as fields of its own.
-SCENE_SETTINGS = ("air", "light_shafts", "section", "section_m", "section_keeps")
+SCENE_SETTINGS = ("air", "light_shafts", "section", "section_at", "section_keeps")
 _NEAREST_TARGET_M = 1e-6
 _MOST_BYTES = 1 << 20
 
@@ -102,7 +102,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     air: bool = True
     light_shafts: bool = False
     section: Axis = "off"
-    section_m: Metres = 2.0
+    section_at: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.5
     section_keeps: Side = "below"
 
     def where(self) -> Place:

@@ -27,8 +27,6 @@ from vrut_lite.scene.needs import air_reach_m, cloud_reach_m, visible_faces
 from vrut_lite.scene.packing import packed
 
 NAME = "scene"
-# Of no building.
-_FARTHEST_CUT_M = 1000.0
 
 
 class SceneSettings(msgspec.Struct, frozen=True):
@@ -44,9 +42,9 @@ class SceneSettings(msgspec.Struct, frozen=True):
         Axis,
         setting("Across which axis the picture is cut, as a model is; light and shadows are not"),
     ] = "off"
-    section_m: Annotated[
-        float, setting("Where on that axis it is cut", -_FARTHEST_CUT_M, _FARTHEST_CUT_M, unit="m")
-    ] = 2.0
+    section_at: Annotated[
+        float, setting("Where it is cut, as a share of the scene's extent on that axis", 0, 1)
+    ] = 0.5
     section_keeps: Annotated[
         Side, setting("Which side of the cut is seen, by the axis's values")
     ] = "below"
@@ -96,6 +94,7 @@ class SceneManager(Module):
         """Open the file and look through its own camera; a bad file leaves the old scene."""
         scene = packed(load_scene(message.path))
         self._change(scene=scene, moved_camera=None)
+        self._cut()
         self._take_surface_light()
         self.link.post(scene)
         self._look()
@@ -132,7 +131,14 @@ class SceneManager(Module):
 
     def _cut(self) -> None:
         said = self.settings
-        self._change(section=section_of(said.section, said.section_m, said.section_keeps))
+        scene = self.state.scene
+        if scene is None or said.section == "off":
+            self._change(section=None)
+            return
+        axis = "xyz".index(said.section)
+        lower_m, upper_m = scene.lower_m[axis], scene.upper_m[axis]
+        at_m = lower_m + said.section_at * (upper_m - lower_m)
+        self._change(section=section_of(said.section, at_m, said.section_keeps))
 
     # --- its light and its air ----------------------------------------------------------
 
