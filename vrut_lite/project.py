@@ -35,7 +35,7 @@ Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 # Of the scene manager, which a project has as fields of its own.
 SCENE_SETTINGS = (
-    "air", "light_shafts", "animation", "animation_time_s", "section", "section_m", "section_keeps",
+    "air", "light_shafts", "animation", "animation_time_s", "section", "section_at", "section_keeps",
 )  # fmt: skip
 _NEAREST_TARGET_M = 1e-6
 _MOST_BYTES = 1 << 20
@@ -116,7 +116,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     animation: Literal["rest", "time", "clock"] = "rest"
     animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
     section: Axis = "off"
-    section_m: Metres = 2.0
+    section_at: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.5
     section_keeps: Side = "below"
 
     def where(self) -> Place:

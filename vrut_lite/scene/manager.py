@@ -30,8 +30,6 @@ from vrut_lite.scene.packing import packed
 
 NAME = "scene"
 Animated = Literal["rest", "time", "clock"]
-# Of no building.
-_FARTHEST_CUT_M = 1000.0
 
 
 class SceneSettings(msgspec.Struct, frozen=True):
@@ -58,9 +56,9 @@ class SceneSettings(msgspec.Struct, frozen=True):
         Axis,
         setting("Across which axis the picture is cut, as a model is; light and shadows are not"),
     ] = "off"
-    section_m: Annotated[
-        float, setting("Where on that axis it is cut", -_FARTHEST_CUT_M, _FARTHEST_CUT_M, unit="m")
-    ] = 2.0
+    section_at: Annotated[
+        float, setting("Where it is cut, as a share of the scene's extent on that axis", 0, 1)
+    ] = 0.5
     section_keeps: Annotated[
         Side, setting("Which side of the cut is seen, by the axis's values")
     ] = "below"
@@ -126,6 +124,7 @@ class SceneManager(Module):
 
     def _show(self, scene: SceneOpened, moved_camera: MoveCamera | None) -> None:
         self._change(scene=scene, moved_camera=moved_camera)
+        self._cut()
         self._take_surface_light()
         self.link.post(scene)
         self._look()
@@ -190,7 +189,14 @@ class SceneManager(Module):
 
     def _cut(self) -> None:
         said = self.settings
-        self._change(section=section_of(said.section, said.section_m, said.section_keeps))
+        scene = self.state.scene
+        if scene is None or said.section == "off":
+            self._change(section=None)
+            return
+        axis = "xyz".index(said.section)
+        lower_m, upper_m = scene.lower_m[axis], scene.upper_m[axis]
+        at_m = lower_m + said.section_at * (upper_m - lower_m)
+        self._change(section=section_of(said.section, at_m, said.section_keeps))
 
     # --- its light and its air ----------------------------------------------------------
 

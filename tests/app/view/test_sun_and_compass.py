@@ -114,10 +114,12 @@ def test_a_key_cuts_the_scene_and_makes_it_whole_again(shared_headless_window, q
     action, panel = driver.window.actions_by_name["section"], driver.panel("module scene")
     action.trigger()
     driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("section", "y"))
-    driver.settled()
     scene = driver.session.last(SceneOpened)
     middle_m = 0.5 * (scene.lower_m[1] + scene.upper_m[1])
-    assert driver.project.section_m == pytest.approx(middle_m, abs=0.01)
+    section = driver.asked(lambda stage: stage.state.section)
+    assert section.normal == (0.0, 1.0, 0.0)
+    assert section.offset_m == pytest.approx(middle_m)
+    assert driver.project.section == "y"
     assert panel.rows["section"].editor.currentText() == "y"
     driver.session.undo()
     driver.until(lambda: not action.isChecked())

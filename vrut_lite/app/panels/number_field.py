@@ -50,7 +50,8 @@ class NumberField(QWidget):
         row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(8)
         row.addWidget(self.slider, 1)
-        row.addWidget(self.spin)
+        # On the right also where there is no slider.
+        row.addWidget(self.spin, alignment=Qt.AlignmentFlag.AlignRight)
         self.setFocusProxy(self.spin)
         for part in (self.spin, self.slider):
             part.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

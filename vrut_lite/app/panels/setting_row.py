@@ -30,7 +30,6 @@ _PLAIN_LABELS = {
     "mie_albedo": "Haze scatters",
     "mie_g": "Haze, forward",
     "mie_phase": "Haze, phase function",
-    "section_m": "Section at",
     "spp": "Samples a pixel",
     "orders": "Scattering orders",
 }

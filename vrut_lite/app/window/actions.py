@@ -1,7 +1,16 @@
-"""An action: an entry of a menu, of the command palette and of the list of keys."""
+"""The registry of actions: entries of the menus, of the command palette and of the list of keys."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any, NamedTuple, Protocol
+
+from vrut_lite.app.panels.picture_panel import PicturePanel
+from vrut_lite.app.panels.time_panel import TimePanel
+from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
+from vrut_lite.app.view.section_switch import SectionSwitch
+from vrut_lite.app.view.viewport import CameraMode
+from vrut_lite.app.window.desk import Desk
+from vrut_lite.app.window.files import Files
 
 
 class ActionSpec(NamedTuple):
@@ -17,3 +26,102 @@ class ActionSpec(NamedTuple):
     act: Callable[..., Any]
     checkable: bool = False
     group: str = ""
+
+
+class Window(Protocol):
+    """What actions do to the window itself."""
+
+    @property
+    def time(self) -> TimePanel:
+        """The time bar's panel."""
+
+    @property
+    def picture(self) -> PicturePanel:
+        """The panel of exposure and tone map."""
+
+    def show_dock(self, name: str) -> None:
+        """Show a dock, as the front tab of its group."""
+
+    def toggle_dock(self, name: str) -> None:
+        """Hide a visible dock; show a hidden one."""
+
+    def go_to_dock(self, name: str) -> None:
+        """Show a dock, and give the keys to its first control."""
+
+    def type_hour(self) -> None:
+        """Give the keys to the field of the hour."""
+
+    def show_palette(self) -> None:
+        """Open the command palette."""
+
+    def show_keys(self) -> None:
+        """Open the list of keys."""
+
+    def undo(self) -> None:
+        """Undo the last change."""
+
+    def redo(self) -> None:
+        """Redo the change that was undone last."""
+
+    def close_soon(self) -> None:
+        """Close, after the event that asked for it."""
+
+
+def action_specs(
+    window: Window, desk: Desk, files: Files, profiler: ProfilerOverlay
+) -> list[ActionSpec]:
+    """The actions; they look up panels when triggered, since panels are made later."""
+    viewport, session, dots = desk.viewport, desk.session, "\N{HORIZONTAL ELLIPSIS}"
+
+    def camera(name: str, title: str, key: str, mode: CameraMode) -> ActionSpec:
+        def set_mode(on: bool) -> None:
+            viewport.set_mode(mode)
+
+        return ActionSpec(name, "Camera", title, key, set_mode, True, "camera")
+
+    return [
+        ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
+        ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
+        ActionSpec("export", "File", f"Export picture (PNG, JPEG, EXR){dots}", "Ctrl+E",
+                   files.ask_to_export),
+        ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
+                   files.save_screenshot),
+        ActionSpec("quit", "File", "Quit", "Ctrl+Q", window.close_soon),
+        ActionSpec("undo", "Edit", "Undo", "Ctrl+Z", window.undo),
+        ActionSpec("redo", "Edit", "Redo", "Ctrl+Shift+Z", window.redo),
+        camera("orbit", "Turn around the scene", "1", CameraMode.ORBIT),
+        camera("fly", "Fly", "2", CameraMode.FLY),
+        camera("space", "From the ground to space", "3", CameraMode.SPACE),
+        ActionSpec("frame", "Camera", "See the whole scene", "F", viewport.frame_scene),
+        ActionSpec("keep view", "Camera", f"Keep this view{dots}", "Ctrl+D",
+                   files.ask_to_keep_view),
+        ActionSpec("lock exposure", "Camera", "Lock the exposure", "L",
+                   lambda on: window.picture.set_locked(on), True),
+        ActionSpec("meter exposure", "Camera", "Meter the exposure now", "M",
+                   session.meter_exposure),
+        ActionSpec("play", "Time", "Play or pause", "Space", lambda: window.time.toggle_play()),
+        ActionSpec("now", "Time", "Now", "N", lambda: window.time.go_to_now()),
+        ActionSpec("hour", "Time", "Type an hour", "H", window.type_hour),
+        ActionSpec("day before", "Time", "A day earlier", "Ctrl+PgUp",
+                   lambda: window.time.step_days(-1)),
+        ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",
+                   lambda: window.time.step_days(1)),
+        ActionSpec("sun path", "View", "Sun paths of day and solstices", "P",
+                   desk.sun_path.show, True),
+        ActionSpec("compass", "View", "Compass", "K", desk.compass.show, True),
+        ActionSpec("section", "View", "Section through the scene", "X",
+                   SectionSwitch(session).cut, True),
+        ActionSpec("compare", "View", "Compare two skies", "C",
+                   partial(window.toggle_dock, "compare")),
+        ActionSpec("profiler", "View", "Profiler", "F3", profiler.setVisible, True),
+        ActionSpec("modules", "View", "Module manager", "F4",
+                   partial(window.toggle_dock, "modules")),
+        ActionSpec("messages", "View", "Message inspector", "F5",
+                   partial(window.toggle_dock, "messages")),
+        ActionSpec("find place", "View", "Find a place", "G",
+                   partial(window.go_to_dock, "place")),
+        ActionSpec("picture focus", "View", "Keys to the picture", "Esc", viewport.setFocus),
+        ActionSpec("palette", "Help", f"Find a command{dots}", "Ctrl+K, Ctrl+Shift+P",
+                   window.show_palette),
+        ActionSpec("keys", "Help", "Keys", "F1", window.show_keys),
+    ]  # fmt: skip

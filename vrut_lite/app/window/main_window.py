@@ -22,11 +22,10 @@ from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.compass import Compass
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
-from vrut_lite.app.view.section_switch import SectionSwitch
 from vrut_lite.app.view.sun_path import SunPath
 from vrut_lite.app.view.viewport import CameraMode, Viewport
 from vrut_lite.app.widgets import make_timer
-from vrut_lite.app.window.actions import ActionSpec
+from vrut_lite.app.window.actions import ActionSpec, action_specs
 from vrut_lite.app.window.command_palette import (
     CommandPalette,
     action_entries,
@@ -87,7 +86,10 @@ class MainWindow(QMainWindow):
         self.setStatusBar(self._status)
         self.files = Files(self.desk, kept or Kept(None), self._status, self._show_title)
         self.menus = Menus(
-            self, self._specs(), lambda: self.files.kept.recent, self.files.open_path
+            self,
+            action_specs(self, self.desk, self.files, self.profiler),
+            lambda: self.files.kept.recent,
+            self.files.open_path,
         )
         self.actions_by_name = self.menus.actions
         self.files.views = Views(self.menus.views, self.desk.viewport.go_to)
@@ -185,63 +187,6 @@ class MainWindow(QMainWindow):
         desk.viewport.mode_changed.connect(self._mode_changed)
 
     # --- actions -----------------------------------------------------------------------------
-
-    def _specs(self) -> list[ActionSpec]:
-        """The actions; they look up panels when triggered, since panels are made later."""
-        files, viewport, dots = self.files, self.desk.viewport, "\N{HORIZONTAL ELLIPSIS}"
-
-        def camera(name: str, title: str, key: str, mode: CameraMode) -> ActionSpec:
-            def set_mode(on: bool) -> None:
-                viewport.set_mode(mode)
-
-            return ActionSpec(name, "Camera", title, key, set_mode, True, "camera")
-
-        return [
-            ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
-            ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
-            ActionSpec("export", "File", f"Export picture (PNG, JPEG, EXR){dots}", "Ctrl+E",
-                       files.ask_to_export),
-            ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
-                       files.save_screenshot),
-            ActionSpec("quit", "File", "Quit", "Ctrl+Q", self.close_soon),
-            ActionSpec("undo", "Edit", "Undo", "Ctrl+Z", self.undo),
-            ActionSpec("redo", "Edit", "Redo", "Ctrl+Shift+Z", self.redo),
-            camera("orbit", "Turn around the scene", "1", CameraMode.ORBIT),
-            camera("fly", "Fly", "2", CameraMode.FLY),
-            camera("space", "From the ground to space", "3", CameraMode.SPACE),
-            ActionSpec("frame", "Camera", "See the whole scene", "F", viewport.frame_scene),
-            ActionSpec("keep view", "Camera", f"Keep this view{dots}", "Ctrl+D",
-                       files.ask_to_keep_view),
-            ActionSpec("lock exposure", "Camera", "Lock the exposure", "L",
-                       lambda on: self.picture.set_locked(on), True),
-            ActionSpec("meter exposure", "Camera", "Meter the exposure now", "M",
-                       self.session.meter_exposure),
-            ActionSpec("play", "Time", "Play or pause", "Space", lambda: self.time.toggle_play()),
-            ActionSpec("now", "Time", "Now", "N", lambda: self.time.go_to_now()),
-            ActionSpec("hour", "Time", "Type an hour", "H", self.type_hour),
-            ActionSpec("day before", "Time", "A day earlier", "Ctrl+PgUp",
-                       lambda: self.time.step_days(-1)),
-            ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",
-                       lambda: self.time.step_days(1)),
-            ActionSpec("sun path", "View", "Sun paths of day and solstices", "P",
-                       self.desk.sun_path.show, True),
-            ActionSpec("compass", "View", "Compass", "K", self.desk.compass.show, True),
-            ActionSpec("section", "View", "Section through the scene", "X",
-                       SectionSwitch(self.session).cut, True),
-            ActionSpec("compare", "View", "Compare two skies", "C",
-                       partial(self.toggle_dock, "compare")),
-            ActionSpec("profiler", "View", "Profiler", "F3", self.profiler.setVisible, True),
-            ActionSpec("modules", "View", "Module manager", "F4",
-                       partial(self.toggle_dock, "modules")),
-            ActionSpec("messages", "View", "Message inspector", "F5",
-                       partial(self.toggle_dock, "messages")),
-            ActionSpec("find place", "View", "Find a place", "G",
-                       partial(self.go_to_dock, "place")),
-            ActionSpec("picture focus", "View", "Keys to the picture", "Esc", viewport.setFocus),
-            ActionSpec("palette", "Help", f"Find a command{dots}", "Ctrl+K, Ctrl+Shift+P",
-                       self.show_palette),
-            ActionSpec("keys", "Help", "Keys", "F1", self.show_keys),
-        ]  # fmt: skip
 
     def show_dock(self, name: str) -> None:
         """Show a dock, as the front tab of its group."""
