@@ -62,14 +62,14 @@ def messages(posed: PosedWindow) -> Pixels:
     inspector = posed.window.panels["messages"]
     assert isinstance(inspector, MessageInspector)
     posed.window.show_dock("messages")
-    posed.rest()
-    later(posed)
 
     def moves_of_the_sun() -> list[int]:
         rows = inspector.table.messages.shown
         return [row.number for row in rows if row.type_name == "SunMoved"]
 
-    posed.until(lambda: bool(moves_of_the_sun()))
+    # What came before the engine began to watch is not shown.
+    while not moves_of_the_sun():
+        later(posed)
     inspector.table.go_to(moves_of_the_sun()[-1])
     return posed.panel("messages")
 
