@@ -6,6 +6,7 @@ import numpy as np
 from PIL import Image
 
 from tools.pictures.posed_window import Pixels, PosedWindow, seen
+from vrut_lite.app.compare.compare_panel import ComparePanel
 from vrut_lite.app.compare.sky_disc import SkyDisc
 from vrut_lite.app.panels.message_inspector import MessageInspector
 from vrut_lite.app.window.shortcut_list import ShortcutList
@@ -110,12 +111,16 @@ def all_parts(posed: PosedWindow) -> list[Pixels]:
         posed.rest()
         parts.append(posed.panel("sky"))
     parts += [posed.panel(name) for name in posed.window.docks if name.startswith("module ")]
+    parts.append(posed.panel("panel light_transport"))
     posed.window.show_dock("compare")
     posed.rest()
-    disc = posed.window.panels["compare"].findChildren(SkyDisc)[0]
-    disc.pointed.emit(POINTED)
+    compare = posed.window.panels["compare"]
+    assert isinstance(compare, ComparePanel)
+    seen_spectra: list[object] = []
+    compare.comparison.spectra_seen.connect(seen_spectra.append)
     # An atmosphere of twelve wavelengths is solved for it.
-    for _ in range(4):
-        posed.rest()
+    compare.findChildren(SkyDisc)[0].pointed.emit(POINTED)
+    posed.until(lambda: bool(seen_spectra))
+    posed.rest()
     parts += [posed.panel("compare"), posed.panel("modules"), messages(posed)]
     return [trimmed(part) for part in [*parts, profiler(posed), *dialogs(posed)]]
