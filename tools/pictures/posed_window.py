@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.window.main_window import MainWindow
+from vrut_lite.kernel.messages import SetClock
 from vrut_lite.project import Project
 
 # Of the window alone.
@@ -45,6 +47,12 @@ class PosedWindow:
         """Become a project's picture."""
         self._shown = None
         self.window.files.open_project(project)
+        self.finish()
+
+    def move_to(self, instant: datetime) -> None:
+        """Become the picture of another hour."""
+        self._shown = None
+        self.session.send(SetClock(instant=instant))
         self.finish()
 
     def finish(self) -> None:

@@ -25,7 +25,7 @@ from tools.pictures.posed_window import SIZE, PosedWindow, seen
 from tools.pictures.window_panels import all_parts, sheet
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.kernel.messages import SetClock, SetSetting
+from vrut_lite.kernel.messages import SetSetting
 from vrut_lite.project import CameraView
 
 STREET = scene_project("street.toml", at="2026-06-21T18:40")
@@ -123,9 +123,7 @@ def day(posed: PosedWindow) -> list[Image.Image]:
     posed.open(DAY)
     frames = []
     for number in range(_FRAMES):
-        instant = DAY.instant() + number / (_FRAMES - 1) * _DAY_LASTS
-        posed.session.send(SetClock(instant=instant))
-        posed.finish()
+        posed.move_to(DAY.instant() + number / (_FRAMES - 1) * _DAY_LASTS)
         frames.append(Image.fromarray(seen(posed.window)).resize(_FILM, Image.Resampling.LANCZOS))
     return frames
 
