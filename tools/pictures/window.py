@@ -143,7 +143,7 @@ def write(posed: PosedWindow, name: str, folder: Path) -> None:
     first, *others = day(posed)
     path = folder / f"app_{name}.webp"
     first.save(
-        path, save_all=True, append_images=others, duration=_FRAME_MS, loop=0, quality=60, method=6
+        path, save_all=True, append_images=others, duration=_FRAME_MS, loop=0, quality=80, method=6
     )
 
 
