@@ -51,11 +51,11 @@ def test_radiance_is_given_the_sky_that_we_have():
 @pytest.mark.long
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_grid_has_radiance_s_irradiance(scene):
-    """In a room, a hall and a yard at noon: within 2 % rms of the mean, 1 % in the mean."""
+    """In a room, a hall and a yard at noon: within 2 % rms of the mean, 1.5 % in the mean."""
     grid = grid_of(scene)
     for _, baked, light in compared_hours(grid, SKY, ("12:30",)):
         found = baked.at_points(grid.places_m, light, Effort(32_768))
         print(scene, found.free, f"{found.mean:+.2%} {found.rms:.2%} {found.most:.1%}")
         assert found.free > 0.8 * len(grid.places_m)
-        assert abs(found.mean) < 0.01
+        assert abs(found.mean) < 0.015
         assert found.rms < 0.02
