@@ -35,7 +35,8 @@ Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 # Of the scene manager, which a project has as fields of its own.
 SCENE_SETTINGS = (
-    "air", "light_shafts", "animation", "animation_time_s", "section", "section_at", "section_keeps",
+    "air", "light_shafts", "animation", "animation_time_s",
+    "section", "section_at", "section_keeps",
 )  # fmt: skip
 _NEAREST_TARGET_M = 1e-6
 _MOST_BYTES = 1 << 20
