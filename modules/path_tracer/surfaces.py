@@ -82,7 +82,8 @@ def surface(
         if metallic != 0.0:
             metal = _burleys(mitsuba, material, maps, vertex_colours, 1.0)
             paint = {"type": "blendbsdf", "weight": metallic, "a": paint, "b": metal}
-    if maps.normal is not None:
+    # Mitsuba's maps of normals end light that passes straight on.
+    if maps.normal is not None and paint["type"] != PANE:
         paint = {
             "type": "normalmap",
             "normalmap": bitmap(mitsuba, maps.normal, sampler_of(material, "normal")),
