@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from path_tracer.bitmaps import bitmap
-from path_tracer.body import SMOOTH, body
+from path_tracer.body import body
 from path_tracer.layered import PANE, PLUGIN, register
 from path_tracer.settings import PathTracerSettings, SurfaceModel
+from path_tracer.terms import mitsubas_pane, sampler_of, terms_of
 from path_tracer.textures import Maps, maps_of
-from vrut_lite.daylight.scene_content import MapName, Material, Sampler
-from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.daylight.scene_content import Material, Sampler
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
 
@@ -70,7 +70,7 @@ def surface(
     if material.terms.transmits and not material.terms.is_pane and material.metallic < 1.0:
         return _cut_out(mitsuba, body(mitsuba, material, units_per_m), material, maps)
     metallic = _number_or_map(
-        mitsuba, material.metallic, maps.metallic, _sampler(material, "metallic_roughness")
+        mitsuba, material.metallic, maps.metallic, sampler_of(material, "metallic_roughness")
     )
     if model == "layered":
         paint = _layered(mitsuba, material, maps, vertex_colours, metallic)
@@ -82,16 +82,19 @@ def surface(
         if metallic != 0.0:
             metal = _burleys(mitsuba, material, maps, vertex_colours, 1.0)
             paint = {"type": "blendbsdf", "weight": metallic, "a": paint, "b": metal}
-    if maps.normal is not None:
+    # Mitsuba's maps of normals end light that passes straight on.
+    if maps.normal is not None and paint["type"] != PANE:
         paint = {
             "type": "normalmap",
-            "normalmap": bitmap(mitsuba, maps.normal, _sampler(material, "normal")),
+            "normalmap": bitmap(mitsuba, maps.normal, sampler_of(material, "normal")),
             "bsdf": paint,
         }
     if paint["type"] == PANE:
         return _cut_out(mitsuba, paint, material, maps)
     if material.terms.transmits and material.metallic < 1.0:
-        return _cut_out(mitsuba, _mitsubas_pane(mitsuba, material, maps, paint), material, maps)
+        return _cut_out(
+            mitsuba, mitsubas_pane(mitsuba, material, maps, _both_sides(paint)), material, maps
+        )
     return _cut_out(mitsuba, _both_sides(paint), material, maps)
 
 
@@ -112,7 +115,7 @@ def emission(mitsuba: Any, material: Material, layer: int, repeats: bool) -> Plu
     return {
         "type": "area",
         "radiance": bitmap(
-            mitsuba, texels / np.float32(LUMENS_PER_WATT), _sampler(material, "emission")
+            mitsuba, texels / np.float32(LUMENS_PER_WATT), sampler_of(material, "emission")
         ),
     }
 
@@ -156,69 +159,18 @@ def _layered(
     texels = maps.base_colour
     if texels is None:
         texels = np.asarray(material.base_colour_rgba[:3], np.float32)[None, None]
-    base_sampler = _sampler(material, "base_colour")
+    base_sampler = sampler_of(material, "base_colour")
     colour = texels if varies else np.asarray(texels * tint, np.float32)
     made = {
         "type": PLUGIN,
         "base_color": bitmap(mitsuba, colour, base_sampler),
         "roughness": _number_or_map(
-            mitsuba, material.roughness, maps.roughness, _sampler(material, "metallic_roughness")
+            mitsuba, material.roughness, maps.roughness, sampler_of(material, "metallic_roughness")
         ),
         "metallic": metallic,
-        **_terms(mitsuba, material, maps),
+        **terms_of(mitsuba, material, maps),
     }
     return {**made, "tint": {"type": "mesh_attribute", "name": VERTEX_COLOUR}} if varies else made
-
-
-def _terms(mitsuba: Any, material: Material, maps: Maps) -> Plugin:
-    """What glTF's extensions add to the frame's own surface."""
-    terms = material.terms
-    made: Plugin = {}
-    if terms[:3] != SurfaceTerms()[:3]:
-        f0, f90 = maps.f0_and_f90(terms)
-        made |= {"f0": bitmap(mitsuba, f0, _sampler(material, "specular_colour"))}
-        made |= {"f90": bitmap(mitsuba, f90, _sampler(material, "specular"))}
-    if terms.clearcoat > 0.0:
-        sampler = _sampler(material, "clearcoat")
-        made["clearcoat"] = _texture(mitsuba, terms.clearcoat, maps.clearcoat, sampler)
-        made["clearcoat_roughness"] = terms.clearcoat_roughness
-    if any(terms.sheen_rgb):
-        made["sheen"] = mitsuba.ScalarColor3f(terms.sheen_rgb)
-        made["sheen_roughness"] = terms.sheen_roughness
-    if terms.anisotropy > 0.0:
-        made |= {"anisotropy": terms.anisotropy, "anisotropy_rad": terms.anisotropy_rad}
-    if terms.transmits and material.metallic < 1.0:
-        sampler = _sampler(material, "transmission")
-        share = _texture(mitsuba, terms.transmission, maps.transmission, sampler)
-        smooth = material.roughness <= SMOOTH
-        made |= {"type": PANE, "transmission": share, "smooth": smooth}
-    return made
-
-
-def _mitsubas_pane(mitsuba: Any, material: Material, maps: Maps, paint: Plugin) -> Plugin:
-    """Mitsuba's own pane, which counts what bounces between its two faces."""
-    tint = np.clip(material.base_colour_rgba[:3], 0.0, 1.0)
-    glass = {
-        "type": "thindielectric",
-        "int_ior": max(material.terms.ior, 1.0001),
-        "ext_ior": 1.0,
-        "specular_transmittance": _rgb(tint),
-    }
-    share = _texture(
-        mitsuba,
-        material.terms.transmission,
-        maps.transmission,
-        _sampler(material, "transmission"),
-    )
-    if share == 1.0:
-        return glass
-    return {"type": "blendbsdf", "weight": share, "a": _both_sides(paint), "b": glass}
-
-
-def _texture(mitsuba: Any, factor: float, texels: NDArray | None, sampler: Sampler) -> Any:
-    if texels is None:
-        return float(factor)
-    return bitmap(mitsuba, np.asarray(texels * np.float32(factor), np.float32), sampler)
 
 
 def _burleys(
@@ -238,7 +190,7 @@ def _burleys(
                 mitsuba,
                 material.roughness,
                 maps.roughness,
-                _sampler(material, "metallic_roughness"),
+                sampler_of(material, "metallic_roughness"),
             ),
             "metallic": metallic,
             "specular": _DIELECTRIC_SPECULAR,
@@ -265,7 +217,7 @@ def _coated(mitsuba: Any, material: Material, maps: Maps, vertex_colours: NDArra
             mitsuba,
             max(roughness**2, _LEAST_ALPHA),
             squared,
-            _sampler(material, "metallic_roughness"),
+            sampler_of(material, "metallic_roughness"),
         ),
         "eta": (1.0 + f0**0.5) / (1.0 - f0**0.5),
         "k": 0.0,
@@ -304,7 +256,7 @@ def _coloured(
     vertex colours: one is the colour, and the other weighs between it and black. Vertices of one
     hue weigh the map, which is exact; else the map's brightness weighs the vertices' colours.
     """
-    sampler = _sampler(material, "base_colour")
+    sampler = sampler_of(material, "base_colour")
     if vertex_colours is None or not colours_vary(vertex_colours):
         tint = 1.0 if vertex_colours is None else vertex_colours[0, :3]
         texels = maps.base_colour
@@ -353,7 +305,7 @@ def _cut_out(mitsuba: Any, inner: Plugin, material: Material, maps: Maps) -> Plu
     if material.alpha_mode == "OPAQUE":
         return inner
     if maps.opacity is not None:
-        opacity = bitmap(mitsuba, maps.opacity, _sampler(material, "base_colour"))
+        opacity = bitmap(mitsuba, maps.opacity, sampler_of(material, "base_colour"))
         return {"type": "mask", "opacity": opacity, "bsdf": inner}
     alpha = float(material.base_colour_rgba[3])
     if material.alpha_mode == "MASK":
@@ -373,8 +325,3 @@ def _number_or_map(
     mitsuba: Any, number: float, texels: NDArray | None, sampler: Sampler = _REPEATED
 ) -> Any:
     return float(number) if texels is None else bitmap(mitsuba, texels, sampler)
-
-
-def _sampler(material: Material, name: MapName) -> Sampler:
-    found = material.maps.get(name)
-    return _REPEATED if found is None else found.sampler

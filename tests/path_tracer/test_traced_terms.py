@@ -59,6 +59,15 @@ def test_the_sun_shines_through_a_pane(tmp_path):
     np.testing.assert_allclose(shown, expected, rtol=0.06, atol=0.003)
 
 
+def test_a_pane_may_have_a_map_of_normals_and_paint(tmp_path):
+    """Half of it paint: as without the map, which lies flat."""
+    pane = material((0.5, 0.5, 0.5), transmission={"transmissionFactor": 0.5})
+    plain = seen(square(tmp_path, pane), ground=None)
+    pane["normalTexture"] = {"index": 0}
+    flat = np.full((2, 2, 3), (128, 128, 255), np.uint8)
+    np.testing.assert_allclose(seen(square(tmp_path, pane, [flat]), ground=None), plain, rtol=0.05)
+
+
 @pytest.mark.parametrize("model", ["layered", "gltf"])
 def test_a_body_bends_light_and_takes_some_away(tmp_path, model):
     """A slab half a metre thick of what leaves a quarter after a metre: a half, twice 4 % less."""
