@@ -226,7 +226,10 @@ def met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel): 
 def _counted(rows, column_of, targets, distances, columns, like):  # type: ignore[no-untyped-def]
     """Entries of rows and new rays together."""
     number, count = targets.shape
-    most = len(rows.entry) + number * count
+    # As many entries as rays at most: one of 32 bits may become many of 16.
+    most = number * count
+    for i in range(number):
+        most += rows.valid[i]
     bits, most_rays = (SMALL_BITS, 4) if like.itemsize == 2 else (LARGE_BITS, 128)
     start = np.zeros(number + 1, np.int64)
     entry = np.empty(most, like.dtype)
