@@ -45,7 +45,7 @@ import pytest
 pytest.main(["--collect-only", "-q"])
 """
 
-# 45 s of CPU.
+# Some 30 s of CPU.
 LIGHT = """
 from light_transport.tolerance_knobs import KNOBS
 KNOBS.knobs["bounces"].run(10)

@@ -30,6 +30,7 @@ T = TypeVar("T")
 _MOST_THREADS = 4
 # Of a texel, and of all together.
 _FIRST_RAYS, _RAYS_AT_FIRST = 64, 1_250_000
+_FEWEST_FIRST = 16
 
 
 class Unwritten(Generic[T]):
@@ -109,8 +110,12 @@ def _mirrors(bake: "Bake") -> Mirrors | None:
 
 
 def first_rays(rows: int) -> int:
-    """How many rays of so many rows are traced in a fraction of a second: from 8 to 64."""
-    return max(min(_FIRST_RAYS, 1 << (_RAYS_AT_FIRST // max(rows, 1)).bit_length() >> 1), 8)
+    """How many rays of so many rows are traced in a fraction of a second: from 16 to 64.
+
+    They also tell which rows lie inside bodies: fewer than 16 would be too few.
+    """
+    wanted = 1 << (_RAYS_AT_FIRST // max(rows, 1)).bit_length() >> 1
+    return max(min(_FIRST_RAYS, wanted), _FEWEST_FIRST)
 
 
 def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:

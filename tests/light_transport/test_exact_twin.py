@@ -6,6 +6,7 @@ from light_transport.bake import Bake
 from light_transport.hour.key_light import lit_shares, patch_means
 from light_transport.hour.smoothing import STEPS
 from light_transport.rays.ray_starts import scratch
+from light_transport.rays.ray_table import columns_and_rays
 from light_transport.rays.sky_nodes import NODES, node_radiances
 
 
@@ -15,7 +16,7 @@ def plain_hour(bake, now, key_share):
     table = np.zeros((bake.rows, NODES + patches + 1))
     for row in range(bake.rows):
         own = slice(bake.table.start[row], bake.table.start[row + 1])
-        np.add.at(table[row], bake.table.column[own].astype(int), bake.table.rays[own])
+        np.add.at(table[row], *columns_and_rays(bake.table.entry[own]))
     table /= np.maximum(bake.table.valid, 1)[:, None]
     d, f = table[:, :NODES], table[:, NODES:-1]
     p = np.zeros((patches, bake.rows))

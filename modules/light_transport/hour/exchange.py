@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from light_transport.hour.four_sums import four_sums
 from light_transport.kernels import hot, inlined, kernel
 from light_transport.rays.patches import Patches
-from light_transport.rays.ray_table import Rows
+from light_transport.rays.ray_table import Rows, column_at, rays_at
 from light_transport.rays.sky_nodes import NODES
 from vrut_lite.numeric_types import Float32Array, IntArray
 
@@ -65,7 +65,7 @@ def _most_entries(table, patches, columns):  # type: ignore[no-untyped-def]
         for m in range(patches.start[p], patches.start[p + 1]):
             row = patches.member[m]
             for e in range(table.start[row] + table.nodes[row], table.start[row + 1]):
-                c = np.int64(table.column[e])
+                c = column_at(table.entry, e)
                 if seen[c] != p:
                     seen[c] = p
                     here += c < columns - 1
@@ -102,11 +102,11 @@ def _fill(table, patches, columns, made):  # type: ignore[no-untyped-def]
                 continue
             share = patches.weight[m] / (weight * table.valid[row])
             for e in range(table.start[row] + table.nodes[row], table.start[row + 1]):
-                c = np.int64(table.column[e])
+                c = column_at(table.entry, e)
                 if amount[c] == 0.0:
                     touched[met] = c
                     met += 1
-                amount[c] += share * table.rays[e]
+                amount[c] += share * rays_at(table.entry, e)
         _sort(touched, met)
         partners, total = 0, 0.0
         for k in range(met):

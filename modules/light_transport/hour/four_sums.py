@@ -12,6 +12,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from light_transport.rays.ray_table import LARGE_BITS, SMALL_BITS
+
 # So many sums run side by side, each over every so many-th entry: one addition need not wait for
 # the one before. Their order is always the same.
 _SIDE_BY_SIDE = 4
@@ -23,7 +25,7 @@ _FOUR = ir.VectorType(_FLOAT, 4)
 def four_sums(_context, values, column, weight, first, last):  # type: ignore[no-untyped-def]
     """Four sums of weight[e] * values[column[e]] over entries e from `first` until `last`.
 
-    `values` (C, 4) float32; `column` uint16 or int32, none negative; `weight` uint8 or float32; all
+    `values` (C, 4) float32; `column` uint16 or int32, none negative; `weight` float32; all
     contiguous, the latter two of any shape, their entries counted as they lie in memory. Nothing is
     checked.
     """
@@ -31,23 +33,57 @@ def four_sums(_context, values, column, weight, first, last):  # type: ignore[no
     return signature, _make
 
 
+@intrinsic
+def counted_sums(_context, values, entry, first, last):  # type: ignore[no-untyped-def]
+    """The same over entries that hold a column and a count; see `ray_table.columns_and_rays`."""
+    signature = types.UniTuple(types.float32, 4)(values, entry, types.int64, types.int64)
+    return signature, _make_counted
+
+
 def _make(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     values, column, weight, first, last = arguments
     value_type, column_type, weight_type, _, _ = signature.args
-    rows = _data(context, builder, value_type, values)
     columns = _data(context, builder, column_type, column)
     weights = _data(context, builder, weight_type, weight)
+
+    def read(entry: Any) -> tuple[Any, Any]:
+        at = _widened(builder, builder.load(builder.gep(columns, [entry])), first.type)
+        return at, builder.load(builder.gep(weights, [entry]))
+
+    rows = _data(context, builder, value_type, values)
+    return _summed(context, builder, signature, rows, read, first, last)
+
+
+def _make_counted(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    values, entries, first, last = arguments
+    value_type, entry_type, _, _ = signature.args
+    entries = _data(context, builder, entry_type, entries)
+    bits = SMALL_BITS if entry_type.dtype == types.uint16 else LARGE_BITS
+
+    def read(entry: Any) -> tuple[Any, Any]:
+        word = _widened(builder, builder.load(builder.gep(entries, [entry])), ir.IntType(32))
+        at = builder.and_(word, ir.Constant(word.type, (1 << bits) - 1))
+        count = builder.add(builder.lshr(word, ir.Constant(word.type, bits)), word.type(1))
+        return builder.zext(at, first.type), builder.uitofp(count, _FLOAT)
+
+    rows = _data(context, builder, value_type, values)
+    return _summed(context, builder, signature, rows, read, first, last)
+
+
+def _widened(builder: Any, number: Any, to: Any) -> Any:
+    return number if number.type == to else builder.zext(number, to)
+
+
+def _summed(
+    context: Any, builder: Any, signature: Any, rows: Any, read: Any, first: Any, last: Any
+) -> Any:
     index, zero = first.type, ir.Constant(first.type, 0)
     sums = [cgutils.alloca_once_value(builder, ir.Constant(_FOUR, [0.0] * 4)) for _ in range(4)]
 
     def add(entry: Any, into: Any) -> None:
-        at = builder.load(builder.gep(columns, [entry]))
-        at = at if at.type == index else builder.zext(at, index)
+        at, share = read(entry)
         place = builder.gep(rows, [builder.shl(at, ir.Constant(index, 2))])
         found = builder.load(builder.bitcast(place, _FOUR.as_pointer()), align=4)
-        share = builder.load(builder.gep(weights, [entry]))
-        if weight_type.dtype != types.float32:
-            share = builder.uitofp(builder.zext(share, ir.IntType(32)), _FLOAT)
         one = builder.insert_element(
             ir.Constant(_FOUR, ir.Undefined), share, ir.Constant(ir.IntType(32), 0)
         )

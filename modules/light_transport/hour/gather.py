@@ -6,17 +6,17 @@ between patches next, and what they bring to rows last. Each entry of the table 
 
 import numpy as np
 
-from light_transport.hour.four_sums import four_sums
+from light_transport.hour.four_sums import counted_sums
 from light_transport.kernels import hot
 
 
 @hot
 def sky_gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[first:last] (N, 4): means over each row's rays of light (columns, 4) of nodes."""
-    start, column, rays = table.start, table.column, table.rays
+    start, entry = table.start, table.entry
     for i in range(first, last):
         end = start[i] + np.int64(table.nodes[i])
-        r, g, b, a = four_sums(light, column, rays, start[i], end)
+        r, g, b, a = counted_sums(light, entry, start[i], end)
         scale = np.float32(1.0) / np.float32(max(table.valid[i], 1))
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = r * scale, g * scale, b * scale, a * scale
 
@@ -24,10 +24,10 @@ def sky_gathered(table, light, first, last, out):  # type: ignore[no-untyped-def
 @hot
 def patches_gathered(table, light, first, last, out):  # type: ignore[no-untyped-def]
     """Add to out[first:last] (N, 4) what the other columns of light (columns, 4) bring."""
-    start, column, rays = table.start, table.column, table.rays
+    start, entry = table.start, table.entry
     for i in range(first, last):
         begin = start[i] + np.int64(table.nodes[i])
-        r, g, b, a = four_sums(light, column, rays, begin, start[i + 1])
+        r, g, b, a = counted_sums(light, entry, begin, start[i + 1])
         scale = np.float32(1.0) / np.float32(max(table.valid[i], 1))
         out[i, 0] += r * scale
         out[i, 1] += g * scale

@@ -1,7 +1,7 @@
 """Where the rays of each row end, as counts that rounds of rays add to.
 
-A row's entries are pairs of a column and a count. Columns are nodes of the sky and of open ground,
-then whoever the rays met: at first other rows, later patches of them.
+A row's entries are a column and a count in one number. Columns are nodes of the sky and of open
+ground, then whoever the rays met: at first other rows, later patches of them.
 """
 
 from typing import NamedTuple
@@ -19,11 +19,10 @@ from light_transport.surfaces.map_texels import NOBODY, ground_pixel
 from vrut_lite.numeric_types import Float32Array, IntArray
 
 _DROPPED = -1
-_MOST_A_COUNT = 255
 # So many first rays of a row may begin inside a body before the row is held to have no free one.
 TRIED = 8
-# Columns of 16 bits name this many.
-_SMALL = 65_536
+# So many bits of an entry, of 16 or 32, are its column; those above are its rays less one.
+SMALL_BITS, LARGE_BITS = 14, 24
 
 
 class Rows(NamedTuple):
@@ -32,8 +31,8 @@ class Rows(NamedTuple):
     Attributes:
         first: number of the first row.
         start: (R + 1,) int64, where each row's entries begin.
-        column: (E,) uint16 or int32; rays: (E,) uint8, how many; more than 255 are cut into
-            several entries. A row's nodes come before all else.
+        entry: (E,) uint16 or int32, see `columns_and_rays`; what has more rays than an entry can
+            say has several. A row's nodes come before all else.
         nodes: (R,) uint16, how many of each row's entries are of nodes.
         valid: (R,) int32, rays that count: those that did not begin inside a body.
         nearness: (R,) float32, sum of 1 / distance over rays that met something, in 1 / radius.
@@ -42,8 +41,7 @@ class Rows(NamedTuple):
 
     first: int
     start: IntArray
-    column: NDArray[np.uint16] | NDArray[np.int32]
-    rays: NDArray[np.uint8]
+    entry: NDArray[np.uint16] | NDArray[np.int32]
     nodes: NDArray[np.uint16]
     valid: NDArray[np.int32]
     nearness: Float32Array
@@ -56,7 +54,6 @@ def empty_rows(first: int, number: int) -> Rows:
         first,
         np.zeros(number + 1, np.int64),
         np.empty(0, np.int32),
-        np.empty(0, np.uint8),
         np.zeros(number, np.uint16),
         np.zeros(number, np.int32),
         np.zeros(number, np.float32),
@@ -70,8 +67,7 @@ def slice_of(rows: Rows, first: int, last: int) -> Rows:
     return Rows(
         rows.first + first,
         rows.start[first : last + 1] - rows.start[first],
-        rows.column[here],
-        rows.rays[here],
+        rows.entry[here],
         rows.nodes[first:last],
         rows.valid[first:last],
         rows.nearness[first:last],
@@ -81,14 +77,13 @@ def slice_of(rows: Rows, first: int, last: int) -> Rows:
 
 def joined(blocks: list[Rows]) -> Rows:
     """Rows of several blocks that follow each other."""
-    sizes = [len(block.column) for block in blocks]
+    sizes = [len(block.entry) for block in blocks]
     offsets = np.concatenate([[0], np.cumsum(sizes)])
     starts = [block.start[:-1] + offset for block, offset in zip(blocks, offsets, strict=False)]
     return Rows(
         blocks[0].first,
         np.concatenate([*starts, offsets[-1:]]),
-        np.concatenate([block.column for block in blocks]),
-        np.concatenate([block.rays for block in blocks]),
+        np.concatenate([block.entry for block in blocks]),
         np.concatenate([block.nodes for block in blocks]),
         np.concatenate([block.valid for block in blocks]),
         np.concatenate([block.nearness for block in blocks]),
@@ -112,20 +107,49 @@ def with_rays(
     distances = np.zeros(targets.shape, np.float32)
     _trace(tree, receivers, rows.first, first, scratch(), targets, distances)
     columns = int(column_of.max(initial=0)) + 1
-    small = np.uint16 if columns <= _SMALL else np.int32
-    made = _counted(rows, column_of, targets, distances, columns, np.empty(0, small))
+    made = _counted(rows, column_of, targets, distances, columns, _no_entries(columns))
     return Rows(rows.first, *made)
 
 
 def with_columns(rows: Rows, new_column: NDArray[np.int32]) -> Rows:
     """These rows with other columns; several may have become one."""
     columns = int(new_column.max(initial=0)) + 1
-    named = rows._replace(column=new_column[rows.column])
-    small = np.uint16 if columns <= _SMALL else np.int32
+    column, rays = columns_and_rays(rows.entry)
+    named = rows._replace(entry=new_column[column] | (rays - 1) << LARGE_BITS)
     nothing = np.empty((len(rows.valid), 0), np.int32)
     distances = np.empty(nothing.shape, np.float32)
-    made = _counted(named, new_column, nothing, distances, columns, np.empty(0, small))
+    made = _counted(named, new_column, nothing, distances, columns, _no_entries(columns))
     return Rows(rows.first, *made)
+
+
+def columns_and_rays(
+    entry: NDArray[np.uint16] | NDArray[np.int32],
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Of entries (E,) the column of each, and how many rays ended there."""
+    bits = SMALL_BITS if entry.itemsize == 2 else LARGE_BITS
+    wide = entry.astype(np.int32)
+    return wide & ((1 << bits) - 1), (wide >> bits) + 1
+
+
+def _no_entries(columns: int) -> NDArray[np.uint16] | NDArray[np.int32]:
+    """An empty array whose type can name so many columns."""
+    if columns <= 1 << SMALL_BITS:
+        return np.empty(0, np.uint16)
+    return np.empty(0, np.int32)
+
+
+@inlined
+def column_at(entry, e):  # type: ignore[no-untyped-def]
+    """The column of entry `e`."""
+    bits = SMALL_BITS if entry.itemsize == 2 else LARGE_BITS
+    return np.int64(entry[e]) & ((1 << bits) - 1)
+
+
+@inlined
+def rays_at(entry, e):  # type: ignore[no-untyped-def]
+    """How many rays entry `e` stands for."""
+    bits = SMALL_BITS if entry.itemsize == 2 else LARGE_BITS
+    return (np.int64(entry[e]) >> bits) + 1
 
 
 @hot
@@ -201,9 +225,13 @@ def met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel): 
 def _counted(rows, column_of, targets, distances, columns, like):  # type: ignore[no-untyped-def]
     """Entries of rows and new rays together."""
     number, count = targets.shape
-    most = len(rows.column) + number * count
+    # As many entries as rays at most: one of 32 bits may become many of 16.
+    most = number * count
+    for i in range(number):
+        most += rows.valid[i]
+    bits, most_rays = (SMALL_BITS, 4) if like.itemsize == 2 else (LARGE_BITS, 128)
     start = np.zeros(number + 1, np.int64)
-    column, share = np.empty(most, like.dtype), np.empty(most, np.uint8)
+    entry = np.empty(most, like.dtype)
     nodes = np.zeros(number, np.uint16)
     valid, nearness, free = rows.valid.copy(), rows.nearness.copy(), rows.free.copy()
     amount = np.zeros(columns, np.int32)
@@ -212,11 +240,11 @@ def _counted(rows, column_of, targets, distances, columns, like):  # type: ignor
     for i in range(number):
         met = 0
         for e in range(rows.start[i], rows.start[i + 1]):
-            c = np.int64(rows.column[e])
+            c = column_at(rows.entry, e)
             if amount[c] == 0:
                 touched[met] = c
                 met += 1
-            amount[c] += rows.rays[e]
+            amount[c] += rays_at(rows.entry, e)
         for s in range(count):
             if targets[i, s] == _DROPPED:
                 continue
@@ -239,11 +267,10 @@ def _counted(rows, column_of, targets, distances, columns, like):  # type: ignor
                 left = amount[c]
                 amount[c] = 0
                 while left > 0:
-                    column[used] = c
-                    share[used] = min(left, _MOST_A_COUNT)
-                    left -= _MOST_A_COUNT
+                    entry[used] = c | (min(left, most_rays) - 1) << bits
+                    left -= most_rays
                     used += 1
             if others == 0:
                 nodes[i] = used - start[i]
         start[i + 1] = used
-    return start, column[:used].copy(), share[:used].copy(), nodes, valid, nearness, free
+    return start, entry[:used].copy(), nodes, valid, nearness, free
