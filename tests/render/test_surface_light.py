@@ -251,6 +251,47 @@ def test_gloss_mirrors_the_sky_only_where_it_is_seen(backend, tmp_path, towards,
     np.testing.assert_allclose(aslant.radiance[SIZE // 2, SIZE // 2], expected, atol=0.02)
 
 
+def mean_of_lobe(nv, roughness):
+    """The mean direction (2,), ahead and up, of what a black coat seen at a cosine mirrors."""
+    n, f0, alpha = 200, DIELECTRIC_F0, roughness**2
+    u, turn = np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(n) + 0.5) / n * 2.0 * np.pi)
+    nh = np.sqrt((1.0 - u) / (1.0 + (alpha**2 - 1.0) * u))
+    across = np.sqrt(1.0 - nh**2)
+    half = np.stack([across * np.cos(turn), across * np.sin(turn), nh], axis=-1)
+    view = np.array([-np.sqrt(1.0 - nv**2), 0.0, nv])
+    vh = half @ view
+    to = 2.0 * vh[..., None] * half - view
+    nl = np.maximum(to[..., 2], 0.0)
+    shadowing = nl * np.sqrt(nv**2 * (1 - alpha**2) + alpha**2)
+    shadowing += nv * np.sqrt(nl**2 * (1 - alpha**2) + alpha**2)
+    weight = (f0 + (1.0 - f0) * np.clip(1.0 - vh, 0.0, 1.0) ** 5) * nl * vh / (shadowing * nh)
+    weight[vh <= 0.0] = 0.0
+    return (weight[..., None] * to).sum(axis=(0, 1))[[0, 2]] / weight.sum()
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.5, 0.7])
+@pytest.mark.parametrize("height_m", [0.2, 1.0])
+def test_a_coat_sees_of_the_sky_what_its_lobe_does(backend, tmp_path, roughness, height_m):
+    """Half of the sky and 0.5 more or less straight ahead or behind: the lobe's mean says it all,
+    but for what is taken back where lobes are as wide as the hemisphere."""
+    scene = opened(matte_coat(tmp_path, roughness), None)
+    layout, shown = laid(scene, ((1, 2),)), {}
+    for slope, share in ((0.0, 1.0), (0.5, 0.5), (-0.5, 0.5)):
+        seen = lit(layout, even(layout, share * np.pi, share), sky=np.array([slope, 0, 0, share]))
+        backend.change(scene=scene, light_map=layout, surface_light=seen)
+        aslant = look(backend, (-1.0, height_m, 0.0), (0.0, 0.0, 0.0), 2 * np.arctan(0.02))
+        shown[slope] = aslant.radiance[SIZE // 2, SIZE // 2, 1]
+    ahead, _ = mean_of_lobe(height_m / np.hypot(1.0, height_m), roughness)
+    for slope in (0.5, -0.5):
+        expected = 0.5 + slope * ahead * (1.0 - roughness**4)
+        assert shown[slope] / shown[0.0] == pytest.approx(expected, abs=0.06)
+
+
+def matte_coat(folder, roughness):
+    """A square that is black but for its coat."""
+    return square(folder, surface(0.0, roughness, 0.0))
+
+
 def test_a_mirror_in_the_shade_does_not_shine(backend, tmp_path):
     """Less light than the share of the sky says: the reflected sky alone is left, never less."""
     path = square(tmp_path, surface(1.0, 0.3))

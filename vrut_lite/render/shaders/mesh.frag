@@ -358,7 +358,7 @@ SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
 
 #ifdef SURFACE_LIGHT
 // Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
-// shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_lobes.py).
+// shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_surface_light.py).
 vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {
     float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
     vec3 across = nv * n - view;
