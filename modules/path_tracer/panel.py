@@ -164,7 +164,9 @@ class TracedPanel(QWidget):
         left = remaining_text(self._remaining.seconds(developed.samples_wanted))
         done = f"{developed.samples} of {developed.samples_wanted} paths a pixel"
         self.progress.setText(f"{done}, {left}" if left else done)
-        if asked != (self._latest, self.denoise.isChecked()) and self.isVisible():
+        latest, denoises = asked
+        is_old = latest is not self._latest or denoises != self.denoise.isChecked()
+        if is_old and self.isVisible():
             self._develop()
 
 
