@@ -43,7 +43,7 @@ _MOST_BYTES = 1 << 20
 
 
 class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where the camera stands and looks, metres in world axes."""
+    """The camera's eye and target, metres in world axes."""
 
     eye_m: Point
     target_m: Point
@@ -68,7 +68,7 @@ class CameraView(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Exposure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """How radiance becomes a picture: the fields of `SetExposure`, with their bounds."""
+    """Exposure, white balance and tone map: the fields of `SetExposure`, with their bounds."""
 
     mode: Literal["auto", "manual"] = "auto"
     ev100: Annotated[float, msgspec.Meta(ge=-20, le=40)] = 15.0
@@ -86,10 +86,10 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What a picture is of. `at` is ISO time, local to the place unless it has an offset.
+    """The content of a picture. `at` is ISO time, local to the place unless it has an offset.
 
-    `tolerance`: how far radiance may be off, as a share; none leaves it as it is, and so does a
-    missing `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
+    `tolerance`: largest relative error of radiance; None leaves it unchanged, and so does a missing
+    `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps.
     `animation` and `animation_time_s` say how the scene's own animations stand.
@@ -133,7 +133,7 @@ def load_project(path: str | Path) -> Project:
     """Read a project file; the scene's path is relative to it.
 
     Raises:
-        UserError: the file is missing, no TOML, or says something unknown.
+        UserError: the file is missing, no TOML, or has unknown or invalid entries.
     """
     file = Path(path)
     try:
@@ -208,7 +208,7 @@ def _relative(path: str, folder: Path) -> str:
 def project_text(project: Project) -> str:
     """A project as TOML."""
     values = msgspec.to_builtins(project)
-    # TOML has no null: a missing key means none, and a setting that is none says so.
+    # TOML has no null: a missing key means None, and a setting that is None is the text "none".
     for table in values["settings"].values():
         table.update({name: "none" for name, value in table.items() if value is None})
     for placed in (values, *values["beside"]):

@@ -76,7 +76,7 @@ _SMALLEST_GROUP = 1.0 / 200.0
 
 @dataclass(frozen=True, eq=False)
 class _Finished:
-    """What follows from the table as it stands."""
+    """Values derived from the present table."""
 
     good: BoolArray
     exchange: Exchange
@@ -110,8 +110,8 @@ class Bake:
         Args:
             surfaces: of a scene.
             layout: of its light map.
-            threads: that share the work; the light does not depend on how many.
-            patch_texels: edge of the patches that send light on, in texels.
+            threads: number of threads; the light does not depend on it.
+            patch_texels: edge of the patches for bounces, in texels.
             bounces_left: share of any patch's light that bounces left out may bring; of the mean
                 it is a hundredth of that.
         """
@@ -170,7 +170,7 @@ class Bake:
         return digest.hexdigest()
 
     def add_mirrors(self, parts: MirrorParts, go_on: GoOn = always) -> None:
-        """See what stands around these parts; hours then have cubes of it.
+        """Trace the surroundings of these parts; hours then have cubes of them.
 
         Raises:
             GivenUp: by `go_on`.
@@ -384,7 +384,7 @@ class Bake:
         return visible_sky(self._smoothed(moments, smoothing), self.texels.normal)
 
     def _mirrored_texels(self, texels: int) -> NDArray[np.integer]:
-        """Which of the texels mirrors ask for the key light."""
+        """The texels in mirrors that need a shadow ray."""
         if self.mirrors is None:
             return np.empty(0, np.int32)
         seen = self.mirrors.row[: np.searchsorted(self.mirrors.row, texels)]
@@ -405,7 +405,7 @@ class Bake:
         column_light: Float32Array,
         key_shares: Float32Array,
     ) -> Float32Array | None:
-        """What glossy parts see (C, 6, e, e, 4), by the light (N, 4) of texels."""
+        """Cubes (C, 6, e, e, 4) of glossy parts, by the light (N, 4) of texels."""
         if self.mirrors is None:
             return None
         assert self.patches is not None

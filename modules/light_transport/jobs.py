@@ -1,6 +1,6 @@
 """The background jobs: a layout, a round of rays, an hour. Plain functions of their arguments.
 
-numba is imported where work begins: who wants no light map does not wait for it.
+numba is imported where work begins, so that programs without a light map do not wait for it.
 """
 
 import os
@@ -34,7 +34,7 @@ _FEWEST_FIRST = 16
 
 
 class Unwritten(Generic[T]):
-    """What a journal knows by name only: a replay computes it anew."""
+    """A value that journals record by name only; a replay computes it again."""
 
     def __init__(self, value: T):
         self.value = value
@@ -98,7 +98,7 @@ def _laid_out(scene: SceneOpened, plan: Plan, go_on: GoOn) -> Laid:
 
 
 def _mirrors(bake: "Bake") -> Mirrors | None:
-    """What the frame must know of the bake's cubes."""
+    """The bake's cubes for the frame."""
     rays, surfaces = bake.mirrors, bake.surfaces
     if rays is None:
         return None
@@ -119,7 +119,7 @@ def first_rays(rows: int) -> int:
 
 
 def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:
-    """A bake with so many more rays of each texel; None if nobody waits for it any more."""
+    """A bake with more rays of each texel; None if it was cancelled."""
     from light_transport.kept_rays import add_kept_rays
 
     # Light is made of the rays before, meanwhile.

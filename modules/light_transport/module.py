@@ -1,6 +1,6 @@
 """Light transport on the bus: a light map that grows finer while nothing changes.
 
-It hears the opened scene and what lights it. Nothing is done unless somebody demands
+It listens to the opened scene and its light. It works only while a module demands
 `SurfaceLightChanged`. A scene is laid out and baked in background jobs, in rounds of rays that
 double; each hour is a job of its own, beside the rounds, by the rays that are there.
 """
@@ -30,7 +30,7 @@ _HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
 
 
 class _Asked(NamedTuple):
-    """What light was made from, or is being made from."""
+    """The sources of the present light, and of light under way."""
 
     hour: HourMessages
     rays: int
@@ -61,7 +61,7 @@ class LightTransport(Module):
     def __init__(self, link: Link, settings: LightTransportSettings):
         super().__init__(link, settings)
         self._works = False
-        # What the layout was made by, and what came of it.
+        # The inputs of the layout, and its result.
         self._planned: Plan | None = None
         self._laid: Laid | None = None
         self._round: Round | None = None
@@ -72,7 +72,7 @@ class LightTransport(Module):
 
     @handles(Demand)
     def on_demand(self, message: Demand) -> None:
-        """Begin when the first asks for light on surfaces, and end when the last no longer does."""
+        """Begin with the first demand for light on surfaces, and end with the last."""
         if message.message == SurfaceLightChanged.__name__:
             self._consider()
 
@@ -125,7 +125,7 @@ class LightTransport(Module):
     # --- the bake -------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        """Give up what is there and under way, and lay out the scene."""
+        """Drop the present layout and all jobs, and lay out the scene."""
         for job in (LAYOUT, RAYS, HOUR):
             self.link.cancel_job(job)
         self._planned = self._laid = self._round = self._asked = None
@@ -141,7 +141,7 @@ class LightTransport(Module):
 
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
-        """A layout, a round or an hour; what failed is told by the kernel."""
+        """A layout, a round or an hour; the kernel posts a Fault for a failed job."""
         if result.job == HOUR:
             self._hours_under_way -= 1
         if result.error:
@@ -202,7 +202,7 @@ class LightTransport(Module):
 
     @handles(HourOutdated)
     def on_hour(self, message: HourOutdated) -> None:
-        """Light the scene with what there is now."""
+        """Light the scene by the present rays."""
         self._light()
 
     def _light(self) -> None:

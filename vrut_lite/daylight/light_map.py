@@ -1,7 +1,7 @@
-"""The light map: irradiance of a scene's surfaces by all that scenes do to light.
+"""The light map: irradiance of a scene's surfaces with occlusion and interreflection.
 
-Its layout is told once a scene, the light in it once an hour. What comes straight from the key
-light is not in it: the frame draws that with its shadow map.
+Its layout is posted once for a scene, its light for each hour. It excludes the key light's direct
+part, which the frame draws with its shadow map.
 """
 
 from typing import ClassVar, NamedTuple
@@ -34,7 +34,7 @@ class Shape(NamedTuple):
     """A mesh as it is cut up for the light map: views of the layout's arrays.
 
     `source_vertex` (V,): the mesh's vertex that each of these copies; `uv` (V, 2): texels from the
-    corner of the rectangle of whoever stands there, texel middles at halves; `triangles` (F, 3): of
+    corner of the part's rectangle, texel centres at halves; `triangles` (F, 3): of
     these vertices, in the order of the mesh's own.
     """
 
@@ -77,7 +77,7 @@ class GroundChart(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 
 class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Places, evenly spaced along the world's axes, whose light serves what has no texels.
+    """Places on a regular grid along the world's axes; surfaces without texels take their light.
 
     The first stands at `lower_m`; `counts` is how many there are along x, y and z.
     """
@@ -100,13 +100,13 @@ class ProbeGrid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parts that reflect what stands around them: each has a cube map of it.
+    """Parts that reflect their surroundings: each has a cube map.
 
     Attributes:
         part: (N,) int32, the parts of the scene.
-        centre_m: (N, 3) float64, from where the cubes are seen, world axes.
-        nearness: (N, 6, e, e) float32, one over the distance of what is seen, in 1/m; 0 for what
-            is infinitely far. Faces as in `geometry.cube_map`.
+        centre_m: (N, 3) float64, the points that the cubes are seen from, world axes.
+        nearness: (N, 6, e, e) float32, inverse distance of the surface that is seen, in 1/m; 0 for
+            infinity. Faces as in `geometry.cube_map`.
     """
 
     part: Array
@@ -114,7 +114,7 @@ class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     nearness: Array
 
     def check(self) -> None:
-        """As many cubes as parts.
+        """Check that there are as many cubes as parts.
 
         Raises:
             UserError: it is otherwise.
@@ -141,7 +141,7 @@ class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 class LightMapLaid(Derived, frozen=True, kw_only=True):
-    """Where the surfaces of a scene find their light.
+    """The layout of a scene's light map.
 
     Attributes:
         content_key: of the scene (`SceneOpened.content_key`).
@@ -157,7 +157,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
         part_corner_px: (P, 2) int32, the corner of the part's rectangle in the map.
         ground: of the ground disc, where the scene has one.
         probes: None where everything has texels.
-        mirrors: None where nothing has a cube map of what stands around it.
+        mirrors: None where no part has a cube map.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -177,7 +177,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
     mirrors: Mirrors | None = None
 
     def shape(self, number: int) -> Shape:
-        """One of the shapes."""
+        """Shape of this number."""
         mesh, vertex, vertices, triangle, triangles = map(int, self.shapes.values[number])
         return Shape(
             mesh,
@@ -187,7 +187,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
         )
 
     def check(self) -> None:
-        """A map that a GPU can hold, and arrays that go with each other."""
+        """Check sizes that a GPU can hold, and arrays whose shapes match."""
         checks.text(self, "content_key", "layout_key", "source")
         checks.wholes(self, "size_px", 1, LARGEST_EDGE, most=2, least=2)
         checks.arrays(
@@ -239,15 +239,16 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     Attributes:
         layout_key: of the layout that it is of.
         texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in
-            W m^-2: of the sky and of all that surfaces send on, without what comes from the key
-            light straight; alpha is the share of the open sky's irradiance that arrives, 0 to 1.
+            W m^-2: of the sky and of light from surfaces, without the key light's direct part;
+            alpha is the share of the open sky's irradiance that arrives, 0 to 1.
         probes: (nz, ny, nx, 6, 4) float16, the same on small planes that face +x, -x, +y, -y, +z
             and -z; None where the layout has no probes.
-        rays: how many each texel has been given: more of them, less noise.
+        rays: number of rays of each texel.
         visible_sky: (height, width, 4) float16: the share of the sky that is seen from a texel in
             direction d, world axes, is RGB . d + alpha, kept in [0, 1]. None where it is not known:
             the share of the sky's irradiance then stands for it.
-        mirrors: (N, 6, e, e, 4) float16, what the layout's mirrors see. RGB times `radiance_scale`
+        mirrors: (N, 6, e, e, 4) float16, the cube maps of the layout's mirrors. RGB times
+        `radiance_scale`
             is radiance in W m^-2 sr^-1, weighed by alpha: the share of a texel that is neither sky
             nor ground beyond the map, 0 to 1. None where the layout has no mirrors.
     """

@@ -1,4 +1,4 @@
-"""The scene: which file to open, what was in it, and what it needs of light and air."""
+"""The scene: the file to open, its content, and the light and air that it needs."""
 
 import hashlib
 
@@ -43,9 +43,9 @@ class LoadScene(Input, frozen=True, kw_only=True):
 
 
 class SceneOpened(Derived, frozen=True, kw_only=True):
-    """A scene is open: its bounds in metres, world axes, and all that is in it.
+    """An opened scene: its bounds in metres, world axes, and its content.
 
-    `triangles` counts them where they stand. `ground` is the disc that it stands on, None if it
+    `triangles` counts those of all parts. `ground` is the disc that it stands on, None if it
     brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
     `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
     what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
@@ -80,7 +80,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         return digest.hexdigest()
 
     def check(self) -> None:
-        """Bounds, a count, and arrays that go with each other."""
+        """Check bounds, a count, and arrays whose shapes match."""
         checks.text(self, "path")
         checks.numbers(self, "lower_m", 3)
         checks.numbers(self, "upper_m", 3)

@@ -49,8 +49,8 @@ from vrut_lite.render.targets import Targets
 from vrut_lite.scene.backend import IsGivenUp
 
 _CUBE_MAP_SEAMLESS = 0x884F
-# Of the 24 slices of the filtered sky, in a frame that is not to wait for them: a sixth of its
-# time where slices are largest.
+# Slices of the filtered sky (of 24) in a frame that must not wait for them: a sixth of its time
+# where slices are largest.
 SLICES_A_FRAME = 2
 
 Measure = Callable[[str], AbstractContextManager[Any]]
@@ -85,11 +85,12 @@ class Frame:
         self._targets = SizeCache(context, lambda size: Targets(context, size))
 
     def show_view(self, view: ViewShader | None) -> None:
-        """Draw this behind the scene; None or an error: the cube map (see `SkyPass`)."""
+        """Set the background's shader; with None or after an error the cube map is drawn (see
+        `SkyPass`)."""
         self._sky.show_view(view)
 
     def show_air(self, volume: AirVolume | None) -> None:
-        """Draw this air from the next frame on; None where there is none to be seen."""
+        """Draw this air from the next frame on; None where none is visible."""
         self._air.show(volume)
 
     def show_light_map(self, laid: LightMapLaid | None) -> None:
@@ -119,10 +120,10 @@ class Frame:
     ) -> Picture:
         """Draw a scene, the sky and the sun, with the state's size, exposure and skips.
 
-        A `still` is finished in every respect; otherwise what may lag is done in slices.
+        A `still` is complete; otherwise slow work is done in slices.
 
         Raises:
-            GivenUp: `is_given_up()`, asked again and again, says that nobody waits for it.
+            GivenUp: `is_given_up()` returned true; it is called repeatedly.
         """
         self._patience.is_given_up = is_given_up
         self._skips = state.skips
@@ -227,7 +228,7 @@ class Frame:
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool
     ) -> FrameAir:
-        """Bind the air of this frame; what the shaders are to do with it."""
+        """Bind the air of this frame; returns the shaders' defines."""
         if self._air.volume is None:
             self.ledger.skip("air: none to be seen")
             return FrameAir()
@@ -254,7 +255,7 @@ class Frame:
         self.ledger.skip("sky sample: covered", targets.samples - drawn)
 
     def _seen(self, scene: PyrenderScene, view: View) -> list[PlacedPrimitive]:
-        """What may be in the picture."""
+        """Meshes that may be in the picture."""
         if not self._skips.meshes:
             seen = scene.placed
         else:
@@ -281,7 +282,7 @@ class Frame:
             self.ledger.skip("reflection: nothing in view mirrors")
         filtered = self._filter.texture
         if filtered is None:
-            # Something must be bound; nobody looks at it.
+            # A texture must be bound; no shader reads it.
             return Reflection(light.mirrored.texture, light.mirrored.scale, self._reflectance)
         return Reflection(filtered, self._filter.scale, self._reflectance)
 

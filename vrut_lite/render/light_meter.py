@@ -41,9 +41,8 @@ def illuminance(
 ) -> Illuminance:
     """Lux on a plane with this normal (3,) at a point (3,), world axes.
 
-    The scene shades the sun, with a sharp edge, and clouds do. All other light is as in the
-    picture: the light map's on a surface that it knows, else that of the whole sky with the clouds
-    in it.
+    Scene (with a sharp edge) and clouds shade the sun. All other light is as in the picture: the
+    light map's on its surfaces, else the light of the whole sky with its clouds.
 
     Args:
         sun: before clouds.

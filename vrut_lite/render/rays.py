@@ -10,16 +10,16 @@ from vrut_lite.daylight.scene import SceneOpened
 
 # A ray starts this share of the scene's size off its surface.
 _CLEARANCE = 1e-6
-# And so close a point lies on a surface.
+# Largest distance of a point that counts as on a surface.
 _TOUCHING = 1e-5
-# Instead of the number of a part.
+# Stands for the number of a part.
 GROUND = -1
 
 
 class Hit(NamedTuple):
     """Where a ray meets a surface, its unit normal (3,) towards the ray's start, its material.
 
-    `part` is `GROUND`, or that of the scene's, of whose mesh it is this `triangle`.
+    `part` is `GROUND` or the scene's part, `triangle` the number in its mesh.
     """
 
     point_m: NDArray[np.float64]
@@ -30,7 +30,7 @@ class Hit(NamedTuple):
 
 
 class SceneRays:
-    """The triangles of a scene and its ground; textures that cut out are not looked at."""
+    """The triangles of a scene and its ground; cut-out textures are ignored."""
 
     def __init__(self, scene: SceneOpened):
         geometry, materials = scene.geometry, scene.materials.all()
@@ -66,7 +66,7 @@ class SceneRays:
         return Hit(point, towards_eye, self._materials[part], part, triangle)
 
     def surface_at(self, point_m: ArrayLike, normal: ArrayLike) -> Hit | None:
-        """The surface that a point (3,) lies on, seen from where its normal points to."""
+        """The surface at a point (3,), on the side of the given normal."""
         point, n = np.asarray(point_m, dtype=float), np.asarray(normal, dtype=float)
         hit = self.first_hit(point + self._touching_m * n, -n)
         if hit is None or np.linalg.norm(hit.point_m - point) > self._touching_m:
@@ -80,9 +80,10 @@ class SceneRays:
         direction: ArrayLike,
         reach_m: float = np.inf,
     ) -> bool:
-        """Whether nothing stands between a point on a surface and what lies in a direction.
+        """Whether a ray from a point on a surface is free.
 
-        `reach_m` away, or infinitely far. The ground casts no shadow: nothing shines from below it.
+        `reach_m` away, or infinitely far. The ground casts no shadow, since no light comes from
+        below it.
         """
         start = np.asarray(point_m, dtype=float) + self._clearance_m * np.asarray(normal)
         distances_m = self._distances_m(start, np.asarray(direction, dtype=float))

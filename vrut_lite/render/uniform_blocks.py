@@ -24,7 +24,7 @@ _LAYOUT = {
 class UniformBlock(NamedTuple):
     """A block `name`, whose fields shaders read as `instance.field`.
 
-    `fields` gives each field's GLSL type and what it means.
+    `fields` gives each field's GLSL type and its meaning.
     """
 
     name: str
@@ -47,7 +47,7 @@ class UniformBlock(NamedTuple):
         """The bytes of a value for each field; matrices (..., 4, 4) as mathematics writes them.
 
         Raises:
-            ValueError: a field has no value, a value no field, or another number of numbers.
+            ValueError: a field lacks a value, a value lacks a field, or has the wrong length.
         """
         if values.keys() != self.fields.keys():
             odd = sorted(values.keys() ^ self.fields.keys())

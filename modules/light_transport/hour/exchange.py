@@ -50,7 +50,7 @@ def exchange_of(table: Rows, patches: Patches) -> Exchange:
 
 
 def enclosure(exchange: Exchange) -> Float32Array:
-    """Which share (M,) of what a patch sees is other patches."""
+    """Share (M,) of a patch's view that is other patches."""
     running = np.append(0.0, np.cumsum(exchange.share, dtype=np.float64))
     return np.diff(running[exchange.start]).astype(np.float32)
 
@@ -139,10 +139,10 @@ def radiosity(
     reflectance_rgb: Float32Array,
     left: float,
 ) -> Float32Array:
-    """What patches (M, 3) send, W m^-2, after all bounces of the direct light on them (M, 3).
+    """Radiosity (M, 3) of patches, W m^-2, after all bounces of their direct light (M, 3).
 
-    Bounces end when what is still to come is below the share `left` of the light of the patch that
-    waits longest; the mean is then within a hundredth of it.
+    Bounces end when the remaining light is below the share `left` of the slowest patch's light; the
+    mean is then within a hundredth of it.
     """
     sent = np.zeros((len(direct_rgb), 4), np.float32)
     _bounce(exchange, direct_rgb, emitted_rgb, reflectance_rgb, np.float32(left), sent)
@@ -165,7 +165,7 @@ def direct_sky(patches, valid, light, out):  # type: ignore[no-untyped-def]
 
 @hot
 def _bounce(exchange, direct, emitted, reflectance, left, sent):  # type: ignore[no-untyped-def]
-    """Sweeps of successive over-relaxation until what is still to come does not matter.
+    """Sweeps of successive over-relaxation until the remaining light is negligible.
 
     A sweep's gains shrink by a factor q or better in the next: gain q / (1 - q) is to come, of
     which the largest share of any patch's light decides. q is measured, and at most what the

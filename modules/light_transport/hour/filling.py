@@ -13,7 +13,7 @@ from vrut_lite.numeric_types import BoolArray, Float32Array
 def takes_light_of(
     links: NDArray[np.int32], good: BoolArray, free: Float32Array
 ) -> NDArray[np.int32]:
-    """Whose light each texel (N,) shows: its own if good, else that of the nearest good one.
+    """The texel whose light each texel (N,) shows: itself if good, else the nearest good one.
 
     Of two equally near ones that with more of its rays `free` (N,): under a wall that is two
     texels thick it is the one that look-ups beside the wall need. NOBODY where there is none.

@@ -1,4 +1,4 @@
-"""What an hour brings to a scene, and the light that it makes there."""
+"""The light of an hour on a scene: its inputs and its result."""
 
 from dataclasses import dataclass
 
@@ -11,8 +11,8 @@ class Hour:
     """The light that falls on a scene; linear sRGB, world axes.
 
     Attributes:
-        sky: (6, n, n, 3) float32, radiance in W m^-2 sr^-1; see `geometry.cube_map`. What lies
-            below the horizon is not used.
+        sky: (6, n, n, 3) float32, radiance in W m^-2 sr^-1; see `geometry.cube_map`. Its lower half
+            is not used.
         ground_radiance_rgb: of open ground, W m^-2 sr^-1.
         ground_albedo_rgb: of the ground disc.
         key_direction: unit vector towards the key light.

@@ -29,7 +29,7 @@ _CELLS, _TURNS = 16, 36
 class Groups(NamedTuple):
     """Connected groups of triangles.
 
-    `of` (F,) int32: the group of each triangle; `direction` (G, 3): what they face.
+    `of` (F,) int32: the group of each triangle; `direction` (G, 3): their facing.
     """
 
     of: NDArray[np.int32]
@@ -93,7 +93,7 @@ def _smooth_surfaces(normals, areas, opposite, shading):  # type: ignore[no-unty
 
 @kernel
 def _labels(normals, areas, surface, surfaces, opposite):  # type: ignore[no-untyped-def]
-    """What each triangle faces, as a row of the directions that come with it."""
+    """The direction of each triangle, as a row of the returned directions."""
     count = len(areas)
     first = np.zeros(surfaces + 1, np.int64)
     for f in range(count):

@@ -1,7 +1,7 @@
 """Texels of two charts that meet at a smooth edge.
 
-A chart ends where its neighbour begins, also where the surface goes on smoothly. Who smooths the
-map lets light pass between these pairs as between texels side by side, so that no seam is seen.
+A chart ends where its neighbour begins, also where the surface goes on smoothly. Smoothing
+exchanges light between these pairs as between neighbouring texels, so that no seam is visible.
 """
 
 import numpy as np

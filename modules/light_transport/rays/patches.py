@@ -22,7 +22,7 @@ class Patches(NamedTuple):
 
     Attributes:
         column_of: (NODES + rows,) int32, the table's column for a node, and for a row its patch's;
-            buried texels have a neighbour's. Column NODES + M is of what sends nothing.
+            buried texels have a neighbour's. Column NODES + M is of rows that send no light.
         start: (M + 1,) int64, where each patch's rows begin in `member`.
         member: (K,) int32, rows; weight: (K,) float32, their share of the patch's area.
         area: (M,) float32, in squares of the scene's radius.
@@ -142,7 +142,7 @@ def _columns(
     """The table's column for each node and row."""
     patch = of_row.copy()
     patch[:count] = _spread(patch[:count], links)
-    # Who is among buried texels alone, and probes, send nothing: the column after the last patch.
+    # Texels among buried texels alone, and probes, send no light: the column after the last patch.
     columns = NODES + np.where(patch >= 0, patch, patches)
     return np.concatenate([np.arange(NODES), columns]).astype(np.int32)
 

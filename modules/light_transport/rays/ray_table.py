@@ -1,7 +1,7 @@
 """Where the rays of each row end, as counts that rounds of rays add to.
 
 A row's entries are a column and a count in one number. Columns are nodes of the sky and of open
-ground, then whoever the rays met: at first other rows, later patches of them.
+ground, then the rows that rays met, later replaced by patches.
 """
 
 from typing import NamedTuple
@@ -101,7 +101,7 @@ def with_rays(
 ) -> Rows:
     """These rows with rays `first` to `first + count` added.
 
-    `column_of` (NODES + row count,): the column for what a ray met.
+    `column_of` (NODES + row count,): the column for the node or row that a ray met.
     """
     targets = np.empty((len(rows.valid), count), np.int32)
     distances = np.zeros(targets.shape, np.float32)
@@ -154,7 +154,7 @@ def rays_at(entry, e):  # type: ignore[no-untyped-def]
 
 @hot
 def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # type: ignore[no-untyped-def]
-    """Fill in what rays (rows, count) end at, and how far away: at least half a texel.
+    """Fill in the targets of rays (rows, count) and their distances, at least half a texel.
 
     They end at a node, at NODES + a row, or are _DROPPED.
     """
@@ -200,7 +200,7 @@ def _trace(tree, receivers, first_row, first, scratch, targets, distances):  # t
 
 @inlined
 def met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel):  # type: ignore[no-untyped-def]
-    """The row of whom a ray met, or NOBODY where it met a body's back."""
+    """The row that a ray met, or NOBODY where it met a body's back."""
     group = groups.front[t]
     faces = geometry.faces
     if faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2] > 0.0:

@@ -73,7 +73,7 @@ def _nodes(
     child = np.empty((max(count, 1), 2), np.int32)
     # A leaf of no triangles.
     child[0, 0], child[0, 1] = -1, -1
-    # What is still to be split: first and last triangle, depth, and which child of whom it is.
+    # Nodes to split: first and last triangle, depth, and the parent's child index.
     todo = np.empty((STACK, 5), np.int64)
     top, used = 0, 0
     todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3], todo[0, 4] = 0, count, 0, -1, 0

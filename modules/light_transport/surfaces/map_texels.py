@@ -1,4 +1,4 @@
-"""The texels of a map that rays begin at: where they lie in the scene, and whom others copy."""
+"""The texels of a map that rays begin at: their places in the scene, and the sources of padding."""
 
 import math
 from typing import NamedTuple
@@ -83,7 +83,7 @@ def map_geometry(surfaces: Surfaces, layout: Layout) -> MapGeometry:
 
 
 def texels_of(geometry: MapGeometry) -> Texels:
-    """The texels that a triangle reaches into, and whom the others beside them copy."""
+    """The texels that a triangle reaches into, and the texels that padding copies."""
     height, width = geometry.owner.shape
     covered, nearest = _coverage(geometry)
     rows, columns = np.nonzero(covered > 0.0)
@@ -303,7 +303,7 @@ def _places(geometry, pixel):  # type: ignore[no-untyped-def]
 
 @kernel
 def _copied(geometry, nearest, place, normal, texel_width, row_of):  # type: ignore[no-untyped-def]
-    """Fill in whom padding copies: the texel around it, nearest in space, that faces its way."""
+    """Fill in the source of padding: the nearest texel around it that faces the same way."""
     owner = geometry.owner
     height, width = owner.shape
     own = row_of.copy()

@@ -14,7 +14,7 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 GROUND = -1
-# Half the width of the ground's square, in radii of the scene; what lies beyond is open ground.
+# Half the width of the ground's square, in radii of the scene; beyond it is open ground.
 _GROUND_RADII = 4.0
 _SMALLEST_RADIUS_M = 1e-6
 
@@ -95,7 +95,7 @@ def surfaces_of(scene: SceneOpened) -> Surfaces:
 
 @dataclass(frozen=True, eq=False)
 class _Skin:
-    """What all parts of one mesh share: arrays of its triangles, as in `Surfaces`."""
+    """The common arrays of all parts of one mesh, as in `Surfaces`."""
 
     corner_normals: FloatArray
     reflectance_rgb: Float32Array

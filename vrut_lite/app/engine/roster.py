@@ -12,7 +12,7 @@ from vrut_lite.kernel.settings import SettingSpec, describe
 
 
 class ModuleInfo(NamedTuple):
-    """One module: its settings by name, as they are now and as they are described."""
+    """One module: the values and the descriptions of its settings, by name."""
 
     name: str
     title: str
@@ -41,7 +41,7 @@ class ModuleInfo(NamedTuple):
 
 
 class Roster(NamedTuple):
-    """All modules in load order, who holds which slot ("" for nobody), and what draws."""
+    """All modules in load order, the holder of each slot ("" for none), and the renderer."""
 
     modules: dict[str, ModuleInfo]
     holders: dict[str, str]

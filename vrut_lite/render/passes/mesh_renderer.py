@@ -48,7 +48,7 @@ _LAYER_UNIFORMS: dict[str, MapName] = {
 
 @dataclass(frozen=True)
 class View:
-    """A camera: where the eye is (3,), and matrices (4, 4) that know only where it looks."""
+    """A camera: the eye (3,), and matrices (4, 4) of its orientation alone."""
 
     eye_m: NDArray[np.float64]
     rotation: NDArray[np.float64]
@@ -120,7 +120,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
     ) -> None:
         """Draw meshes of the scene, one after another, with the depth test that is set.
 
-        The `defines` say what else the shader does, as air.py has it. Of blended materials the
+        `defines`: further features of the shader, as in air.py. Of blended materials the
         solid texels are drawn, or else, if `blended`, the others.
         """
         GL.glEnable(GL.GL_DEPTH_TEST)
@@ -181,9 +181,9 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         program.set_uniform("material.roughness_factor", material.roughnessFactor)
 
     def draw_depth(self, scene: PyrenderScene, shadow: Shadow) -> None:
-        """Draw the depth of what casts shadows, both sides of every face."""
+        """Draw the depth of shadow casters, both sides of every face."""
         GL.glEnable(GL.GL_DEPTH_TEST)
-        # What stands between the sun and the map's box casts into it too.
+        # Casters between the sun and the map's box cast into it too.
         GL.glEnable(GL.GL_DEPTH_CLAMP)
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)

@@ -173,14 +173,14 @@ vec3 sky_irradiance(vec3 n) {
     return max(e, 0.0);
 }
 
-// What makes values of the centroid right at the edge of a triangle. Some rasterisers take 1 / w
+// Corrects interpolation at the centroid on the edge of a triangle. Some rasterisers take 1 / w
 // at the pixel's centre for the centroid too, which moves the point along its ray off the plane.
 float centroid_factor(vec3 face) {
     float reached = dot(face, eye_to_sample);
     return abs(reached) > 0.0 ? dot(face, eye_to_point) / reached : 1.0;
 }
 
-// The point of this triangle that is shaded, also at its edge.
+// The shaded point of this triangle, also at its edge.
 vec3 point_in_triangle(vec3 face) {
     float distance_to_plane = dot(face, eye_to_point), reached = dot(face, eye_to_sample);
     return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
@@ -190,7 +190,7 @@ vec3 point_in_triangle(vec3 face) {
 #define SURFACE_LIGHT
 //!include surface_light.glsl
 
-// Of a surface with this normal, and the one that its map gives it.
+// Light of a surface with this normal, and with its normal map's normal.
 Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #if defined(GROUND_LIGHT)
     return ground_light(eye_to_point);
@@ -280,7 +280,7 @@ vec3 sun_through_glass(vec3 face) {
 }
 #endif
 
-// Share of the sun that is left where a triangle of a rounded surface turns away from it, so that
+// Share of the sun on a triangle of a rounded surface that turns away from it, so that
 // no edge of a triangle shows there; 1 where triangle and normal agree (Chiang et al. 2019,
 // "Taming the shadow terminator").
 float before_terminator(float nl, float cos_face, float cos_between) {
@@ -288,8 +288,8 @@ float before_terminator(float nl, float cos_face, float cos_between) {
     return g * (1.0 + g * (1.0 - g));
 }
 
-// Reflectance at grazing angles: 1, but for what is darker at normal incidence than any real
-// surface (below 2 %): a matte one reflects nothing at all.
+// Reflectance at grazing angles: 1, but less where that at normal incidence is below any real
+// surface's 2 %; a matte surface reflects nothing.
 vec3 grazing(vec3 f0) {
     return vec3(clamp(50.0 * max(f0.r, max(f0.g, f0.b)), 0.0, 1.0));
 }
@@ -314,7 +314,7 @@ vec3 shares(float mu, float roughness) {
     return texture(reflectance, at / (last + 1.0)).rgb;
 }
 
-// How much more comes back by light that bounces between facets (Turquin 2019).
+// Gain by light that bounces between facets (Turquin 2019).
 vec3 bounces(vec3 f0, vec2 share) {
     return 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
 }
@@ -498,7 +498,7 @@ void main() {
 
     vec3 share = shares(nv, roughness);
     vec3 more = bounces(f0, share.xy);
-    // What the coat does not reflect reaches the paint below it (Kelemen and Szirmay-Kalos
+    // The coat transmits the rest to the paint below it (Kelemen and Szirmay-Kalos
     // 2001): reciprocal, and a white surface gives back all of any light.
     float through = 1.0 - coat(share.xy, coat_peak, coat_f90);
 #ifdef SHEEN

@@ -1,5 +1,5 @@
-// The light that reaches a surface by all ways but straight from the sun: RGB irradiance in W m^-2,
-// and the share of the open sky's that arrives, in alpha. render/surface_light.py uploads it.
+// Light on a surface without the direct sun: RGB irradiance in W m^-2, and in alpha the share of
+// the open sky that arrives. render/surface_light.py uploads it.
 
 layout(binding = 5) uniform sampler2D light_map;
 layout(binding = 6) uniform sampler3D light_probes;  // its layers: six faces, each all of z
@@ -62,7 +62,7 @@ bool has_probes(vec3 point) {
 // Of a plane with normal n: each of the six planes by its squared cosine, so that shares sum up
 // to one (McTaggart 2004, "Half-Life 2 / Valve Source shading").
 Reached probe_light(vec3 point, vec3 n) {
-    // Half a step off the surface: the nearest probes are else behind it.
+    // Half a step off the surface, since the nearest probes may lie behind it.
     vec3 at = among_probes(point) + 0.5 * n;
     at = clamp(at, vec3(0.0), surface.probe_counts - 1.0) + 0.5;
     vec3 size = vec3(surface.probe_counts.xy, 6.0 * surface.probe_counts.z);
@@ -78,13 +78,13 @@ Reached probe_light(vec3 point, vec3 n) {
 #endif
 
 // Share of the light in open air that is in the air before a point: none in a room without windows,
-// little in a hall, all in a street or far away. The air is guessed to get it as the surface does.
+// little in a hall, all in a street or far away. The air is assumed to get the surface's share.
 float light_in_air(float share_of_sky, float metres) {
     float far = smoothstep(1.0, 2.0, metres / surface.scene_m);
     return mix(smoothstep(0.0, OPEN_AIR, share_of_sky), 1.0, far);
 }
 
-// How much more or less light a plane has with normal n than with another, by the open sky.
+// Ratio of the open sky's irradiance on planes with two normals.
 vec3 tilted(vec3 n, vec3 from, float most) {
     vec3 wanted = open_irradiance(n), had = open_irradiance(from);
     return clamp((wanted + 1e-20) / (had + 1e-20), 1.0 / most, most);
