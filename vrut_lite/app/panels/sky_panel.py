@@ -26,7 +26,7 @@ _LOWEST_PERCENT = 0.1
 
 
 class SkyPanel(QWidget):
-    """A chooser for each slot, the sky's first, the haze and the tolerance."""
+    """A chooser for each slot that several modules can hold, the haze and the tolerance."""
 
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
@@ -69,7 +69,9 @@ class SkyPanel(QWidget):
             session.listen(kind, lambda _: self._show_holders())
 
     def _fill(self, roster: Roster) -> None:
-        for slot in sorted(roster.slots, key=lambda slot: (slot != SHOWN_SLOT, slot)):
+        # What one module alone can hold is no choice.
+        contested = [slot for slot in roster.slots if len(roster.providers(slot)) > 1]
+        for slot in sorted(contested, key=lambda slot: (slot != SHOWN_SLOT, slot)):
             chooser = QComboBox()
             chooser.setAccessibleName(slot)
             chooser.setPlaceholderText(_EMPTY)
@@ -111,7 +113,7 @@ def lack_line(slots: list[str]) -> str:
     """What it means that no module holds these slots; empty if none is without."""
     if not slots:
         return ""
-    named = " and no ".join(slots)
+    named = " and no ".join(slot.replace("_", " ") for slot in slots)
     return (
         f"There is no {named} now: no module that runs gives it, and its light is missing. Choose "
         "one here, or switch one on in Modules (F4)."
