@@ -64,7 +64,7 @@ from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
 
 # Rows of which a smaller share of rays counts lie inside bodies. A tenth is too little: what gets
 # out between the pieces of a wall then shines at its edge.
-_LEAST_FREE = 0.25
+_LEAST_FREE = 0.4
 # Orientations that the open sky hardly lights are lit by what stands around: so much is enough of
 # the brightest orientation's light to tell how light changes as a surface bends.
 _LEAST_OF_SKY = 0.05

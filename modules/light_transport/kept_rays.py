@@ -44,9 +44,10 @@ def _fits(arrays: dict[str, np.ndarray], bake: Bake) -> bool:
 
 @lru_cache(maxsize=1)
 def _code_digest() -> str:
-    """Of the files that decide where rays begin and end."""
+    """Of the files that decide where rays begin and end, and which patches they end on."""
     digest = hashlib.blake2b(digest_size=16)
-    for folder in ("surfaces", "layout", "rays"):
-        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
+    package = Path(__file__).parent
+    for pattern in ("bake.py", "surfaces/*.py", "layout/*.py", "rays/*.py"):
+        for path in sorted(package.glob(pattern)):
             digest.update(path.read_bytes())
     return digest.hexdigest()
