@@ -11,6 +11,7 @@ from loaded_scenes import WriteScene, material_of
 from PIL import Image
 from scene_files import png_bytes
 
+from vrut_lite.daylight.placement import Placement
 from vrut_lite.errors import UserError
 from vrut_lite.scene import obj_file, obj_kernels
 from vrut_lite.scene.budget import SceneBudget
@@ -144,7 +145,7 @@ def _obj_texts(draw: st.DrawFn) -> str:
 def test_obj_has_the_triangles_that_trimesh_finds(tmp_path: Path, text: str) -> None:
     """The triangles equal those of trimesh's reader, in whatever form faces are written."""
     (tmp_path / "a.obj").write_bytes(text.encode())
-    scene = load_scene(tmp_path / "a.obj")
+    scene = load_scene(tmp_path / "a.obj", placement=Placement(up="y", metres_per_unit=1.0))
     ours = np.concatenate([place.world_triangles() for place in scene.meshes])
     theirs = trimesh.load_scene(tmp_path / "a.obj", process=False).to_mesh().triangles
     assert _sorted_triangles(ours) == _sorted_triangles(theirs)
