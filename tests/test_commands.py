@@ -193,6 +193,7 @@ def test_fov_changes_a_projects_camera(vrut_lite, tmp_path):
     assert not np.allclose(wide, narrow, rtol=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_the_demo_uses_what_a_project_says(vrut_lite, tmp_path):
     """Slots and settings of a project apply to its own pictures only."""

@@ -71,7 +71,7 @@ class HeadlessStage:
 class WindowDriver:
     """Opens a window on the sundial, 21 June 2026, 13:00 in Prague."""
 
-    def __init__(self, qtbot, open_stage, folder, size=(900, 600)):
+    def __init__(self, qtbot, open_stage, folder, size=(760, 520)):
         from PySide6.QtWidgets import QApplication
 
         # Qt takes 0.1 s to style each window: those that nobody draws stay plain.

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from light_messages import light_messages
+from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
@@ -54,7 +55,7 @@ def seen(backend, path, elevation_deg, radiance=0.0, **sun):
 
 @pytest.mark.gl
 @pytest.mark.parametrize(("metallic", "albedo"), [(0.0, 0.5), (0.0, 0.0), (1.0, 0.8)])
-@pytest.mark.parametrize("roughness", ROUGHNESS)
+@pytest.mark.parametrize("roughness", mostly_long(ROUGHNESS, {0.3, 1.0}.__contains__))
 def test_sunlight_on_coat_paint_and_metal_is_the_frames(
     frame, traced, tmp_path, metallic, albedo, roughness
 ):
@@ -69,7 +70,7 @@ def test_sunlight_on_coat_paint_and_metal_is_the_frames(
 
 @pytest.mark.gl
 @pytest.mark.parametrize(("metallic", "albedo"), [(0.0, 0.5), (1.0, 0.8)])
-@pytest.mark.parametrize("roughness", [0.3, 0.6])
+@pytest.mark.parametrize("roughness", mostly_long([0.3, 0.6], (0.3).__eq__))
 def test_an_even_sky_is_reflected_as_by_the_frame(
     frame, traced, tmp_path, metallic, albedo, roughness
 ):
@@ -82,7 +83,7 @@ def test_an_even_sky_is_reflected_as_by_the_frame(
 
 
 @pytest.mark.parametrize("metallic", [0.0, 1.0])
-@pytest.mark.parametrize("roughness", [0.3, 0.6])
+@pytest.mark.parametrize("roughness", mostly_long([0.3, 0.6], (0.3).__eq__))
 def test_white_returns_all_of_an_even_sky_and_no_more(traced, tmp_path, metallic, roughness):
     """A furnace of 1 shows 1, from above and at grazing angles: 2 %, noise and the table."""
     path = square(tmp_path, surface(metallic, roughness, 1.0))

@@ -71,6 +71,7 @@ def test_scenes_leave_nothing_behind(gl_owner, tmp_path, request):
     backend.backend.close()
 
 
+@pytest.mark.long
 def test_a_closed_backend_leaves_nothing_on_the_gpu(gl_owner, tmp_path):
     """Windows come and go in one process: the context outlives them all."""
     from vrut_lite.render.pyrender_backend import PyrenderBackend

@@ -91,6 +91,7 @@ def ten_changes(driver):
     yield lambda: hosek.reset.click()
 
 
+@pytest.mark.long
 def test_ten_steps_are_taken_back_and_done_again(driver):
     """Settings, a slot, a place, the exposure, the time, a reset: each as it was, both ways."""
     states = [everything(driver)]

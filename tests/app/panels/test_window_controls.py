@@ -22,7 +22,7 @@ PANELS = (
     "place", "sun", "picture", "export", "sky", "time", "modules", "messages", "compare",
     "module clouds", "module scene", "module path_tracer",
 )  # fmt: skip
-SHORT = ("picture", "sky", "modules", "module clouds")
+SHORT = ("picture", "sky", "modules")
 
 
 @pytest.fixture

@@ -48,6 +48,8 @@ def panel(qtbot, tmp_path, monkeypatch):
 def test_the_panel_shows_the_bake_and_the_map(panel, qtbot):
     """Rays, texels, memory and seconds as text; light, texel size and error as pictures."""
     qtbot.waitUntil(lambda: "128 of 128 rays" in panel.facts.text(), timeout=PATIENCE_MS)
+    # The light of all rays comes after they are told.
+    qtbot.waitUntil(lambda: panel._light.rays == 128, timeout=PATIENCE_MS)
     assert "MB; bake" in panel.facts.text()
     assert panel.progress.value() == panel.progress.maximum() == 128
     qtbot.waitUntil(lambda: panel.shown.picture is not None, timeout=PATIENCE_MS)

@@ -73,6 +73,7 @@ def test_the_exposure_is_locked_by_an_action_and_the_project_keeps_it(driver):
     assert driver.project.exposure.mode == "auto"
 
 
+@pytest.mark.long
 def test_a_held_exposure_is_metered_by_an_action(driver, qtbot):
     """Playing time holds the exposure, so that the evening darkens; then it is metered."""
     # The camera that the project has just brought adapts the exposure for a while.

@@ -40,6 +40,7 @@ def open_profiler(driver):
     return overlay
 
 
+@pytest.mark.long
 def test_the_milliseconds_of_a_module_and_what_it_leaves_out_are_shown(driver):
     """A module that sleeps half a second is seen with that, above all that took less, and with the
     work it skips."""
@@ -111,6 +112,7 @@ def tick(stage, minute):
     stage.kernel.pump_until_idle()
 
 
+@pytest.mark.long
 def test_a_profile_holds_what_happened_since_the_one_before(stage):
     """Counts and times of that span alone; a module that started anew counts from zero."""
     profiler = Profiler(stage)
