@@ -34,7 +34,7 @@ lint:
 	$(BIN)/mypy
 
 test-long:
-	@sh tools/bootstrap.sh test
+	@sh tools/bootstrap.sh long
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto -m long --long
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest -n auto --long tests/stress --stress-scale 20
 	@$(WITH_SYSTEM) $(ONE_CORE) $(BIN)/python -m pytest \

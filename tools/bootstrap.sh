@@ -3,7 +3,7 @@
 # packages, then the system's libraries for GL, windows and mitsuba (bootstrap_system.sh). Quick
 # when there is nothing to do.
 #
-#   tools/bootstrap.sh run|test|lint
+#   tools/bootstrap.sh run|test|lint|long
 #
 # PYTHON names the interpreter to make .venv with; without it the first Python 3.11 or newer.
 # VRUT_LITE_SYSTEM is explained in bootstrap_system.sh.
@@ -80,9 +80,9 @@ pip_install() {
 install_packages() {
     key=$(installation_key)
     case $1 in
-    run) sufficient='run test lint' ;;
-    test) sufficient='test lint' ;;
-    *) sufficient=lint ;;
+    run) sufficient='run test lint long' ;;
+    test) sufficient='test lint long' ;;
+    *) sufficient=$1 ;;
     esac
     for purpose in $sufficient; do
         if is_installed "$purpose" "$key"; then
@@ -108,8 +108,9 @@ case ${1-} in
 run) extras='[app]' ;;
 test) extras='[app,test,ref]' ;;
 lint) extras='[app,test,ref,lint]' ;;
+long) extras='[app,test,ref,radiance,usd,film]' ;;
 *)
-    say "usage: tools/bootstrap.sh run|test|lint"
+    say "usage: tools/bootstrap.sh run|test|lint|long"
     exit 2
     ;;
 esac

@@ -23,7 +23,7 @@ mitsuba_libraries='libatomic.so.1'
 # groups_for PURPOSE: Qt's platform plugin for X11 is loaded on a screen, and tried by a test.
 groups_for() {
     case $1 in
-    test) echo 'gl qt x11 mitsuba' ;;
+    test | long) echo 'gl qt x11 mitsuba' ;;
     *) if [ -n "${DISPLAY:-}" ]; then echo 'gl qt x11'; else echo 'gl qt'; fi ;;
     esac
 }

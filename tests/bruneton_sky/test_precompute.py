@@ -30,6 +30,7 @@ def same(one, other):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
+@pytest.mark.long
 def test_the_solvers_tables_serve_any_observer(other_planet):
     """All four are there, and more orders give more light everywhere that has any."""
     two, three = (precompute(other_planet, orders, sizes=SMALL) for orders in (2, 3))

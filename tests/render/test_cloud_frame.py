@@ -65,6 +65,7 @@ def test_a_slab_lets_the_sky_through(stage):
     np.testing.assert_allclose(picture.radiance, 1000.0 * transmittance, rtol=0.015)
 
 
+@pytest.mark.long
 def test_ground_under_an_overcast_slab(stage):
     """albedo / pi (E mu exp(-k d / mu) + what the slab sends): within 1.5 %, as the meter says.
 

@@ -11,7 +11,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.loading import LoadedScene, load_scene
 
-pytest.importorskip("pxr")
+pytest.importorskip("pxr", reason="the package usd-core is not installed")
 
 HEAD = '#usda 1.0\n(\n    upAxis = "Z"\n    metersPerUnit = 0.01\n)\n'
 QUAD = """

@@ -103,6 +103,7 @@ def test_every_control_of_an_open_journal_has_an_effect(driver, walk, tmp_path):
         assert walk.has_effect(control), name_of(control)
 
 
+@pytest.mark.long
 def test_a_control_without_effect_is_found(driver, walk):
     """The walk itself: a button and a slider that nobody listens to."""
     walk.patience_ms = 1000

@@ -81,6 +81,7 @@ def session_by_hand(driver):
     yield lambda: play_a_while(driver)
 
 
+@pytest.mark.long
 def test_a_session_by_hand_is_replayed_headless_digest_by_digest(
     headless_window, monkeypatch, tmp_path
 ):

@@ -117,6 +117,7 @@ def test_signs_of_buttons_are_drawn(driver):
         assert any(image.pixelColor(x, 8).alpha() > 100 for x in range(image.width()))
 
 
+@pytest.mark.long
 def test_what_is_highlighted_in_a_menu_can_be_read(driver):
     """Contrast of 4.5 and more (WCAG 2, AA) between the text and what lies behind it."""
     app = QApplication.instance()

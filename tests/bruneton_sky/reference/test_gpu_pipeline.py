@@ -18,7 +18,8 @@ from gpu_steps import gpu_steps
 
 from vrut_lite.errors import UserError
 
-pytestmark = pytest.mark.gl
+# The product never imports the reference: it changes seldom.
+pytestmark = [pytest.mark.gl, pytest.mark.long]
 # No two alike and none of them even but mu, which must be: swapped axes would show.
 ODD = TableSizes(
     transmittance_altitude=11, transmittance_mu=23, irradiance_altitude=3, irradiance_mu_s=9,

@@ -18,7 +18,8 @@ from long_parameters import mostly_long
 from numpy.typing import NDArray
 from shader_probe import ShaderProbe
 
-pytestmark = pytest.mark.gl
+# The product never imports the reference: it changes seldom.
+pytestmark = [pytest.mark.gl, pytest.mark.long]
 
 SAMPLES = {
     "gauss-legendre": 12,
