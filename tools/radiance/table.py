@@ -7,7 +7,8 @@ the scene's triangles as Lambert's, the sky as data, the sun, and the open groun
 interpolates nothing. Light is that of all but the sun's own rays, which the frame draws by itself.
 "At points" are rays of their own, as many as Radiance's, that end on patches of the light map; "on
 the map" are texels below the grid that face up, as the frame shows them at the usual quality,
-against Radiance at their middle. Differences are shares of the grid's mean. Needs the extra `radiance`.
+against Radiance at their middle. Differences are shares of the grid's mean. It needs the extra
+`radiance`.
 """
 
 import argparse
