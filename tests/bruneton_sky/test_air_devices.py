@@ -52,6 +52,7 @@ def host(walls):
         yield host
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shafts", mostly_long([False, True], bool))
 @pytest.mark.parametrize("instant", mostly_long([NOON, EVENING], EVENING.__eq__))
 @pytest.mark.parametrize("height_m", mostly_long([1.7, 900.0, 2e5], (1.7).__eq__))

@@ -124,6 +124,7 @@ class HeldStage(HeadlessStage):
         return super().draw(size, exposure, still)
 
 
+@pytest.mark.long
 def test_a_finished_picture_is_given_up_for_a_hand_that_moves_on(qtbot, tmp_path):
     """It takes seconds on a software renderer: after a drag or an undone step the next picture is
     a quick one, made at once, and a window that is closed shows none any more."""

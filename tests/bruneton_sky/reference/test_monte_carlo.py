@@ -66,6 +66,7 @@ def test_higher_orders_agree_with_another_program(ground_truth):
     assert np.abs(deviation.mean(axis=(1, 2))).max() < 0.84
 
 
+@pytest.mark.long
 def test_each_order_agrees_with_another_program(ground_truth):
     """The same for orders 2 to 5 one by one; so few paths find few of the higher ones.
 
@@ -87,6 +88,7 @@ def test_first_order_is_the_exact_one(ground_truth):
     assert rms(deviation) < 1.4
 
 
+@pytest.mark.long
 def test_first_order_from_everywhere_on_another_planet(other_planet):
     """From the ground, the air and space, down to a sun 7 degrees below the horizon."""
     altitude = np.array([0.0, 0.0, 20e3, 20e3, 90e3, 400e3, 400e3])

@@ -55,7 +55,7 @@ def rays(mu_s: float) -> tuple[np.ndarray, np.ndarray]:
     return mu, mu * mu_s + 0.5 * np.sqrt((1.0 - mu**2) * (1.0 - mu_s**2))
 
 
-@pytest.mark.parametrize("visibility_m", [200.0, 1000.0])
+@pytest.mark.parametrize("visibility_m", mostly_long([200.0, 1000.0], (1000.0).__eq__))
 @pytest.mark.parametrize("elevation_deg", mostly_long([60.0, 20.0, 5.0], (20.0).__ne__))
 @pytest.mark.parametrize("altitude_m", mostly_long([2.0, 100.0, 800.0], (100.0).__eq__))
 def test_radiance_is_that_of_monte_carlo(
