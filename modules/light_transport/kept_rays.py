@@ -22,7 +22,7 @@ _LIMIT_BYTES = 2 << 30
 
 
 def add_kept_rays(bake: Bake, count: int, is_cancelled: Callable[[], bool]) -> bool:
-    """As `Bake.add_rays`, but what was traced before is read."""
+    """As `Bake.add_rays`, but kept rays are read instead of traced."""
     cache = ArrayCache.of_user("light_maps", _LIMIT_BYTES)
     recipe = (_code_digest(), _geometry_digest(bake), bake.patch_texels, bake.rays + count)
     arrays = cache.get(recipe)
@@ -43,7 +43,7 @@ def _fits(arrays: dict[str, np.ndarray], bake: Bake) -> bool:
 
 
 def _geometry_digest(bake: Bake) -> str:
-    """Of all that rays meet and begin at."""
+    """Digest of all surfaces that rays meet and begin at."""
     surfaces, digest = bake.surfaces, hashlib.blake2b(digest_size=16)
     receivers = bake.receivers
     for array in (
@@ -61,7 +61,7 @@ def _geometry_digest(bake: Bake) -> str:
 
 @lru_cache(maxsize=1)
 def _code_digest() -> str:
-    """Of the files that decide where rays begin and end."""
+    """Digest of the files that decide where rays begin and end."""
     digest = hashlib.blake2b(digest_size=16)
     for folder in ("surfaces", "layout", "rays"):
         for path in sorted((Path(__file__).parent / folder).glob("*.py")):

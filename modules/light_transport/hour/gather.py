@@ -1,4 +1,4 @@
-"""What rows of the table get by an hour's light of its columns."""
+"""Light of the table's rows, gathered from an hour's light of its columns."""
 
 import numpy as np
 
