@@ -58,10 +58,11 @@ class SceneState:
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
-        air: the air before the scene; None where it is not visible.
+        air: what the scene is seen through; None where it would not be seen.
         light_shafts: whether the scene shades the air.
-        light_map: of the scene; None without one.
-        surface_light: of that light map; None before the first, while the open sky lights surfaces.
+        light_map: of the scene; None where nobody made one.
+        surface_light: of that light map; None as long as there is none. Surfaces are then lit by
+            the open sky.
         tolerance: share by which radiance may be off.
     """
 
