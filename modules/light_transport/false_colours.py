@@ -15,7 +15,7 @@ _STOPS = np.array(
     [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], float
 )
 _UNUSED = (24, 24, 24)
-# Of the values that are shown: what is darker or brighter has the colour of the end.
+# Range of the shown values: darker and brighter ones get the colours of the ends.
 _LOW, _HIGH = 0.01, 0.99
 _WIDEST = 1e3
 _SAMPLES_A_TEXEL = 4.0
@@ -100,7 +100,7 @@ def _splat(uv: FloatArray, values: FloatArray, picture: FloatArray) -> None:
 
 
 def _coloured(values: FloatArray) -> FalseColours:
-    """Colours by the logarithm of what is above 0; what is not counts as unused."""
+    """Colours by the logarithm of positive values; others count as unused."""
     used = values > 0.0
     if not np.any(used):
         pixels = np.broadcast_to(np.array(_UNUSED, np.uint8), (*values.shape, 3))

@@ -22,7 +22,7 @@ _LIMIT_BYTES = 2 << 30
 
 
 def add_kept_rays(bake: Bake, count: int, is_cancelled: Callable[[], bool]) -> bool:
-    """As `Bake.add_rays`, but what was traced before is read."""
+    """As `Bake.add_rays`, but kept rays are read instead of traced."""
     cache = ArrayCache.of_user("light_maps", _LIMIT_BYTES)
     recipe = (_code_digest(), bake.geometry_digest, bake.patch_texels, bake.rays + count)
     arrays = cache.get(recipe)

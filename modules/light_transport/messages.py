@@ -1,4 +1,4 @@
-"""What the module says of its own, and a light map that is none."""
+"""The module's own messages, and an empty light map."""
 
 import numpy as np
 
@@ -11,17 +11,17 @@ NAME = "light_transport"
 
 
 class HourOutdated(Derived, frozen=True, kw_only=True):
-    """What lights the scene has changed: heard when all that changes with it was heard."""
+    """The light on the scene has changed; delivered after all messages of that change."""
 
 
 class BakeGrown(Derived, frozen=True, kw_only=True):
-    """How far the bake of a light map is.
+    """Progress of the bake of a light map.
 
     Attributes:
         layout_key: of the map.
-        texels: of it that lie on surfaces.
-        rays, rays_wanted: that each of them has been given, and will be.
-        table_bytes: memory of what the rays found.
+        texels: number of its texels on surfaces.
+        rays, rays_wanted: present and final number of rays of each texel.
+        table_bytes: memory of the table of rays.
     """
 
     layout_key: str
@@ -38,7 +38,7 @@ class BakeGrown(Derived, frozen=True, kw_only=True):
 
 
 def no_light_map() -> LightMapLaid:
-    """A layout of no scene: it takes the place of the one before, where none is to hold."""
+    """An empty layout, which replaces the one before where there is no light map."""
     return LightMapLaid(
         content_key="",
         layout_key="",

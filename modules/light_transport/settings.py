@@ -9,7 +9,7 @@ from vrut_lite.kernel.settings import setting
 
 
 class LightTransportSettings(msgspec.Struct, frozen=True):
-    """The settings of the module; what is left open follows the tolerance."""
+    """The settings of the module; None follows the tolerance."""
 
     on: Annotated[
         bool,

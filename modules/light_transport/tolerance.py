@@ -1,12 +1,12 @@
-"""What the sizes of light transport are for a tolerance of radiance.
+"""The sizes of light transport for a tolerance of radiance.
 
-| knob | what it turns | source |
+| knob | sizes | source |
 |---|---|---|
 | `texels` | about how many texels a scene gets, where none are named by size | front "texels" |
 | `rays` | of each texel in a finished bake | front "rays" |
 | `patch_texels` | edge of the patches that carry bounces, in texels | front "patch_texels" |
 | `bounces_left` | share of the light that bounces left out may bring | proportion; "bounces" |
-| `hour_change`, `sun_rad` | moves of sky and sun that nobody sees | proportion |
+| `hour_change`, `sun_rad` | invisible moves of sky and sun | proportion |
 
 At the default tolerance sizes are finer than it asks for: noise is seen as a pattern, and coarse
 texels as missing shadows. The fronts are measured by `tools/tolerance_fronts.py`.

@@ -1,4 +1,4 @@
-"""When an hour lights the scene as the one before did, to the eye."""
+"""Whether an hour's light looks like that of the hour before."""
 
 from typing import NamedTuple
 
@@ -17,13 +17,13 @@ class HourMessages(NamedTuple):
 
 
 def looks_like(now: HourMessages, before: HourMessages, change: float, sun_rad: float) -> bool:
-    """Whether light on surfaces differs from that of another hour by less than is seen.
+    """Whether light on surfaces differs invisibly from that of another hour.
 
     Args:
         now: an hour.
         before: another.
         change: share of the brightest irradiance by sky and key light that may change.
-        sun_rad: how far the key light may move.
+        sun_rad: largest invisible move of the key light.
     """
     if now == before:
         return True

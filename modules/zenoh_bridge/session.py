@@ -76,7 +76,7 @@ class Session:
         query.drop()
 
     def fetch(self, key: str) -> Iterator[bytes]:
-        """The replies of others for a key, in order; empty if nobody replies in time."""
+        """The replies of others for a key, in order; empty without a reply in time."""
         replies = self._session.get(
             key,
             timeout=FETCH_TIMEOUT_S,

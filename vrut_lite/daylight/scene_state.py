@@ -61,7 +61,7 @@ class SceneState:
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
-        air: the air before the scene; None where it is not visible.
+        air: what the scene is seen through; None where it would not be seen.
         light_shafts: whether the scene shades the air.
         section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None without one.

@@ -33,7 +33,7 @@ class SetTolerance(Input, frozen=True, kw_only=True):
             )
 
 
-# Where nobody says another.
+# The default.
 DEFAULT_TOLERANCE = 0.1
 
 C = TypeVar("C")

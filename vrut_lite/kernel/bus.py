@@ -182,7 +182,7 @@ class Kernel:
         return self.dispatcher.memory.latest.get(message_type)  # type: ignore[return-value]
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
-        """The merged demand for a type of message, or None when nobody wants it."""
+        """The merged demand for a type of message, or None without demand."""
         return self.lifecycle.demands.merged.get(message_type.__name__)
 
     def last_fault(self, module: str) -> Fault | None:

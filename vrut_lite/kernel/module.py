@@ -42,7 +42,7 @@ class Link(Protocol):
         """Say something; it is delivered in this transaction, after what is already queued."""
 
     def wanted(self, message_type: type[Message]) -> Demand | None:
-        """The merged demand for a type of message, or None when nobody wants it.
+        """The merged demand for a type of message, or None without demand.
 
         Its size is the largest that any consumer named, None where none did, and its encoding
         the most exact.
@@ -69,7 +69,7 @@ class Link(Protocol):
     def start_job(self, name: str, work: Callable[..., Any], *arguments: Any) -> None:
         """Run `work(*arguments)` in the background; a `JobResult` brings what it returns.
 
-        Work is a plain function that sees its arguments alone, which nobody changes; if it has a
+        Work is a plain function of its arguments, which must not be changed; if it has a
         parameter named `control` it gets a `JobControl`. One job of a name runs and one waits,
         the latest. A replay does the work where its result was admitted, or never.
         """

@@ -31,7 +31,7 @@ class Slots:
         return [name for name, seat in self._seats.items() if slot in seat.manifest.provides]
 
     def lacking(self, module: str) -> str:
-        """A slot that the module requires and nobody has held yet, or an empty text.
+        """A required slot that has had no holder yet, or an empty text.
 
         Of a holder that stopped, the last messages stay and serve.
         """
@@ -52,7 +52,7 @@ class Slots:
         """Give the slot to a module; None if it held it already.
 
         Raises:
-            UserError: the module does not run, or nobody has held a slot that it requires.
+            UserError: the module does not run, or a slot that it requires has had no holder.
         """
         seat = self._seats[module]
         if not seat.running:

@@ -14,7 +14,7 @@ class Entry(NamedTuple):
 
     `sequence` numbers the messages of a kernel; `cause` is the number of the message in whose
     handler this one was posted, 0 for an input. The receiver is "host" where the kernel itself
-    acts and empty where nobody listens. Times are those of `time.perf_counter_ns`.
+    acts and empty without a listener. Times are those of `time.perf_counter_ns`.
     """
 
     sequence: int

@@ -1,7 +1,7 @@
 """Messages as they were delivered, for later inspection.
 
-A message's fields cannot be exchanged, but a list or dictionary in one can be changed by whoever
-hears it, or by whoever posted it.
+A message's fields are frozen, but its poster and its listeners can change a list or dictionary in
+one.
 """
 
 import dataclasses

@@ -30,7 +30,7 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     if name == "Demand":
         if message.get("message") in _RENAMED:
             added["message"] = _RENAMED[message["message"]]
-        # One texel stood for a size that is left to the sky; nobody shows a sky of one texel.
+        # A size of 1 meant that the sky chooses; no consumer shows a sky of one texel.
         if message.get("message") == "BackgroundChanged" and message.get("size") == 1:
             added["size"] = None
     # The handler that reported a failed GPU, by its name in a Fault.

@@ -1,4 +1,4 @@
-"""Which share of the key light falls on texels: for its bounces, as the frame draws it itself."""
+"""Shares of the key light on texels, for its bounces: the frame draws its direct light."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from light_transport.rays.ray_table import TRIED
 from light_transport.rays.trace import MISS, blocker, mixed
 from vrut_lite.numeric_types import Float32Array
 
-# At least so many rows of a patch are asked, and all where a third of what it sees is patches.
+# Shadow rays of a patch: at least so many, and from all rows where a third of its view is patches.
 _FEWEST = 4
 _ALL_ASKED = 1.0 / 3.0
 # A group has no other rows whose rays are averaged with its own.
@@ -20,10 +20,10 @@ _RAYS_OF_A_GROUP = 8
 
 
 class KeyRays(NamedTuple):
-    """Which rows are asked for the key light, and what they count for their patches.
+    """Rows with a shadow ray towards the key light, and their weights in patches.
 
-    `ray` (N,) uint8: a ray of each row that begins outside bodies, or TRIED for rows that are not
-    asked; `weight` (K,) float32: of patches' members, 1 in the sum over a patch.
+    `ray` (N,) uint8: a ray of each row that begins outside bodies, or TRIED for rows without a
+    shadow ray; `weight` (K,) float32: of patches' members, 1 in the sum over a patch.
     """
 
     ray: NDArray[np.uint8]
@@ -38,19 +38,19 @@ def key_rays_of(
 ) -> KeyRays:
     """Rays for patches whose rows' first free rays (N,) are these.
 
-    The rows `also` are asked for themselves and count for no patch.
+    The rows `also` get shadow rays of their own and count for no patch.
 
 
-    `enclosed` (M,): which share of a patch's rays ends at other patches. It sends them as much of
-    its own light (reciprocity): under open sky few rows need be asked. Where half as much is sent,
-    twice the error is allowed, and errors of means fall with the root of the number: so it squares.
+    `enclosed` (M,): which share of a patch's rays ends at other patches. It sends them the same
+    share of its own light (reciprocity), so that few rows suffice under open sky. Half of the share
+    allows twice the error, and errors of means fall with the root of the number: hence the square.
     """
     sizes = np.diff(patches.start)
     patch = np.repeat(np.arange(len(sizes)), sizes)
     number = np.arange(len(patches.member)) - patches.start[patch]
     wanted = np.ceil(np.minimum(enclosed / _ALL_ASKED, 1.0) ** 2 * sizes)
     wanted = np.minimum(np.maximum(wanted, _FEWEST), sizes).astype(np.int64)[patch]
-    # As many as are wanted, evenly among the patch's rows.
+    # The wanted number, spread evenly over the patch's rows.
     asked = number * wanted // sizes[patch] != (number - 1) * wanted // sizes[patch]
     asked &= free[patches.member] < TRIED
     weight = np.where(asked, patches.weight, 0.0)
@@ -62,7 +62,7 @@ def key_rays_of(
 
 
 def patch_means(patches: Patches, rays: KeyRays, values: Float32Array) -> Float32Array:
-    """Means (M,) over patches of values (N,) of the rows that were asked."""
+    """Means (M,) over patches of values (N,) of the rows with shadow rays."""
     sums = np.add.reduceat(
         np.append(rays.weight * values[patches.member], np.float32(0.0)), patches.start[:-1]
     )

@@ -1,4 +1,5 @@
-"""The light of an hour in the cube maps of glossy parts: a gather from what their rays met."""
+"""The light of an hour in the cube maps of glossy parts: a gather over the surfaces that their rays
+met."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ def texel_radiance(rows, part, surfaces, triangle, light, key, hour, out):  # ty
     for i in range(len(rows)):
         row = rows[i]
         t = triangle[row]
-        # Every second texel is asked for the key light: the others have their neighbours'.
+        # Every second texel has a shadow ray; the others take their neighbours' share.
         lit, asked = np.float32(0.0), np.float32(0.0)
         if ray[row] < TRIED:
             lit, asked = share[row], np.float32(1.0)
@@ -60,7 +61,7 @@ def texel_radiance(rows, part, surfaces, triangle, light, key, hour, out):  # ty
 def cubes(rays: MirrorRays, radiance: Float32Array) -> Float32Array:
     """Cubes (N, 6, e, e, 4) by the radiance (U, 3) of the rows that are seen.
 
-    Alpha is the share of a texel's rays that met something, and what they met is weighed by it.
+    Alpha is the share of a texel's rays that met a surface; radiance is weighed by it.
     """
     target = rays.target.reshape(-1, rays.target.shape[-1])
     out = np.empty((len(target), 4), np.float32)

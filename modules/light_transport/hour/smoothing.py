@@ -1,8 +1,9 @@
 """Noise is smoothed along surfaces, where light cannot change fast.
 
-How fast it can is told by the harmonic mean distance R to what a texel sees (Ward and Heckbert
-1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel. What one
-gives the other takes, so that no light is lost. Along an edge, where R is small and the same, light
+The bound is the harmonic mean distance R to the surfaces that a texel sees (Ward and Heckbert
+1992): each step mixes neighbours by min(g_i, g_j), g = min(1, 0.3 R / h)^2, h the texel. Neighbours
+exchange light symmetrically, so that none is lost. Along an edge, where R is small and the same,
+light
 changes slowly too.
 
 """
@@ -70,7 +71,7 @@ def _exchange(
     here: NDArray[np.int32],
     there: NDArray[np.int32],
 ) -> Float32Array:
-    """What texels (K,) take of others (K,), as in `_weights`."""
+    """Weights of texels (K,) for the light of others (K,), as in `_weights`."""
     alike = np.maximum(np.einsum("ki,ki->k", texels.normal[here], texels.normal[there]), 0.0)
     area = np.minimum(texels.area[here], texels.area[there]) / np.maximum(texels.area[here], 1e-30)
     nearer, farther = np.minimum(room[here], room[there]), np.maximum(room[here], room[there])
@@ -112,7 +113,7 @@ def smoothed_rows(light, out, smoothing, first, last):  # type: ignore[no-untype
 
 @hot
 def mix_at_seams(light, out, smoothing):  # type: ignore[no-untyped-def]
-    """What passes between charts in the step from `light` to `out` (N, 4)."""
+    """Exchange between charts in the step from `light` to `out` (N, 4)."""
     seams, weights = smoothing.seams, smoothing.seam_weights
     for s in range(len(seams)):
         i, j = seams[s, 0], seams[s, 1]

@@ -28,7 +28,7 @@ def ground_chart(
 def ground_uv_px(chart: GroundChart, disc: GroundDisc, xz_m: ArrayLike) -> FloatArray:
     """Where points (..., 2), x and z in world axes, lie in the map, in texels (..., 2).
 
-    What lies beyond the chart gets its outermost texels.
+    Points beyond the chart get its outermost texels.
     """
     away = (np.asarray(xz_m, dtype=float) - disc.centre_xz_m) / chart.half_width_m
     warped = np.arcsinh(math.sinh(chart.warp) * np.clip(away, -1.0, 1.0)) / chart.warp

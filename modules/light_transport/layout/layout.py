@@ -27,16 +27,16 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SOURCE = "light_transport"
 TEXELS = 150_000
-# Of the way in which layouts are made: caches of other versions do not fit.
+# Version of the algorithm: kept rays of other versions do not fit.
 _VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where the triangles (F) of `Surfaces` lie in the light map, and whose each texel is.
+    """The places of the triangles (F) of `Surfaces` in the light map, and the owner of each texel.
 
     Attributes:
-        message: the layout as others hear it.
+        message: the layout as posted.
         uv_px: (F, 3, 2) float32, places of corners in the map, in texels, texel middles at halves;
             exact multiples of 2^-10. NaN where a triangle has no texels, and for the ground's,
             whose places `ground_chart` tells.

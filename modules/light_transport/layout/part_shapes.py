@@ -1,4 +1,4 @@
-"""Which of a scene's parts get texels, of what size, and which parts share a shape."""
+"""Chooses the parts of a scene that get texels, the texels' sizes, and shared shapes."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from vrut_lite.daylight.light_map import NOT_MAPPED
 from vrut_lite.daylight.scene_content import SceneGeometry
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
-# However small texels are asked for, the map has no more of them.
+# Most texels of a map, for any setting.
 MOST_TEXELS = 400_000
 # Texels are right when this share of those that are wanted is used; their size is sought so often.
 _LEAST_USED, _MOST_USED, _ROUNDS = 0.75, 1.05, 6
@@ -42,7 +42,7 @@ class PartShapes:
 
     Attributes:
         of: (P,) int32, each part's shape; NOT_MAPPED where it has no texels.
-        shapes, meshes: the shapes, and of which mesh each is.
+        shapes, meshes: the shapes, and the mesh of each.
         needs_probes: (P,) bool, no texels, but some area.
         texel_m: edge of a texel.
     """
@@ -76,7 +76,7 @@ def part_shapes(
     most = MOST_TEXELS if texel_m else min(texels, MOST_TEXELS)
     # With those beside borders there are some 1.25 times as many as the surface is large.
     size_m = texel_m or float(np.sqrt(1.25 * whole_m2 / most))
-    # Nobody should have to hold the map of a slip of the pen.
+    # A mistyped setting must not fill the memory.
     size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
     bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
     for last in reversed(range(_ROUNDS)):
@@ -142,7 +142,7 @@ def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArra
     """The edge of a texel on each kind: smaller where a surface has finer triangles.
 
     A landscape's tiles, and what is round, are as fine in the map as they were modelled, if the
-    budget allows. What falls into pieces tells nothing by its triangles' size.
+    budget allows. The size of triangles means nothing for surfaces in many pieces.
     """
     count = np.array([kind.count for kind in kinds])
     triangles = np.array([len(kind.surface.areas_m2) for kind in kinds])
@@ -181,7 +181,7 @@ def _kinds(geometry: SceneGeometry, go_on: GoOn) -> tuple[list[_Kind], NDArray[n
 
 
 def _stretch(matrix: FloatArray) -> FloatArray:
-    """What a linear map does to lengths: its polar decomposition's symmetric factor.
+    """The stretch of a linear map: its polar decomposition's symmetric factor.
 
     Parts that are only turned otherwise, or mirrored, share a shape.
     """

@@ -1,7 +1,7 @@
-"""Where probes stand: evenly around what has no texels.
+"""Places of probes: a regular grid around parts without texels.
 
-A probe may stand inside a wall. Whoever traces its rays tells by them: those that end on a back
-side do not count, and a probe few of whose rays count takes the light of its neighbours
+A probe may stand inside a wall. Its rays tell: those that end on a back side do not count, and a
+probe with few counting rays takes the light of its neighbours
 (`without_buried`).
 """
 
@@ -21,7 +21,7 @@ def probe_grid(lower_m: FloatArray, upper_m: FloatArray, least_step_m: float) ->
 
     Args:
         lower_m, upper_m: world axes.
-        least_step_m: closer ones would tell nothing new.
+        least_step_m: closer probes would add nothing.
     """
     size = np.maximum(np.asarray(upper_m) - lower_m, 0.0)
     step = max(least_step_m, float(size.max()) / (_MOST_A_SIDE - 1), 1e-9)

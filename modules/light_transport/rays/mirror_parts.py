@@ -1,4 +1,4 @@
-"""Which parts of a scene get a cube map of what stands around them, and from where it is seen."""
+"""Chooses the parts of a scene that get a cube map of their surroundings, and its centre."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 # Rougher surfaces show no images.
 ROUGHEST = 0.4
 MOST = 16
-# What a coat reflects, in the mean of what one sees of a ball.
+# Reflectance of a coat, the mean over the visible half of a ball.
 _COAT = 0.1
 # Flat things are seen from so far before them, in halves of their diagonal.
 _BEFORE = 0.1
@@ -40,7 +40,7 @@ class MirrorParts(NamedTuple):
 
 
 def mirror_parts(scene: SceneOpened, surfaces: Surfaces) -> MirrorParts:
-    """The glossy parts with the most surface, weighed by how much they reflect and how sharply."""
+    """The glossy parts with the most surface, weighed by reflectance and sharpness."""
     geometry, materials = scene.geometry, scene.materials.all()
     gloss = np.array([_gloss(material) for material in materials])
     mesh_gloss = [gloss[geometry.mesh(mesh).material] for mesh in range(geometry.mesh_count)]
@@ -71,7 +71,7 @@ class _View(NamedTuple):
 
 
 def _gloss(material: Material) -> float:
-    """0 where nothing is seen in a surface, 1 for a white mirror."""
+    """Weight of a surface's reflections: 0 for none, 1 for a white mirror."""
     roughness = material.roughness
     both = material.maps.get("metallic_roughness")
     metallic = material.metallic
@@ -101,7 +101,7 @@ def _areas(corners: FloatArray) -> FloatArray:
 
 
 def _view(corners: FloatArray, normals: NDArray[np.float32]) -> _View:
-    """How the surroundings of a part's triangles are to be seen."""
+    """The point and the direction from which a part's surroundings are seen."""
     lower, upper = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     centre, radius = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
     area = _areas(corners)

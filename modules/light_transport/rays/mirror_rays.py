@@ -1,7 +1,7 @@
-"""What glossy parts see around them: cube maps whose texels remember whom their rays met.
+"""The surroundings of glossy parts: cube maps whose texels remember the rows that their rays met.
 
-The rays are traced once a scene, from the middle of a part through the part itself; whom they met
-is lit anew each hour (mirror_light.py).
+The rays are traced once a scene, from the middle of a part through the part itself; each hour
+lights the rows that they met (mirror_light.py).
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -28,18 +28,18 @@ _EDGES = (128, 96, 64, 48, 32)
 _MOST_RAYS = 450_000
 # Rays of a texel, along each of its edges.
 _ACROSS = 2
-# A ray passes so many surfaces from behind before it is held to be lost inside a body.
+# A ray that passes more back sides than this counts as lost inside a body.
 _MOST_PASSED = 32
 _STEP = 2e-5
-# A part that is so many times larger than what it sees is far cannot be seen to from one point.
+# A part larger than this many distances to its surroundings cannot be served by one point.
 _LONGEST = 4.0
 
 
 class MirrorRays(NamedTuple):
-    """Cubes (N) of what parts see, from the middle of each.
+    """Cubes (N) of the surroundings of parts, from the middle of each.
 
     Attributes:
-        parts: whose they are.
+        parts: the parts of the cubes.
         row: (U,) int32, rows of the table of rays that are seen, in order.
         target: (N, 6, e, e, S) int32, which of these each ray met; SKY for sky and open ground.
         nearness: (N, 6, e, e) float32, 1 / distance in 1 / radius, the mean of a texel's rays; 0
@@ -130,10 +130,10 @@ def _directions(edge: int) -> Float32Array:
 
 @hot
 def _trace(tree, receivers, part_of, own, hollow, view, scratch, target, near):  # type: ignore[no-untyped-def]
-    """Fill in whose row each ray met, and how near it is.
+    """Fill in the row that each ray met, and its nearness.
 
-    Backs of bodies are passed, and the part itself where it is not hollow. What goes behind a flat
-    part is mirrored by it, so that its blurred images do not mix in what lies behind.
+    Backs of bodies are passed, and the part itself where it is not hollow. Rays behind a flat part
+    are mirrored by it, so that its blurred images do not contain surfaces behind it.
     """
     centre, facing, directions = view
     geometry, texels, probes, groups = receivers

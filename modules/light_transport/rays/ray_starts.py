@@ -1,6 +1,6 @@
-"""Where rays begin and which way they go: a low-discrepancy sequence that goes on for ever.
+"""Starts and directions of rays: an endless low-discrepancy sequence.
 
-Ray s of a row is the same however many rays are asked for and whoever traces them. The sequences
+Ray s of a row is the same for any number of rays and on any thread. The sequences
 are additive recurrences (Roberts 2018, "The unreasonable effectiveness of quasirandom
 sequences"), each row's shifted by its hash.
 """
@@ -142,7 +142,7 @@ def begin(geometry, texels, probes, groups, row, number, shifts, weights, place,
 def aim(number, shifts, normal, face, direction):  # type: ignore[no-untyped-def]
     """Fill in the direction of ray `number`: cosine-distributed around the normal.
 
-    What would go below the triangle is mirrored by its plane.
+    Directions below the triangle are mirrored by its plane.
     """
     radius2 = _share(shifts[0], _TURNS[0], number)
     angle = 2.0 * math.pi * _share(shifts[1], _TURNS[1], number)

@@ -11,7 +11,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 FAR = np.float32(1e6)
 MISS = -1
 _LEAF_MASK = (1 << LEAF_BITS) - 1
-# Directions whose components are smaller are taken for so large.
+# Least magnitude of a direction's components.
 _TINY = np.float32(1e-12)
 _ONE, _ZERO = np.float32(1.0), np.float32(0.0)
 # Triangles reach so far beyond their edges (barycentric): no ray slips between two neighbours.
@@ -70,7 +70,7 @@ def _crossed(triangle, t, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-de
 
 @inlined
 def _lets_pass(opacity, t, ray):  # type: ignore[no-untyped-def]
-    """Whether a triangle that is not opaque lets this ray through: the same for ever."""
+    """Whether a triangle that is not opaque lets this ray through; the answer never changes."""
     return opacity[t] < _ONE and mixed(ray, t) >= opacity[t] * np.float32(4294967296.0)
 
 

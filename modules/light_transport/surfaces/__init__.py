@@ -1,1 +1,2 @@
-"""What a scene is to light: triangles, what they reflect and emit, and the texels on them."""
+"""A scene for light transport: triangles, their reflectance and emission, and the texels on
+them."""
