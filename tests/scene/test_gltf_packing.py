@@ -13,8 +13,8 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.loading import load_scene
 
-meshopt = pytest.importorskip("meshopt")
-pytest.importorskip("opengl_basisu")
+meshopt = pytest.importorskip("meshopt", reason="the package meshopt is not installed")
+pytest.importorskip("opengl_basisu", reason="the package opengl_basisu is not installed")
 
 # 8 x 8 pixels in four fields, red and green above blue and a grey of alpha 64, by basis_universal's
 # encoder.

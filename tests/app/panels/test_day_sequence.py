@@ -164,7 +164,7 @@ class FilmWorkers(ThreadPoolExecutor):
 
 def test_a_film_in_mp4_has_its_pictures_and_their_colours(tmp_path):
     """H.264 of an odd size, which loses a row; colours within what it compresses."""
-    av = pytest.importorskip("av")
+    av = pytest.importorskip("av", reason="the package av is not installed")
     pictures = [np.full((33, 48, 3), level, np.uint8) for level in (40, 120, 200)]
     write_film(tmp_path / "day.mp4", pictures, 12)
     with av.open(str(tmp_path / "day.mp4")) as film:

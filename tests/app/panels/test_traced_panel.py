@@ -63,7 +63,7 @@ def test_a_picture_is_shown_and_saved(panel, tmp_path):
 
 def test_grain_is_taken_away_when_asked_for(panel):
     """The preview has far less of it, about the same mean, and goes back at a click."""
-    pytest.importorskip("mitsuba_oidn")
+    pytest.importorskip("mitsuba_oidn", reason="the package mitsuba-oidn is not installed")
     panel._hear(picture(4))
     panel.driver.until(lambda: panel.shown is not None)
     grainy = panel.shown.radiance
