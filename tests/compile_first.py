@@ -40,7 +40,9 @@ up = np.array([0.0, 1.0, 0.0])
 clouds_seen(layer, ClearLight(up, up, np.zeros((25, 3))), np.zeros(3), up[None], 0.01)
 sun_share(layer, up, np.zeros(3), 0.0)
 HosekWilkieSky(turbidity=3.0, albedo=0.1, sun_elevation_rad=0.8).cube_map(size=16)
+"""
 # pytest rewrites each file of tests, which takes 10 s, and keeps it beside the file.
+TESTS = """
 import pytest
 pytest.main(["--collect-only", "-q"])
 """
@@ -62,4 +64,4 @@ def run(code: str) -> None:
 if __name__ == "__main__":
     # The longest first: whoever is done takes the next.
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        list(pool.map(run, (SOLVER, LIGHT, OTHERS)))
+        list(pool.map(run, (SOLVER, LIGHT, OTHERS, TESTS)))
