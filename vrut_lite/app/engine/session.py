@@ -17,6 +17,7 @@ from vrut_lite.app.engine import engine
 from vrut_lite.app.engine.cpu_sky import best_stage
 from vrut_lite.app.engine.engine import Engine, Shown
 from vrut_lite.app.engine.flight_recorder import FlightRecorder, Recorded
+from vrut_lite.app.engine.garbage import GarbageOnQtThread
 from vrut_lite.app.engine.history import History
 from vrut_lite.app.engine.roster import Roster, roster_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
@@ -74,9 +75,11 @@ class Session(QObject):
         self.history = History(lambda steps: self._mailbox.put(_STEPS, steps))
         self._recorder: FlightRecorder | None = None
         self._engine = Engine(open_stage, self._mailbox.put, self._attend)
+        self._garbage = GarbageOnQtThread(self)
 
     def start(self) -> None:
         """Open the host, in the background."""
+        self._garbage.start()
         self._engine.start()
 
     def send(self, *inputs: Input) -> None:
@@ -184,6 +187,7 @@ class Session(QObject):
         came = self._engine.join(timeout_s)
         if came:
             self._mailbox.close()
+            self._garbage.stop()
         return came
 
     @property
