@@ -46,7 +46,6 @@ class EntryPointGroup(click.Group):
         except Exception as error:
             return _broken(name, ModuleFailed(f"the command {name} failed to load: {error}"))
 
-
     def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands by their docstrings, which are read without importing them."""
         described = [_described(point) for _, point in sorted(self._points().items())]

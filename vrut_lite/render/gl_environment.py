@@ -37,25 +37,30 @@ def prepare_environment() -> None:
 
 
 @lru_cache(maxsize=1)
+def begin_probe() -> "subprocess.Popen[str]":
+    """Start the process of `probe_gl`, so that it works while libraries are imported."""
+    prepare_environment()
+    return subprocess.Popen(
+        [sys.executable, "-c", _PROBE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@lru_cache(maxsize=1)
 def probe_gl() -> tuple[str, str]:
     """Name of the GL renderer, or an empty text and the reason for its absence.
 
     Found by a separate process: a broken driver aborts instead of raising.
     """
-    prepare_environment()
+    probe = begin_probe()
     try:
-        probe = subprocess.run(
-            [sys.executable, "-c", _PROBE],
-            capture_output=True,
-            text=True,
-            timeout=_PROBE_TIMEOUT_S,
-            check=False,
-        )
+        said, complaint = probe.communicate(timeout=_PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
+        probe.kill()
+        probe.communicate()
         return "", f"the GL driver did not answer within {_PROBE_TIMEOUT_S} s"
     if probe.returncode == 0:
-        return probe.stdout.strip(), ""
-    lines = probe.stderr.strip().splitlines()
+        return said.strip(), ""
+    lines = complaint.strip().splitlines()
     return "", lines[-1] if lines else f"the GL driver ended the probe ({probe.returncode})"
 
 
