@@ -256,7 +256,7 @@ def test_a_row_names_the_first_fields_of_very_many(saved):
 
 
 def test_a_dump_does_not_steer_the_terminal(saved):
-    """What JSON leaves as it is, and a terminal obeys, is written as an escape."""
+    """Control characters that JSON would leave unchanged are escaped."""
     where = "\x1b[2J\x9b2J\x7f\u202e"
     line = list(dump_lines(Journal(saved([POKE, fault(where)]))))[-1]
     assert line.isprintable()

@@ -210,7 +210,7 @@ def test_values_take_one_short_line():
 
 
 def test_a_recorded_journal_reads_as_transactions():
-    """Of each message its transaction's input is the cause: the journals of the tests, say."""
+    """In a recorded journal each message's cause is the input of its transaction."""
     from pathlib import Path
 
     journals = sorted((Path(__file__).parents[2] / "replays").glob("*.mcap"))

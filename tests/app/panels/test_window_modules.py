@@ -231,7 +231,7 @@ class RaisingPanel(QLabel):
 
 
 def test_a_module_brings_a_panel_and_a_bad_one_is_told(qtbot, tmp_path, monkeypatch):
-    """By entry point, with a key of its own; of one that cannot be shown the settings still are."""
+    """A panel comes by entry point with its own key; if it fails, the settings are shown."""
     panels = {
         "clouds": "test_window_modules:OwnPanel",
         "path_tracer": "test_window_modules:RaisingPanel",

@@ -72,7 +72,7 @@ def test_a_value_is_typed(driver, qtbot):
 
 
 def test_the_haze_is_one_control_for_every_sky(driver):
-    """As optical depth; the sky follows, and so does the control where a project says another."""
+    """The control sets the optical depth of every sky, and shows that of an opened project."""
     field = driver.sky.haze
     assert field.value == pytest.approx(0.201)
     field.spin.setValue(0.4)
@@ -84,7 +84,7 @@ def test_the_haze_is_one_control_for_every_sky(driver):
 
 
 def test_the_tolerance_is_typed_and_followed(driver):
-    """In per cent, a share in the message; what a project says is shown."""
+    """The field is in percent, the message a share; the field shows an opened project's value."""
     driver.sky.tolerance.spin.setValue(1.0)
     assert driver.until_heard(SetTolerance).tolerance == pytest.approx(0.01)
     driver.session.send(SetTolerance(tolerance=0.03))

@@ -59,7 +59,7 @@ def test_c_closes_what_c_opened(driver, qtbot):
 
 
 def test_every_panel_has_a_button_that_closes_it(driver, qtbot):
-    """Of a panel in a tab too; and View, Panels opens it again."""
+    """The button closes a panel in a tab too, and View, Panels opens it again."""
     for name, dock in driver.window.docks.items():
         driver.window.show_dock(name)
         title = dock.titleBarWidget()

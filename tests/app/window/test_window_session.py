@@ -287,7 +287,7 @@ def test_a_session_whose_scene_has_gone_is_not_restored(kept, tmp_path):
 
 
 def test_without_a_folder_nothing_is_kept(tmp_path):
-    """As in safe mode."""
+    """Nothing is written without a folder, as in safe mode."""
     nothing = Kept(None)
     nothing.add_recent(str(tmp_path))
     nothing.keep_session(Project(scene="a.glb"))
