@@ -9,6 +9,7 @@ or has a constant of: here all files of its package that it imports count, direc
 
 import fcntl
 import hashlib
+import importlib
 import os
 import pickle
 import re
@@ -20,6 +21,7 @@ from typing import Any
 
 from numba import njit
 from numba.core import caching
+from numba.np import linalg
 
 __all__ = ["SUMS_IN_ORDER", "njit"]
 # For `fastmath`: there is no NaN, infinity or signed zero, and a product and its sum may be rounded
@@ -82,31 +84,55 @@ def _digest(data: bytes) -> bytes:
 
 def _stamp(locator: Any) -> tuple[Any, bytes]:
     """Changes with a kernel's file and with the files that it imports from its package."""
-    own = Path(locator._py_file)
+    return _stamp_of_file(locator), _digest_with_imports(Path(locator._py_file))
+
+
+@cache
+def _digest_with_imports(own: Path) -> bytes:
+    """A digest of a file and of the files of its package that it imports, directly or not."""
     package = own.parent
     while (package.parent / "__init__.py").is_file():
         package = package.parent
     found, todo = {own}, [own]
     while todo:
-        file = todo.pop()
-        for name in _read(file, file.stat().st_mtime_ns)[1]:
+        for name in _read(todo.pop())[1]:
             first, *rest = name.split(".")
-            module = package.joinpath(*rest)
-            other = module / "__init__.py" if module.is_dir() else module.with_suffix(".py")
-            if first == package.name and other.is_file() and other not in found:
-                todo.append(other)
-                found.add(other)
-    contents = [_read(file, file.stat().st_mtime_ns)[0] for file in sorted(found)]
-    return _stamp_of_file(locator), _digest(b"".join(contents))
+            if first == package.name:
+                other = _file_of(package.joinpath(*rest))
+                if other is not None and other not in found:
+                    todo.append(other)
+                    found.add(other)
+    return _digest(b"".join(_read(file)[0] for file in sorted(found)))
 
 
 @cache
-def _read(file: Path, _changed_ns: int) -> tuple[bytes, tuple[str, ...]]:
-    """A file's digest and the files that it imports."""
+def _file_of(module: Path) -> Path | None:
+    """The source of a python module or package, None if there is no such file."""
+    file = module / "__init__.py" if module.is_dir() else module.with_suffix(".py")
+    return file if file.is_file() else None
+
+
+@cache
+def _read(file: Path) -> tuple[bytes, tuple[str, ...]]:
+    """A file's digest and the python modules that it imports."""
     content = file.read_bytes()
     return _digest(content), tuple(name.decode() for name in _IMPORTED.findall(content))
 
 
+def _import_without_blas() -> None:
+    """Import numba's functions on arrays, which would import scipy.linalg for 0.2 s.
+
+    They only ask whether there is a BLAS. A kernel that multiplies matrices loads it all the same.
+    """
+    asked = linalg.ensure_blas
+    linalg.ensure_blas = lambda: None
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = asked
+
+
+_import_without_blas()
 _stamp_of_file = caching._SourceFileBackedLocatorMixin.get_source_stamp
 setattr(caching._SourceFileBackedLocatorMixin, "get_source_stamp", _stamp)  # noqa: B010
 # Cached functions use the class that has this name in numba's module.

@@ -1,4 +1,4 @@
-"""Long work ends between two of its steps when nobody waits for it any more."""
+"""Cancels long work between two of its steps."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,7 @@ GoOn = Callable[[], None]
 
 
 class GivenUp(Exception):
-    """Nobody waits for what is being made."""
+    """The work was cancelled."""
 
 
 def always() -> None:

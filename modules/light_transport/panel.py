@@ -154,7 +154,7 @@ def _shown(
 
 
 def _seconds(stage: Stage) -> tuple[float, float]:
-    """What the bake took since its layout began, and its latest hour: wall time, by the trace."""
+    """Wall time of the bake since its layout began, and of its latest hour, from the trace."""
     bake_ns = hour_ns = 0
     for remark in stage.kernel.trace.remarks():
         if remark.kind == "job" and remark.module == NAME:
@@ -177,7 +177,7 @@ class _Legend(QWidget):
         self.setFixedHeight(_LEGEND_PX)
 
     def show_values(self, values: list[str]) -> None:
-        """Of the darkest colour, that in the middle, and the brightest; none: no scale."""
+        """Show the values of the darkest, middle and brightest colour; none hides the scale."""
         self.values = values
         self.setAccessibleName("scale: " + ", ".join(values) if values else "no scale")
         self.update()

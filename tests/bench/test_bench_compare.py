@@ -62,7 +62,7 @@ def test_less_accurate_names_the_condition() -> None:
 
 
 def test_rounding_is_no_loss() -> None:
-    """Of errors of 1e-15 another order of summation makes twice as much: nothing is worse."""
+    """Errors of 1e-15 double by another order of summation, which is not reported as worse."""
     exact = measured("twin", [0.01], p99=1e-15, mean=1e-16)
     assert not compare(run_of(exact), run_of(measured("twin", [0.01], 2e-15, 2e-16))).worse
 

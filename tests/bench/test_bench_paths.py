@@ -134,7 +134,7 @@ def test_dispatch(subscribers: int) -> None:
 
 
 def test_a_figure_of_the_window_is_used_once(monkeypatch) -> None:
-    """What looks slower is timed again: a figure that was used is measured by a new process."""
+    """A second timing of the window starts a new process instead of repeating the first figure."""
     runs = iter((0.2, 0.1))
 
     def measure() -> dict[str, float]:

@@ -159,7 +159,7 @@ def test_the_gpu_fills_the_air(gpu_sky: SkyOnBus) -> None:
 
 
 def test_air_that_comes_late_is_not_shown(gpu_sky: SkyOnBus) -> None:
-    """What was asked for before the newest air, or before there was none to be seen, is no news."""
+    """Air is dropped that was requested before the shown one, or before its reach became zero."""
     gpu_sky.eye(0.0, 20_000.0)
     gpu_sky.sun(31.0)
     old, new = jobs_of(gpu_sky)

@@ -210,7 +210,7 @@ def test_light_does_not_depend_on_the_observer() -> None:
 
 
 def test_a_walk_and_a_second_of_time_are_unseen(by_day: SkyOnBus) -> None:
-    """Below what anyone sees nothing is computed, and the ledger counts it."""
+    """Moves too small to be seen cause no work, and the ledger counts them."""
     by_day.taken()
     by_day.eye(1.7)
     by_day.sun(30.004)

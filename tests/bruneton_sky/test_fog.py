@@ -1,4 +1,4 @@
-"""Ground fog: how far one sees in it, how dense it is, and who knows of it."""
+"""Ground fog: its visibility, its density, and the computations that take it into account."""
 
 from dataclasses import replace
 

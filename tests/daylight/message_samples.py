@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 import msgspec
 import numpy as np
+from grey_materials import grey_materials
 from light_messages import small_air
 
 from vrut_lite.array import Array
@@ -25,7 +26,7 @@ from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
+from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -36,7 +37,6 @@ from vrut_lite.daylight.sky import (
 )
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
-from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
@@ -80,18 +80,7 @@ SCENE = SceneOpened(
         meshes=Array(np.array([[0, 3, 0, 1, -1, -1, -1, 0]], np.int64)),
         part_mesh=Array(np.zeros(1, np.int32)), world_from_part=Array(np.eye(4)[None].copy()),
     ),
-    materials=SceneMaterials(
-        names=Array(np.frombuffer(b"grey", np.uint8)), base_colour_rgba=Array(np.ones((1, 4))),
-        metallic=Array(np.zeros(1)), roughness=Array(np.ones(1)),
-        emission_rgb=Array(np.zeros((1, 3))), alpha_mode=Array(np.zeros(1, np.uint8)),
-        alpha_cutoff=Array(np.ones(1)), double_sided=Array(np.zeros(1, bool)),
-        normal_scale=Array(np.ones(1)), occlusion_strength=Array(np.ones(1)),
-        terms=Array(as_row(SurfaceTerms())[None].copy()),
-        map_image=Array(np.full((1, len(MAP_NAMES)), -1, np.int32)),
-        map_uv_layer=Array(np.zeros((1, len(MAP_NAMES)), np.uint8)),
-        map_sampler=Array(np.zeros((1, len(MAP_NAMES), 3), np.uint8)),
-        images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
-    ),
+    materials=grey_materials(),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
     lamps=LAMPS, notices=("points or lines: not drawn",),
     opened=LoadScene(path="a.glb"), cameras=("gate",),

@@ -112,6 +112,6 @@ def test_arrays_of_a_light_map_refer_to_each_other(changes, says):
     ],
 )
 def test_light_of_another_layout_does_not_fit(changes):
-    """By its name or its size light tells that a layout is not its own."""
+    """Light whose name or size differs from the layout's does not fit it."""
     assert SURFACE_LIGHT.fits(LAID)
     assert not msgspec.structs.replace(SURFACE_LIGHT, **changes).fits(LAID)

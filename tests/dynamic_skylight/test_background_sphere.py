@@ -66,7 +66,7 @@ def test_the_azimuth_turns_the_sky_only():
 @example(1.0, 1.0, 0.0, 0.0, "disc")
 @example(10.0, 0.0, -np.pi / 2, 0.0, "sky_formula")
 def test_every_sphere_is_finite_and_not_negative(turbidity, albedo, elevation, azimuth, colour):
-    """At every hour, in all air over all ground."""
+    """Holds for every elevation of the sun, turbidity and albedo."""
     light = daylight(turbidity, albedo, elevation, azimuth, colour)
     for values in (light.background(8), light.ambient()):
         assert np.all(np.isfinite(values))

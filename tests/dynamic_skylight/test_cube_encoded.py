@@ -67,7 +67,7 @@ def test_blocks_of_rows_leave_no_gap(size):
 
 @pytest.mark.parametrize("method", ["cube_map_float16", "cube_map_u8"])
 def test_encoded_faces_on_demand_in_a_given_buffer(method):
-    """What was not asked for stays as it was."""
+    """Faces that were not requested keep their values."""
     make = getattr(SKY, method)
     whole = make(16, 1.0)
     out = np.full_like(whole, 7)

@@ -39,7 +39,7 @@ def test_the_ground_and_the_scale_are_known_before_the_texture(sky):
 
 
 def test_twilight_is_the_cpus(sky):
-    """Below the blend the sky is not the formula's alone."""
+    """Below the blend the CPU computes the sky, because the GPU has the formula alone."""
     sky.sun(0.0)
     (background,) = sky.taken()
     assert isinstance(background.cube, Array)

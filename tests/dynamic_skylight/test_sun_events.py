@@ -181,7 +181,7 @@ def test_the_short_series_serves_too():
 
 
 def test_a_place_off_the_earth_is_refused():
-    """In one sentence, as by sun_position."""
+    """The error is one sentence, the same as that of sun_position."""
     with pytest.raises(ValueError, match="latitude_deg must lie between"):
         sun_events(date(2026, 5, 1), 91.0, 0.0)
 

@@ -99,7 +99,7 @@ def test_limb_polynomials_have_mean_one_and_darken_outwards():
     st.sampled_from(["disc", "sky_formula", "white"]),
 )
 def test_light_is_finite_and_never_negative(turbidity, albedo, elevation, colour):
-    """At every elevation; below the horizon, once the disc is down, exactly none."""
+    """Holds at every elevation; once the disc is below the horizon the light is exactly 0."""
     visible = float(visible_fraction(elevation))
     light = sun_light(turbidity, albedo, elevation, visible, colour).irradiance_rgb
     assert np.all(np.isfinite(light))

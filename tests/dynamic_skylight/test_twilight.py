@@ -80,7 +80,7 @@ def test_by_day_the_sky_is_hoseks_own():
 @example(1.0, 0.0, -np.pi / 2)
 @example(10.0, 1.0, BLEND_APPARENT_RAD)
 def test_every_sky_is_finite_and_lit(turbidity, albedo, elevation):
-    """At no hour a NaN, a negative or a black sky."""
+    """No hour gives a NaN, a negative value or a black sky."""
     sky = sky_of_hour(turbidity, albedo, elevation)
     cube = sky.cube_map(8, 1.0)
     assert np.all(np.isfinite(cube))

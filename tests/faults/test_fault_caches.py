@@ -310,7 +310,7 @@ def moved(value):
 
 
 def test_a_kernel_is_compiled_again_when_what_it_is_made_of_changes(tmp_path):
-    """Not its own file changes, but one that a file beside it imports a constant from."""
+    """A change in an imported file of constants compiles the kernel again."""
     package = tmp_path / "kernels_here"
     package.mkdir()
     (package / "__init__.py").touch()

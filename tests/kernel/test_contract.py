@@ -176,13 +176,13 @@ def test_invalid_settings_are_refused_in_a_sentence(folder, kind):
 
 @pytest.mark.parametrize("kind", FILES)
 def test_an_import_that_fails_is_a_sentence(folder, kind):
-    """In whatever way it fails."""
+    """Every kind of exception during the import becomes one sentence."""
     text, says = FILES[kind]
     assert says in told(folder, 200 + list(FILES).index(kind), text)
 
 
 def test_a_class_that_changes_is_refused_when_it_is_added():
-    """What passes one check may fail the next: a kernel gives it no seat, and goes on."""
+    """A class that fails the second check gets no seat, and the kernel goes on."""
     import msgspec
 
     from vrut_lite.kernel.module import Manifest, Module

@@ -29,7 +29,7 @@ class OddInput(Input, frozen=True, kw_only=True):
 
 @given(st.lists(st.sampled_from(["key", "unhashable key", "check", "user", "good"]), max_size=6))
 def test_an_input_that_raises_is_refused_alone(whats):
-    """What has no key or cannot be checked is refused in a sentence, and merges with nothing."""
+    """An input whose key or check fails is refused in one sentence and merges with no other."""
     kernel = Kernel()
     kernel.add_module(Good)
     faults, heard = faults_of(kernel), collect(kernel, Heard)

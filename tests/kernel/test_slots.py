@@ -136,7 +136,7 @@ def needing(name, provides, requires):
 
 
 def test_a_module_holds_no_slot_before_those_that_it_requires_are_filled():
-    """What has never heard of a sun has nothing to show: its slot waits, or another takes it."""
+    """A module gets no slot before each slot that it requires has had a holder."""
     kernel = Kernel()
     kernel.add_module(needing("sky", ("sky",), ("sun",)))
     kernel.add_module(needing("stars", ("night",), ("sky",)))

@@ -1,12 +1,12 @@
 """Opened scenes of bare meshes, and meshes that are hard to unwrap."""
 
 import numpy as np
+from grey_materials import grey_materials
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.ground_disc import disc_under
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
-from vrut_lite.daylight.surface_terms import SurfaceTerms, as_row
+from vrut_lite.daylight.scene_content import SceneGeometry
 
 
 def opened(*meshes, places=None, ground=False):
@@ -42,27 +42,12 @@ def opened(*meshes, places=None, ground=False):
     lower, upper = points.min(axis=0), points.max(axis=0)
     scene = SceneOpened(
         path="made", lower_m=tuple(lower), upper_m=tuple(upper), triangles=len(points) // 3,
-        geometry=geometry, materials=_grey(), camera=None,
+        geometry=geometry, materials=grey_materials(), camera=None,
         ground=disc_under(lower, upper) if ground else None,
     )  # fmt: skip
     scene.check()
     scene.check_arrays()
     return scene
-
-
-def _grey():
-    return SceneMaterials(
-        names=Array(np.frombuffer(b"grey", np.uint8)), base_colour_rgba=Array(np.ones((1, 4))),
-        metallic=Array(np.zeros(1)), roughness=Array(np.ones(1)),
-        emission_rgb=Array(np.zeros((1, 3))), alpha_mode=Array(np.zeros(1, np.uint8)),
-        alpha_cutoff=Array(np.ones(1)), double_sided=Array(np.zeros(1, bool)),
-        normal_scale=Array(np.ones(1)), occlusion_strength=Array(np.ones(1)),
-        terms=Array(as_row(SurfaceTerms())[None].copy()),
-        map_image=Array(np.full((1, len(MAP_NAMES)), -1, np.int32)),
-        map_uv_layer=Array(np.zeros((1, len(MAP_NAMES)), np.uint8)),
-        map_sampler=Array(np.zeros((1, len(MAP_NAMES), 3), np.uint8)),
-        images=Array(np.zeros((0, 4), np.int64)), texels=Array(np.zeros(0, np.uint8)),
-    )  # fmt: skip
 
 
 def box(size=(1.0, 1.0, 1.0)):

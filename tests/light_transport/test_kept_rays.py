@@ -44,7 +44,7 @@ def test_a_scene_opened_again_traces_no_rays(scene, traced):
 
 
 def test_other_colours_need_no_other_rays(scene, traced, tmp_path):
-    """What surfaces send back is no part of where rays end; the light is another."""
+    """Kept rays do not depend on albedos; only the light of an hour does."""
     grey = light_of(scene)[-1]
     white = light_of(Show(path=str(box_file(tmp_path, colour=0.9))))[-1]
     assert traced == [64, 64]

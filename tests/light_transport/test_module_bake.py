@@ -139,7 +139,7 @@ def test_another_scene_begins_anew(stage, scene, tmp_path):
 
 @pytest.mark.parametrize("change", ["scene", "texels"])
 def test_a_layout_under_way_is_given_up(stage, scene, tmp_path, monkeypatch, change):
-    """Large scenes take seconds: whoever opens the next one, or turns a knob, does not wait."""
+    """Opening another scene or changing a size cancels a layout, which can take seconds."""
     two = Show(path=str(box_file(tmp_path, "two.obj", boxes=((0.0, 2.0), (5.0, 1.0)))))
     finer = SetSetting(module="light_transport", name="texel_m", value=0.25)
     began, may_go_on, steps = threading.Event(), threading.Event(), []

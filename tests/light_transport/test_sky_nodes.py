@@ -36,7 +36,7 @@ def test_a_cell_lies_where_its_directions_are():
 
 
 def test_a_uniform_sky_is_uniform_in_all_cells():
-    """No cell gains or loses by the cube map's grid."""
+    """The cube map's grid adds no error to any cell."""
     found = node_radiances(np.full((6, 64, 64, 3), 3.0, np.float32), (1.0, 2.0, 3.0))
     np.testing.assert_allclose(found[:GROUND_NODE], 3.0, rtol=1e-6)
     np.testing.assert_array_equal(found[GROUND_NODE:], [[1.0, 2.0, 3.0]] * (NODES - GROUND_NODE))

@@ -72,7 +72,7 @@ def test_tighter_tolerances_ask_for_more():
 
 
 def test_a_layout_of_no_scene_is_a_valid_message():
-    """What takes a light map back passes the checks of any layout."""
+    """The empty layout that removes a light map passes the checks of a layout."""
     nothing = no_light_map()
     nothing.check()
     nothing.check_arrays()

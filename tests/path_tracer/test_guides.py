@@ -39,7 +39,7 @@ def test_guides_are_the_colour_and_the_normal_first_met(tmp_path, metallic, albe
 
 
 def test_without_an_llvm_auto_is_scalar_with_quick_surfaces(monkeypatch):
-    """No error, and no Python for each path; who asks for llvm by name hears of it."""
+    """The choice auto raises no error; the choice llvm does."""
     monkeypatch.delenv(library.LIBRARY_VARIABLE, raising=False)
     monkeypatch.setattr(library, "_PLACES", ())
     library.safe_library.cache_clear()

@@ -190,7 +190,7 @@ class Gate:
 
 
 def test_a_sun_that_changes_during_a_render_begins_it_anew(stage, monkeypatch):
-    """What is traced under the old sun is stopped and never shown."""
+    """The render under the old sun is cancelled and never shown."""
     kernel, heard = stage
     gate = Gate(monkeypatch)
     heard.clear()
@@ -228,7 +228,7 @@ def test_a_render_without_demand_stops(stage, monkeypatch):
 
 
 def test_tracing_stops_between_batches(stage, monkeypatch):
-    """Of many batches those after the question are not begun."""
+    """No batch begins after the cancellation."""
     play(stage, WANT)
     monkeypatch.setattr("path_tracer.tracer._PATHS_A_BATCH", 1)
     subject = Subject(stage[0].seats["scene"].module.state)
@@ -298,7 +298,7 @@ def test_an_llvm_that_aborts_fails_or_hangs_is_one_line(stage, monkeypatch, prog
 
 
 def test_a_machine_without_llvm_is_told_so(monkeypatch):
-    """No candidate, no trial."""
+    """Without a library of LLVM the error says that none was found."""
     monkeypatch.delenv(library.LIBRARY_VARIABLE, raising=False)
     monkeypatch.setattr(library, "_PLACES", ())
     library.safe_library.cache_clear()

@@ -94,7 +94,7 @@ def test_its_settings_are_no_options_of_other_commands():
 
 @pytest.mark.long
 def test_neither_opengl_nor_mitsuba_is_loaded_without_need(tmp_path):
-    """The engine needs no GL, and whoever does not trace waits for no mitsuba."""
+    """The engine imports no GL, and other commands import no mitsuba."""
     program = (
         "import sys\nfrom click.testing import CliRunner\n"
         "from vrut_lite.commands.render import render\nfrom path_tracer.module import PathTracer\n"

@@ -230,7 +230,7 @@ def test_what_glows_has_its_luminance(backend, tmp_path):
 
 
 def test_a_glow_lights_what_stands_near(backend, tmp_path):
-    """In the dark a square that faces a glowing one is brighter than its own glow."""
+    """A square that faces a glowing one is brighter than by its own emission."""
     paint = {**surface(0.0, 1.0, 0.5), "emissiveFactor": [1.0, 1.0, 1.0]}
     turned = {"mesh": 0, "translation": [0, 1, 0], "rotation": [1, 0, 0, 0]}
     path = square(tmp_path, paint, nodes=[{"mesh": 0}, turned])

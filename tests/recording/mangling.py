@@ -40,7 +40,7 @@ def truncate(data, dice):
 
 
 def forge_bytes(data, dice):
-    """Bytes changed by someone who mends the checksums of the data section and the footer."""
+    """Changed bytes with correct checksums of the data section and the footer."""
     footer_start = len(data) - MAGIC - FOOTER.size
     opcode, length, summary_start, offsets, _ = FOOTER.unpack_from(data, footer_start)
     data_end = summary_start - DATA_END.size
@@ -55,7 +55,7 @@ def forge_bytes(data, dice):
 
 
 def forge_content(data, dice):
-    """A journal written anew by someone who changed texts and mended digests."""
+    """A journal with changed texts and correct digests."""
     parts = opened(data)
     parts.facts = {k: _maybe(_spoil_text, v, dice, 0.05) for k, v in parts.facts.items()}
     topics = {topic: _maybe(_spoil_text, topic, dice, 0.05) for topic, _ in parts.messages}

@@ -62,7 +62,7 @@ def test_scalars_may_differ_by_the_fifth_decimal(factor, equal, size):
 
 
 def test_the_last_bit_of_float32_is_no_difference_by_value():
-    """What went through float32 moves by so much between processors."""
+    """Values that went through float32 differ by so much between processors."""
     for value in np.exp(np.linspace(-20.0, 20.0, 50)).astype(np.float32):
         after = float(np.nextafter(value, np.float32(np.inf)))
         there, here = entry(sun_at(float(value))), entry(sun_at(after))

@@ -237,7 +237,7 @@ def test_a_spoilt_journal_is_refused_in_one_sentence(saved, spoil, light):
     ("forgery", "count"), [(forge_bytes, 50), (forge_content, 100), (forge_records, 50)]
 )
 def test_a_forged_journal_is_refused_or_replayed(saved, full, forgery, count):
-    """With checksums and digests mended: a sentence or a comparison, and no great memory."""
+    """A forged journal with correct checksums is refused or compared, in little memory."""
     before_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     said = [attempt(saved(forgery(full, random.Random(seed)))) for seed in range(count)]
     assert all("\n" not in sentence for sentence in said)

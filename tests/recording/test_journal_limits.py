@@ -91,7 +91,7 @@ def test_an_array_is_unpacked_once_however_often_it_is_referred_to(saved, unpack
 
 
 def test_arrays_count_before_they_are_unpacked(saved, unpackings, monkeypatch):
-    """What they unpack to is what they say, and is added up at the opening."""
+    """The declared sizes are added up when the journal is opened."""
     arrays = [Array(np.full(MIB, i, np.float32)) for i in range(5)]
     path = saved([result([handle(array) for array in arrays])], [packed(a) for a in arrays])
     monkeypatch.setenv("VRUT_LITE_MEMORY_GIB", str(18 / 1024))
@@ -150,7 +150,7 @@ def test_a_transaction_ends_where_the_next_input_is(saved):
     place=st.sampled_from(["result", "fault", "setting", "handle"]),
 )
 def test_a_deep_message_is_refused_by_its_number(tmp_path_factory, levels, value, seed, place):
-    """Lists and objects in turns, deeper than anyone can walk through."""
+    """Lists and objects nested more deeply than the limit."""
     deep = nested(value, levels, random.Random(seed))
     message = {
         "result": lambda: result(deep),
@@ -168,7 +168,7 @@ def test_a_deep_message_is_refused_by_its_number(tmp_path_factory, levels, value
 
 
 def test_a_message_may_nest_as_deep_as_is_said(saved):
-    """The limit itself is no deeper than anyone walks."""
+    """A message nested to the limit is accepted."""
     deep = nested(1.0, limits.NESTING - 2)
     assert list(dump_lines(Journal(saved([result(deep)]))))
     Replay(Journal(saved([result(deep)])), TOYS).run(to_the_end=True)
@@ -256,7 +256,7 @@ def test_a_row_names_the_first_fields_of_very_many(saved):
 
 
 def test_a_dump_does_not_steer_the_terminal(saved):
-    """What JSON leaves as it is, and a terminal obeys, is written as an escape."""
+    """Control characters that JSON would leave unchanged are escaped."""
     where = "\x1b[2J\x9b2J\x7f\u202e"
     line = list(dump_lines(Journal(saved([POKE, fault(where)]))))[-1]
     assert line.isprintable()

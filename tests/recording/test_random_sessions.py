@@ -47,7 +47,7 @@ def test_without_cpu_features_values_are_compared(tmp_path):
 
 
 def test_another_target_of_numba_is_told(tmp_path):
-    """What numba compiled for another processor rounds otherwise: digests are not compared."""
+    """Kernels for another processor round differently, so digests are not compared."""
     path = tmp_path / "journal.mcap"
     path.write_bytes(random_sessions.record(1002, tmp_path))
     said = in_process("random_sessions.py", path, NUMBA_CPU_NAME="generic")

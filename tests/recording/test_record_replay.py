@@ -53,7 +53,7 @@ EMPTY = JobResult(module="parrot", job="gpu", value=Array(np.zeros((0, 3))))
 
 
 def test_a_result_from_elsewhere_is_read_from_a_full_journal(tmp_path):
-    """What the GPU's owner brought was no job of the kernel's: the journal has to hold it."""
+    """Results of the GPU's owner are no jobs of the kernel, so the journal holds them."""
     live = record_inputs([FOREIGN, EMPTY, Poke(value=0.3)], full=True)
     again, outcome = replayed(saved(tmp_path, live))
     assert outcome.difference is None

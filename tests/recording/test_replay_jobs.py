@@ -211,7 +211,7 @@ def test_a_journal_without_marks_still_replays(tmp_path):
 
 
 def test_a_dump_gives_the_results_from_elsewhere_alone(tmp_path):
-    """Those of jobs come by themselves when its inputs are given to a kernel again."""
+    """A kernel that is given the inputs again makes the results of jobs itself."""
     journal = Journal(recorded(tmp_path, FIRST, None, elsewhere(7), SECOND, None))
     script = tmp_path / "script.jsonl"
     script.write_text("\n".join(dump_lines(journal)))

@@ -119,7 +119,7 @@ def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):
 @settings(deadline=None)
 @given(st.lists(st.floats(-1.0, 1e8), min_size=3, max_size=3))
 def test_every_curve_shows_something_for_any_radiance(rgb):
-    """In range, no NaN, also for colours outside the gamut."""
+    """The values lie in range without NaN, also for colours outside the gamut."""
     for curve in ("agx", "exponential", "none"):
         shown = tone_map.tone_mapped(rgb, curve)
         assert ((shown >= 0.0) & (shown <= 1.0)).all()

@@ -108,7 +108,7 @@ def sky_on_gpu():
 
 
 def done(job):
-    """What whoever runs GPU jobs answers."""
+    """The answer of the runner of GPU jobs."""
     texture = GpuTexture(size=job.size, format=job.format, recipe=job.recipe)
     return JobResult(module=job.module, job=job.job, value=texture)
 

@@ -10,6 +10,7 @@ from scene_files import SQUARE, TRIANGLES
 
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.scene.mesh import Mesh
 
 WriteScene = Callable[..., Path]
 SQUARE_BYTES = SQUARE.tobytes() + TRIANGLES.tobytes()
@@ -18,16 +19,26 @@ MODELS = Path(__file__).resolve().parents[1] / "data" / "models"
 
 def material_of(scene: LoadedScene) -> SurfaceMaterial:
     """The first mesh's material."""
-    material = scene.meshes[0].mesh.visual.material
+    material = scene.meshes[0].mesh.material
     assert isinstance(material, SurfaceMaterial)
     return material
 
 
 def face_normals(scene: LoadedScene) -> np.ndarray:
     """Unit normals of all triangles in world axes, from their winding."""
-    a, b, c = np.moveaxis(np.concatenate([p.world_triangles() for p in scene.meshes]), 1, 0)
+    triangles = np.concatenate([place.world_triangles() for place in scene.meshes])
+    a, b, c = np.moveaxis(triangles, 1, 0)
     normal = np.cross(b - a, c - a)
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def front_cosines(mesh: Mesh) -> np.ndarray:
+    """Cosines (F, 3) between vertex normals and their triangles; none of specks below 1e-8."""
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1)
+    cosine = np.einsum("fcx,fx->fc", mesh.normals[mesh.faces], normal)
+    return cosine[length > 2e-8] / length[length > 2e-8, None]
 
 
 def add_array(document: dict[str, Any], values: np.ndarray, **accessor: Any) -> int:

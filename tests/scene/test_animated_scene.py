@@ -86,7 +86,7 @@ def test_an_animation_follows_the_clock_of_the_place(stage):
 
 
 def test_ground_and_framing_stay_while_things_move(stage):
-    """A scene that rises lifts neither the ground that it stands on nor who looks at it."""
+    """A rising scene moves neither the ground disc nor the camera."""
     play, view, path = stage
     play(LoadScene(path=path))
     ground, camera = view.state.scene.ground, view.state.camera

@@ -106,7 +106,7 @@ def test_paths_as_windows_writes_them(tmp_path: Path) -> None:
     faces = "usemtl brick\nf 1/1 2/2 3/3\nusemtl tile\nf 1/1 2/2 3/3\n"
     (tmp_path / "a.obj").write_text(f"mtllib .\\a.mtl\n{corners}{faces}")
     scene = load_scene(tmp_path / "a.obj")
-    sizes = [place.mesh.visual.material.baseColorTexture.size for place in scene.meshes]
+    sizes = [place.mesh.material.baseColorTexture.size for place in scene.meshes]
     assert sizes == [(8, 4), (8, 4)]
     (tmp_path / "a.mtl").write_text("newmtl brick\nmap_Kd ..\\..\\secret.png\n")
     with pytest.raises(UserError, match="leads out of the scene's folder"):

@@ -114,7 +114,7 @@ def test_missing_image(write_square: WriteScene) -> None:
     """A missing texture is told and left out, so that the rest can be seen."""
     scene = load_scene(write_square(lambda d: add_texture(d, {"uri": "brick.png"})))
     assert "picture brick.png: missing, left out" in scene.notices
-    assert scene.meshes[0].mesh.visual.material.baseColorTexture is None
+    assert scene.meshes[0].mesh.material.baseColorTexture is None
 
 
 def test_damaged_image(write_square: WriteScene) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from loaded_scenes import front_cosines
 
 from vrut_lite.errors import UserError
 from vrut_lite.scene.ground import has_own_ground
@@ -74,7 +75,7 @@ def test_scene_leaves_the_horizon_to_the_host(scene: LoadedScene) -> None:
 def test_albedo_is_below_nine_tenths(scene: LoadedScene) -> None:
     """No surface reflects more than 90 %, the albedo of fresh snow."""
     for place in scene.meshes:
-        material = place.mesh.visual.material
+        material = place.mesh.material
         texture = material.baseColorTexture
         peak = 1.0
         if texture is not None:
@@ -86,10 +87,7 @@ def test_albedo_is_below_nine_tenths(scene: LoadedScene) -> None:
 def test_normals_agree_with_the_winding(scene: LoadedScene) -> None:
     """Every vertex normal is on the front side of its triangle: none is inside out."""
     for place in scene.meshes:
-        mesh = place.mesh
-        front = mesh.face_normals[:, None, :]
-        cosine = np.sum(mesh.vertex_normals[mesh.faces] * front, axis=2)
-        assert cosine[mesh.area_faces > 1e-8].min() > 0.1, place.name
+        assert front_cosines(place.mesh).min() > 0.1, place.name
 
 
 def test_cameras_look_at_their_scene() -> None:
@@ -118,7 +116,7 @@ def test_sundial_can_be_measured() -> None:
     np.testing.assert_allclose(tip, [0.0, 1.0, 0.0], atol=1e-6)
     on_top = named["plate"][named["plate"][:, 1] == 0.0]
     assert np.hypot(on_top[:, 0], on_top[:, 2]).max() == pytest.approx(6.0)
-    red = next(p for p in scene.meshes if p.mesh.visual.material.name == "red enamel")
+    red = next(p for p in scene.meshes if p.mesh.material.name == "red enamel")
     middle = red.world_triangles().reshape(-1, 3).mean(axis=0)
     assert middle[2] < -6.0
     assert abs(middle[0]) < 0.1
@@ -141,7 +139,7 @@ def test_street_hides_much_of_the_sky() -> None:
 def test_spheres_cover_metal_and_matt() -> None:
     """Mirrors to matt surfaces, metals and non-metals, with an 18 % grey card."""
     scene = load_scene(SCENES / "spheres.glb")
-    materials = {p.mesh.visual.material.name: p.mesh.visual.material for p in scene.meshes}
+    materials = {p.mesh.material.name: p.mesh.material for p in scene.meshes}
     assert materials["mirror"].roughnessFactor == 0.0
     assert materials["mirror"].metallicFactor == 1.0
     grey = materials["18 % grey, matt"]
@@ -156,8 +154,8 @@ def test_pavilion_shares_its_columns() -> None:
     columns = [place for place in scene.meshes if place.name.startswith("column")]
     assert len(columns) == 8
     assert len({id(place.mesh) for place in columns}) == 1
-    floor = next(p for p in scene.meshes if p.mesh.visual.material.name == "marble floor")
-    assert floor.mesh.visual.material.baseColorTexture.size == (256, 256)
+    floor = next(p for p in scene.meshes if p.mesh.material.name == "marble floor")
+    assert floor.mesh.material.baseColorTexture.size == (256, 256)
 
 
 @pytest.mark.parametrize("seed", range(80))

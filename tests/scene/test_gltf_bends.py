@@ -74,7 +74,7 @@ def test_normals_bend_with_the_skin(write_square: WriteScene) -> None:
         half = np.sqrt(0.5)
         document["nodes"][2]["rotation"] = [half, 0, 0, half]
 
-    normals = load_scene(write_square(edit)).meshes[0].mesh.vertex_normals
+    normals = load_scene(write_square(edit)).meshes[0].mesh.normals
     np.testing.assert_allclose(normals[:2], [[0, 0, 1]] * 2, atol=1e-6)
     np.testing.assert_allclose(normals[2:], [[0, -1, 0]] * 2, atol=1e-6)
 
@@ -151,7 +151,7 @@ def test_morphing_turns_computed_normals(write_square: WriteScene) -> None:
         document["meshes"][0]["weights"] = [0, 1]
 
     mesh = load_scene(write_square(edit)).meshes[0].mesh
-    np.testing.assert_allclose(mesh.vertex_normals, [[0, -(0.5**0.5), 0.5**0.5]] * 4, atol=1e-6)
+    np.testing.assert_allclose(mesh.normals, [[0, -(0.5**0.5), 0.5**0.5]] * 4, atol=1e-6)
 
 
 def test_instances_stand_where_they_are_listed(write_square: WriteScene) -> None:

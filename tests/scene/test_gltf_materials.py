@@ -137,7 +137,7 @@ def test_texture_transform(write_square: WriteScene) -> None:
 
     path = write_square(edit)
     (path.parent / "a.png").write_bytes(png_bytes())
-    got = load_scene(path).meshes[0].mesh.visual.uv
+    got = load_scene(path).meshes[0].mesh.uv
     # The extension's matrix for a right angle: u' = s_v v + 0.1, v' = -s_u u + 0.2.
     expected = np.stack([3 * uv[:, 1] + 0.1, -2 * uv[:, 0] + 0.2], axis=1)
     np.testing.assert_allclose(got, np.stack([expected[:, 0], 1 - expected[:, 1]], 1), atol=1e-6)

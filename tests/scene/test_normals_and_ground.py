@@ -75,7 +75,7 @@ def test_box_file_without_normals(tmp_path: Path) -> None:
     """The loader keeps the hard edges."""
     trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.obj")
     mesh = load_scene(tmp_path / "box.obj").meshes[0].mesh
-    assert np.allclose(np.abs(mesh.vertex_normals).max(axis=1), 1.0)
+    assert np.allclose(np.abs(mesh.normals).max(axis=1), 1.0)
 
 
 def ground_scene(folder: Path, *meshes: trimesh.Trimesh) -> LoadedScene:

@@ -47,7 +47,7 @@ def test_obj_texture(write_obj: WriteScene, name: str) -> None:
     (path.parent / file).write_bytes(png_bytes((16, 8)))
     scene = load_scene(path)
     assert material_of(scene).baseColorTexture.size == (16, 8)
-    np.testing.assert_allclose(scene.meshes[0].mesh.visual.uv, [[0, 0], [1, 0], [1, 1], [0, 1]])
+    np.testing.assert_allclose(scene.meshes[0].mesh.uv, [[0, 0], [1, 0], [1, 1], [0, 1]])
 
 
 def test_obj_cut_out(write_obj: WriteScene) -> None:
@@ -68,7 +68,7 @@ def test_obj_meshes_keep_their_own_material(write_obj: WriteScene) -> None:
     mtl = "newmtl paint\nKd 1 0 0\nnewmtl other\nKd 0 1 0\n"
     faces = "f 1/1 2/2 3/3\nusemtl other\nf 1/1 3/3 4/4"
     scene = load_scene(write_obj(mtl, faces))
-    colours = {p.mesh.visual.material.name: p.mesh.visual.material for p in scene.meshes}
+    colours = {p.mesh.material.name: p.mesh.material for p in scene.meshes}
     np.testing.assert_array_equal(colours["paint"].baseColorFactor, [1, 0, 0, 1])
     np.testing.assert_array_equal(colours["other"].baseColorFactor, [0, 1, 0, 1])
 
@@ -92,7 +92,7 @@ def test_obj_faces(write_obj: WriteScene, faces: str, triangles: int) -> None:
     """Polygons are cut into fans; every way to write a corner is read."""
     scene = load_scene(write_obj(faces=f"vn 0 0 1\n{faces}"))
     assert scene.triangles == triangles
-    np.testing.assert_allclose(scene.meshes[0].mesh.vertex_normals[:, 2], 1.0)
+    np.testing.assert_allclose(scene.meshes[0].mesh.normals[:, 2], 1.0)
 
 
 def test_obj_counts_back_from_the_present_line(write_obj: WriteScene) -> None:
@@ -105,7 +105,7 @@ def test_obj_normals_stay(write_obj: WriteScene) -> None:
     """vn is kept, also where it is not the triangle's normal."""
     faces = "vn 0 0.6 0.8\nf 1//1 2//1 3//1"
     mesh = load_scene(write_obj(faces=faces)).meshes[0].mesh
-    np.testing.assert_allclose(mesh.vertex_normals, [[0, 0.6, 0.8]] * 3)
+    np.testing.assert_allclose(mesh.normals, [[0, 0.6, 0.8]] * 3)
 
 
 def test_obj_of_trimesh(tmp_path: Path) -> None:

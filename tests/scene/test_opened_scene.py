@@ -37,12 +37,12 @@ def test_parts_stand_as_the_file_has_them(name):
             opened.geometry.world_triangles(part), place.world_triangles()
         )
         mesh = opened.geometry.mesh(opened.geometry.part_mesh.values[part])
-        np.testing.assert_array_equal(mesh.normals, place.mesh.vertex_normals)
-        uv = place.mesh.visual.uv
+        np.testing.assert_array_equal(mesh.normals, place.mesh.normals)
+        uv = place.mesh.uv
         assert (mesh.uv is None) is (uv is None)
         if uv is not None:
             np.testing.assert_array_equal(mesh.uv, uv)
-        source, material = place.mesh.visual.material, materials[mesh.material]
+        source, material = place.mesh.material, materials[mesh.material]
         assert (material.name, material.alpha_mode) == (source.name, source.alphaMode)
         np.testing.assert_array_equal(material.base_colour_rgba, source.baseColorFactor)
         assert (source.baseColorTexture is None) is ("base_colour" not in material.maps)

@@ -122,7 +122,7 @@ def test_a_picture_of_many_names_is_decoded_once(tmp_path, names, as_obj):
     (tmp_path / "a.png").write_bytes(picture)
     link(tmp_path, "a.png")
     scene, counted = open_files(tmp_path, files)
-    worn_pictures = {id(p.mesh.visual.material.baseColorTexture) for p in scene.meshes}
+    worn_pictures = {id(p.mesh.material.baseColorTexture) for p in scene.meshes}
     assert (len(scene.meshes), len(worn_pictures)) == (len(names), 1)
     assert counted < 4 * side_px**2 + 2**20
 

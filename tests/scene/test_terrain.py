@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from loaded_scenes import front_cosines
 
 from tools.scenes.adaptive_mesh import adaptive_triangles
 from tools.scenes.erosion import drainage, drained_cells, erode
@@ -126,9 +127,7 @@ def test_there_is_no_cliff_at_the_rim(land):
 def test_normals_agree_with_the_land(terrain):
     """Unit normals on the front side of their triangles."""
     for place in terrain.meshes:
-        mesh = place.mesh
-        cosine = np.sum(mesh.vertex_normals[mesh.faces] * mesh.face_normals[:, None], axis=2)
-        assert cosine[mesh.area_faces > 1e-8].min() > 0.0, place.name
+        assert front_cosines(place.mesh).min() > 0.0, place.name
 
 
 def test_normals_have_no_seam_between_tiles(terrain):
@@ -138,7 +137,7 @@ def test_normals_have_no_seam_between_tiles(terrain):
         if "land" in place.name:
             mesh = place.mesh
             world = np.asarray(mesh.vertices) * SPACING_M + place.world_from_model[:3, 3]
-            looks = np.column_stack([mesh.vertex_normals, mesh.vertex_attributes["color"]])
+            looks = np.column_stack([mesh.normals, mesh.colours])
             for point, look in zip(world.tolist(), looks.round(6).tolist(), strict=True):
                 found.setdefault(tuple(point), set()).add(tuple(look))
     several = Counter(len(looks) for looks in found.values())
@@ -148,8 +147,8 @@ def test_normals_have_no_seam_between_tiles(terrain):
 def test_albedos_are_those_of_land(terrain):
     """From dark spruces (2 %) to old snow (65 % on average, never above 90 %)."""
     for place in terrain.meshes:
-        colours = place.mesh.vertex_attributes.get("color")
-        material = place.mesh.visual.material
+        colours = place.mesh.colours
+        material = place.mesh.material
         if colours is None:
             assert material.baseColorFactor[:3].max() < 0.3
             continue
@@ -169,7 +168,7 @@ def test_the_rim_has_the_bare_grounds_albedo(terrain):
         if "land" in place.name:
             world = np.asarray(place.mesh.vertices) * SPACING_M + place.world_from_model[:3, 3]
             rim = (world[:, 0] == -34560.0) | (np.abs(world[:, 2]) == 20480.0)
-            albedo = place.mesh.vertex_attributes["color"][rim, :3] * (2.0 / 3.0)
+            albedo = place.mesh.colours[rim, :3] * (2.0 / 3.0)
             np.testing.assert_allclose(albedo, 0.1, atol=0.5 / 255)
 
 

@@ -76,10 +76,10 @@ def Material "paint" {{
 }}
 """
     mesh = load_scene(_write(tmp_path, body)).meshes[0].mesh
-    material = mesh.visual.material
+    material = mesh.material
     assert (material.roughnessFactor, material.metallicFactor) == (0.25, 0.75)
     assert material.baseColorTexture.size == (4, 2)
-    np.testing.assert_allclose(mesh.visual.uv.max(axis=0), [1, 1])
+    np.testing.assert_allclose(mesh.uv.max(axis=0), [1, 1])
     outside = body.replace("./brick.png", "../brick.png")
     (tmp_path / "deeper").mkdir()
     with pytest.raises(UserError, match="leads out of the scene's folder"):
@@ -107,7 +107,7 @@ def Material "red" {{
 }}
 """
     scene = load_scene(_write(tmp_path, body))
-    colours = [tuple(place.mesh.visual.material.baseColorFactor) for place in scene.meshes]
+    colours = [tuple(place.mesh.material.baseColorFactor) for place in scene.meshes]
     assert colours == [(1, 0, 0, 1), (0.5, 0.5, 0.5, 1)]
     assert scene.triangles == 2
 

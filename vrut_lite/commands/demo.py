@@ -9,10 +9,10 @@ import click
 import msgspec
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from rich.progress import Progress
 
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.commands.progress import advancing_bar
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.daylight.place_time import local_text, time_zone_at
 from vrut_lite.errors import UserError
@@ -52,8 +52,7 @@ def demo(out: str, scenes: str) -> None:
     folder = _folder(Path(out))
     check_writable(folder / "contact_sheet.png")
     hours = _hours()
-    with Progress(refresh_per_second=4) as progress:
-        bar = progress.add_task("", total=len(hours) * len(projects))
+    with advancing_bar("pictures", len(hours) * len(projects)) as advance:
         rows = []
         for name, project in projects.items():
             # A host for each scene, so that no setting reaches the next.
@@ -61,9 +60,8 @@ def demo(out: str, scenes: str) -> None:
                 host.inject(*setting_inputs(project, host.kernel), *view_inputs(project))
                 row = []
                 for hour, instant in hours.items():
-                    progress.update(bar, description=f"{name}, {hour}")
                     row.append(_draw_hour(host, folder, name, hour, _at(project, instant)))
-                    progress.advance(bar)
+                    advance(1)
             rows.append(row)
     write_png(folder / "contact_sheet.png", contact_sheet(rows))
     click.echo(f"{sum(map(len, rows))} pictures and contact_sheet.png are in {folder}")

@@ -5,17 +5,15 @@ Such a module names its `engine` in its manifest, for `--engine`, and has a stat
 per pixel, and `traced` is called with the number of new samples after each step.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import click
 import msgspec
-from rich.console import Console
-from rich.progress import Progress
 
 from vrut_lite.commands.compile_message import tell_of_compilation
 from vrut_lite.commands.open_kernel import tell
+from vrut_lite.commands.progress import advancing_bar
 from vrut_lite.daylight.daylight_kernel import FaultCollector, daylight_kernel
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import SkyRadianceChanged
@@ -122,21 +120,13 @@ class EngineHost:
     def draw(self) -> Picture:
         """Deliver all inputs and draw; a terminal shows the progress."""
         self.settle()
-        with _samples_shown(self.samples) as self._traced:
+        with advancing_bar("samples", self.samples) as self._traced:
             picture: Picture = self._backend.draw(self.state)
         return picture
 
     def close(self) -> None:
         """End background jobs."""
         self.kernel.close()
-
-
-@contextmanager
-def _samples_shown(total: int) -> Iterator[Callable[[int], None]]:
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("samples", total=total)
-        yield lambda samples: progress.advance(task, samples)
 
 
 def _module_of(engine: str) -> type[Module]:

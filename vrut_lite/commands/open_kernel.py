@@ -28,6 +28,9 @@ def open_kernel() -> Kernel:
 def open_host() -> "Host":
     """A host, and one line on standard error for each module that is broken."""
     with interrupts_held():
+        from vrut_lite.render.gl_environment import begin_probe
+
+        begin_probe()
         from vrut_lite.host import Host
 
         tell_of_compilation()

@@ -5,7 +5,7 @@ instant. Its bytes are the same on every worker, and this process writes it atom
 """
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from datetime import datetime
 from pathlib import Path
@@ -14,9 +14,8 @@ from threading import Lock
 from typing import NamedTuple, Protocol
 
 import click
-from rich.console import Console
-from rich.progress import track
 
+from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.time_span import Wanted
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.display import Bits
@@ -76,11 +75,10 @@ def make_pictures(plan: Plan, wanted: Sequence[Wanted], workers: Executor | None
     What they lack is told once, on the error stream.
     Those that are finished when anything fails, Ctrl-C included, stay.
     """
-    captions = _elsewhere(plan, wanted, workers) if workers else _here(plan, wanted)
-    console = Console(stderr=True)
-    quiet = len(wanted) == 1 or not console.is_terminal
-    bar = track(captions, "pictures", len(wanted), console=console, transient=True, disable=quiet)
-    return list(bar)
+    captions: Iterable[str] = _elsewhere(plan, wanted, workers) if workers else _here(plan, wanted)
+    if len(wanted) > 1:
+        captions = tracked(captions, "pictures", len(wanted))
+    return list(captions)
 
 
 def _here(plan: Plan, wanted: Sequence[Wanted]) -> Iterator[str]:

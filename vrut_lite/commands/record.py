@@ -6,14 +6,13 @@ from itertools import count, takewhile
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import track
 
 from vrut_lite.commands.headless_scene import add_headless_scene
 from vrut_lite.commands.number_types import FiniteRange, WholeRange
 from vrut_lite.commands.open_kernel import open_kernel
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight.place_time import parse_instant
 from vrut_lite.daylight.scene import SceneOpened
@@ -128,7 +127,7 @@ def _instants(first: datetime, last: datetime, step: timedelta) -> list[datetime
 
 def _play(kernel: Kernel, script: list[Input]) -> None:
     """One input after another, so that none replaces the one before it."""
-    for message in track(script, "recording", console=Console(stderr=True), transient=True):
+    for message in tracked(script, "recording"):
         kernel.inject(message)
         kernel.pump_until_idle()
 

@@ -49,6 +49,9 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
 
     require_desktop()
     with interrupts_held():
+        from vrut_lite.render.gl_environment import begin_probe
+
+        begin_probe()
         from vrut_lite.app.main import run_app
     sys.exit(run_app(project, kept, safe_mode))
 

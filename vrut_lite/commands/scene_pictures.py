@@ -1,17 +1,16 @@
 """Pictures of a scene: one host for all of them."""
 
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
-from rich.console import Console
 
 from vrut_lite.commands.engines import GL, EngineHost
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
 from vrut_lite.commands.picture_metadata import picture_metadata
+from vrut_lite.commands.progress import busy_with
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.kernel.messages import SetClock
@@ -45,7 +44,7 @@ class ScenePlan:
         host = self._open_host()
         try:
             host.inject(*setting_inputs(self.project, host.kernel), *inputs)
-            with opening(self.project.scene):
+            with busy_with(f"opening {self.project.scene}"):
                 host.settle()
         except BaseException:
             host.close()
@@ -59,12 +58,6 @@ class ScenePlan:
         # A reflection that lags invisibly behind the sky would depend on the picture before.
         host.frame_skips = replace(host.frame_skips, reflection=False)
         return host
-
-
-def opening(scene: str) -> AbstractContextManager[object]:
-    """Shows on a terminal, while entered, that a scene is being opened."""
-    console = Console(stderr=True)
-    return console.status(f"opening {scene}") if console.is_terminal else nullcontext()
 
 
 class SceneStudio:

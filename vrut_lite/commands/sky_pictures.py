@@ -1,5 +1,6 @@
 """Pictures of the sky alone, by one kernel without GL."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 from math import degrees, radians
@@ -9,12 +10,11 @@ from typing import Literal
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.progress import track
 
 from vrut_lite.array import Array
 from vrut_lite.commands.open_kernel import open_kernel, require_sky
 from vrut_lite.commands.picture_metadata import json_values, picture_metadata, vector_text
+from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import FaultCollector, demand_light
@@ -225,10 +225,10 @@ def _sampled(
 ) -> NDArray[np.float32]:
     """The cube map at directions (h, w, 3), some rows at a time to save memory."""
     picture = np.empty(directions.shape, np.float32)
-    starts = range(0, len(directions), _ROWS_AT_A_TIME)
-    console = Console(stderr=True)
-    quiet = not bar or len(directions) < _ROWS_WORTH_A_BAR or not console.is_terminal
-    for start in track(starts, "drawing", console=console, disable=quiet, transient=True):
+    starts: Iterable[int] = range(0, len(directions), _ROWS_AT_A_TIME)
+    if bar and len(directions) >= _ROWS_WORTH_A_BAR:
+        starts = tracked(starts, "drawing")
+    for start in starts:
         rows = slice(start, start + _ROWS_AT_A_TIME)
         picture[rows] = sample_sky(cube, directions[rows])
     return picture

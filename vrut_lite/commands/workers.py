@@ -1,6 +1,5 @@
 """Workers that make pictures: processes of this machine, or a Dask cluster."""
 
-import asyncio
 import logging
 import os
 import signal
@@ -155,6 +154,8 @@ def _ignore_interrupts() -> None:
 
 def _knock(address: str) -> None:
     """Raise UserError unless a scheduler answers; a client would retry much longer."""
+    import asyncio
+
     from distributed.comm import connect
 
     async def visit() -> None:

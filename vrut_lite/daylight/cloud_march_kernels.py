@@ -46,7 +46,7 @@ class Lights(NamedTuple):
 
 @compiled
 def _sun_optical_depth(field, sun, x, z, over_base_m, width_m):  # type: ignore[no-untyped-def]
-    """Towards the sun, until the layer ends."""
+    """Optical depth towards the sun, to the end of the layer."""
     rise = sun[1]
     room_m = field.thickness_m - over_base_m if rise > 0.0 else over_base_m
     reach_m = min(_REACH * field.thickness_m, max(room_m, 0.0) / max(abs(rise), 1e-6))

@@ -1,4 +1,4 @@
-"""What a module's settings stand for where they are none, and values that it proposes by name.
+"""Values that replace settings of none, and named values that a module proposes.
 
 A settings class may say both, for panels that show them: a method `left_open(haze)` gives a value
 for each setting by its name, as the present preset and the place's haze have it; a class variable

@@ -1,4 +1,4 @@
-"""A plane that cuts what is seen of a scene; light, shadows and reflections know nothing of it."""
+"""A plane that cuts the scene in the picture; light, shadows and reflections ignore it."""
 
 from typing import Literal, NamedTuple
 

@@ -181,7 +181,7 @@ class Sky:
         raise NotImplementedError
 
     def background_on_ground(self, size: int) -> Background:
-        """The same by the CPU, as the scene sees it: from the ground, wherever the eye is."""
+        """The background computed on the CPU for an observer on the ground."""
         return self.background(size)
 
     def sun(self) -> SunDisc:

@@ -1,4 +1,4 @@
-"""What glTF's extensions say of a surface beyond metal, roughness and colour.
+"""Terms of a surface from glTF's extensions, beyond metal, roughness and colour.
 
 The numbers are those of KHR_materials_ior, specular, clearcoat, sheen, anisotropy, transmission,
 volume and unlit, in their units; each default is the extension's own, so that the defaults

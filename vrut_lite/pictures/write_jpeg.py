@@ -1,4 +1,4 @@
-"""sRGB pictures as JPEG (ITU-T T.81), for people who send or print them."""
+"""Writes sRGB pictures as JPEG (ITU-T T.81)."""
 
 import json
 import os

@@ -1,9 +1,11 @@
 """Prepares the process before OpenGL libraries are imported.
 
-pyrender 0.1.45 predates numpy 2 and Python 3.12, and imports a window toolkit that needs X11;
-three small repairs let it load headless. Nothing outside `render/` imports pyrender.
+pyrender 0.1.45 predates numpy 2 and Python 3.12; two small repairs let it load. Its package imports
+a window toolkit that needs X11, and trimesh, which takes a second: here only the parts that are
+used are imported. Nothing outside `render/` imports pyrender.
 """
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -19,6 +21,13 @@ _PROBE = (
     "print(c.info['GL_RENDERER'])"
 )
 _PROBE_TIMEOUT_S = 60
+_PARTS = {
+    "material": "MetallicRoughnessMaterial",
+    "primitive": "Primitive",
+    "renderer": "Renderer",
+    "sampler": "Sampler",
+    "texture": "Texture",
+}
 
 
 def prepare_environment() -> None:
@@ -28,40 +37,48 @@ def prepare_environment() -> None:
 
 
 @lru_cache(maxsize=1)
+def begin_probe() -> "subprocess.Popen[str]":
+    """Start the process of `probe_gl`, so that it works while libraries are imported."""
+    prepare_environment()
+    return subprocess.Popen(
+        [sys.executable, "-c", _PROBE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@lru_cache(maxsize=1)
 def probe_gl() -> tuple[str, str]:
     """Name of the GL renderer, or an empty text and the reason for its absence.
 
     Found by a separate process: a broken driver aborts instead of raising.
     """
-    prepare_environment()
+    probe = begin_probe()
     try:
-        probe = subprocess.run(
-            [sys.executable, "-c", _PROBE],
-            capture_output=True,
-            text=True,
-            timeout=_PROBE_TIMEOUT_S,
-            check=False,
-        )
+        said, complaint = probe.communicate(timeout=_PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
+        probe.kill()
+        probe.communicate()
         return "", f"the GL driver did not answer within {_PROBE_TIMEOUT_S} s"
     if probe.returncode == 0:
-        return probe.stdout.strip(), ""
-    lines = probe.stderr.strip().splitlines()
+        return said.strip(), ""
+    lines = complaint.strip().splitlines()
     return "", lines[-1] if lines else f"the GL driver ended the probe ({probe.returncode})"
 
 
 @lru_cache(maxsize=1)
 def import_pyrender() -> Any:
-    """The pyrender package, repaired for this Python and numpy."""
+    """The parts of pyrender that the renderer uses, repaired for this Python and numpy."""
     prepare_environment()
     np.infty = np.inf  # type: ignore[attr-defined]  # noqa: NPY201
     if sys.version_info >= (3, 12):
         from OpenGL.plugins import FormatHandler
 
         FormatHandler.by_name("ctypesparameter").check.append("_ctypes.CArgObject")
-    viewer = types.ModuleType("pyrender.viewer")
-    viewer.Viewer = None  # type: ignore[attr-defined]
-    sys.modules.setdefault("pyrender.viewer", viewer)
-    import pyrender
-
-    return pyrender
+    found = importlib.util.find_spec("pyrender")
+    if found is None or found.submodule_search_locations is None:
+        raise ModuleNotFoundError("No module named 'pyrender'", name="pyrender")
+    package = types.ModuleType("pyrender")
+    package.__path__ = found.submodule_search_locations
+    sys.modules["pyrender"] = package
+    for part, name in _PARTS.items():
+        setattr(package, name, getattr(importlib.import_module(f"pyrender.{part}"), name))
+    return package

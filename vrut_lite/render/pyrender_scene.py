@@ -41,21 +41,30 @@ class PlacedPrimitive:
     mirror: int | None = None
 
 
-class _Cut(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Cut:
     """A mesh on its way to the GPU, and the matrix (4, 4) that moves its centred vertices back."""
 
-    mesh: Any
+    primitive: Any
     model_from_centred: FloatArray
 
     @property
-    def primitive(self) -> Any:
-        return self.mesh.primitives[0]
+    def primitives(self) -> list[Any]:
+        """As pyrender's renderer reads a mesh."""
+        return [self.primitive]
+
+
+class Uploads(NamedTuple):
+    """What pyrender's renderer reads of a scene when it brings buffers to the GPU."""
+
+    meshes: set[_Cut]
+    lights: tuple[()] = ()
 
 
 class PyrenderScene:
     """Meshes whose buffers pyrender keeps, their places, and the ground's material.
 
-    pyrender uploads `scene`; the passes draw `placed`.
+    pyrender brings `uploads` to the GPU; the passes draw `placed`.
     """
 
     def __init__(self, opened: SceneOpened):
@@ -81,7 +90,7 @@ class PyrenderScene:
         """Cut meshes as the light map's layout does; uncut meshes keep their buffers."""
         geometry = self._opened.geometry
         whole = {key: cut for key, cut in self._cuts.items() if key[1] == NOT_MAPPED}
-        self._cuts, self.scene, self.placed = {}, pyrender.Scene(), []
+        self._cuts, self.uploads, self.placed = {}, Uploads(set()), []
         mirrors = None if light_map is None else light_map.mirrors
         mirror_of = (
             {}
@@ -93,7 +102,7 @@ class PyrenderScene:
             key = (int(mesh), shape)
             if key not in self._cuts:
                 self._cuts[key] = whole.get(key) or self._cut(int(mesh), shape, light_map)
-                self.scene.add(self._cuts[key].mesh)
+                self.uploads.meshes.add(self._cuts[key])
             lit: dict[str, Any] = {}
             if light_map is not None and shape != NOT_MAPPED:
                 corner = light_map.part_corner_px.values[part]
@@ -105,7 +114,7 @@ class PyrenderScene:
             mirror = mirror_of.get(part)
             self.placed.append(_placed(self._cuts[key].primitive, matrix, mirror=mirror, **lit))
         if self._ground is not None:
-            self.scene.add(self._ground.mesh)
+            self.uploads.meshes.add(self._ground)
             ground = self._ground.primitive, self._ground.model_from_centred
             self.placed.append(_placed(*ground, is_ground=True))
 
@@ -143,7 +152,7 @@ def _ground(ground: GroundDisc) -> _Cut:
     )
     middle = np.eye(4)
     middle[:3, 3] = [ground.centre_xz_m[0], ground.height_m, ground.centre_xz_m[1]]
-    return _Cut(pyrender.Mesh([primitive]), middle)
+    return _Cut(primitive, middle)
 
 
 def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
@@ -170,7 +179,7 @@ def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
     )
     model_from_centred = np.eye(4)
     model_from_centred[:3, 3] = centre
-    return _Cut(pyrender.Mesh([primitive]), model_from_centred)
+    return _Cut(primitive, model_from_centred)
 
 
 class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]

@@ -35,7 +35,7 @@ def guess_up(placed: list[PlacedMesh]) -> UpAxis:
 
 def _bounds(placed: list[PlacedMesh]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The lowest corner (3,) and the extent (3,)."""
-    lows, highs = zip(*(box_of(np.asarray(p.mesh.vertices)) for p in placed), strict=True)
+    lows, highs = zip(*(box_of(p.mesh.vertices) for p in placed), strict=True)
     lower = np.min(lows, axis=0)
     return lower, np.max(highs, axis=0) - lower
 
@@ -46,7 +46,7 @@ def _floor_shares(
     """The shares (3,) of the footprint across x, y and z that faces cover at its lower end."""
     areas = np.zeros(3)
     for place in placed:
-        vertices, faces = np.asarray(place.mesh.vertices), np.asarray(place.mesh.faces)
+        vertices, faces = place.mesh.vertices, place.mesh.faces
         low = vertices <= lower + _BOTTOM * extent
         for axis in range(3):
             is_low = low[:, axis]

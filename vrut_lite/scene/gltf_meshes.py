@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from vrut_lite.scene.bending import bent_normals, bent_positions, morphed, skin_matrices
@@ -14,7 +13,14 @@ from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Primitive
 from vrut_lite.scene.gltf_shapes import TRIANGLES, Shape, shape_of
 from vrut_lite.scene.materials import GltfMaterials
-from vrut_lite.scene.mesh import MESH_BYTES, Geometry, make_geometry, make_mesh, used_vertices
+from vrut_lite.scene.mesh import (
+    MESH_BYTES,
+    Geometry,
+    Mesh,
+    make_geometry,
+    make_mesh,
+    used_vertices,
+)
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 _FAN = 6
@@ -27,7 +33,7 @@ class GltfMeshes:
         self._file = file
         self._materials = GltfMaterials(file)
         self._geometries: dict[Shape, Geometry | None] = {}
-        self._made: dict[tuple[int, Bend], list[tuple[str, trimesh.Trimesh]]] = {}
+        self._made: dict[tuple[int, Bend], list[tuple[str, Mesh]]] = {}
         self._palettes: Mapping[int, NDArray[np.float64]] = {}
         self._bent_bytes = 0
 
@@ -39,7 +45,7 @@ class GltfMeshes:
         self._file.folder.budget.release(self._bent_bytes)
         self._bent_bytes = 0
 
-    def get(self, index: int, bend: Bend) -> list[tuple[str, trimesh.Trimesh]]:
+    def get(self, index: int, bend: Bend) -> list[tuple[str, Mesh]]:
         """Named meshes, one for each primitive that is made of triangles."""
         if (index, bend) not in self._made:
             source = item_at(self._file.document.meshes, index, "mesh")
@@ -48,7 +54,7 @@ class GltfMeshes:
             self._made[index, bend] = [(name, mesh) for name, mesh in made if mesh is not None]
         return self._made[index, bend]
 
-    def _make(self, primitive: Primitive, name: str, bend: Bend) -> trimesh.Trimesh | None:
+    def _make(self, primitive: Primitive, name: str, bend: Bend) -> Mesh | None:
         shape = shape_of(self._file, primitive, bend)
         if shape is None:
             return None

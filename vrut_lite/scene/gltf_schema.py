@@ -42,7 +42,7 @@ class Buffer(Part, frozen=True):
 
     @property
     def may_be_empty(self) -> bool:
-        """Whether it only stands for what is packed elsewhere."""
+        """Whether it is a placeholder for bytes that are packed elsewhere."""
         packed = self.extensions.ext or self.extensions.khr
         return packed is not None and packed.fallback
 

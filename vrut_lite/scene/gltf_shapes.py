@@ -1,4 +1,4 @@
-"""What of a glTF primitive makes its triangles, and how much memory that takes."""
+"""The parts of a glTF primitive that make its triangles, and the memory they take."""
 
 from collections import Counter
 from collections.abc import Hashable

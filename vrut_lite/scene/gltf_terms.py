@@ -179,7 +179,7 @@ def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
 
 
 def _extinction_per_m(volume: _Volume) -> Vector:
-    """Of which the colour is left after the distance; nothing is taken without a distance."""
+    """The extinction that leaves the colour after the distance; 0 without a distance."""
     distance_m = volume.attenuation_distance
     if distance_m is None or not math.isfinite(distance_m) or distance_m <= 0.0:
         return _BLACK

@@ -9,7 +9,6 @@ from typing import Any
 
 import msgspec
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.lamps import SceneLamps
@@ -20,7 +19,7 @@ from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
-from vrut_lite.scene.mesh import mirrored
+from vrut_lite.scene.mesh import Mesh, mirrored
 from vrut_lite.scene.placed import PlacedMesh, SceneCamera, box_of, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import SceneFileError
 from vrut_lite.scene.scene_files import SceneFile, SceneFiles
@@ -252,7 +251,7 @@ def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
     """Reverse the triangles that a mirroring matrix turns inside out (glTF 2.0, section 3.7.4)."""
-    turned: dict[int, trimesh.Trimesh] = {}
+    turned: dict[int, Mesh] = {}
     result = []
     for place in placed:
         if np.linalg.det(place.world_from_model[:3, :3]) < 0:
@@ -288,5 +287,4 @@ def _extent(placed: list[PlacedMesh], matrix: NDArray[np.float64]) -> NDArray[np
 def _corners(
     place: PlacedMesh, matrix: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    vertices = np.asarray(place.mesh.vertices)
-    return box_of(vertices @ matrix[:3, :3].T + matrix[:3, 3])
+    return box_of(place.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])

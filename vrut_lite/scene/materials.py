@@ -1,15 +1,13 @@
 """Surfaces: metallic-roughness materials with exact factors, from glTF and from OBJ's MTL."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from types import MappingProxyType
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from PIL import Image
-from trimesh.visual.material import PBRMaterial
 
-from vrut_lite.daylight.scene_content import MAP_NAMES, Sampler, Wrap
+from vrut_lite.daylight.scene_content import MAP_NAMES, AlphaMode, Sampler, Wrap
 from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Material, Texture, TextureInfo
@@ -25,37 +23,48 @@ _WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 _NEAREST = 9728
 
 
-class SurfaceMaterial(PBRMaterial):
-    """trimesh's material with a base colour that is linear and floating point.
+@dataclass(eq=False)
+class SurfaceMaterial:
+    """A metallic-roughness material in glTF's names, its factors linear and floating point.
 
-    trimesh keeps 8 bits, which turns an albedo of 0.02 into 0.0196. All factors are set;
-    textures are RGB or RGBA images with 8 bits, colour textures sRGB-encoded. `layer_of` maps a
-    texture's name to its layer of the mesh's texture coordinates, where a missing name means
-    layer 0, and `sampler_of` to its sampler. `further_maps` has those of extensions.
+    `baseColorFactor` is RGBA (4,) in [0, 1], `emissiveFactor` RGB (3,) from 0. Textures are RGB or
+    RGBA images with 8 bits, colour textures sRGB-encoded. `layer_of` maps a texture's name to its
+    layer of the mesh's texture coordinates, where a missing name means layer 0, and `sampler_of`
+    to its sampler. `further_maps` has those of extensions.
     """
 
+    name: str | None
+    baseColorFactor: NDArray[np.float64]
+    metallicFactor: float
+    roughnessFactor: float
+    emissiveFactor: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    alphaMode: AlphaMode = "OPAQUE"
+    alphaCutoff: float = 0.5
+    doubleSided: bool = False
+    baseColorTexture: Image.Image | None = None
+    metallicRoughnessTexture: Image.Image | None = None
+    normalTexture: Image.Image | None = None
+    occlusionTexture: Image.Image | None = None
+    emissiveTexture: Image.Image | None = None
     uv_layers: Sequence[UvLayer] = ()
-    layer_of: Mapping[str, int] = MappingProxyType({})
-    sampler_of: Mapping[str, Sampler] = MappingProxyType({})
-    further_maps: Mapping[str, Image.Image] = MappingProxyType({})
-    terms = SurfaceTerms()
-    normal_scale = 1.0
-    occlusion_strength = 1.0
+    layer_of: Mapping[str, int] = field(default_factory=dict)
+    sampler_of: Mapping[str, Sampler] = field(default_factory=dict)
+    further_maps: Mapping[str, Image.Image] = field(default_factory=dict)
+    terms: SurfaceTerms = field(default_factory=SurfaceTerms)
+    normal_scale: float = 1.0
+    occlusion_strength: float = 1.0
 
-    @property
-    def baseColorFactor(self) -> NDArray[np.float64]:
-        """Linear RGBA (4,) in [0, 1]."""
-        return self._data["baseColorFactor"]
-
-    @baseColorFactor.setter
-    def baseColorFactor(self, value: ArrayLike) -> None:
-        self._data["baseColorFactor"] = np.clip(np.array(value, dtype=np.float64), 0.0, 1.0)
+    def __post_init__(self) -> None:
+        """Keep the base colour and the metallic-roughness factors in their ranges."""
+        self.baseColorFactor = np.clip(self.baseColorFactor, 0.0, 1.0, dtype=np.float64)
+        self.metallicFactor = float(np.clip(self.metallicFactor, 0.0, 1.0))
+        self.roughnessFactor = float(np.clip(self.roughnessFactor, 0.0, 1.0))
 
 
 def default_material() -> SurfaceMaterial:
     """Matt mid-grey, for a mesh that names no material."""
     grey = [DEFAULT_ALBEDO] * 3 + [1.0]
-    return _material(baseColorFactor=grey, name="default")
+    return SurfaceMaterial("default", np.array(grey), metallicFactor=0.0, roughnessFactor=1.0)
 
 
 class GltfMaterials:
@@ -85,27 +94,30 @@ class GltfMaterials:
         layers, numbers = layers_of(source)
         infos = texture_infos(source)
         further = [name for name in numbers if name in MAP_NAMES]
-        material = _material(
+        material = SurfaceMaterial(
             name=source.name,
-            baseColorFactor=pbr.base_color_factor,
+            baseColorFactor=np.array(pbr.base_color_factor),
             metallicFactor=pbr.metallic_factor,
             roughnessFactor=pbr.roughness_factor,
             emissiveFactor=np.maximum(source.emissive_factor, 0.0) * emissive_strength(source),
             alphaMode=source.alpha_mode,
             alphaCutoff=source.alpha_cutoff,
             doubleSided=source.double_sided,
-            **{name: self._texture(infos[name]) for name in numbers if name not in further},
+            uv_layers=layers,
+            layer_of=numbers,
+            sampler_of={name: self._sampler(infos[name]) for name in numbers},
+            terms=terms_of(source, self._texture),
         )
+        for name in numbers:
+            if name not in further:
+                setattr(material, name, self._texture(infos[name]))
         gloss = spec_gloss_of(source)
         if gloss is not None and material.metallicRoughnessTexture is not None:
             material.metallicRoughnessTexture = roughness_image(
                 material.metallicRoughnessTexture, gloss.glossiness_factor
             )
-        material.uv_layers, material.layer_of = layers, numbers
-        material.sampler_of = {name: self._sampler(infos[name]) for name in numbers}
         maps = {name: self._texture(infos[name]) for name in further}
         material.further_maps = {name: image for name, image in maps.items() if image is not None}
-        material.terms = terms_of(source, self._texture)
         if source.normal_texture is not None:
             material.normal_scale = source.normal_texture.scale
         if source.occlusion_texture is not None:
@@ -179,27 +191,16 @@ def from_mtl(
     (alpha,) = numbers("d", 1, 1.0 - numbers("tr", 1, 0.0)[0])
     (glossiness,) = numbers("ns", 1, 0.0)
     cut_out = image is not None and image.mode == "RGBA"
-    return _material(
+    return SurfaceMaterial(
         name=name,
-        baseColorFactor=[*colour, alpha],
+        baseColorFactor=np.array([*colour, alpha]),
         baseColorTexture=image,
         metallicFactor=numbers("pm", 1, 0.0)[0],
         roughnessFactor=numbers("pr", 1, (2.0 / (glossiness + 2.0)) ** 0.25)[0],
-        emissiveFactor=numbers("ke", 3, 0.0),
+        emissiveFactor=np.array(numbers("ke", 3, 0.0)),
         alphaMode="BLEND" if alpha < 1.0 else "MASK" if cut_out else "OPAQUE",
         doubleSided=True,
     )
-
-
-def _material(**values: Any) -> SurfaceMaterial:
-    """A material with every factor set and inside its range."""
-    for name in ("metallicFactor", "roughnessFactor"):
-        default = 0.0 if name == "metallicFactor" else 1.0
-        values[name] = float(np.clip(values.get(name, default), 0.0, 1.0))
-    values.setdefault("emissiveFactor", np.zeros(3))
-    values.setdefault("alphaMode", "OPAQUE")
-    values.setdefault("alphaCutoff", 0.5)
-    return SurfaceMaterial(**values)
 
 
 def _numbers(words: Sequence[str], size: int, default: float) -> list[float]:

@@ -1,12 +1,10 @@
 """Makes checked triangle meshes from the arrays of the file readers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
-from trimesh.visual.texture import TextureVisuals
 
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.materials import SurfaceMaterial
@@ -18,7 +16,7 @@ MESH_BYTES = 2**15
 _CORNER_BYTES, _FACE_BYTES, _LAYER_BYTES = 48, 24, 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Geometry:
     """Triangles without their material; meshes of several materials may share them.
 
@@ -32,6 +30,13 @@ class Geometry:
     uv: NDArray[np.float64] | None
     second_uv: NDArray[np.float64] | None
     colours: NDArray[np.float32] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh(Geometry):
+    """Triangles of one material."""
+
+    material: SurfaceMaterial
 
 
 def geometry_bytes(vertices: int, triangles: int, *, normals: bool, layers: int) -> int:
@@ -129,40 +134,19 @@ def make_geometry(
     )
 
 
-def make_mesh(geometry: Geometry, material: SurfaceMaterial) -> trimesh.Trimesh:
+def make_mesh(geometry: Geometry, material: SurfaceMaterial) -> Mesh:
     """A mesh of one material; it shares the geometry's arrays."""
-    mesh = trimesh.Trimesh(
-        geometry.vertices,
-        geometry.faces,
-        vertex_normals=geometry.normals,
-        visual=TextureVisuals(uv=geometry.uv, material=material),
-        process=False,
-    )
-    if geometry.second_uv is not None:
-        mesh.vertex_attributes["second_uv"] = geometry.second_uv
-    if geometry.colours is not None:
-        mesh.vertex_attributes["color"] = geometry.colours
-    return mesh
+    return Mesh(**vars(geometry), material=material)
 
 
-def mirrored(mesh: trimesh.Trimesh, budget: SceneBudget) -> trimesh.Trimesh:
+def mirrored(mesh: Mesh, budget: SceneBudget) -> Mesh:
     """The same mesh with its triangles wound the other way, for a matrix that mirrors it.
 
     Raises:
         SceneFileError: if the second list of triangles does not fit the budget.
     """
     budget.take(len(mesh.faces) * _FACE_BYTES + MESH_BYTES, "a mirrored mesh")
-    copy = trimesh.Trimesh(
-        mesh.vertices,
-        mesh.faces[:, ::-1],
-        vertex_normals=mesh.vertex_normals,
-        visual=TextureVisuals(
-            uv=getattr(mesh.visual, "uv", None), material=getattr(mesh.visual, "material", None)
-        ),
-        process=False,
-    )
-    copy.vertex_attributes.update(mesh.vertex_attributes)
-    return copy
+    return replace(mesh, faces=mesh.faces[:, ::-1].copy())
 
 
 def _check_widths(

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from vrut_lite.geometry.connected import connected_components
 from vrut_lite.numeric_types import FloatArray, IntArray
 
 CREASE_ANGLE_RAD = np.radians(40.0)
@@ -90,10 +89,7 @@ def _smooth_corners(place: IntArray, face_normals: FloatArray, least_cosine: flo
     Edges are matched by place, so that seams in texture coordinates do not show.
     """
     first, second = _smooth_links(place, face_normals, least_cosine)
-    if first.size == 0:  # scipy's sparse matrices cost more than a small mesh does.
-        return np.arange(place.size)
-    links = coo_matrix((np.ones(first.size, bool), (first, second)), (place.size, place.size))
-    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+    return connected_components(place.size, first, second)
 
 
 def _smooth_links(

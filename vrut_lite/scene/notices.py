@@ -1,10 +1,10 @@
-"""What of a scene's files is not shown as they have it: the one place where readers say so.
+"""Collects what a scene's files contain and the picture does not show.
 
 A reader that leaves something out, guesses, or shows a plain reading instead, tells it here. The
 lines go with `SceneOpened` to the window and to the command line.
 """
 
-# A file may name any number of things that nobody knows.
+# A file may name any number of unknown things.
 MOST_KINDS = 32
 _LONGEST = 160
 

@@ -1,11 +1,11 @@
 """OBJ with its MTL and textures as placed meshes, one for each material."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from trimesh.visual.texture import unmerge_faces
 
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
@@ -88,7 +88,7 @@ def _geometry(obj: ObjFile, name: str, corners: NDArray[np.int32], budget: Scene
         places["COLOR"] = obj.colours
     faces, arrays = used_vertices(name, corners[..., 0].astype(np.int64), places)
     if given:
-        faces, vertex, *others = unmerge_faces(faces, *(at for _, at in given.values()))
+        faces, (vertex, *others) = _joined_corners([faces, *(at for _, at in given.values())])
         arrays = {key: values[vertex] for key, values in arrays.items()}
         for (key, (values, _)), at in zip(given.items(), others, strict=True):
             arrays[key] = values[at]
@@ -101,3 +101,23 @@ def _geometry(obj: ObjFile, name: str, corners: NDArray[np.int32], budget: Scene
         uv=arrays.get("uv"),
         colours=arrays.get("COLOR"),
     )
+
+
+def _joined_corners(
+    corners: Sequence[NDArray[Any]],
+) -> tuple[NDArray[np.int64], list[NDArray[Any]]]:
+    """One vertex for all corners that agree in every index.
+
+    Args:
+        corners: indices (F, 3) of each kind, as positions, texture coordinates and normals.
+
+    Returns:
+        The triangles (F, 3), and each kind's index (V,) at the new vertices.
+    """
+    columns = [indices.reshape(-1) for indices in corners]
+    order = np.lexsort(columns[::-1])
+    is_first = np.ones(len(order), bool)
+    is_first[1:] = np.any([kind[order[1:]] != kind[order[:-1]] for kind in columns], axis=0)
+    vertex = np.empty(len(order), np.int64)
+    vertex[order] = np.cumsum(is_first) - 1
+    return vertex.reshape(-1, 3), [kind[order[is_first]] for kind in columns]

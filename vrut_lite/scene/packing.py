@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -26,8 +25,9 @@ from vrut_lite.numeric_types import Vector
 from vrut_lite.scene.ground import has_own_ground
 from vrut_lite.scene.loading import LoadedScene
 from vrut_lite.scene.materials import SurfaceMaterial
+from vrut_lite.scene.mesh import Mesh
 
-_TRIMESH_NAMES: dict[MapName, str] = {
+_GLTF_NAMES: dict[MapName, str] = {
     "base_colour": "baseColorTexture",
     "metallic_roughness": "metallicRoughnessTexture",
     "normal": "normalTexture",
@@ -67,37 +67,34 @@ class _Geometry:
         self._first_rows: dict[tuple[Any, ...], int] = {}
         self._table: list[tuple[int, ...]] = []
 
-    def add(self, mesh: trimesh.Trimesh, material: int) -> None:
+    def add(self, mesh: Mesh, material: int) -> None:
         """Add a mesh with this material."""
-        attributes = mesh.vertex_attributes
-        normals = np.asarray(mesh.vertex_normals)
-        first = self._first_row(self._positions, mesh.vertices, normals)
+        first = self._first_row(self._positions, mesh.vertices, mesh.normals)
         if self._normals.count == first:
-            self._normals.add(normals)
+            self._normals.add(mesh.normals)
         self._table.append(
             (
                 first,
                 len(mesh.vertices),
                 self._first_row(self._triangles, mesh.faces),
                 len(mesh.faces),
-                self._first_row(self._uv, getattr(mesh.visual, "uv", None)),
-                self._first_row(self._uv, attributes.get("second_uv")),
-                self._first_row(self._colours, attributes.get("color")),
+                self._first_row(self._uv, mesh.uv),
+                self._first_row(self._uv, mesh.second_uv),
+                self._first_row(self._colours, mesh.colours),
                 material,
             )
         )
 
-    def _first_row(self, rows: _Rows, values: Any, *beside: NDArray[Any]) -> int:
+    def _first_row(self, rows: _Rows, values: NDArray[Any] | None, *beside: NDArray[Any]) -> int:
         """The first row of values in the joined array, the same for equal values; NONE for None.
 
         Kept arrays keep their memory, so that addresses identify contents.
         """
         if values is None:
             return NONE
-        array = np.asarray(values)
-        key = (id(rows), *(_place(part) for part in (array, *beside)))
+        key = (id(rows), *(_place(part) for part in (values, *beside)))
         if key not in self._first_rows:
-            self._first_rows[key] = rows.add(array)
+            self._first_rows[key] = rows.add(values)
         return self._first_rows[key]
 
     def joined(self, part_mesh: list[int], world_from_part: list[NDArray]) -> SceneGeometry:
@@ -126,7 +123,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         camera = camera_from_pose(own.world_from_camera, own.vertical_field_of_view_rad)
     ground = None if has_own_ground(loaded) else disc_under(loaded.lower_m, loaded.upper_m)
     meshes = list({id(place.mesh): place.mesh for place in loaded.meshes}.values())
-    materials = list({id(_material(mesh)): _material(mesh) for mesh in meshes}.values())
+    materials = list({id(mesh.material): mesh.material for mesh in meshes}.values())
     return SceneOpened(
         path=str(loaded.path),
         lower_m=_vector(loaded.lower_m),
@@ -151,12 +148,12 @@ def packed(loaded: LoadedScene) -> SceneOpened:
 
 
 def _geometry(
-    loaded: LoadedScene, meshes: list[trimesh.Trimesh], materials: list[SurfaceMaterial]
+    loaded: LoadedScene, meshes: list[Mesh], materials: list[SurfaceMaterial]
 ) -> SceneGeometry:
     geometry = _Geometry()
     material_numbers = {id(material): number for number, material in enumerate(materials)}
     for mesh in meshes:
-        geometry.add(mesh, material_numbers[id(_material(mesh))])
+        geometry.add(mesh, material_numbers[id(mesh.material)])
     numbers = {id(mesh): number for number, mesh in enumerate(meshes)}
     return geometry.joined(
         [numbers[id(place.mesh)] for place in loaded.meshes],
@@ -172,7 +169,7 @@ def _materials(materials: list[SurfaceMaterial]) -> SceneMaterials:
     samplers = np.zeros((len(materials), len(MAP_NAMES), 3), np.uint8)
     for number, material in enumerate(materials):
         for column, name in enumerate(MAP_NAMES):
-            key = _TRIMESH_NAMES.get(name, name)
+            key = _GLTF_NAMES.get(name, name)
             image = material.further_maps.get(key) or getattr(material, key, None)
             if image is not None:
                 numbers_of_images.setdefault(id(image), len(images))
@@ -226,12 +223,6 @@ def _images(images: list[Image.Image]) -> tuple[Array, Array]:
 def _name(material: SurfaceMaterial) -> str:
     one_line = " ".join(str(material.name or "").split())
     return one_line[:_LONGEST_NAME].encode(errors="replace").decode()
-
-
-def _material(mesh: trimesh.Trimesh) -> SurfaceMaterial:
-    material = mesh.visual.material  # type: ignore[union-attr]
-    assert isinstance(material, SurfaceMaterial)
-    return material
 
 
 def _vector(values: NDArray[np.float64]) -> Vector:

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
+from vrut_lite.scene.mesh import Mesh
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 MAX_TRIANGLES = 20_000_000
@@ -17,20 +17,17 @@ MAX_PLACES = 200_000
 class PlacedMesh:
     """A mesh and the 4 x 4 matrix from its axes to world axes, in metres.
 
-    `mesh` may be shared with other places. Its visual is trimesh's TextureVisuals with a
-    `SurfaceMaterial`, and `uv` (V, 2), v upwards, or None; a second layer
-    of coordinates is in `vertex_attributes["second_uv"]`; vertex colours, linear RGBA
-    (V, 4) in [0, 1] that multiply the base colour, are in `vertex_attributes["color"]`.
+    `mesh` may be shared with other places; its colours multiply the base colour.
     Triangles are counter-clockwise seen from outside after the matrix, mirrored or not.
     """
 
     name: str
-    mesh: trimesh.Trimesh
+    mesh: Mesh
     world_from_model: NDArray[np.float64]
 
     def world_triangles(self) -> NDArray[np.float64]:
         """The corners (F, 3, 3) of all triangles in world axes."""
-        corners = np.asarray(self.mesh.vertices)[np.asarray(self.mesh.faces)]
+        corners = self.mesh.vertices[self.mesh.faces]
         return corners @ self.world_from_model[:3, :3].T + self.world_from_model[:3, 3]
 
 

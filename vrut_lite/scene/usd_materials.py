@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from vrut_lite.daylight.scene_content import AlphaMode
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.images import PixelBudget, decode_image
 from vrut_lite.scene.materials import SurfaceMaterial, default_material
@@ -72,11 +73,11 @@ class UsdMaterials:
                 else:
                     self._notices.tell(f"map of USD's {name}", "left out")
         alpha, cutoff = float(value("opacity", 1.0)), float(value("opacityThreshold", 0.0))
-        blended = "BLEND" if alpha < 1.0 else "OPAQUE"
+        blended: AlphaMode = "BLEND" if alpha < 1.0 else "OPAQUE"
         colour = [1.0] * 3 if image is not None else value("diffuseColor", (0.18, 0.18, 0.18))
         return SurfaceMaterial(
             name=material.GetPrim().GetName(),
-            baseColorFactor=[*colour, alpha],
+            baseColorFactor=np.array([*colour, alpha]),
             baseColorTexture=image,
             metallicFactor=float(np.clip(value("metallic", 0.0), 0.0, 1.0)),
             roughnessFactor=float(np.clip(value("roughness", 0.5), 0.0, 1.0)),

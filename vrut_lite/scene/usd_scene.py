@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.placement import (
@@ -23,6 +22,7 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import MAX_FILE_BYTES
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
+    Mesh,
     geometry_bytes,
     make_geometry,
     make_mesh,
@@ -98,7 +98,7 @@ class _Reader:
         self._time = Usd.TimeCode.EarliestTime()
         self._at = UsdGeom.XformCache(self._time)
         self._materials = UsdMaterials(folder, budget, notices, self._time)
-        self._made: dict[str, list[trimesh.Trimesh]] = {}
+        self._made: dict[str, list[Mesh]] = {}
         self._triangles = 0
 
     def read(self) -> tuple[list[PlacedMesh], list[SceneCamera], Placement]:
@@ -165,7 +165,7 @@ class _Reader:
             self._made[key] = self._meshes(source)
         return [PlacedMesh(prim.GetName(), mesh, matrix) for mesh in self._made[key]]
 
-    def _meshes(self, prim: Any) -> list[trimesh.Trimesh]:
+    def _meshes(self, prim: Any) -> list[Mesh]:
         from pxr import UsdGeom
 
         mesh, name = UsdGeom.Mesh(prim), prim.GetName()

@@ -22,7 +22,7 @@ class UvLayer(NamedTuple):
     transform: TextureTransform | None
 
     def coordinates(self, values: NDArray[Any]) -> NDArray[np.float64]:
-        """Texture coordinates (V, 2) with v upwards, as in trimesh, from glTF's (V, 2)."""
+        """Texture coordinates (V, 2) with v upwards, from glTF's (V, 2), where it points down."""
         uv = values.astype(np.float64)
         if self.transform is not None and uv.shape[1] == 2:
             c, s = np.cos(self.transform.rotation), np.sin(self.transform.rotation)
@@ -31,7 +31,7 @@ class UvLayer(NamedTuple):
 
 
 def texture_infos(source: Material) -> dict[str, TextureInfo]:
-    """The textures of a material by trimesh's names, the base colour's first.
+    """The textures of a material by glTF's names, the base colour's first.
 
     Those of extensions follow, by the names of maps.
     """

@@ -25,7 +25,7 @@ _SMALL = 65_536
 
 
 class Exchange(NamedTuple):
-    """Which share of other patches' radiosity each patch (M) gets.
+    """The share of each other patch's radiosity that each patch (M) receives.
 
     Patch i has the entries `start[i]` to `start[i + 1]`; columns count patches from 0.
     """

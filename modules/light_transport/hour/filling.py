@@ -1,4 +1,4 @@
-"""Texels inside bodies take the light of a neighbour: look-ups at a body's foot mix them in."""
+"""Gives texels inside bodies a neighbour's light: look-ups at a body's foot mix them in."""
 
 from typing import cast
 

@@ -1,4 +1,4 @@
-"""What rows of the table get by an hour's light of its columns: of the sky, then of each other.
+"""Sums the light that rows of the table receive from their columns: the sky's nodes, then patches.
 
 What patches get of the sky is a mean of what their rows get: so rows come first, the bounces
 between patches next, and what they bring to rows last. Each entry of the table is read once.

@@ -1,4 +1,4 @@
-"""What the scene's lamps send straight to its surfaces: once a bake, for lamps do not move."""
+"""Direct light of the scene's lamps on its surfaces, computed once a bake: lamps do not move."""
 
 import math
 from typing import NamedTuple
@@ -52,7 +52,7 @@ def lamps_in_radii(lamps: SceneLamps, surfaces: Surfaces) -> Lamps:
 
 
 def patch_lamp_light(patches: Patches, free: NDArray[np.uint8], light: LampLight) -> Float32Array:
-    """Means (M, 3) over patches of what all lamps send to those rows whose rays are free (N,)."""
+    """Irradiance (M, 3) by all lamps: means over patches of their rows with free rays (N,)."""
     both = light.drawn + light.baked
     sizes = np.diff(patches.start)
     patch = np.repeat(np.arange(len(sizes)), sizes)

@@ -1,4 +1,4 @@
-"""Towards where texels see the sky: what a coat mirrors of it, and where things stand before it.
+"""The directions in which texels see the sky, for reflections in coats.
 
 Open ground beyond the map counts as sky here. The share of it that a texel sees in direction d is
 held to be a + b . d, after the means of the texel's rays: no light is needed to know them.
@@ -17,7 +17,7 @@ _TAKEN = 0.5
 
 
 def sky_moments(columns: int) -> Float32Array:
-    """What a ray brings from each column (C, 4): of a node its direction and 1."""
+    """The moments (C, 4) of each column: a node's direction and 1, zeros for a patch."""
     found = np.zeros((columns, 4), np.float32)
     found[:NODES, :3] = node_directions()
     found[:NODES, 3] = 1.0

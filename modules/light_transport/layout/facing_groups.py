@@ -39,7 +39,7 @@ class Groups(NamedTuple):
 def facing_groups(
     normals: FloatArray, areas: FloatArray, opposite: NDArray[np.int32], shading: FloatArray
 ) -> Groups:
-    """Groups of triangles, all of which face their group's direction within 70 degrees or so.
+    """Groups of triangles that face their group's direction within about 70 degrees.
 
     Args:
         normals: (F, 3), unit, of the triangles' planes; zero where one has no area.
@@ -120,7 +120,7 @@ def _labels(normals, areas, surface, surfaces, opposite):  # type: ignore[no-unt
 
 @kernel
 def _faces_one(normals, areas, own, direction):  # type: ignore[no-untyped-def]
-    """Whether triangles stay about their mean normal, which is added to `direction`, then 0."""
+    """Whether triangles face their mean normal; `direction`, 0 before, becomes it."""
     whole = 0.0
     for f in own:
         whole += areas[f]

@@ -13,7 +13,7 @@ _FEW_TEXELS = 25
 
 @kernel
 def layers(chart, uv, heights, sizes, opposite):  # type: ignore[no-untyped-def]
-    """A number (F,) for each triangle, such that those of one number and chart share no texel.
+    """The layer (F,) of each triangle; triangles of one layer and chart share no texel.
 
     A texel's middle lies in one triangle, or on borders; look-ups on a triangle (`REACH_PX`) meet
     none from far above or below it. Triangles of one number need not be connected.

@@ -17,7 +17,7 @@ _FLAT = 1e-3
 
 
 def probe_grid(lower_m: FloatArray, upper_m: FloatArray, least_step_m: float) -> ProbeGrid:
-    """Probes from one corner (3,) of a box to the other, as far apart along all axes as it goes.
+    """Probes from one corner (3,) of a box to the other, with about equal spacing on all axes.
 
     Args:
         lower_m, upper_m: world axes.

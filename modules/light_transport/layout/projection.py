@@ -18,7 +18,7 @@ _TURNS = 15
 
 @kernel
 def projected(group, direction, corners, opposite):  # type: ignore[no-untyped-def]
-    """Places (F, 3, 2) of corners in their group's plane, and how high (F, 3) they are above it.
+    """Places (F, 3, 2) of corners in their group's plane, and their heights (F, 3) above it.
 
     Groups are turned to fill a lying rectangle best; its size (G, 2) comes third.
 

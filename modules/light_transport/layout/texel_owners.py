@@ -1,4 +1,4 @@
-"""Which triangle each texel lies in."""
+"""Finds the triangle that each texel lies in."""
 
 import numpy as np
 from numpy.typing import NDArray

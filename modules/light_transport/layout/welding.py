@@ -1,4 +1,4 @@
-"""Which corners of a mesh are one place, and which triangles meet at an edge.
+"""Finds corners at the same place, and the triangles on both sides of each edge.
 
 Hash tables with open addressing keep both linear in the number of triangles.
 """

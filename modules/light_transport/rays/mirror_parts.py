@@ -22,7 +22,7 @@ _FLAT = 1e-3
 
 
 class MirrorParts(NamedTuple):
-    """Parts (N) whose reflections are worth a cube map, the worthiest first.
+    """The parts (N) that get a cube map, in order of their gloss times area.
 
     Attributes:
         part: (N,) int32.

@@ -162,7 +162,7 @@ def aim(number, shifts, normal, face, direction):  # type: ignore[no-untyped-def
 
 
 def no_probes() -> Probes:
-    """Of a scene whose surfaces all have texels."""
+    """The empty probes of a scene whose surfaces all have texels."""
     return Probes(np.empty((0, 3), np.float32), np.empty((0, 3), np.float32))
 
 

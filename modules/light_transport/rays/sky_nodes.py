@@ -1,4 +1,4 @@
-"""The sky as numbers: cells of equal solid angle, and coarser ones for open ground.
+"""Divides the sky into cells of equal solid angle, and open ground into coarser ones.
 
 The cells are those of a square that Shirley and Chiu's concentric map (1997) lays on the upper
 hemisphere, by way of the disc of radius sqrt(1 - y): 2 pi / 576 sr each, and 2 pi / 36 sr of those

@@ -1,4 +1,4 @@
-"""Where a ray ends: the nearest triangle of a tree, or whether any triangle is in its way."""
+"""Intersects rays with a tree of triangles: the nearest triangle, or whether there is any."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -6,10 +6,9 @@ so the mark alone does not tell a leaf from a house: the shape must be open as w
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from light_transport.surfaces.surfaces import GROUND, Surfaces
+from vrut_lite.geometry.connected import connected_components
 from vrut_lite.numeric_types import BoolArray
 
 # The sum of a closed body's area vectors is 0, a box's without a bottom a fifth of its area, that
@@ -42,6 +41,5 @@ def _bodies(corners: NDArray[np.float64]) -> NDArray[np.int32]:
     place = place.reshape(-1, 3)
     count = int(place.max()) + 1
     rows, columns = place[:, [0, 1]].ravel(), place[:, [1, 2]].ravel()
-    graph = coo_matrix((np.ones(len(rows), bool), (rows, columns)), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    return np.asarray(label[place[:, 0]], np.int32)
+    label = connected_components(count, rows, columns)
+    return label[place[:, 0]].astype(np.int32)

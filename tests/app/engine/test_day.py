@@ -56,7 +56,7 @@ def test_a_day_on_which_clocks_change_is_as_long_as_it_is(second):
 
 
 def test_midnight_sun_has_neither_sunrise_nor_sunset(second):
-    """In Tromso the sun stays up in June: such a day has a noon alone."""
+    """In Tromso the sun stays up in June: the day has a noon and no other event."""
     assert list(day_at(second, 69.65, 18.96, "Europe/Oslo", date(2026, 6, 21)).marks) == ["noon"]
 
 
@@ -81,7 +81,7 @@ def test_an_azimuth_is_found_all_around(second, azimuth_deg):
 
 
 def test_shares_of_the_day_lead_there_and_back(second):
-    """Where the hand is put the clock stands, to the half second; it never leaves the day."""
+    """The bar's position and the clock agree within half a second and stay within the day."""
     day = day_at(second, 50.0755, 14.4378, "Europe/Prague", date(2026, 10, 25))
     for share in np.linspace(0.0, 0.999, 7):
         assert abs(day.share_of(day.instant_at(share)) - share) * day.length_s <= 0.5

@@ -90,7 +90,7 @@ def test_a_failing_module_is_told_and_the_window_lives_on(headless_window):
 def test_a_panicking_module_and_a_panicking_question_are_told_and_the_window_lives_on(
     headless_window,
 ):
-    """What is no Exception must not end the engine's thread, be it in a handler, job or answer."""
+    """A BaseException in a handler, a job or an answer does not end the engine's thread."""
     driver = headless_window
     driver.asked(lambda stage: stage.kernel.add_module(Panicking))
     driver.session.ask(lambda stage: panic())
@@ -181,7 +181,7 @@ def test_what_a_thread_finds_after_the_window_was_closed_is_told_to_nobody(
 
 
 def test_a_host_that_cannot_open_ends_the_session_with_a_line(qtbot):
-    """No OpenGL, say: the reason is told, and nothing waits for ever."""
+    """A host that cannot open OpenGL ends the session, and the reason is reported."""
 
     def refuse():
         raise UserError("no OpenGL here: install the packages libegl1 and libgl1")
@@ -208,7 +208,7 @@ def test_inputs_that_are_sent_before_the_host_is_open_are_recorded(qtbot):
 
 
 def test_a_question_that_fails_is_told_or_answered(headless_window):
-    """To whoever wants to know, or as a problem."""
+    """The error reaches the callback of the question, or else the list of problems."""
     driver = headless_window
     told = []
     driver.session.ask(lambda stage: 1 / 0, failed=told.append)

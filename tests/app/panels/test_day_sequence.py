@@ -105,7 +105,7 @@ def test_the_day_goes_from_first_to_last_light(shared_headless_window):
 
 
 def test_hours_and_steps_are_chosen(panel, tmp_path, qtbot):
-    """From 8:00 to 9:30 each half an hour, as JPEG of another size."""
+    """Pictures from 8:00 to 9:30 every half hour are written as JPEG in the chosen size."""
     for field, text in ((panel.first, "8"), (panel.last, "9:30")):
         field.selectAll()
         qtbot.keyClicks(field, text)
@@ -175,7 +175,7 @@ def test_a_film_in_mp4_has_its_pictures_and_their_colours(tmp_path):
 
 
 def test_a_film_that_cannot_be_written_leaves_no_file(tmp_path):
-    """No pictures, or another suffix: a sentence."""
+    """A film without pictures, or with another suffix, is refused in one sentence."""
     for name in ("day.webp", "day.gif"):
         with pytest.raises(UserError):
             write_film(tmp_path / name, [], 12)

@@ -82,7 +82,7 @@ def test_every_control_of_a_panel_has_an_effect(driver, walk, name):
 
 @pytest.mark.long
 def test_every_control_of_the_skies_has_an_effect(driver, walk):
-    """Of each model's own panel, whoever holds the slot."""
+    """Each control of each model's panel changes the picture when that model holds the slot."""
     sky = shown(driver, "sky")
     (stack,) = sky.findChildren(QStackedWidget)
     for panel in sky.panels.values():
@@ -129,7 +129,7 @@ def test_every_control_is_reached_by_tab_and_has_a_name(driver):
 
 
 def test_every_setting_can_be_changed_by_its_row_and_taken_back(driver):
-    """Of every module: what the row asks for is accepted, and its reset brings the default."""
+    """Each module accepts the value of each row, and a reset restores the default."""
     from vrut_lite.app.panels.module_panel import ModulePanel
 
     driver.session.send(EnableModule(module="clouds", enabled=False))
@@ -169,7 +169,7 @@ def another(spec):
 
 
 def test_tooltips_tell_the_source_of_a_formula(driver):
-    """From the settings' own words, so that no panel can forget it."""
+    """The panel takes its tooltips from the settings' descriptions."""
     rows = {
         (module, name): row
         for module, panel in driver.panel("sky").panels.items()

@@ -49,7 +49,7 @@ def tree_of(item):
 
 
 def test_messages_come_as_they_are_delivered(driver, inspector):
-    """In the kernel's order, with who sent and who received them."""
+    """The rows show sender and receivers in the kernel's order."""
     set_clock(driver, 1)
     driver.until(lambda: "AmbientChanged" in types(inspector))
     shown = types(inspector)
@@ -63,7 +63,7 @@ def test_messages_come_as_they_are_delivered(driver, inspector):
 
 
 def test_a_filter_leaves_what_has_its_words(driver, inspector):
-    """In type, sender or receivers, whatever the case; without it all is back."""
+    """The filter searches type, sender and receivers in any case; an empty one shows all rows."""
     set_clock(driver, 2)
     driver.until(lambda: "AmbientChanged" in types(inspector))
     everything = types(inspector)
@@ -117,7 +117,7 @@ def test_what_caused_a_message_is_drawn_from_its_input_on(driver, inspector):
 
 
 def test_a_faults_cause_is_found(driver, inspector):
-    """What the user did, at the end of which a module failed."""
+    """The cause is the user's input whose transaction contains the fault."""
     driver.asked(lambda stage: stage.kernel.add_module(Failing))
     set_clock(driver, 7)
     # The first comes with its welcome, before any input.
@@ -174,7 +174,7 @@ def test_a_step_is_done_in_the_window_if_wished(driver, inspector, tmp_path):
 
 
 def test_a_file_that_is_no_journal_is_told(driver, inspector, tmp_path):
-    """In one line; what was shown stays."""
+    """One line names the error, and the rows shown before stay."""
     file = tmp_path / "no.mcap"
     file.write_bytes(b"no journal")
     inspector.journal.open_from(str(file))
@@ -210,7 +210,7 @@ def test_values_take_one_short_line():
 
 
 def test_a_recorded_journal_reads_as_transactions():
-    """Of each message its transaction's input is the cause: the journals of the tests, say."""
+    """In a recorded journal each message's cause is the input of its transaction."""
     from pathlib import Path
 
     journals = sorted((Path(__file__).parents[2] / "replays").glob("*.mcap"))

@@ -118,7 +118,7 @@ def test_a_preset_by_name_sets_what_it_says(driver):
 
 
 def test_labels_are_words_that_people_know(driver):
-    """No name that only a script would use."""
+    """Labels contain no identifiers."""
     specs = driver.session.roster.modules["bruneton_sky"].specs
     assert label_of(specs["cube_device"]) == "Computed on"
     texts = [row.editor.itemText(0) for row in [rows(driver, "bruneton_sky")["cube_device"]]]

@@ -105,7 +105,7 @@ def test_a_key_shows_the_tools_and_hides_them(driver):
 
 
 def test_every_module_has_a_row_with_its_state_and_its_slots(driver, manager):
-    """What the kernel knows is what is shown; the holder of a slot is told."""
+    """Each row shows the kernel's state of the module and the slots that it holds."""
     seats = driver.asked(
         lambda stage: {name: seat.state for name, seat in stage.kernel.seats.items()}
     )
@@ -129,7 +129,7 @@ def test_the_fault_of_a_failing_module_is_shown_with_its_trace(driver, manager):
 
 
 def test_a_module_is_switched_off_and_on_by_its_box(driver, manager):
-    """The space bar on a row, as by a click on its box; the sky goes over to who can hold it."""
+    """Space on a row works as a click on its box; another sky takes over the slot."""
     manager.choose("dynamic_skylight")
     manager.list.setFocus()
     driver.qtbot.keyClick(manager.list, Qt.Key.Key_Space)
@@ -200,7 +200,7 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
 
 
 def test_safe_mode_leaves_the_host_and_daylight_and_goes_back(driver, manager):
-    """What ran before runs again afterwards, and what did not run does not."""
+    """Leaving safe mode starts exactly the modules that ran before it."""
     driver.session.send(EnableModule(module="zenoh_bridge", enabled=False))
     driver.settled()
     driver.until(lambda: state(manager, "zenoh_bridge") == "disabled")
@@ -231,7 +231,7 @@ class RaisingPanel(QLabel):
 
 
 def test_a_module_brings_a_panel_and_a_bad_one_is_told(qtbot, tmp_path, monkeypatch):
-    """By entry point, with a key of its own; of one that cannot be shown the settings still are."""
+    """A panel comes by entry point with its own key; if it fails, the settings are shown."""
     panels = {
         "clouds": "test_window_modules:OwnPanel",
         "path_tracer": "test_window_modules:RaisingPanel",

@@ -141,7 +141,7 @@ def play(kernel, minutes):
 
 
 def test_a_flight_recorder_writes_what_a_recorder_writes(kernel, tmp_path):
-    """To the byte: digests are made on another thread, and written in the same order."""
+    """Both write the same bytes: digests made on another thread are written in the same order."""
     recorder = FlightRecorder(kernel)
     with (tmp_path / "direct.mcap").open("wb") as stream:
         direct = Recorder(kernel, stream)

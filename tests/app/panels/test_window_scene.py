@@ -27,7 +27,7 @@ def choose(box, data):
 
 
 def test_axis_and_unit_are_shown_and_changed(headless_window, lying):
-    """What was guessed stands in the panel and in the status line; a choice opens the file anew."""
+    """Panel and status line show the guess; another choice opens the file again."""
     driver = headless_window
     panel = driver.panel("module scene")
     driver.open(Project(scene=str(lying)))

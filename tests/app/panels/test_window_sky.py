@@ -72,7 +72,7 @@ def test_a_value_is_typed(driver, qtbot):
 
 
 def test_the_haze_is_one_control_for_every_sky(driver):
-    """As optical depth; the sky follows, and so does the control where a project says another."""
+    """The control sets the optical depth of every sky, and shows that of an opened project."""
     field = driver.sky.haze
     assert field.value == pytest.approx(0.201)
     field.spin.setValue(0.4)
@@ -84,7 +84,7 @@ def test_the_haze_is_one_control_for_every_sky(driver):
 
 
 def test_the_tolerance_is_typed_and_followed(driver):
-    """In per cent, a share in the message; what a project says is shown."""
+    """The field is in percent, the message a share; the field shows an opened project's value."""
     driver.sky.tolerance.spin.setValue(1.0)
     assert driver.until_heard(SetTolerance).tolerance == pytest.approx(0.01)
     driver.session.send(SetTolerance(tolerance=0.03))
@@ -107,7 +107,7 @@ def test_a_setting_that_may_be_left_open_has_a_box_to_tick(driver):
 
 
 def test_presets_of_the_panel_are_kept_used_and_forgotten(driver):
-    """What was kept comes back in one go, the rest of the settings at their defaults."""
+    """A preset restores its kept settings and resets the others to their defaults."""
     panel: ModulePanel = driver.sky.panels["dynamic_skylight"]
     panel.choose({"turbidity": 6.0, "albedo": 0.5})
     driver.until_heard(SettingChanged, lambda m: m.name == "albedo")
@@ -196,7 +196,7 @@ def test_the_suns_angles_are_typed(driver):
 
 
 def test_an_angle_that_the_sun_does_not_reach_is_told_with_its_range(driver):
-    """In Prague it never stands at 80 degrees; the field shows again where it does stand."""
+    """In Prague the sun never reaches 80 degrees; the field returns to the present elevation."""
     panel = driver.panel("sun")
     driver.until(lambda: panel.elevation.value() > 50.0)
     before = panel.elevation.value()

@@ -86,7 +86,7 @@ def test_the_compass_marks_the_horizon(qapp):
 
 
 def test_views_are_kept_gone_to_saved_and_forgotten(shared_headless_window, tmp_path):
-    """By name in the project's file; another project has its own."""
+    """Views are kept by name in the project's file; each project has its own."""
     driver = shared_headless_window
     views, menu = driver.window.files.views, driver.window.menus.views
     assert [action.text() for action in menu.actions()] == ["none is kept"]

@@ -80,7 +80,7 @@ def test_a_drag_with_the_right_button_shifts(driver, qtbot):
 
 
 def test_the_wheel_goes_nearer_zooms_or_climbs(driver, qtbot):
-    """By what the mouse does: keys 1, 2 and 3 choose."""
+    """The mode of the mouse, chosen by the keys 1, 2 and 3, decides what the wheel does."""
     distance_m = driver.view.rig.distance_m
     wheel(driver.view, 2)
     assert driver.view.rig.distance_m < distance_m
@@ -190,7 +190,7 @@ def test_keys_alone_turn_and_frame(driver, qtbot):
 
 
 def test_the_picture_follows_the_windows_size(driver):
-    """In the screen's pixels, once the size has settled."""
+    """The picture takes the window's size in screen pixels once resizing has ended."""
     driver.window.resize(1000, 700)
     driver.until(lambda: driver.session.last(Resize) is not None)
     driver.until(

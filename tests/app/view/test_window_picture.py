@@ -235,7 +235,7 @@ def test_while_moving_pictures_are_smaller_where_they_take_long(driver, qtbot):
 
 
 def test_the_picture_of_the_window_shows_the_frame(driver):
-    """What the widget paints is what was drawn: the same pixels, overlays aside."""
+    """The widget paints the drawn pixels unchanged, apart from overlays."""
     driver.until(lambda: driver.session.shown.still)
     view = driver.window.desk.viewport
     image = view.grab().toImage()

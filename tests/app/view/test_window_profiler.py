@@ -72,7 +72,7 @@ def test_the_longest_wait_of_the_window_is_shown(driver):
 
 
 def test_hidden_it_measures_nothing(driver):
-    """Neither the window nor the kernel has more to do than without it."""
+    """A hidden profiler measures nothing in window and kernel."""
     overlay = open_profiler(driver)
     driver.qtbot.keyClick(driver.window, Qt.Key.Key_F3)
     assert not overlay.isVisible()
@@ -82,7 +82,7 @@ def test_hidden_it_measures_nothing(driver):
 
 @pytest.mark.gl
 def test_passes_of_the_frame_and_work_that_frames_leave_out(drawn_window):
-    """What the GPU was busy with; a picture of the sundial leaves out what its meshes cover."""
+    """The profiler lists the frame's passes and its skipped work."""
     drawn_window.window.activateWindow()
     drawn_window.until(drawn_window.window.isActiveWindow)
     overlay = open_profiler(drawn_window)

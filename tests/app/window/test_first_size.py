@@ -16,7 +16,7 @@ from vrut_lite.app.window.first_size import first_place
     ],
 )
 def test_a_first_window_lies_inside_the_free_area_with_its_frame(free):
-    """Else the time bar and the status line are below the screen's edge."""
+    """Otherwise the time bar and the status line would be below the screen's edge."""
     place = first_place(free)
     assert free.contains(place)
     assert place.top() - free.top() >= 24

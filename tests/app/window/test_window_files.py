@@ -98,7 +98,7 @@ def test_a_broken_scene_leaves_the_old_one(driver, tmp_path):
 
 
 def test_a_broken_project_is_told_in_one_line(driver, tmp_path):
-    """No TOML, an unknown field, no scene: nothing of it is taken."""
+    """Invalid TOML, an unknown field or a missing scene leaves the present project unchanged."""
     texts = ("scene = ", "scene = 'a.glb'\nspeed = 3\n", "place = '1,2'\n")
     for number, text in enumerate(texts):
         path = tmp_path / f"broken_{number}.toml"

@@ -50,7 +50,7 @@ def test_no_single_key_dies_in_a_drop_down_or_a_number(driver, qtbot, part):
 
 
 def test_c_closes_what_c_opened(driver, qtbot):
-    """As B, F3, F4, F5 and T do."""
+    """C opens and closes its panel, as B, F3, F4, F5 and T do theirs."""
     viewport = driver.window.desk.viewport
     viewport.setFocus()
     for seen in (True, False):
@@ -59,7 +59,7 @@ def test_c_closes_what_c_opened(driver, qtbot):
 
 
 def test_every_panel_has_a_button_that_closes_it(driver, qtbot):
-    """Of a panel in a tab too; and View, Panels opens it again."""
+    """The button closes a panel in a tab too, and View, Panels opens it again."""
     for name, dock in driver.window.docks.items():
         driver.window.show_dock(name)
         title = dock.titleBarWidget()

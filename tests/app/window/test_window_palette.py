@@ -92,7 +92,7 @@ def test_a_recent_scene_is_opened_from_the_palette_and_from_the_menu(driver):
 
 
 def test_the_best_match_comes_first():
-    """What begins with the first word, then where a word begins with it, then any other."""
+    """Names that begin with the first word come first, then those with such a word, then others."""
     entries = [PaletteEntry(title, "", print) for title in ("A replay", "The play", "Play")]
     assert [entry.title for entry in matching(entries, "play")] == ["Play", "The play", "A replay"]
     assert matching(entries, "nothing like it") == []

@@ -240,7 +240,7 @@ def test_presets_that_cannot_be_read_are_set_aside_not_overwritten(tmp_path):
 
 
 def test_of_presets_the_bad_one_alone_is_dropped(tmp_path):
-    """What is beside it stays in the file too, when another is kept."""
+    """The valid presets beside it survive the next write."""
     presets = PresetStore(tmp_path)
     presets.keep("clouds", "good", {"coverage": 0.3})
     file = tmp_path / "clouds.json"
@@ -253,7 +253,7 @@ def test_of_presets_the_bad_one_alone_is_dropped(tmp_path):
 
 
 def test_a_window_opens_on_a_damaged_store(open_window, tmp_path):
-    """With its menu of recent files, and what it keeps when it is closed is found again."""
+    """The menu of recent files works, and the session is kept when the window closes."""
     (tmp_path / "kept").mkdir()
     (tmp_path / "kept" / "window.json").write_text("[" * 100_000)
     first = open_window()
@@ -277,7 +277,7 @@ def test_a_recent_file_whose_name_is_no_text_is_offered(open_window, tmp_path):
 
 
 def test_a_session_whose_scene_has_gone_is_not_restored(kept, tmp_path):
-    """Else every start would end in the same complaint."""
+    """Otherwise each start would report the same error."""
     scene = tmp_path / "s.glb"
     scene.write_text("")
     kept.keep_session(Project(scene=str(scene), place="10,20,0"))
@@ -287,7 +287,7 @@ def test_a_session_whose_scene_has_gone_is_not_restored(kept, tmp_path):
 
 
 def test_without_a_folder_nothing_is_kept(tmp_path):
-    """As in safe mode."""
+    """Nothing is written without a folder, as in safe mode."""
     nothing = Kept(None)
     nothing.add_recent(str(tmp_path))
     nothing.keep_session(Project(scene="a.glb"))

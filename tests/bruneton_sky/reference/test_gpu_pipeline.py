@@ -247,7 +247,7 @@ def test_missing_opengl_is_told_in_one_sentence(monkeypatch):
 
 
 def test_no_orders_and_too_large_axes_are_refused(make, other_planet):
-    """No order at all; an axis that a work group has no memory for."""
+    """Zero orders, and an axis too long for a work group's memory, are refused."""
     with pytest.raises(ValueError, match="orders must be 1 or more"):
         make(ODD, lambda p: p.run(other_planet, 0))
     with pytest.raises(ValueError, match="shared memory"):

@@ -137,7 +137,7 @@ def test_without_air_the_sky_is_black():
 
 
 def test_black_ground_and_no_aerosol_are_limits():
-    """No aerosol is what a vanishing one tends to, and a black ground is never seen."""
+    """Without aerosol the light is the limit of thin aerosol; black ground adds none."""
     none = replace(EARTH, mie_scattering=0.0, mie_extinction=0.0, ground_albedo=0.0)
     faint = replace(none, mie_scattering=1e-16, mie_extinction=1e-16)
     rays = 1e3, [0.5, -0.3], 0.6, 0.2

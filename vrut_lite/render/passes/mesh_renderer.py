@@ -104,7 +104,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         """Bring the scene's buffers and textures to the GPU, and free those that left it."""
         # Rows of 3-channel textures are packed; GL's default would skew odd widths.
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
-        self._update_context(scene.scene, RenderFlags.NONE)
+        self._update_context(scene.uploads, RenderFlags.NONE)
 
     def draw(
         self,
