@@ -28,9 +28,7 @@ Pixels = NDArray[np.uint8]
 class PosedWindow:
     """A window that can be waited for and looked at, part by part."""
 
-    def __init__(
-        self, app: QApplication, folder: Path, first: Project, place: QRect | None = None
-    ):
+    def __init__(self, app: QApplication, folder: Path, first: Project, place: QRect | None = None):
         self._app = app
         self.session = Session()
         self.window = MainWindow(self.session, PresetStore(folder))

@@ -10,6 +10,7 @@ import argparse
 import os
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -21,6 +22,7 @@ from tools.pictures.drawing import scene_project
 from tools.pictures.posed_window import PosedWindow
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.first_size import first_place
+from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.kernel.messages import SetSetting
 
@@ -50,14 +52,11 @@ class Tour:
         states: dict[str, Callable[[str], None]] = {
             "loading": self._loading, "street": self._street, "menu": self._menu,
             "drop_down": self._drop_down, "palette": self._palette, "keys": self._keys,
-            
             "sun_path": self._sun_path, "section": self._section, "traced": self._traced,
-            "night": self._night,
         }  # fmt: skip
         for dock in self.window.docks:
-            states[f"dock_{dock.replace(' ', '_')}"] = lambda name, dock=dock: self._dock(
-                name, dock
-            )
+            states[f"dock_{dock.replace(' ', '_')}"] = partial(self._dock, dock=dock)
+        states["night"] = self._night
         for name, show in states.items():
             if self.wants(name):
                 show(name)
@@ -112,7 +111,7 @@ class Tour:
         self.window.show_dock("sky")
         self.posed.rest()
         boxes = self.window.panels["sky"].findChildren(QComboBox)
-        shown = next(box for box in boxes if box.isVisible())
+        shown = next(box for box in boxes if not box.visibleRegion().isEmpty())
         shown.showPopup()
         self.see(name)
         shown.hidePopup()
@@ -123,14 +122,7 @@ class Tour:
         self._while_open(name, palette)
 
     def _keys(self, name: str) -> None:
-        from vrut_lite.app.window.shortcut_list import ShortcutList
-
         self._while_open(name, ShortcutList(self.window.menus.specs, self.window))
-
-    def _save_dialog(self, name: str) -> None:
-        from vrut_lite.app.window.export_dialog import ExportDialog
-
-        self._while_open(name, ExportDialog(self.window.panels["export"], self.window))
 
     def _sun_path(self, name: str) -> None:
         actions = self.window.actions_by_name
@@ -143,6 +135,7 @@ class Tour:
 
     def _section(self, name: str) -> None:
         action = self.window.actions_by_name["section"]
+        self.posed.open(scene_project("pavilion.gltf", at=_NOON))
         action.trigger()
         self.window.show_dock("module scene")
         self.posed.finish()

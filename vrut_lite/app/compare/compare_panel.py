@@ -1,7 +1,7 @@
 """The panel of two skies side by side, at equal haze."""
 
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.app.compare.sky_comparison import (
@@ -21,7 +21,7 @@ from vrut_lite.app.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport
-from vrut_lite.app.widgets import aligned_form, faint_label
+from vrut_lite.app.widgets import aligned_form, faint_label, panel_column
 
 # The line styles of `sky_plots`.
 _MARKS = ((theme.ACCENT, "\N{EM DASH}"), ("#8fb4e8", "\N{EN DASH} \N{EN DASH}"))
@@ -55,8 +55,7 @@ class ComparePanel(QWidget):
             grid.addWidget(disc, 1, 2 * side, 1, 2)
             grid.addWidget(self.hazes[side], 2, 2 * side, 1, 2)
             grid.setColumnStretch(2 * side + 1, 1)
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(10, 10, 10, 10)
+        self._column = panel_column(self)
         self._column.addLayout(grid)
         self._column.addLayout(self._form)
         for label in (self.aerosol, self.ratio):

@@ -1,5 +1,6 @@
 """The row of one setting: name, editor, reset."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -166,7 +167,7 @@ def label_of(spec: SettingSpec) -> str:
 
 def choice_label(choice: str) -> str:
     """A choice as people read it."""
-    return choice.upper() if choice in _ABBREVIATIONS else choice.replace("-", " ")
+    return choice.upper() if choice in _ABBREVIATIONS else re.sub("[-_]", " ", choice)
 
 
 def tooltip_of(spec: SettingSpec) -> str:

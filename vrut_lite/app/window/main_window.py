@@ -2,6 +2,7 @@
 
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtGui import QCloseEvent
@@ -208,10 +209,10 @@ class MainWindow(QMainWindow):
             highest = min(controls, key=lambda control: control.mapTo(panel, QPoint()).y())
             highest.setFocus(Qt.FocusReason.TabFocusReason)
 
-    def type_hour(self) -> None:
-        """Give the keys to the field of the hour."""
+    def type_time(self, field: Literal["clock", "date"]) -> None:
+        """Give the keys to the field of the hour, or of the date."""
         self.show_dock("time")
-        self.time.clock.setFocus(Qt.FocusReason.TabFocusReason)
+        getattr(self.time, field).setFocus(Qt.FocusReason.TabFocusReason)
 
     def toggle_dock(self, name: str) -> None:
         """Hide a visible dock; show a hidden one."""
