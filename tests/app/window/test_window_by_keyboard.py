@@ -1,4 +1,4 @@
-"""The main tasks one after another, by keyboard alone, each key to the widget that has the focus."""
+"""The main tasks one after another by keyboard, each key to the widget that has the focus."""
 
 import pytest
 from PIL import Image
@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 from window_driver import SCENES
 
-from vrut_lite.app.view.viewport import CameraMode
+from vrut_lite.app.view.hand import CameraMode
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneOpened

@@ -21,7 +21,7 @@ from vrut_lite.kernel.settings import SettingSpec
 
 # Endings of names that are left out, since the unit stands beside the number.
 _UNIT_ENDINGS = ("_per_m", "_m_s", "_deg", "_rad", "_nm", "_du", "_km", "_m", "_s", "_k")
-LEFT_OPEN = "as it is"
+LEFT_OPEN = "automatic"
 # Where a name that scripts use says little to people.
 _PLAIN_LABELS = {
     "cube_device": "Computed on",

@@ -6,9 +6,9 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.time_panel import TimePanel
+from vrut_lite.app.view.hand import CameraMode
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.section_switch import SectionSwitch
-from vrut_lite.app.view.viewport import CameraMode
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.files import Files
 
