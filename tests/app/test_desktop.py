@@ -19,7 +19,7 @@ def test_without_a_display_the_headless_way_is_named(monkeypatch):
     """Qt would abort the process: it is never asked."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(subprocess, "run", None)
+    monkeypatch.setattr(subprocess, "Popen", None)
     result = CliRunner().invoke(run, [])
     assert isinstance(result.exception, UserError)
     assert "no display" in str(result.exception)

@@ -60,12 +60,13 @@ class PosedWindow:
         self.finish()
 
     def finish(self) -> None:
-        """Wait for a finished picture after which none has come for a while."""
+        """Wait for a finished picture of the window's size, after which none comes for a while."""
         self.rest()
         self.until(
             lambda: (
                 self._shown is not None
                 and self._shown.still
+                and self._shown.picture.display.shape[1::-1] == self.window.desk.viewport.pixels
                 and time.monotonic() > self._shown_s + 2.0 * _REST_S
             )
         )
