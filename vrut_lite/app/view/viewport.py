@@ -70,6 +70,7 @@ class Viewport(QWidget):
         self._image: QImage | None = None
         self._sent: MoveCamera | None = None
         self._scene: SceneOpened | None = None
+        self._knows_surroundings = False
         self._grip: QPointF | None = None
         self._pressed: QPointF | None = None
         self._resized = make_timer(self, _SETTLED_MS, self._send_size, once=True)
@@ -147,10 +148,18 @@ class Viewport(QWidget):
     def _show_picture(self, shown: Shown) -> None:
         self._image = rgb_image(shown.picture.display)
         self.update()
+        self._look_around()
 
     def _note_scene(self, scene: SceneOpened) -> None:
         self._scene, self._hand.surroundings = scene, None
-        self._session.look_up(lambda _: (scene, Surroundings(scene)), self._take_surroundings)
+        self._knows_surroundings = False
+
+    def _look_around(self) -> None:
+        """Find a new scene's walls once it is seen: its first picture does not wait for them."""
+        scene = self._scene
+        if scene is not None and not self._knows_surroundings:
+            self._knows_surroundings = True
+            self._session.look_up(lambda _: (scene, Surroundings(scene)), self._take_surroundings)
 
     def _take_surroundings(self, found: tuple[SceneOpened, Surroundings]) -> None:
         if found[0] is self._scene:
