@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QLabel, QProgressBar, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QLabel, QProgressBar, QWidget
 
 from light_transport.false_colours import (
     FalseColours,
@@ -23,7 +23,7 @@ from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.fitted_picture import FittedPicture
-from vrut_lite.app.widgets import faint_label, rgb_image
+from vrut_lite.app.widgets import faint_label, panel_column, rgb_image
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 
@@ -71,8 +71,7 @@ class LightMapPanel(QWidget):
         self.view = FittedPicture("light map", (320, 320), smooth=False)
         self.legend = _Legend()
         self.meaning = faint_label("", wraps=True)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 8, 8, 10)
+        column = panel_column(self)
         for part in (self.progress, self.facts, self.kind, self.view, self.legend, self.meaning):
             column.addWidget(part, 1 if part is self.view else 0)
         session.listen(BakeGrown, self._grew)

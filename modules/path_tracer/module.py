@@ -22,6 +22,7 @@ from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.picture import Resize
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.section import SectionChanged
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -107,6 +108,11 @@ class PathTracer(Module):
     def on_resize(self, message: Resize) -> None:
         """Trace pictures of this size."""
         self._see(replace(self._state, size_px=(message.width_px, message.height_px)))
+
+    @handles(SectionChanged)
+    def on_section(self, message: SectionChanged) -> None:
+        """Leave out what another plane takes away."""
+        self._see(replace(self._state, section=message.section))
 
     @handles(BackgroundChanged)
     def on_background(self, message: BackgroundChanged) -> None:

@@ -17,7 +17,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -26,6 +25,7 @@ from path_tracer.remaining import Remaining, remaining_text
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.fitted_picture import FittedPicture
 from vrut_lite.app.panels.file_title import file_title
+from vrut_lite.app.widgets import panel_column
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand
@@ -84,8 +84,7 @@ class TracedPanel(QWidget):
         row.addWidget(self.progress, 1)
         row.addWidget(self.denoise)
         row.addWidget(self.keep)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 8, 8, 10)
+        column = panel_column(self)
         column.addWidget(self.view, 1)
         column.addLayout(row)
         self.denoise.clicked.connect(lambda _: self._develop())
@@ -93,7 +92,11 @@ class TracedPanel(QWidget):
         session.listen(PathTracedPicture, self._hear)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask for the picture."""
+        """Ask for the picture; the last one may be of another hour."""
+        self._latest = self.shown = None
+        self.view.show_pixels(None)
+        self.keep.setEnabled(False)
+        self.progress.setText(_WAITING)
         self._demand(None)
 
     def hideEvent(self, event: QHideEvent) -> None:
@@ -158,7 +161,11 @@ class TracedPanel(QWidget):
         self.progress.setText(line)
 
     def _show(self, asked: tuple[PathTracedPicture, bool], developed: Developed) -> None:
-        self.shown, self._developing = developed, False
+        self._developing = False
+        if self._latest is None:
+            # It was hidden and shown meanwhile.
+            return
+        self.shown = developed
         self.view.show_pixels(developed.pixels)
         self.keep.setEnabled(True)
         left = remaining_text(self._remaining.seconds(developed.samples_wanted))

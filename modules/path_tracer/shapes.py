@@ -31,10 +31,11 @@ _FLAT = 1e-5
 
 
 class Matter(NamedTuple):
-    """Shapes by name, and the BSDFs of those that are single-sided."""
+    """Shapes by name, the BSDFs of those that are single-sided, and the ground disc's."""
 
     shapes: dict[str, Any]
     one_sided: list[Any]
+    ground: Any = None
 
 
 def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
@@ -66,9 +67,11 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
             "to_world": mitsuba.ScalarTransform4f(place),
             "group": groups[number],
         }
-    if subject.scene.ground is not None:
-        result["ground"] = _ground(mitsuba, subject, subject.scene.ground)
-    return Matter(result, bsdfs.one_sided)
+    if subject.scene.ground is None:
+        return Matter(result, bsdfs.one_sided)
+    soil = mitsuba.load_dict(matte(np.asarray(subject.state.ground_albedo_rgb)))
+    result["ground"] = _ground(mitsuba, subject, subject.scene.ground, soil)
+    return Matter(result, bsdfs.one_sided, soil)
 
 
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
@@ -179,7 +182,7 @@ def _mesh(
     return made
 
 
-def _ground(mitsuba: Any, subject: Subject, ground: GroundDisc) -> Any:
+def _ground(mitsuba: Any, subject: Subject, ground: GroundDisc, bsdf: Any) -> Any:
     """The ground disc, of the same triangles as in the GL frame."""
     vertices, triangles = triangulate(ground)
     x, z = ground.centre_xz_m
@@ -191,7 +194,7 @@ def _ground(mitsuba: Any, subject: Subject, ground: GroundDisc) -> Any:
         normals=np.tile([0.0, 1.0, 0.0], (len(vertices), 1)),
         faces=triangles,
         uv=None,
-        bsdf=mitsuba.load_dict(matte(np.asarray(subject.state.ground_albedo_rgb))),
+        bsdf=bsdf,
         emitter=None,
     )
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from path_tracer.camera import sensor
+from path_tracer.eye_rays import Cut, cut_of, past_unseen, sees
 from path_tracer.lamps import lamp_emitters
 from path_tracer.library import load_mitsuba
-from path_tracer.seen_backs import past_backs, sees
 from path_tracer.settings import PathTracerSettings
 from path_tracer.shapes import glowing_shapes, matter
 from path_tracer.sky_map import darkness, radiance_cube, sky_emitter
@@ -98,7 +98,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
     """
     model = model_of(settings, mitsuba)
     there = matter(mitsuba, subject, model)
-    backs = there.one_sided
+    backs, cut = there.one_sided, cut_of(subject, there.ground)
     farthest = subject.reach_units()
     scenes = []
     if any(subject.sun.irradiance_rgb):
@@ -106,7 +106,10 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
         lights = {"sun": sun, "sky": darkness()}
         scenes.append(
             _Addend(
-                *_scene(mitsuba, subject, settings, {**there.shapes, **lights}, backs, distance), 0
+                *_scene(
+                    mitsuba, subject, settings, {**there.shapes, **lights}, backs, cut, distance
+                ),
+                0,
             )
         )
     seen, cube = radiance_cube(subject.background), radiance_cube(subject.light)
@@ -114,14 +117,16 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
     if is_low:
         cube = seen
     bright = bool(np.any(cube > 0.0))
-    lamps, lamp_backs = glowing_shapes(mitsuba, subject, model)
-    lamps |= lamp_emitters(mitsuba, subject)
-    glowing = [*backs, *lamp_backs]
+    shining = glowing_shapes(mitsuba, subject, model)
+    lamps = shining.shapes | lamp_emitters(mitsuba, subject)
+    glowing = [*backs, *shining.one_sided]
     if bright or lamps:
         lights = {"sky": sky_emitter(mitsuba, cube) if bright else darkness(), **lamps}
         scenes.append(
             _Addend(
-                *_scene(mitsuba, subject, settings, {**there.shapes, **lights}, glowing, farthest),
+                *_scene(
+                    mitsuba, subject, settings, {**there.shapes, **lights}, glowing, cut, farthest
+                ),
                 1,
             )
         )
@@ -129,7 +134,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
         alone = msgspec.structs.replace(settings, max_bounces=0)
         for sky, sign in ((seen, 1.0), (cube, -1.0)):
             light = {"sky": sky_emitter(mitsuba, sky) if np.any(sky > 0.0) else darkness()}
-            scene = _scene(mitsuba, subject, alone, {**there.shapes, **light}, backs, farthest)
+            scene = _scene(mitsuba, subject, alone, {**there.shapes, **light}, backs, cut, farthest)
             scenes.append(_Addend(*scene, 1, sign))
     return scenes
 
@@ -147,6 +152,7 @@ def _scene(
     settings: PathTracerSettings,
     content: dict[str, Any],
     backs: list[Any],
+    cut: Cut | None,
     farthest: float,
 ) -> tuple[Any, Any]:
     """A scene as mitsuba has it, and what integrates it."""
@@ -162,8 +168,10 @@ def _scene(
         {"type": "scene", "integrator": integrator, "camera": camera, **content}
     )
     if mitsuba.variant().startswith("scalar") or not backs or not sees(mitsuba, scene, backs):
+        backs = []
+    if not backs and cut is None:
         return scene, scene.integrator()
-    return scene, past_backs(mitsuba, scene.integrator(), backs)
+    return scene, past_unseen(mitsuba, scene.integrator(), backs, cut)
 
 
 def _lets_light_on(subject: Subject) -> bool:

@@ -19,7 +19,7 @@ def test_without_a_display_the_headless_way_is_named(monkeypatch):
     """Qt would abort the process: it is never asked."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(subprocess, "run", None)
+    monkeypatch.setattr(subprocess, "Popen", None)
     result = CliRunner().invoke(run, [])
     assert isinstance(result.exception, UserError)
     assert "no display" in str(result.exception)
@@ -82,5 +82,7 @@ def test_where_windows_can_be_opened_nothing_is_said(monkeypatch):
     """Qt's platform without a screen needs no display."""
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
     monkeypatch.setattr(desktop, "prepare_environment", lambda: None)
-    require_desktop()
+    called = []
+    require_desktop(meanwhile=lambda: called.append("while Qt is tried"))
+    assert called
     assert os.environ["QT_QPA_PLATFORM"] == "offscreen"

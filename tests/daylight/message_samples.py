@@ -26,7 +26,8 @@ from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
+from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
+from vrut_lite.daylight.section import SectionChanged
 from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -147,6 +148,7 @@ SOUND = [
     SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
     SCENE,
     SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
+    SectionChanged(normal=UP, offset_m=1.5),
     SunMoved(
         direction=UP, azimuth_rad=3.0, elevation_rad=1.5, apparent_elevation_rad=1.5,
         visible_disc_fraction=1.0,

@@ -162,6 +162,21 @@ def test_a_changed_view_restarts_the_picture(stage, change):
     assert [picture.samples for picture in pictures(play(stage, change))] == [1, 2, 4, 8]
 
 
+def test_a_section_cuts_the_picture(stage):
+    """A plane below the box takes all of it away, and the uniform sky or ground shows."""
+
+    def middle(*inputs):
+        return pictures(play(stage, *inputs))[-1].radiance.values[8, 12]
+
+    def say(name, value):
+        return SetSetting(module="scene", name=name, value=value)
+
+    whole = middle(WANT)
+    cut = middle(say("section_at", 0.0), say("section", "y"))
+    assert np.abs(cut - whole).max() > 0.1
+    np.testing.assert_array_equal(middle(say("section", "off")), whole)
+
+
 def test_another_scene_is_opened(stage, tmp_path):
     """The new file's picture, not the old one's."""
     before = pictures(play(stage, WANT))[-1]

@@ -11,6 +11,7 @@ from stateful_backend import opened
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene_state import FrameSkips
+from vrut_lite.daylight.section import section_of
 from vrut_lite.scene.loading import load_scene
 
 pytestmark = pytest.mark.gl
@@ -85,6 +86,28 @@ def test_looking_at_the_ground_draws_no_sky_and_filters_none(backend, boxes):
     assert done["mesh"] == 1
     assert done["reflection slice"] == 0
     assert skipped["reflection: nothing in view mirrors"] == 1
+
+
+def test_a_plain_scene_pays_for_nothing_that_it_has_not(backend, boxes):
+    """Boxes under a sun: no lamp, pane, cut, cloud or air is drawn, and nothing is compiled for
+    them; a scene cut by a plane shows that this would be seen here."""
+    backend.change(scene=opened(boxes, GROUND))
+    light(backend, gradient_sky(), **SUN)
+    _, done, _ = counts(backend, lambda: look(backend, (0, 1.7, 0), (5, 1.5, 1)))
+    plain = {"sky sample", "mesh", "shadow map", "upload", "reflection slice"}
+    assert {name for name, times in done.items() if times} <= plain
+    assert "SECTION" not in compiled(backend)
+    others = {"LAMPS", "TERMS", "GLASS", "GLASS_SHADOW", "BACKDROP", "SHEEN", "CLEARCOAT", "UNLIT"}
+    assert not compiled(backend) & others
+    backend.change(section=section_of("x", 0.0, "below"))
+    backend.draw()
+    assert "SECTION" in compiled(backend)
+
+
+def compiled(backend):
+    """What the programs of meshes are compiled with."""
+    programs = backend.backend._frame._meshes._program_cache._program_cache
+    return {name for key in programs for name, _ in key[2:]}
 
 
 def test_the_shadow_map_is_drawn_once_for_one_sun_and_never_at_night(backend, boxes):

@@ -1,5 +1,7 @@
 """The scene manager: what it keeps for a picture, and what it asks for."""
 
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 import trimesh
@@ -9,10 +11,11 @@ from vrut_lite.daylight.camera import MoveCamera, frame_bounds, look_at, perspec
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
+from vrut_lite.daylight.section import SectionChanged
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import Fault
+from vrut_lite.kernel.messages import Fault, SetClock, SetSetting
 from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.scene.manager import SceneManager
 from vrut_lite.scene.needs import visible_faces
@@ -100,6 +103,24 @@ def test_a_black_night_has_a_black_ground_and_no_nan():
     """Nothing divided by nothing must not reach the picture."""
     albedo = ground_albedo(*light_messages(np.zeros((6, 8, 8, 3))))
     np.testing.assert_array_equal(albedo, 0.0)
+
+
+def test_a_scene_without_animations_or_a_section_costs_no_work_for_them(stage, box):
+    """The clock opens no pose anew, and a plane is told once for each change of it."""
+    play, _ = stage
+    heard = play(LoadScene(path=box))
+    assert only(heard, SectionChanged) == []
+    heard = play(SetClock(instant=datetime(2026, 6, 21, 12, tzinfo=UTC)))
+    assert only(heard, SceneOpened) == only(heard, SectionChanged) == []
+
+    def told(name, value):
+        heard = play(SetSetting(module="scene", name=name, value=value))
+        return [message.section for message in only(heard, SectionChanged)]
+
+    assert told("section_at", 0.25) == []
+    assert told("section", "y") == [((0.0, 1.0, 0.0), -1.0)]
+    assert told("air", False) == []
+    assert told("section", "off") == [None]
 
 
 def test_a_bad_scene_is_told_and_the_old_one_stays(stage, box, tmp_path):

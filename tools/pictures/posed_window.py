@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PySide6.QtCore import QRect
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -27,14 +28,17 @@ Pixels = NDArray[np.uint8]
 class PosedWindow:
     """A window that can be waited for and looked at, part by part."""
 
-    def __init__(self, app: QApplication, folder: Path, first: Project):
+    def __init__(self, app: QApplication, folder: Path, first: Project, place: QRect | None = None):
         self._app = app
         self.session = Session()
         self.window = MainWindow(self.session, PresetStore(folder))
         self._shown: Shown | None = None
         self._shown_s = 0.0
         self.session.picture_shown.connect(self._note)
-        self.window.resize(*SIZE)
+        if place is None:
+            self.window.resize(*SIZE)
+        else:
+            self.window.setGeometry(place)
         self.window.show()
         self.session.start()
         self.open(first)
@@ -56,12 +60,13 @@ class PosedWindow:
         self.finish()
 
     def finish(self) -> None:
-        """Wait for a finished picture after which none has come for a while."""
+        """Wait for a finished picture of the window's size, after which none comes for a while."""
         self.rest()
         self.until(
             lambda: (
                 self._shown is not None
                 and self._shown.still
+                and self._shown.picture.display.shape[1::-1] == self.window.desk.viewport.pixels
                 and time.monotonic() > self._shown_s + 2.0 * _REST_S
             )
         )

@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 
 from vrut_lite.errors import UserError
 from vrut_lite.render.gl_environment import prepare_environment
@@ -25,8 +26,8 @@ PACKAGES = (
 )
 
 
-def require_desktop() -> None:
-    """Return if a window can be opened.
+def require_desktop(meanwhile: Callable[[], object] = lambda: None) -> None:
+    """Return if a window can be opened; `meanwhile` is called while that is tried.
 
     Raises:
         UserError: there is no display, or Qt or a library that it needs is missing.
@@ -34,21 +35,24 @@ def require_desktop() -> None:
     if not has_display():
         raise UserError(f"there is no display to open a window on: {_HEADLESS}")
     prepare_environment()
+    probe = subprocess.Popen(
+        [sys.executable, "-c", _PROBE],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        errors="replace",
+    )
     try:
-        done = subprocess.run(
-            [sys.executable, "-c", _PROBE],
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=_PROBE_TIMEOUT_S,
-            check=False,
-        )
+        meanwhile()
+        _, said = probe.communicate(timeout=_PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
         raise UserError(
             f"the display did not answer within {_PROBE_TIMEOUT_S} s: {_HEADLESS}"
         ) from None
-    if done.returncode:
-        raise UserError(objection(done.stderr))
+    finally:
+        probe.kill()
+    if probe.returncode:
+        raise UserError(objection(said))
 
 
 def has_display() -> bool:

@@ -21,6 +21,7 @@ QLineEdit, QComboBox, QAbstractSpinBox {{
     background: {BACKGROUND}; border: 1px solid {LINE}; border-radius: 3px; padding: 2px 5px;
     min-height: 18px; selection-background-color: {ACCENT}; selection-color: {BACKGROUND};
 }}
+QAbstractSpinBox QLineEdit {{ border: none; padding: 0 2px; min-height: 0; }}
 QLineEdit:focus, QComboBox:focus, QAbstractSpinBox:focus {{ border-color: {ACCENT}; }}
 QLineEdit:disabled, QComboBox:disabled, QAbstractSpinBox:disabled {{ color: #5c5c60; }}
 QSpinBox::up-button, QSpinBox::down-button, QDoubleSpinBox::up-button,
@@ -60,7 +61,8 @@ QTreeView::indicator {{
     background: {BACKGROUND};
 }}
 QTreeView::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
-QHeaderView, QHeaderView::section {{
+QHeaderView {{ background: {PANEL}; border: none; }}
+QHeaderView::section {{
     background: {PANEL}; color: {FAINT}; border: none; padding: 4px 4px;
 }}
 QLabel[role="heading"] {{ color: {TEXT}; font-weight: 600; }}

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QSize, Qt, QTimer
 from PySide6.QtGui import QFontMetrics, QImage, QResizeEvent
-from PySide6.QtWidgets import QFormLayout, QLabel, QWidget
+from PySide6.QtWidgets import QFormLayout, QLabel, QVBoxLayout, QWidget
 
 
 def aligned_form(parent: QWidget | None = None) -> QFormLayout:
@@ -18,6 +18,13 @@ def aligned_form(parent: QWidget | None = None) -> QFormLayout:
     form.setHorizontalSpacing(12)
     form.setVerticalSpacing(6)
     return form
+
+
+def panel_column(panel: QWidget) -> QVBoxLayout:
+    """The layout of a panel, from top to bottom, with the margins of all panels."""
+    column = QVBoxLayout(panel)
+    column.setContentsMargins(10, 8, 8, 10)
+    return column
 
 
 def heading(text: str = "") -> QLabel:

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,13 +48,22 @@ def run(scene: str | None, safe_mode: bool, **options: Any) -> None:
         raise UserError(f"cannot open {project.scene}: there is no such file")
     from vrut_lite.app.desktop import require_desktop
 
-    require_desktop()
+    require_desktop(meanwhile=_import_host)
     with interrupts_held():
+        from vrut_lite.app.main import run_app
+    sys.exit(run_app(project, kept, safe_mode))
+
+
+def _import_host() -> None:
+    """Import what draws and computes: before Qt, which reads the source of each later import."""
+    # Without OpenGL; who needs it says so in its own words.
+    with interrupts_held(), suppress(ImportError):
         from vrut_lite.render.gl_environment import begin_probe
 
         begin_probe()
-        from vrut_lite.app.main import run_app
-    sys.exit(run_app(project, kept, safe_mode))
+        import numba  # noqa: F401
+
+        import vrut_lite.host  # noqa: F401
 
 
 def _project(scene: str | None, kept: "Kept") -> Project:

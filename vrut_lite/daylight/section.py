@@ -4,6 +4,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from vrut_lite import checks
+from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import FloatArray, Vector
 
 Axis = Literal["off", "x", "y", "z"]
@@ -26,6 +28,24 @@ class Section(NamedTuple):
         if slope > 0.0:
             return (0.0, crossing) if crossing >= 0.0 else (np.inf, np.inf)
         return max(crossing, 0.0), np.inf
+
+
+class SectionChanged(Derived, frozen=True, kw_only=True):
+    """The plane that now cuts what is seen, as `Section` has it; no normal: none does."""
+
+    normal: Vector | None = None
+    offset_m: float = 0.0
+
+    @property
+    def section(self) -> Section | None:
+        """The plane; None where nothing is cut."""
+        return None if self.normal is None else Section(self.normal, self.offset_m)
+
+    def check(self) -> None:
+        """A direction and a number."""
+        if self.normal is not None:
+            checks.direction(self, "normal")
+        checks.number(self, "offset_m")
 
 
 def section_of(axis: Axis, at_m: float, keeps: Side) -> Section | None:

@@ -9,6 +9,7 @@ from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
+from vrut_lite.daylight.section import SectionChanged
 from vrut_lite.daylight.sky import (
     AmbientChanged,
     BackgroundChanged,
@@ -35,6 +36,7 @@ INPUTS: tuple[type[Input], ...] = (
 DERIVED: tuple[type[Derived], ...] = (
     SceneOpened,
     SceneNeeds,
+    SectionChanged,
     SunMoved,
     BackgroundChanged,
     KeyLightChanged,

@@ -15,7 +15,7 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
-from vrut_lite.daylight.section import Axis, Side, section_of
+from vrut_lite.daylight.section import Axis, SectionChanged, Side, section_of
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
@@ -189,14 +189,16 @@ class SceneManager(Module):
 
     def _cut(self) -> None:
         said = self.settings
-        scene = self.state.scene
-        if scene is None or said.section == "off":
-            self._change(section=None)
-            return
-        axis = "xyz".index(said.section)
-        lower_m, upper_m = scene.lower_m[axis], scene.upper_m[axis]
-        at_m = lower_m + said.section_at * (upper_m - lower_m)
-        self._change(section=section_of(said.section, at_m, said.section_keeps))
+        scene, section = self.state.scene, None
+        if scene is not None and said.section != "off":
+            axis = "xyz".index(said.section)
+            lower_m, upper_m = scene.lower_m[axis], scene.upper_m[axis]
+            at_m = lower_m + said.section_at * (upper_m - lower_m)
+            section = section_of(said.section, at_m, said.section_keeps)
+        if section != self.state.section:
+            self._change(section=section)
+            normal, offset_m = section or (None, 0.0)
+            self.link.post(SectionChanged(normal=normal, offset_m=offset_m))
 
     # --- its light and its air ----------------------------------------------------------
 

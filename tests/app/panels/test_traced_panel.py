@@ -61,6 +61,17 @@ def test_a_picture_is_shown_and_saved(panel, tmp_path):
     assert "known are .png, .jpg, .exr" in panel.driver.problems[-1]
 
 
+def test_a_panel_that_is_shown_again_has_no_picture_of_another_hour(panel):
+    """It waits for the first paths of the hour that it is now."""
+    panel._hear(picture(4))
+    panel.driver.until(lambda: panel.shown is not None)
+    panel.hide()
+    panel.show()
+    assert panel.shown is None
+    assert not panel.keep.isEnabled()
+    assert "paths a pixel" not in panel.progress.text()
+
+
 def test_grain_is_taken_away_when_asked_for(panel):
     """The preview has far less of it, about the same mean, and goes back at a click."""
     pytest.importorskip("mitsuba_oidn", reason="the package mitsuba-oidn is not installed")

@@ -44,7 +44,7 @@ def test_a_sky_without_its_own_haze_shows_that_of_the_place(driver):
     radius = rows(driver, "bruneton_sky")["ground_radius_m"].editor
     driver.until(lambda: radius.value == pytest.approx(3_389_500.0))
     phase = rows(driver, "bruneton_sky")["mie_phase"].editor
-    assert phase.currentText() == "as it is (henyey greenstein)"
+    assert phase.currentText() == "automatic (henyey greenstein)"
 
 
 def test_the_comparison_follows_undo(driver):

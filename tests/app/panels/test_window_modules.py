@@ -181,7 +181,7 @@ def test_a_panel_follows_the_settings_of_a_reloaded_module(driver, tmp_path, mon
     driver.until(lambda: "growing" in driver.session.roster.modules)
     found = docks.module_docks(driver.session.roster).docks
     (spec,) = (spec for spec in found if spec.name == "module growing")
-    driver.window.add_dock(spec)
+    driver.window.board.add(spec)
     driver.window.show_dock(spec.name)
     panel = driver.panel(spec.name)
     assert list(panel.rows) == ["first"]

@@ -43,7 +43,9 @@ def test_axis_and_unit_are_shown_and_changed(headless_window, lying):
     driver.until(lambda: driver.session.last(SceneOpened).upper_m[1] == pytest.approx(0.6))
     choose(panel.up, "y")
     driver.until(lambda: driver.session.last(SceneOpened).upper_m[2] == pytest.approx(0.6))
+    # The file has no cameras, and no empty list of them is shown.
     assert not panel.camera.isEnabled()
+    assert panel.camera.isHidden()
 
 
 def test_the_first_scene_has_nothing_to_note(headless_window):

@@ -69,7 +69,7 @@ def test_a_drag_in_the_first_scene_stays_in_the_street(shared_headless_window, q
     driver.window.files.open_project(load_project(SCENES / "street.toml"))
     driver.until_heard(SceneOpened, lambda m: m.path.endswith("street.obj"))
     driver.until(lambda: np.allclose(view.rig.eye_m, (-1.2, 1.7, 16.0)))
-    driver.until(lambda: view._surroundings is not None)
+    driver.until(lambda: view._hand.surroundings is not None)
     azimuth_rad = view.rig.azimuth_rad
     middle = view.rect().center()
     qtbot.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)

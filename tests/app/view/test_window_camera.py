@@ -104,7 +104,7 @@ def test_flying_by_keys_goes_on_while_they_are_held(driver, qtbot):
     qtbot.keyRelease(driver.view, Qt.Key.Key_W)
     way = driver.view.rig.eye_m - eye
     assert np.allclose(way / np.linalg.norm(way), forward)
-    driver.until(lambda: not driver.view._flight.isActive())
+    driver.until(lambda: not driver.view._flight.is_on)
 
 
 class HeldStage(HeadlessStage):

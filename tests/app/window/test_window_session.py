@@ -305,7 +305,7 @@ def started(monkeypatch, kept):
     import vrut_lite.app.main
 
     calls = []
-    monkeypatch.setattr(vrut_lite.app.desktop, "require_desktop", lambda: None)
+    monkeypatch.setattr(vrut_lite.app.desktop, "require_desktop", lambda meanwhile: None)
     monkeypatch.setattr(vrut_lite.app.main, "run_app", lambda *call: calls.append(call) or 0)
     monkeypatch.setattr(Kept, "of_user", classmethod(lambda cls: kept))
     return calls

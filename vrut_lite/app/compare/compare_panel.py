@@ -1,7 +1,9 @@
 """The panel of two skies side by side, at equal haze."""
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.app.compare.sky_comparison import (
@@ -14,14 +16,16 @@ from vrut_lite.app.compare.sky_comparison import (
     comparable,
 )
 from vrut_lite.app.compare.sky_disc import SkyDisc
-from vrut_lite.app.compare.sky_plots import SkyPlots
 from vrut_lite.app.engine.roster import ModuleInfo, Roster
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport
-from vrut_lite.app.widgets import aligned_form, faint_label
+from vrut_lite.app.widgets import aligned_form, faint_label, panel_column
+
+if TYPE_CHECKING:
+    from vrut_lite.app.compare.sky_plots import SkyPlots
 
 # The line styles of `sky_plots`.
 _MARKS = ((theme.ACCENT, "\N{EM DASH}"), ("#8fb4e8", "\N{EN DASH} \N{EN DASH}"))
@@ -55,8 +59,7 @@ class ComparePanel(QWidget):
             grid.addWidget(disc, 1, 2 * side, 1, 2)
             grid.addWidget(self.hazes[side], 2, 2 * side, 1, 2)
             grid.setColumnStretch(2 * side + 1, 1)
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(10, 10, 10, 10)
+        self._column = panel_column(self)
         self._column.addLayout(grid)
         self._column.addLayout(self._form)
         for label in (self.aerosol, self.ratio):
@@ -150,9 +153,11 @@ class ComparePanel(QWidget):
         self.status.setText(f"Without a spectrum here: {', '.join(without)}" if without else "")
         self._plots().show_spectra(spectra.seen)
 
-    def _plots(self) -> SkyPlots:
+    def _plots(self) -> "SkyPlots":
         """The plots, made for the first data."""
         if self.plots is None:
+            from vrut_lite.app.compare.sky_plots import SkyPlots
+
             self.plots = SkyPlots()
             self._column.insertWidget(self._column.count() - 2, self.plots)
         return self.plots

@@ -1,8 +1,7 @@
 """Plots of two skies: luminance along the sun's meridian, spectra of one direction.
 
-pyqtgraph is imported with the window's other parts, though it takes 0.4 s. Its import visits all of
-Qt's classes, which PySide creates on first use: done on another thread beside a working window, it
-sometimes crashed the process.
+pyqtgraph takes 0.3 s to import, which a start need not wait for. Its import visits all of Qt's
+classes, which PySide creates on first use: on another thread than Qt's it sometimes crashed.
 """
 
 import math
@@ -54,6 +53,8 @@ class SkyPlots(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self.meridian)
         column.addWidget(self.spectrum)
+        # Axes without a curve have figures that mean nothing.
+        self.spectrum.hide()
 
     def show_meridian(self, angle_deg: NDArray[np.float64], cd_m2: NDArray[np.float64]) -> None:
         """Luminances (2, n) at angles (n,)."""
@@ -62,6 +63,7 @@ class SkyPlots(QWidget):
 
     def show_spectra(self, spectra: list[SpectrumSeen | None]) -> None:
         """Show a curve for each; none for a sky without a spectrum."""
+        self.spectrum.show()
         for curve, seen in zip(self.spectra, spectra, strict=True):
             if seen is None:
                 curve.setData([], [])

@@ -149,6 +149,7 @@ class Engine:
         except BaseException as error:
             self._trouble(error)
             return None
+        self._pacing.expect(stage.renderer)
         stage.kernel.tap(self._hear)
         stage.kernel.on_inject(self._awake.set)
         for failure in stage.failures:

@@ -9,6 +9,8 @@ SCALES = (1.0, 0.7, 0.5, 0.35, 0.25)
 _SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.5
 _REST_SHARE = 0.3
 _MEMORY = 0.5
+# Renderers of Mesa and Google without a graphics card, and seconds of a full picture by them.
+_ON_PROCESSORS, _ON_PROCESSORS_S = ("llvmpipe", "softpipe", "SwiftShader"), 2.0
 
 
 class Pacing:
@@ -16,6 +18,12 @@ class Pacing:
 
     def __init__(self) -> None:
         self._full_s = 0.0
+        self._is_known = False
+
+    def expect(self, renderer: str) -> None:
+        """Guess from a renderer's name, until the first picture: a processor's are small."""
+        if any(name in renderer for name in _ON_PROCESSORS):
+            self._full_s = _ON_PROCESSORS_S
 
     def quick_scale(self) -> float:
         """The largest scale at which a picture is expected in time, or the smallest that is."""
@@ -28,8 +36,9 @@ class Pacing:
     def drew(self, scale: float, seconds: float) -> None:
         """Learn from the time of a picture of this scale."""
         full_s = seconds / scale**2
-        known = self._full_s > 0.0
-        self._full_s = (1.0 - _MEMORY) * self._full_s + _MEMORY * full_s if known else full_s
+        known_s = self._full_s if self._is_known else full_s
+        self._full_s = (1.0 - _MEMORY) * known_s + _MEMORY * full_s
+        self._is_known = True
 
 
 def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:

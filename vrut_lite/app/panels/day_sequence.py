@@ -3,7 +3,7 @@
 import shutil
 import tempfile
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from datetime import datetime, timedelta, tzinfo
 from pathlib import Path
 
@@ -23,6 +23,8 @@ _FRAME_SUFFIX = ".png"
 
 def one_process() -> Executor:
     """A worker process; UserError if none can be started."""
+    from concurrent.futures import ProcessPoolExecutor
+
     return ProcessPoolExecutor(1, mp_context=spawn_context())
 
 

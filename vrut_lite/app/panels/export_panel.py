@@ -15,7 +15,6 @@ from PySide6.QtWidgets import (
     QPushButton,
     QSpinBox,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -29,12 +28,12 @@ from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
 from vrut_lite.app.panels.file_title import file_title, scene_and_place
 from vrut_lite.app.panels.size_chooser import SizeChooser
-from vrut_lite.app.widgets import aligned_form, faint_label
+from vrut_lite.app.widgets import aligned_form, faint_label, panel_column
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.film import FILM_FORMATS
 from vrut_lite.pictures.image_files import picture_format
 
-PICTURES = "Pictures (*.png *.jpg *.exr)"
+_PICTURES = "Pictures (*.png *.jpg *.exr)"
 _KINDS = {
     "PNG files": ".png",
     "JPEG files": ".jpg",
@@ -105,9 +104,9 @@ class ExportPanel(QWidget):
 
     def ask_for_picture(self) -> None:
         """Let a name be chosen, and write the picture that is shown."""
-        path = self._new_name("Export picture", f"{file_title(self._session)}.png", PICTURES)
+        path = self._new_name("Export picture", f"{file_title(self._session)}.png", _PICTURES)
         if path:
-            self.export(path)
+            self.export(path if Path(path).suffix else f"{path}.png")
 
     def _make_parts(self) -> None:
         self.chosen_size = SizeChooser()
@@ -152,15 +151,13 @@ class ExportPanel(QWidget):
         row = QHBoxLayout()
         row.addWidget(self.progress, 1)
         row.addWidget(self.cancel)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 10, 10, 10)
+        column = panel_column(self)
         column.addLayout(sizes)
         column.addWidget(self.picture)
-        column.addSpacing(10)
+        column.addWidget(self.status)
+        column.addLayout(row)
         column.addLayout(form)
         column.addWidget(self.day)
-        column.addLayout(row)
-        column.addWidget(self.status)
         column.addStretch(1)
 
     # --- hours -------------------------------------------------------------------------------

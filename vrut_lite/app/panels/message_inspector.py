@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QSplitter,
     QTreeWidget,
     QTreeWidgetItem,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -20,7 +19,7 @@ from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.cause_tree import CauseTree
 from vrut_lite.app.panels.journal_bar import JournalBar
 from vrut_lite.app.panels.message_table import MessageTable
-from vrut_lite.app.widgets import heading, make_timer
+from vrut_lite.app.widgets import make_timer, panel_column
 
 _LOOK_MS = 250
 
@@ -73,16 +72,14 @@ class MessageInspector(QWidget):
         self.journal = JournalBar(self._session)
 
     def _lay_out(self) -> None:
-        self.heading = heading("Messages")
         top = QHBoxLayout()
-        for part in (self.heading, self.filter, self.pause, self.clear):
+        for part in (self.filter, self.pause, self.clear):
             top.addWidget(part)
         halves = QSplitter(Qt.Orientation.Vertical)
         for place, view in enumerate((self.table, self.causes, self.content)):
             halves.addWidget(view)
             halves.setStretchFactor(place, 2 if place else 3)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 8, 8, 10)
+        column = panel_column(self)
         column.addLayout(top)
         column.addWidget(halves, 1)
         column.addWidget(self.journal)
@@ -102,7 +99,6 @@ class MessageInspector(QWidget):
         return self.isVisible() and not self.pause.isChecked()
 
     def _pause(self, paused: bool) -> None:
-        self.heading.setText("Paused" if paused else "Messages")
         self._set_watching()
 
     def _set_watching(self) -> None:

@@ -10,14 +10,13 @@ from PySide6.QtWidgets import (
     QPushButton,
     QTreeWidget,
     QTreeWidgetItem,
-    QVBoxLayout,
     QWidget,
 )
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.module_states import ModuleState, ModuleStates, into_safe_mode, states_of
 from vrut_lite.app.engine.session import Session, fault_line, one_line
-from vrut_lite.app.widgets import heading
+from vrut_lite.app.widgets import heading, panel_column
 from vrut_lite.kernel.messages import EnableModule, Fault, ReloadModule, RestartModule, SlotChanged
 
 _NAME = Qt.ItemDataRole.UserRole
@@ -106,13 +105,12 @@ class ModuleManager(QWidget):
 
     def _lay_out(self) -> None:
         top, middle = QHBoxLayout(), QHBoxLayout()
-        top.addWidget(heading("Modules"), 1)
+        top.addStretch(1)
         top.addWidget(self.safe_mode)
         middle.addWidget(self.title, 1)
         middle.addWidget(self.restart)
         middle.addWidget(self.reload)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 8, 8, 10)
+        column = panel_column(self)
         column.addLayout(top)
         column.addWidget(self.list, 3)
         column.addLayout(middle)
@@ -165,7 +163,7 @@ class ModuleManager(QWidget):
             item.setCheckState(0, Qt.CheckState.Checked if running else Qt.CheckState.Unchecked)
         item.setText(1, module.state)
         item.setForeground(1, QColor(_COLOURS.get(module.state, theme.TEXT)))
-        item.setText(2, ", ".join(module.holds))
+        item.setText(2, ", ".join(module.holds).replace("_", " "))
         item.setText(3, module.version)
 
     def _item(self, name: str) -> QTreeWidgetItem | None:

@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QMenu,
     QPushButton,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -19,7 +18,7 @@ from vrut_lite.app.engine.roster import ModuleInfo
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore, Values
 from vrut_lite.app.panels.setting_row import SettingRow
-from vrut_lite.app.widgets import faint_label, heading
+from vrut_lite.app.widgets import faint_label, heading, panel_column
 from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Fault, SetSetting, SettingChanged
@@ -38,8 +37,7 @@ class ModulePanel(QWidget):
         self._session, self._name, self._presets = session, module, presets
         self._specs = self._module.specs
         self.rows: dict[str, SettingRow] = {}
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 8, 8, 10)
+        column = panel_column(self)
         column.addLayout(self._heading())
         self._settings = self._grid()
         column.addWidget(self._settings)

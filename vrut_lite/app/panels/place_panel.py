@@ -8,7 +8,6 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QListWidget,
     QListWidgetItem,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -17,7 +16,7 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.cities import City, all_cities, find_cities
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.world_map import WorldMap
-from vrut_lite.app.widgets import aligned_form, faint_label, heading
+from vrut_lite.app.widgets import aligned_form, faint_label, heading, panel_column
 from vrut_lite.daylight.place import HIGHEST_M, LOWEST_M, SetPlace
 from vrut_lite.daylight.place_time import parse_place, time_zone_at
 from vrut_lite.daylight.sun import SunMoved
@@ -60,8 +59,7 @@ class PlacePanel(QWidget):
         self._send(city.latitude_deg, city.longitude_deg, city.altitude_m)
 
     def _lay_out(self) -> None:
-        column = QVBoxLayout(self)
-        column.setContentsMargins(10, 10, 10, 10)
+        column = panel_column(self)
         for part in (self.search, self.found, self.map, self.name, self.zone):
             column.addWidget(part)
         form = aligned_form()

@@ -45,7 +45,7 @@ class ScenePanel(ModulePanel):
         session.listen(SceneOpened, self._show_file)
 
     def _lay_out_file(self) -> None:
-        form = aligned_form()
+        form = self._form = aligned_form()
         form.addRow("Size", self.extent)
         for title, box, tip in (
             ("Up", self.up, "The file's vertical axis"),
@@ -116,4 +116,5 @@ class ScenePanel(ModulePanel):
         self.camera.setCurrentText(scene.opened.camera)
         for box in (self.up, self.unit, self.camera):
             box.setEnabled(box.count() > 0)
+        self._form.setRowVisible(self.camera, self.camera.count() > 0)
         self.notices.setText("\n".join(scene.notices))

@@ -1,5 +1,6 @@
 """The row of one setting: name, editor, reset."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -20,7 +21,7 @@ from vrut_lite.kernel.settings import SettingSpec
 
 # Endings of names that are left out, since the unit stands beside the number.
 _UNIT_ENDINGS = ("_per_m", "_m_s", "_deg", "_rad", "_nm", "_du", "_km", "_m", "_s", "_k")
-LEFT_OPEN = "as it is"
+LEFT_OPEN = "automatic"
 # Where a name that scripts use says little to people.
 _PLAIN_LABELS = {
     "cube_device": "Computed on",
@@ -166,7 +167,7 @@ def label_of(spec: SettingSpec) -> str:
 
 def choice_label(choice: str) -> str:
     """A choice as people read it."""
-    return choice.upper() if choice in _ABBREVIATIONS else choice.replace("-", " ")
+    return choice.upper() if choice in _ABBREVIATIONS else re.sub("[-_]", " ", choice)
 
 
 def tooltip_of(spec: SettingSpec) -> str:

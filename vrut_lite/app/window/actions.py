@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.time_panel import TimePanel
+from vrut_lite.app.view.hand import CameraMode
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.section_switch import SectionSwitch
-from vrut_lite.app.view.viewport import CameraMode
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.files import Files
 
@@ -48,8 +48,8 @@ class Window(Protocol):
     def go_to_dock(self, name: str) -> None:
         """Show a dock, and give the keys to its first control."""
 
-    def type_hour(self) -> None:
-        """Give the keys to the field of the hour."""
+    def type_time(self, field: Literal["clock", "date"]) -> None:
+        """Give the keys to the field of the hour, or of the date."""
 
     def show_palette(self) -> None:
         """Open the command palette."""
@@ -82,8 +82,8 @@ def action_specs(
     return [
         ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
         ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
-        ActionSpec("export", "File", f"Export picture (PNG, JPEG, EXR){dots}", "Ctrl+E",
-                   files.ask_to_export),
+        ActionSpec("export", "File", f"Export pictures and films{dots}", "Ctrl+E",
+                   partial(window.go_to_dock, "export")),
         ActionSpec("screenshot", "File", "Screenshot of the picture", "F12",
                    files.save_screenshot),
         ActionSpec("quit", "File", "Quit", "Ctrl+Q", window.close_soon),
@@ -101,7 +101,8 @@ def action_specs(
                    session.meter_exposure),
         ActionSpec("play", "Time", "Play or pause", "Space", lambda: window.time.toggle_play()),
         ActionSpec("now", "Time", "Now", "N", lambda: window.time.go_to_now()),
-        ActionSpec("hour", "Time", "Type an hour", "H", window.type_hour),
+        ActionSpec("hour", "Time", "Type an hour", "H", lambda: window.type_time("clock")),
+        ActionSpec("date", "Time", "Type a date", "Shift+H", lambda: window.type_time("date")),
         ActionSpec("day before", "Time", "A day earlier", "Ctrl+PgUp",
                    lambda: window.time.step_days(-1)),
         ActionSpec("day after", "Time", "A day later", "Ctrl+PgDown",

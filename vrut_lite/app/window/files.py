@@ -1,4 +1,4 @@
-"""The commands of the File menu: open, save, export, screenshot, and their file dialogs."""
+"""The commands of the File menu: open, save, screenshot, and their file dialogs."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,9 +7,7 @@ import msgspec
 from platformdirs import user_pictures_path
 from PySide6.QtWidgets import QFileDialog, QInputDialog
 
-from vrut_lite.app.engine.export import export_picture
 from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
-from vrut_lite.app.panels.export_panel import PICTURES
 from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.kept import Kept
@@ -99,10 +97,6 @@ class Files:
         if wanted and name.strip():
             self.views.keep(name.strip(), CameraView.of(viewport.camera))
 
-    def export(self, path: str) -> None:
-        """Write the picture."""
-        export_picture(self._session, path, self._status.show_news)
-
     def save_screenshot(self) -> None:
         """Write the picture with its overlays into the folder `pictures`."""
         try:
@@ -125,16 +119,8 @@ class Files:
         proposed = self.project or Path(
             folder_of(self._session), file_title(self._session) + PROJECT_SUFFIX
         )
-        path = self._new_name("Save project", str(proposed), "Projects (*.toml)")
+        path, _ = QFileDialog.getSaveFileName(
+            self._desk.viewport, "Save project", str(proposed), "Projects (*.toml)"
+        )
         if path:
             self.save(path if path.endswith(PROJECT_SUFFIX) else path + PROJECT_SUFFIX)
-
-    def ask_to_export(self) -> None:
-        """Let a name be chosen, and write the picture."""
-        proposed = str(Path(folder_of(self._session), file_title(self._session) + ".png"))
-        path = self._new_name("Export picture", proposed, PICTURES)
-        if path:
-            self.export(path)
-
-    def _new_name(self, title: str, proposed: str, kinds: str) -> str:
-        return QFileDialog.getSaveFileName(self._desk.viewport, title, proposed, kinds)[0]

@@ -1,16 +1,13 @@
 """The window: the picture, the docks around it, the menus, and the status line."""
 
-from functools import partial
 from pathlib import Path
+from typing import Literal
 
-from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
-    QDockWidget,
     QLabel,
     QMainWindow,
-    QTabWidget,
-    QWidget,
 )
 
 from vrut_lite.app.engine.day_scout import DayScout
@@ -21,11 +18,11 @@ from vrut_lite.app.panels.picture_panel import PicturePanel
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.panels.time_panel import TimePanel
 from vrut_lite.app.view.compass import Compass
+from vrut_lite.app.view.hand import CameraMode
 from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.sun_path import SunPath
-from vrut_lite.app.view.viewport import CameraMode, Viewport
-from vrut_lite.app.widgets import make_timer
-from vrut_lite.app.window.actions import ActionSpec, action_specs
+from vrut_lite.app.view.viewport import Viewport
+from vrut_lite.app.window.actions import action_specs
 from vrut_lite.app.window.command_palette import (
     CommandPalette,
     action_entries,
@@ -34,11 +31,9 @@ from vrut_lite.app.window.command_palette import (
     slot_entries,
 )
 from vrut_lite.app.window.desk import Desk
-from vrut_lite.app.window.dock_title import DockTitle
-from vrut_lite.app.window.docks import DOCKS, GROUPS, DockSpec, module_docks, scrolled
+from vrut_lite.app.window.dock_board import DockBoard
 from vrut_lite.app.window.files import Files
 from vrut_lite.app.window.kept import Kept, WindowShape
-from vrut_lite.app.window.keys import KeyJudge
 from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
@@ -48,12 +43,9 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.errors import UserError
-from vrut_lite.foreign_errors import sentence_of
-from vrut_lite.interrupts import pass_interrupt
 from vrut_lite.kernel.messages import SettingChanged
 
 TITLE = "vrut_lite"
-_RIGHT_PX, _MOST_RIGHT = 420, 0.3
 
 
 class MainWindow(QMainWindow):
@@ -74,11 +66,6 @@ class MainWindow(QMainWindow):
             viewport=Viewport(session, sun_path, compass),
             presets=presets or PresetStore(),
         )
-        self.docks: dict[str, QDockWidget] = {}
-        self.titles: dict[str, DockTitle] = {}
-        self._names_changed = make_timer(self, 0, self._show_names, once=True)
-        self.panels: dict[str, QWidget] = {}
-        self._keys = KeyJudge(self)
         self.setCentralWidget(self.desk.viewport)
         self.profiler: ProfilerOverlay = ProfilerOverlay(session, self.desk.viewport)
         self._status = StatusLine()
@@ -93,9 +80,8 @@ class MainWindow(QMainWindow):
         )
         self.actions_by_name = self.menus.actions
         self.files.views = Views(self.menus.views, self.desk.viewport.go_to)
-        for spec in DOCKS:
-            self.add_dock(spec)
-        self._arrange()
+        self.board = DockBoard(self, self.desk, self.menus)
+        self.docks, self.panels = self.board.docks, self.board.panels
         self._connect()
 
     @property
@@ -117,59 +103,6 @@ class MainWindow(QMainWindow):
         """The status line's message."""
         return self._status.news
 
-    # --- widgets -----------------------------------------------------------------------------
-
-    def add_dock(self, spec: DockSpec) -> None:
-        """Make a dock; it joins the tabs of its group."""
-        panel = spec.make(self.desk)
-        self._keys.watch(panel)
-        dock = QDockWidget(spec.title, self)
-        dock.setObjectName(spec.name)
-        dock.setWidget(scrolled(panel) if spec.scrolled else panel)
-        beside = spec.group == "time"
-        if beside:
-            # A bar above would take the picture's height.
-            dock.setFeatures(
-                dock.features() | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
-            )
-        self.titles[spec.name] = DockTitle(dock, beside)
-        dock.setTitleBarWidget(self.titles[spec.name])
-        dock.visibilityChanged.connect(lambda _: self._names_changed.start())
-        dock.dockLocationChanged.connect(lambda _: self._names_changed.start())
-        group = [dock for dock in self.docks.values() if dock.property("group") == spec.group]
-        dock.setProperty("group", spec.group)
-        self.addDockWidget(GROUPS[spec.group], dock)
-        if group:
-            self.tabifyDockWidget(group[-1], dock)
-        dock.setVisible(spec.shown)
-        self.docks[spec.name], self.panels[spec.name] = dock, panel
-        self.menus.panels.addAction(dock.toggleViewAction())
-        if spec.keys:
-            self.menus.add(
-                ActionSpec(spec.name, "View", spec.title, spec.keys,
-                           partial(self.toggle_dock, spec.name))
-            )  # fmt: skip
-
-    def _show_names(self) -> None:
-        """A dock alone in its place has no tab to show its name."""
-        for name, dock in self.docks.items():
-            beside = self.tabifiedDockWidgets(dock)
-            self.titles[name].show_name(all(other.isHidden() for other in beside))
-
-    def _arrange(self) -> None:
-        self.setDockNestingEnabled(True)
-        self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, _TABS_ABOVE)
-        right = [dock for dock in self.docks.values() if dock.property("group") != "time"]
-        # Before it is shown a window has no width of its own yet.
-        most_px = round(_MOST_RIGHT * self.width()) if self.isVisible() else _RIGHT_PX
-        width_px = min(_RIGHT_PX, most_px)
-        self.resizeDocks(right, [width_px] * len(right), Qt.Orientation.Horizontal)
-        self.resizeDocks(
-            [self.docks["place"], self.docks["sky"]], [430, 440], Qt.Orientation.Vertical
-        )
-        self.docks["place"].raise_()
-        self.docks["sky"].raise_()
-
     def _connect(self) -> None:
         session, desk = self.session, self.desk
         desk.scout.day_changed.connect(desk.sun_path.set_day)
@@ -190,35 +123,20 @@ class MainWindow(QMainWindow):
 
     def show_dock(self, name: str) -> None:
         """Show a dock, as the front tab of its group."""
-        self.docks[name].show()
-        self.docks[name].raise_()
+        self.board.show(name)
 
     def go_to_dock(self, name: str) -> None:
         """Show a dock, and give the keys to its first control."""
-        self.show_dock(name)
-        panel = self.panels[name]
-        controls = [
-            control
-            for control in panel.findChildren(QWidget)
-            if control.focusPolicy() & Qt.FocusPolicy.TabFocus
-            and control.isVisible()
-            and control.isEnabled()
-        ]
-        if controls:
-            highest = min(controls, key=lambda control: control.mapTo(panel, QPoint()).y())
-            highest.setFocus(Qt.FocusReason.TabFocusReason)
+        self.board.go_to(name)
 
-    def type_hour(self) -> None:
-        """Give the keys to the field of the hour."""
+    def type_time(self, field: Literal["clock", "date"]) -> None:
+        """Give the keys to the field of the hour, or of the date."""
         self.show_dock("time")
-        self.time.clock.setFocus(Qt.FocusReason.TabFocusReason)
+        getattr(self.time, field).setFocus(Qt.FocusReason.TabFocusReason)
 
     def toggle_dock(self, name: str) -> None:
         """Hide a visible dock; show a hidden one."""
-        if self.panels[name].visibleRegion().isEmpty():
-            self.show_dock(name)
-        else:
-            self.docks[name].hide()
+        self.board.toggle(name)
 
     def show_palette(self) -> None:
         """Open the command palette."""
@@ -255,19 +173,8 @@ class MainWindow(QMainWindow):
     # --- messages ----------------------------------------------------------------------------
 
     def _ready(self, roster: Roster) -> None:
-        docks, failures = module_docks(roster)
-        for spec in docks:
-            try:
-                self.add_dock(spec)
-            # A module's own panel may raise anything.
-            except BaseException as error:
-                pass_interrupt(error)
-                failures.append(f"the {spec.name} failed: {sentence_of(error)}")
-        for failure in failures:
+        for failure in self.board.add_modules(roster):
             self.session.problem.emit(failure)
-        for panel in self.panels.values():
-            self._keys.watch(panel)
-        self._arrange()
         shape = self.files.kept.shape()
         if shape is not None:
             self.restoreGeometry(shape.geometry)
@@ -321,7 +228,3 @@ class MainWindow(QMainWindow):
             self.files.kept.keep_shape(WindowShape(bytes(geometry), bytes(docks)))
         except UserError as error:
             self._status.show_problem(str(error))
-
-
-_TITLE_BESIDE = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
-_TABS_ABOVE = QTabWidget.TabPosition.North

@@ -46,7 +46,7 @@ class StatusLine(QStatusBar):
         """Size and time of a picture, and the renderer's name without its part in brackets."""
         height, width = shown.picture.display.shape[:2]
         self.facts.setText(
-            f"{width} \N{MULTIPLICATION SIGN} {height}   {1e3 * shown.seconds:.0f} ms   "
+            f"{width} \N{MULTIPLICATION SIGN} {height} in {_duration(shown.seconds)}, "
             f"{renderer.partition(' (')[0]}   "
         )
 
@@ -55,3 +55,7 @@ class StatusLine(QStatusBar):
         self.news.setToolTip(line)
         self.news.setStyleSheet(f"color: {colour}; padding-left: 6px;")
         self._fades.start()
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds >= 1.0 else f"{1e3 * seconds:.0f} ms"
