@@ -9,7 +9,7 @@ from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.render.light import Light
 from vrut_lite.render.passes.background_view import BackgroundView
 from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.passes.mesh_renderer import View
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.shader_files import Defines
 
 
