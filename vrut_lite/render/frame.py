@@ -28,12 +28,9 @@ from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.passes.mesh_renderer import (
-    SHADOW_UNIT,
-    MeshRenderer,
-    shadow_from_eye,
-)
+from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.shadow_map import ShadowMaps
+from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.tone_pass import TonePass

@@ -15,11 +15,12 @@ from vrut_lite.daylight.scene_content import MapName
 from vrut_lite.daylight.section import Section
 from vrut_lite.geometry.reflection import DIELECTRIC_F0
 from vrut_lite.render.gl_environment import import_pyrender
-from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
+from vrut_lite.render.light import Light, Reflection, Shadows
 from vrut_lite.render.passes.caster_renderer import CasterRenderer, cut_out_defines, is_all_solid
 from vrut_lite.render.passes.draw_order import alpha_range
 from vrut_lite.render.passes.occlusion_queries import OcclusionQueries
 from vrut_lite.render.passes.programs import Program
+from vrut_lite.render.passes.shadows_on_mesh import bind_shadows, shadows_on
 from vrut_lite.render.passes.specular_filter import LEVEL_ROUGHNESS
 from vrut_lite.render.passes.triangles import PlacedSide, Side, draw_side, sides
 from vrut_lite.render.passes.view import View, normal_matrix, translation
@@ -33,8 +34,7 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 from pyrender.constants import ProgramFlags, RenderFlags  # noqa: E402
 
 # As mesh.frag binds them; the first units are a material's textures, which pyrender numbers.
-_SKY_UNIT, SHADOW_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT, _NEAR_SHADOW_UNIT = 8, 9, 10, 11, 15
-_GLASS_SHADOW_UNIT = 23
+_SKY_UNIT, _REFLECTION_UNIT, _REFLECTANCE_UNIT = 8, 10, 11
 # From this roughness on both lobes of `sky_image` are as wide as the first level of the map.
 _NO_MIRROR = (0.8 - math.sqrt(0.64 - 1.44 * LEVEL_ROUGHNESS[0])) / 0.72
 _LAYER_UNIFORMS: dict[str, MapName] = {
@@ -124,10 +124,7 @@ class MeshRenderer(CasterRenderer):
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_GREATER if blended else GL.GL_GEQUAL)
         GL.glDepthMask(GL.GL_FALSE if blended else GL.GL_TRUE)
-        defines = (*defines, "NEAR_SHADOW") if shadows.near else defines
-        defines = (*defines, "GLASS_SHADOW") if shadows.scene.tint else defines
         uniforms = {
-            **_shadow_uniforms(shadows, view),
             "reflection_scale": float(reflection.scale),
             "level_roughness": np.array(LEVEL_ROUGHNESS),
         }
@@ -137,7 +134,9 @@ class MeshRenderer(CasterRenderer):
             for side in sides(placed, blended):
                 if (placed, side) in unseen:
                     continue
+                shadow_defines, shadow_uniforms = shadows_on(placed, shadows, view)
                 own = (
+                    *shadow_defines,
                     *self._cuts(placed),
                     *cut_out_defines(placed.primitive.material),
                     *_lobe_defines(placed.primitive.material),
@@ -146,7 +145,7 @@ class MeshRenderer(CasterRenderer):
                     *side.defines,
                 )
                 program = self._mesh_program(placed.primitive, (*defines, *own))
-                for name, value in uniforms.items():
+                for name, value in (uniforms | shadow_uniforms).items():
                     program.set_uniform(name, value)
                 _set_light(program, light)
                 self._set_place(program, placed, view)
@@ -206,28 +205,9 @@ def _textures(material: Any) -> Iterable[tuple[str, Any]]:
     yield "metallic_roughness", material.metallicRoughnessTexture
 
 
-def shadow_from_eye(shadow: Shadow, view: View) -> NDArray[np.float64]:
-    """Matrix (4, 4) of positions relative to the eye into the shadow map's clip space."""
-    return np.asarray(shadow.matrix @ translation(view.eye_m - shadow.centre_m))
-
-
-def _shadow_uniforms(shadows: Shadows, view: View) -> dict[str, Any]:
-    uniforms: dict[str, Any] = {}
-    for name, shadow in (("shadow", shadows.scene), ("near_shadow", shadows.near)):
-        if shadow is not None:
-            uniforms[f"{name}_matrix"] = shadow_from_eye(shadow, view)
-            uniforms[f"{name}_texel_m"] = float(shadow.texel_m)
-    return uniforms
-
-
 def _bind_maps(light: Light, shadows: Shadows, reflection: Reflection) -> None:
     light.mirrored.texture.use(location=_SKY_UNIT)
-    shadows.scene.texture.use(location=SHADOW_UNIT)
-    if shadows.near is not None:
-        shadows.near.texture.use(location=_NEAR_SHADOW_UNIT)
-    nearest = shadows.near or shadows.scene
-    if nearest.tint is not None:
-        nearest.tint.use(location=_GLASS_SHADOW_UNIT)
+    bind_shadows(shadows)
     reflection.texture.use(location=_REFLECTION_UNIT)
     reflection.reflectance.use(location=_REFLECTANCE_UNIT)
 
