@@ -249,7 +249,8 @@ class Frame:
         self, targets: Targets, view: View, light: Light, disc: SunDisc, air: FrameAir
     ) -> None:
         with self.measure("sky"):
-            drawn = self._sky.draw(view, light, disc, self._skips.sky, air.sky)
+            counted = self._sky.draw(targets.size, view, light, disc, self._skips.sky, air.sky)
+        drawn = targets.samples if counted is None else counted
         self.ledger.did("sky sample", drawn)
         self.ledger.skip("sky sample: covered", targets.samples - drawn)
 
