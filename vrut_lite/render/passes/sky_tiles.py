@@ -37,7 +37,7 @@ class SkyTiles:
         self._queries: list[int] = []
 
     def uncovered(self, size: tuple[int, int], view: View) -> tuple[list[Tile], int]:
-        """Tiles in which the sky passes the depth test, neighbours joined, and its samples there."""
+        """Tiles in which the sky passes the depth test, neighbours joined, and its samples."""
         tiles = _tiles(size, view)
         if len(self._queries) < len(tiles):
             more = GL.glGenQueries(len(tiles) - len(self._queries))
