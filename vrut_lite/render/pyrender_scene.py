@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -44,6 +45,11 @@ class PlacedPrimitive:
     def is_two_sided(self) -> bool:
         """Whether its back is seen too."""
         return bool(self.primitive.material.doubleSided)
+
+    @cached_property
+    def is_mirrored(self) -> bool:
+        """Whether its placement turns its triangles' winding over, or flattens it."""
+        return bool(np.linalg.det(self.world_from_model[:3, :3]) <= 0.0)
 
 
 class _Cut(NamedTuple):

@@ -2,8 +2,6 @@
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.shader_files import Defines
@@ -33,7 +31,7 @@ def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
         return (Side(GL.GL_BACK),)
     if blended:
         return Side(GL.GL_FRONT), Side(GL.GL_BACK)
-    if primitive.wound_as_normals and np.linalg.det(placed.world_from_model[:3, :3]) > 0.0:
+    if primitive.wound_as_normals and not placed.is_mirrored:
         return Side(GL.GL_BACK, ("FRONT",)), Side(GL.GL_FRONT, ("BACK",))
     return (Side(0),)
 
