@@ -8,6 +8,7 @@ from vrut_lite_bench.paths import (
     air,
     dispatch,
     frame,
+    frame_peers,
     hosek_wilkie,
     light_map,
     single_scattering,
@@ -30,6 +31,7 @@ KINDS: dict[str, Callable[[bool], list[Group]]] = {
     "light-map": light_map.groups,
     "dispatch": dispatch.groups,
     "frame": frame.groups,
+    "frame-peers": frame_peers.groups,
     "window": window.groups,
 }
 

@@ -26,7 +26,7 @@ from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_content import MAP_NAMES, SceneGeometry, SceneMaterials
+from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.daylight.section import SectionChanged
 from vrut_lite.daylight.sky import (
     AmbientChanged,

@@ -14,7 +14,7 @@ from tools.scenes.satellite import ALTITUDE_M, satellite
 from vrut_lite.daylight.camera import MoveCamera, camera_from_pose, look_at
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.project import load_project
-from vrut_lite.render.passes.mesh_renderer import translation
+from vrut_lite.render.passes.view import translation
 from vrut_lite.scene.loading import load_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"

@@ -70,13 +70,13 @@ class AirOnGpu:
         self.volume = volume
         if volume is None:
             return
-        extinction = np.ascontiguousarray(log_extinction(volume), dtype=np.float32)
+        extinction = _padded(log_extinction(volume), np.float32)
         self._extinction = self._written(self._extinction, extinction, extinction.shape[1::-1])
         if isinstance(volume.light, GpuTexture):
             # The texture is valid while the kept volume refers to it.
             self._radiance = _between_nodes(self._context, volume.light.opaque)
             return
-        light = np.ascontiguousarray(volume.light.values, dtype=np.float16)
+        light = _padded(volume.light.values, np.float32)
         _, slices, rows, columns, _ = light.shape
         self._uploaded = self._written(self._uploaded, light, (columns, rows, 3 * slices))
         self._radiance = self._uploaded
@@ -102,7 +102,7 @@ class AirOnGpu:
             self._release(texture)
             make = self._context.texture3d if len(size) == 3 else self._context.texture
             dtype = f"f{values.itemsize}"
-            texture = _between_nodes(self._context, make(size, 3, dtype=dtype, alignment=1))
+            texture = _between_nodes(self._context, make(size, 4, dtype=dtype, alignment=1))
         texture.write(values.tobytes(), alignment=1)
         return texture
 
@@ -110,6 +110,13 @@ class AirOnGpu:
         if texture is not None:
             bind_permanent_framebuffer(self._context)
             texture.release()
+
+
+def _padded(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
+    """RGB with a fourth number: texels that software renderers fetch whole."""
+    padded = np.zeros((*values.shape[:-1], 4), dtype)
+    padded[..., :3] = values
+    return padded
 
 
 def _between_nodes(context: Any, texture: Any) -> Any:

@@ -28,16 +28,13 @@ from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
 from vrut_lite.render.passes.draw_order import in_order
-from vrut_lite.render.passes.mesh_renderer import (
-    SHADOW_UNIT,
-    MeshRenderer,
-    View,
-    shadow_from_eye,
-)
+from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.shadow_map import ShadowMaps
+from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
 from vrut_lite.render.passes.specular_filter import SpecularFilter, reflection_change
 from vrut_lite.render.passes.tone_pass import TonePass
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
@@ -194,6 +191,7 @@ class Frame:
                 if self._skips.meshes and piece[2:] != targets.size:
                     part = part_of(view, targets.size, piece)
                     within = [p for p in placed if in_view(p, part)]
+                unseen = frozenset() if blended else self._meshes.draw_depth_first(within, view)
                 self._meshes.draw(
                     scene,
                     within,
@@ -204,6 +202,7 @@ class Frame:
                     self._surface_light,
                     (*air.mesh, *self._lamps.defines),
                     blended,
+                    unseen,
                 )
 
             if placed:
@@ -250,7 +249,8 @@ class Frame:
         self, targets: Targets, view: View, light: Light, disc: SunDisc, air: FrameAir
     ) -> None:
         with self.measure("sky"):
-            drawn = self._sky.draw(view, light, disc, self._skips.sky, air.sky)
+            counted = self._sky.draw(targets.size, view, light, disc, self._skips.sky, air.sky)
+        drawn = targets.samples if counted is None else counted
         self.ledger.did("sky sample", drawn)
         self.ledger.skip("sky sample: covered", targets.samples - drawn)
 

@@ -22,7 +22,7 @@ from vrut_lite.render.frame import Frame, Measure
 from vrut_lite.render.gl_owner import GlOwner
 from vrut_lite.render.light import Light, Sky
 from vrut_lite.render.light_meter import Illuminance, illuminance
-from vrut_lite.render.passes.mesh_renderer import View
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.surface_look_up import LitScene

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -39,6 +40,16 @@ class PlacedPrimitive:
     light_corner_px: NDArray[np.int32] | None = None
     light_end_px: NDArray[np.int32] | None = None
     mirror: int | None = None
+
+    @property
+    def is_two_sided(self) -> bool:
+        """Whether its back is seen too."""
+        return bool(self.primitive.material.doubleSided)
+
+    @cached_property
+    def is_mirrored(self) -> bool:
+        """Whether its placement turns its triangles' winding over, or flattens it."""
+        return bool(np.linalg.det(self.world_from_model[:3, :3]) <= 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +188,7 @@ def _cut_up(mesh: Mesh, surface: "Surface", shape: Shape | None) -> _Cut:
         indices=np.asarray((mesh if shape is None else shape).triangles, np.uint32),
         material=surface,
     )
+    primitive.wound_as_normals = _wound_as_normals(primitive)
     model_from_centred = np.eye(4)
     model_from_centred[:3, 3] = centre
     return _Cut(primitive, model_from_centred)
@@ -195,6 +207,8 @@ class Surface(pyrender.MetallicRoughnessMaterial):  # type: ignore[name-defined]
     is_cut_out = False
     # Reflects nothing: Lambert's surface itself.
     matte = False
+    # Of all places of the surface.
+    least_roughness = 0.0
 
     def _compute_textures(self) -> set[Any]:
         return super()._compute_textures() | set(self.further.values())
@@ -222,4 +236,23 @@ def _surface(material: Material) -> Surface:
     surface.normal_scale = material.normal_scale
     surface.occlusion_strength = material.occlusion_strength
     surface.is_cut_out = is_cut_out(material)
+    surface.least_roughness = _least_roughness(material)
     return surface
+
+
+def _least_roughness(material: Material) -> float:
+    """Of all places, by the green channel of the map."""
+    found = material.maps.get("metallic_roughness")
+    least = 1.0 if found is None else float(found.texels[..., 1].min()) / 255.0
+    return material.roughness * least
+
+
+def _wound_as_normals(primitive: Any) -> bool:
+    """Whether the normals of every triangle lie on the side from where it runs anticlockwise."""
+    if primitive.normals is None:
+        return True
+    triangles = np.asarray(primitive.indices, np.int64).reshape(-1, 3)
+    corners = primitive.positions[triangles].astype(float)
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    towards = np.einsum("tc,tkc->tk", face, primitive.normals[triangles])
+    return bool((towards[np.any(face, axis=1)] > 0.0).all())

@@ -12,7 +12,7 @@ import numpy as np
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.passes.mesh_renderer import View
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Pieces
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache

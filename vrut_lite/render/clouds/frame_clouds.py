@@ -13,7 +13,7 @@ from vrut_lite.render.clouds.cloud_pass import COARSER, CloudPass
 from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
-from vrut_lite.render.passes.mesh_renderer import View
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.targets import Targets

@@ -9,7 +9,8 @@ from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.render.light import Light
 from vrut_lite.render.passes.background_view import BackgroundView
 from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.passes.mesh_renderer import View
+from vrut_lite.render.passes.sky_tiles import SkyTiles, whole
+from vrut_lite.render.passes.view import View
 from vrut_lite.render.shader_files import Defines
 
 
@@ -39,8 +40,7 @@ class SkyPass:
         self._context = context
         self._screens: dict[Defines, FullScreen] = {}
         self._view = BackgroundView(context)
-        # moderngl's queries cannot be released.
-        self._query = int(GL.glGenQueries(1)[0])
+        self._tiles = SkyTiles(context)
 
     def show_view(self, view: ViewShader | None) -> None:
         """Draw the background by a module's own shader, or from the cube map again.
@@ -51,18 +51,47 @@ class SkyPass:
         self._view.show(view)
 
     def draw(
-        self, view: View, light: Light, disc: SunDisc, only_uncovered: bool, defines: Defines
-    ) -> int:
+        self,
+        size: tuple[int, int],
+        view: View,
+        light: Light,
+        disc: SunDisc,
+        only_uncovered: bool,
+        defines: Defines,
+    ) -> int | None:
         """Draw the sky, also where something was drawn unless `only_uncovered`.
 
         `defines`: further features of the shader, as in air.py.
 
         Returns:
-            The number of samples that were drawn.
+            The number of samples that were drawn, None for all.
         """
+        # At infinity, where nothing was drawn, depth is exactly the sky's.
+        GL.glDepthFunc(GL.GL_GEQUAL if only_uncovered else GL.GL_ALWAYS)
+        self._context.enable(self._context.DEPTH_TEST)
+        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
+        self._context.depth_mask = False
+        tiles, count = self._tiles.uncovered(size, view) if only_uncovered else (whole(size), None)
+        GL.glEnable(GL.GL_SCISSOR_TEST)
+        for over_horizon in (True, False):
+            drawn = [tile for tile in tiles if tile.over_horizon == over_horizon]
+            if not drawn:
+                continue
+            also: Defines = ("OVER_HORIZON",) if over_horizon else ()
+            screen = self._prepared(view, light, disc, (*defines, *also))
+            for tile in drawn:
+                GL.glScissor(*tile[:4])
+                screen.draw()
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        self._context.depth_mask = True
+        GL.glDepthFunc(GL.GL_GREATER)
+        return count
+
+    def _prepared(self, view: View, light: Light, disc: SunDisc, defines: Defines) -> FullScreen:
+        """The program that draws the background, with its uniforms set."""
         seen = self._view.screen(defines)
         screen = seen or self._screen(defines)
-        ray_from_clip = np.linalg.inv(view.projection @ view.rotation)
+        ray_from_clip = np.linalg.inv(view.clip_from_eye)
         screen.set("ray_from_clip", ray_from_clip.T.ravel())
         screen.set("sky_scale", light.sky.scale)
         screen.set("sun_direction", light.sun_direction)
@@ -73,17 +102,7 @@ class SkyPass:
         if seen is None:
             light.sky.texture.use(location=0)
             screen.program["sky"].value = 0
-        # At infinity, where nothing was drawn, depth is exactly the sky's.
-        GL.glDepthFunc(GL.GL_GEQUAL if only_uncovered else GL.GL_ALWAYS)
-        self._context.enable(self._context.DEPTH_TEST)
-        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
-        self._context.depth_mask = False
-        GL.glBeginQuery(GL.GL_SAMPLES_PASSED, self._query)
-        screen.draw()
-        GL.glEndQuery(GL.GL_SAMPLES_PASSED)
-        self._context.depth_mask = True
-        GL.glDepthFunc(GL.GL_GREATER)
-        return int(GL.glGetQueryObjectuiv(self._query, GL.GL_QUERY_RESULT))
+        return screen
 
     def _screen(self, defines: Defines) -> FullScreen:
         if defines not in self._screens:
@@ -95,4 +114,4 @@ class SkyPass:
         self._view.release()
         for screen in self._screens.values():
             screen.release()
-        GL.glDeleteQueries(1, [self._query])
+        self._tiles.release()

@@ -21,7 +21,7 @@ LEVEL_ROUGHNESS = (0.2, 0.35, 0.6, 1.0)
 # Edge of the filtered map, no larger than needed for the sky's own, and of the copy it is made of.
 _SMALLEST, _LARGEST, _SOURCE_SIZE = 32, 64, 128
 # Wider lobes take more samples, and have fewer texels.
-_SAMPLES = 128
+_SAMPLES = 64
 # No coarse cell of the sky may be off by more than this share of it (or of 1 % of the
 # brightest cell, if that is more), unless a tolerance says otherwise: half a step of 8 bits at
 # the display's white.

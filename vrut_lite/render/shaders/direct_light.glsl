@@ -27,6 +27,9 @@ void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse
     light *= below_clearcoat(seen.clearcoat, dot(seen.smooth_n, towards));
 #endif
     light *= nl;
+#ifdef MATTE
+    diffuse += light;
+#else
     vec2 share = shares(nl, seen.roughness).xy;
     diffuse += light * (seen.through * (1.0 - coat(share, seen.coat_peak, seen.coat_f90)));
     // Rounding takes cosines of unit vectors past 1: opposite the sun, where view and h are one.
@@ -42,5 +45,6 @@ void add_light(vec3 light, vec3 towards, float nl, Seen seen, inout vec3 diffuse
 #endif
 #ifdef SHEEN
     radiance += light * sheen_brdf(nl, seen.nv, nh);
+#endif
 #endif
 }

@@ -46,22 +46,6 @@ const float TABLE_F0 = 0.04;         // of the table's means
 
 uniform vec3 sun_direction;          // towards the sun
 uniform vec3 sun_irradiance;         // on a plane that faces it
-uniform vec3 irradiance_sh[25];
-layout(binding = 8) uniform samplerCube sky;
-uniform float sky_scale;
-layout(binding = 10) uniform samplerCube reflection;  // the sky over lobes, a mip level each
-uniform float reflection_scale;
-uniform vec4 level_roughness;
-layout(binding = 11) uniform sampler2D reflectance;   // render/reflection.py's table
-layout(binding = 9) uniform sampler2DShadow shadow_map;
-uniform mat4 shadow_matrix;          // from positions relative to the eye
-uniform float shadow_texel_m;
-#ifdef NEAR_SHADOW
-layout(binding = 15) uniform sampler2DShadow near_shadow_map;  // finer, around the eye
-uniform mat4 near_shadow_matrix;
-uniform float near_shadow_texel_m;
-const float NEAR_RIM = 0.25;         // of its half width, where it goes over into the other
-#endif
 
 in vec3 eye_to_point;                // at the pixel's centre, for derivatives
 centroid in vec3 eye_to_sample;      // inside the triangle, also at its edge
@@ -99,279 +83,12 @@ vec2 uv_of(int layer) {
 }
 #endif
 
-// The normal of the triangle itself, on the side that is seen.
-vec3 face_normal(vec3 view) {
-    vec3 n = cross(dFdx(eye_to_point), dFdy(eye_to_point));
-    float squared = dot(n, n);
-    if (!(squared > 0.0)) return view;
-    n *= inversesqrt(squared);
-    return dot(n, view) < 0.0 ? -n : n;
-}
-
-// The surface's own normal, and whether the surface is seen from behind.
-vec3 smooth_normal(vec3 face, out bool behind) {
-    vec3 n = face;
-    behind = false;
-#ifdef NORMAL_LOC
-    float length_squared = dot(world_normal, world_normal);
-    if (length_squared > 0.0) n = world_normal * inversesqrt(length_squared);
-    // The back of a sheet is lit from its own side.
-    behind = dot(n, face) < 0.0;
-    if (behind) n = -n;
-#endif
-    return n;
-}
-
-// The normal that its map gives a surface. Flanks that lean away from the eye are not seen: those
-// opposite show in their place.
-vec3 mapped_normal(vec3 n, vec3 view) {
-#ifdef HAS_NORMAL_TEX
-#ifdef TEXCOORD_0_LOC
-    // Tangents from screen derivatives (Schueler, "Normal mapping without precomputed
-    // tangents", ShaderX 5): right for any mesh, and needs no tangents in the file.
-    vec3 dpx = dFdx(eye_to_point), dpy = dFdy(eye_to_point);
-    vec2 uv = uv_of(normal_layer);
-    vec2 dux = dFdx(uv), duy = dFdy(uv);
-    vec3 across_x = cross(n, dpx), across_y = cross(dpy, n);
-    vec3 t = across_y * dux.x + across_x * duy.x;
-    vec3 b = across_y * dux.y + across_x * duy.y;
-    float longest = max(dot(t, t), dot(b, b));
-    if (longest > 0.0) {
-        vec3 m = 2.0 * texture(material.normal_texture, uv).rgb - 1.0;
-        m.xy *= normal_scale;
-        vec3 bent = normalize(mat3(t * inversesqrt(longest), b * inversesqrt(longest), n) * m);
-        n = dot(bent, view) > 0.0 ? bent : 2.0 * dot(bent, n) * n - bent;
-    }
-#endif
-#endif
-    return n;
-}
-
-// E(n) = sum c_i Y_i(n), bands 0 to 4: the twin of geometry/spherical_harmonics.py.
-vec3 sky_irradiance(vec3 n) {
-    float x = n.x, y = n.y, z = n.z, x2 = x * x, y2 = y * y, z2 = z * z;
-    vec3 e = irradiance_sh[0] * 0.28209479177387814;
-    e += 0.4886025119029199 * (irradiance_sh[1] * y + irradiance_sh[2] * z + irradiance_sh[3] * x);
-    e += 1.0925484305920792 * (irradiance_sh[4] * x * y + irradiance_sh[5] * y * z
-                               + irradiance_sh[7] * x * z);
-    e += irradiance_sh[6] * (0.31539156525252005 * (3.0 * z2 - 1.0));
-    e += irradiance_sh[8] * (0.5462742152960396 * (x2 - y2));
-    e += 0.5900435899266435 * (irradiance_sh[9] * y * (3.0 * x2 - y2)
-                               + irradiance_sh[15] * x * (x2 - 3.0 * y2));
-    e += irradiance_sh[10] * (2.890611442640554 * x * y * z);
-    e += 0.4570457994644658 * (5.0 * z2 - 1.0) * (irradiance_sh[11] * y + irradiance_sh[13] * x);
-    e += irradiance_sh[12] * (0.3731763325901154 * z * (5.0 * z2 - 3.0));
-    e += irradiance_sh[14] * (1.445305721320277 * z * (x2 - y2));
-    e += irradiance_sh[16] * (2.5033429417967046 * x * y * (x2 - y2));
-    e += 1.7701307697799304 * (irradiance_sh[17] * y * z * (3.0 * x2 - y2)
-                               + irradiance_sh[23] * x * z * (x2 - 3.0 * y2));
-    e += irradiance_sh[18] * (0.9461746957575601 * x * y * (7.0 * z2 - 1.0));
-    e += 0.6690465435572892 * z * (7.0 * z2 - 3.0) * (irradiance_sh[19] * y + irradiance_sh[21] * x);
-    e += irradiance_sh[20] * (0.10578554691520431 * (35.0 * z2 * z2 - 30.0 * z2 + 3.0));
-    e += irradiance_sh[22] * (0.47308734787878004 * (x2 - y2) * (7.0 * z2 - 1.0));
-    e += irradiance_sh[24] * (0.6258357354491761 * (x2 * (x2 - 3.0 * y2) - y2 * (3.0 * x2 - y2)));
-    return max(e, 0.0);
-}
-
-// Corrects interpolation at the centroid on the edge of a triangle. Some rasterisers take 1 / w
-// at the pixel's centre for the centroid too, which moves the point along its ray off the plane.
-float centroid_factor(vec3 face) {
-    float reached = dot(face, eye_to_sample);
-    return abs(reached) > 0.0 ? dot(face, eye_to_point) / reached : 1.0;
-}
-
-// The shaded point of this triangle, also at its edge.
-vec3 point_in_triangle(vec3 face) {
-    float distance_to_plane = dot(face, eye_to_point), reached = dot(face, eye_to_sample);
-    return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
-}
-
-#if defined(LIGHT_MAP) || defined(LIGHT_PROBES) || defined(GROUND_LIGHT)
-#define SURFACE_LIGHT
-//!include surface_light.glsl
-
-// Light of a surface with this normal, and with its normal map's normal.
-Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
-#if defined(GROUND_LIGHT)
-    return ground_light(eye_to_point);
-#elif defined(LIGHT_MAP)
-#ifdef TWO_SIDED
-    // The map has the light of the front alone.
-    if (behind) {
-#ifdef LIGHT_PROBES
-        if (has_probes(eye_to_point)) return probe_light(eye_to_point, n);
-#endif
-        vec4 front = map_light(light_corner_px + place_px * centroid_factor(face)).light;
-        front.rgb *= tilted(n, -smooth_n, MOST_BEHIND);
-        return Reached(front, vec4(0.0, 0.0, 0.0, front.a));
-    }
-#endif
-    Reached front = map_light(light_corner_px + place_px * centroid_factor(face));
-#ifdef HAS_NORMAL_TEX
-    front.light.rgb *= tilted(n, smooth_n, MOST_TILTED);
-#endif
-    return front;
-#else
-    return probe_light(eye_to_point, n);
-#endif
-}
-#endif
-
-// Share of the sun at a place in a shadow map: 3 x 3 taps of a linearly filtered comparison.
-float lit_share(sampler2DShadow map, vec3 at) {
-    at = at * 0.5 + 0.5;
-    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
-    float depth = min(at.z, 1.0);
-    vec2 texel = 1.0 / vec2(textureSize(map, 0));
-    float lit = 0.0;
-    for (int i = -1; i <= 1; ++i)
-        for (int j = -1; j <= 1; ++j)
-            lit += texture(map, vec3(at.xy + vec2(i, j) * texel, depth));
-    return lit / 9.0;
-}
-
-// Share of the sun that reaches this point.
-float sun_visibility(vec3 face) {
-    // The receiver is moved off its own surface by what the taps can span, more where the
-    // light grazes it: along each axis of the map one texel, and one of the filter. Measured in
-    // texels it is free of acne at any scale; farther off, light would leak under what overhangs.
-    vec3 slope = normalize(mat3(shadow_matrix) * face);  // both maps have the sun's axes
-    vec3 p = point_in_triangle(face);
-    vec3 off = face * (0.5 + 2.0 * (abs(slope.x) + abs(slope.y)));
-    vec3 at = (shadow_matrix * vec4(p + off * shadow_texel_m, 1.0)).xyz;
-#ifdef NEAR_SHADOW
-    vec3 near_at = (near_shadow_matrix * vec4(p + off * near_shadow_texel_m, 1.0)).xyz;
-    vec3 from_middle = abs(near_at);
-    float to_rim = 1.0 - max(from_middle.x, max(from_middle.y, from_middle.z));
-    float share = clamp(to_rim / NEAR_RIM, 0.0, 1.0);
-    if (share <= 0.0) return lit_share(shadow_map, at);
-    float near_lit = lit_share(near_shadow_map, near_at);
-    return share >= 1.0 ? near_lit : mix(lit_share(shadow_map, at), near_lit, share);
-#else
-    return lit_share(shadow_map, at);
-#endif
-}
-
-#ifdef GLASS_SHADOW
-layout(binding = 23) uniform sampler2D glass_shadow;  // of the nearest of the maps
-const float GLASS_DEPTH = 2e-3;                      // half floats tell no less apart
-
-// What glass before this point leaves of the sun; off its own surface as in `sun_visibility`.
-vec3 sun_through_glass(vec3 face) {
-    vec3 slope = normalize(mat3(shadow_matrix) * face);
-    vec3 off = face * (0.5 + 2.0 * (abs(slope.x) + abs(slope.y)));
-#ifdef NEAR_SHADOW
-    vec3 p = point_in_triangle(face) + off * near_shadow_texel_m;
-    vec3 at = (near_shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
-#else
-    vec3 p = point_in_triangle(face) + off * shadow_texel_m;
-    vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz * 0.5 + 0.5;
-#endif
-    if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
-    vec2 texel = 1.0 / vec2(textureSize(glass_shadow, 0));
-    vec3 left = vec3(0.0);
-    for (int i = -1; i <= 1; ++i) {
-        for (int j = -1; j <= 1; ++j) {
-            vec4 glass = textureLod(glass_shadow, at.xy + vec2(i, j) * texel, 0.0);
-            left += at.z > glass.a + GLASS_DEPTH ? glass.rgb : vec3(1.0);
-        }
-    }
-    return left / 9.0;
-}
-#endif
-
-// Share of the sun on a triangle of a rounded surface that turns away from it, so that
-// no edge of a triangle shows there; 1 where triangle and normal agree (Chiang et al. 2019,
-// "Taming the shadow terminator").
-float before_terminator(float nl, float cos_face, float cos_between) {
-    float g = clamp(cos_face / max(nl * cos_between, 1e-9), 0.0, 1.0);
-    return g * (1.0 + g * (1.0 - g));
-}
-
-// Reflectance at grazing angles: 1, but less where that at normal incidence is below any real
-// surface's 2 %; a matte surface reflects nothing.
-vec3 grazing(vec3 f0) {
-    return vec3(clamp(50.0 * max(f0.r, max(f0.g, f0.b)), 0.0, 1.0));
-}
-
-// GGX distribution times height-correlated Smith visibility (Heitz 2014), with Schlick's
-// Fresnel term: glTF 2.0, appendix B.3.
-vec3 specular_brdf(float nl, float nv, float nh, float vh, float alpha, vec3 f0, vec3 f90) {
-    float a2 = alpha * alpha;
-    float d = nh * nh * (a2 - 1.0) + 1.0;
-    float distribution = a2 / (PI * d * d);
-    float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2)
-                              + nv * sqrt(nl * nl * (1.0 - a2) + a2));
-    return distribution * visibility * (f0 + (f90 - f0) * pow(1.0 - vh, 5.0));
-}
-
-//!include sky_lookup.glsl
-
-// Shares a and b of a uniform white sky, and a dielectric's mean: render/reflection.py.
-vec3 shares(float mu, float roughness) {
-    float last = float(textureSize(reflectance, 0).x - 1);
-    vec2 at = vec2(sqrt(clamp(mu, 0.0, 1.0)), roughness) * last + 0.5;
-    return texture(reflectance, at / (last + 1.0)).rgb;
-}
-
-// Gain by light that bounces between facets (Turquin 2019).
-vec3 bounces(vec3 f0, vec2 share) {
-    return 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
-}
-
-// Share of the light that the coat of a dielectric reflects, all bounces.
-float coat(vec2 share, float f0, float f90) {
-    return (f0 * share.x + f90 * share.y) * (1.0 + f0 * (1.0 / (share.x + share.y) - 1.0));
-}
-
-// Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
-vec3 reflected_sky(vec3 d, float roughness) {
-    if (roughness < level_roughness.x) {
-        vec3 mirror = sky_on_side(sky, d, d.y > 0.0 ? 1.0 : -1.0) * sky_scale;
-        vec3 blurred = textureLod(reflection, d, 0.0).rgb * reflection_scale;
-        // Near a mirror the light from afar grows with alpha squared, the blur with alpha.
-        return mix(mirror, blurred, pow(roughness / level_roughness.x, 3.0));
-    }
-    float level = 0.0;
-    for (int k = 0; k < 3; ++k)
-        level += clamp((roughness - level_roughness[k])
-                       / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
-    return textureLod(reflection, d, level).rgb * reflection_scale;
-}
-
-// What a lobe shows of the sky: by the share of Fresnel's term that is the same from everywhere,
-// and by that of grazing angles.
-struct SkyImage {
-    vec3 direct, grazing;
-};
-
-// Rough facets are seen from wherever they lie: their lobe stands about the normal, and no light
-// comes from below the surface. At grazing angles another, narrower one stands about the mirror
-// direction, and what the surface cuts off it moves its middle away from the surface. Directions
-// and widths are fitted to the BRDF's integral under clear skies (test_reflection.py).
-SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
-    vec3 about = normalize(mix(to_image, n, roughness * roughness));
-    float narrower = roughness * (0.8 - 0.36 * roughness);
-    vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
-    return SkyImage(reflected_sky(about, roughness), reflected_sky(cut, narrower));
-}
-
-#ifdef SURFACE_LIGHT
-// Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
-// shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_surface_light.py).
-vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {
-    float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
-    vec3 across = nv * n - view;
-    float low = 0.62 * r2 / (r2 + 0.05), low_at_grazing = 0.35 * r2 / (r2 + 0.04);
-    vec2 up = sqrt(vec2(low * low, low_at_grazing * low_at_grazing)
-                   + nv * nv * vec2(straight * straight, (1.0 - roughness) * (1.0 - roughness)));
-    vec3 direct = up.x * n + straight * across;
-    vec3 at_grazing = up.y * n + (1.0 - 0.18 * roughness) * across;
-    vec2 seen = visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing));
-    // A lobe as wide as the hemisphere has all in it, of which a line says too much.
-    return clamp(mix(seen, vec2(in_all), r2 * r2), 0.0, 1.0);
-}
-#endif
+//!include normals.glsl
+//!include sky_irradiance.glsl
+//!include light_of_surface.glsl
+//!include sun_shadow.glsl
+//!include facets.glsl
+//!include sky_reflection.glsl
 
 #ifdef MIRROR
 //!include mirror.glsl
@@ -411,18 +128,7 @@ vec4 base_color() {
 //!include direct_light.glsl
 
 #ifdef CUT_OUT
-//!include cut_out.glsl
-
-// Leave out of the pixel's samples what is cut away.
-void cover(float alpha) {
-    float share = covered_share(material.base_color_texture, uv_of(base_color_layer), alpha);
-    int samples = int(float(gl_NumSamples) * share + threshold());
-    if (samples == 0) discard;
-    // Another one first in each pixel.
-    int first = (int(gl_FragCoord.x) + 2 * int(gl_FragCoord.y)) % gl_NumSamples;
-    int mask = (1 << samples) - 1;
-    gl_SampleMask[0] = (mask << first) | (mask >> (gl_NumSamples - first));
-}
+//!include cover_samples.glsl
 #endif
 
 void main() {
@@ -496,11 +202,16 @@ void main() {
     float nl = dot(n, sun_direction);
     float cos_face = dot(face, sun_direction);
 
+#ifdef MATTE
+    vec3 share = vec3(0.0), more = vec3(1.0);
+    float through = 1.0;
+#else
     vec3 share = shares(nv, roughness);
     vec3 more = bounces(f0, share.xy);
     // The coat transmits the rest to the paint below it (Kelemen and Szirmay-Kalos
     // 2001): reciprocal, and a white surface gives back all of any light.
     float through = 1.0 - coat(share.xy, coat_peak, coat_f90);
+#endif
 #ifdef SHEEN
     // Fibres take their light from all that is below them.
     float below_sheen = 1.0 - peak(terms.sheen_rgb) * sheen_share(nv);
@@ -556,6 +267,7 @@ void main() {
     }
 #endif
     radiance += albedo * diffuse / PI;
+#ifndef MATTE
     vec3 once = f0 * share.x, at_grazing = f90 * share.y;
     vec3 mirror_n = n;
 #ifdef ANISOTROPY
@@ -587,6 +299,7 @@ void main() {
 #else
     SkyImage far = sky_image(to_image, mirror_n, nv, roughness);
     radiance += more * occlusion * (once * far.direct + at_grazing * far.grazing);
+#endif
 #endif
 #ifdef SHEEN
 #ifdef SURFACE_LIGHT

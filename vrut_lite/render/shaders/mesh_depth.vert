@@ -9,18 +9,15 @@ layout(location = TEXCOORD_0_LOC) in vec2 texcoord_0;
 layout(location = TEXCOORD_1_LOC) in vec2 texcoord_1;
 uniform int alpha_layer;
 #endif
-layout(location = INST_M_LOC) in mat4 inst_m;
 
-uniform mat4 M;
-uniform mat4 V;
-uniform mat4 P;
+uniform mat4 clip_from_model;
 
 #ifdef TEXCOORD_0_LOC
 out vec2 uv;
 #endif
 
 void main() {
-    gl_Position = P * V * M * inst_m * vec4(position, 1.0);
+    gl_Position = clip_from_model * vec4(position, 1.0);
 #ifdef TEXCOORD_0_LOC
     uv = texcoord_0;
 #endif

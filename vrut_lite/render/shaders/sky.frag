@@ -39,6 +39,7 @@ vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     return mean_radiance * max(darkening, 0.0) * covered;
 }
 
+// With OVER_HORIZON the compiler leaves out all that is for `lower` alone.
 void main() {
     vec3 d = normalize(ray);
     float over_horizon = d.y;
@@ -67,5 +68,9 @@ void main() {
         lower = max(lower - shadowed_light(shaded, d, ground_m), 0.0);
 #endif
 #endif
+#ifdef OVER_HORIZON
+    frag_radiance = vec4(upper, 1.0);
+#else
     frag_radiance = vec4(mix(lower, upper, above), 1.0);
+#endif
 }

@@ -1,0 +1,66 @@
+"""Draw calls of pyrender's primitives, by the sides that show."""
+
+from typing import Any, NamedTuple
+
+from vrut_lite.render.gl_environment import import_pyrender
+from vrut_lite.render.pyrender_scene import PlacedPrimitive
+from vrut_lite.render.shader_files import Defines
+
+import_pyrender()
+from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
+
+
+class Side(NamedTuple):
+    """Faces that are drawn in one go: which GL hides, none for 0, and defines of their programs."""
+
+    hidden: int
+    defines: Defines = ()
+
+
+PlacedSide = tuple[PlacedPrimitive, Side]
+
+
+def sides(placed: PlacedPrimitive, blended: bool) -> tuple[Side, ...]:
+    """The sides of a mesh that show, one after another: of a blended one the backs first.
+
+    Where normals agree with the triangles' winding, programs of the front need no light of the
+    back, which on a software renderer costs as much whether it is seen or not.
+    """
+    primitive = placed.primitive
+    if not placed.is_two_sided:
+        return (Side(GL.GL_BACK),)
+    if blended:
+        return Side(GL.GL_FRONT), Side(GL.GL_BACK)
+    if primitive.wound_as_normals and not placed.is_mirrored:
+        return Side(GL.GL_BACK, ("FRONT",)), Side(GL.GL_FRONT, ("BACK",))
+    return (Side(0),)
+
+
+def draw_side(primitive: Any, side: Side, blended: bool = False) -> None:
+    """Draw one side of a mesh."""
+    GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
+    if blended:
+        GL.glEnable(GL.GL_BLEND)
+        if primitive.material.terms.transmits:
+            # What is behind times a colour that the shader says.
+            GL.glBlendFunc(GL.GL_ONE, GL.GL_SRC1_COLOR)
+        else:
+            GL.glBlendFunc(GL.GL_SRC_ALPHA, GL.GL_ONE_MINUS_SRC_ALPHA)
+    else:
+        GL.glDisable(GL.GL_BLEND)
+    if side.hidden:
+        GL.glEnable(GL.GL_CULL_FACE)
+        GL.glCullFace(side.hidden)
+    else:
+        GL.glDisable(GL.GL_CULL_FACE)
+    draw_triangles(primitive)
+
+
+def draw_triangles(primitive: Any) -> None:
+    """Draw all of a primitive with the state that is set."""
+    primitive._bind()
+    if primitive.indices is not None:
+        GL.glDrawElements(primitive.mode, primitive.indices.size, GL.GL_UNSIGNED_INT, None)
+    else:
+        GL.glDrawArrays(primitive.mode, 0, len(primitive.positions))
+    primitive._unbind()

@@ -1,0 +1,45 @@
+"""A camera's matrices, and those of placed meshes as it sees them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera: the eye (3,), and matrices (4, 4) of its orientation alone."""
+
+    eye_m: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    projection: NDArray[np.float64]
+
+    @cached_property
+    def clip_from_eye(self) -> NDArray[np.float64]:
+        """Matrix (4, 4) of positions relative to the eye, in world axes."""
+        return self.projection @ self.rotation
+
+
+def translation(offset_m: NDArray) -> NDArray[np.float64]:
+    """Matrix (4, 4) that moves by an offset (3,)."""
+    matrix = np.eye(4)
+    matrix[:3, 3] = offset_m
+    return matrix
+
+
+def normal_matrix(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrix (3, 3) of normals where positions go by a matrix (4, 4).
+
+    The cofactors, the inverse transpose times the determinant: also under uneven scale, and where
+    one axis is flattened to nothing.
+    """
+    a, b, c = matrix[:3, :3].T.tolist()
+    rows = np.array([_cross(b, c), _cross(c, a), _cross(a, b)])
+    side = -1.0 if float(np.dot(a, rows[0])) < 0.0 else 1.0
+    return side * rows.T
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    """Of three numbers each, where numpy takes ten times as long."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -1,0 +1,68 @@
+// Normals of the triangle, of the surface and of its normal map, and the point that is shaded.
+
+// The normal of the triangle itself, on the side that is seen.
+vec3 face_normal(vec3 view) {
+    vec3 n = cross(dFdx(eye_to_point), dFdy(eye_to_point));
+    float squared = dot(n, n);
+    if (!(squared > 0.0)) return view;
+    n *= inversesqrt(squared);
+    return dot(n, view) < 0.0 ? -n : n;
+}
+
+// The surface's own normal, and whether the surface is seen from behind.
+vec3 smooth_normal(vec3 face, out bool behind) {
+    vec3 n = face;
+    behind = false;
+#ifdef NORMAL_LOC
+    float length_squared = dot(world_normal, world_normal);
+    if (length_squared > 0.0) n = world_normal * inversesqrt(length_squared);
+    // The back of a sheet is lit from its own side.
+#if defined(FRONT)
+    behind = false;
+#elif defined(BACK)
+    behind = true;
+#else
+    behind = dot(n, face) < 0.0;
+#endif
+    if (behind) n = -n;
+#endif
+    return n;
+}
+
+// The normal that its map gives a surface. Flanks that lean away from the eye are not seen: those
+// opposite show in their place.
+vec3 mapped_normal(vec3 n, vec3 view) {
+#ifdef HAS_NORMAL_TEX
+#ifdef TEXCOORD_0_LOC
+    // Tangents from screen derivatives (Schueler, "Normal mapping without precomputed
+    // tangents", ShaderX 5): right for any mesh, and needs no tangents in the file.
+    vec3 dpx = dFdx(eye_to_point), dpy = dFdy(eye_to_point);
+    vec2 uv = uv_of(normal_layer);
+    vec2 dux = dFdx(uv), duy = dFdy(uv);
+    vec3 across_x = cross(n, dpx), across_y = cross(dpy, n);
+    vec3 t = across_y * dux.x + across_x * duy.x;
+    vec3 b = across_y * dux.y + across_x * duy.y;
+    float longest = max(dot(t, t), dot(b, b));
+    if (longest > 0.0) {
+        vec3 m = 2.0 * texture(material.normal_texture, uv).rgb - 1.0;
+        m.xy *= normal_scale;
+        vec3 bent = normalize(mat3(t * inversesqrt(longest), b * inversesqrt(longest), n) * m);
+        n = dot(bent, view) > 0.0 ? bent : 2.0 * dot(bent, n) * n - bent;
+    }
+#endif
+#endif
+    return n;
+}
+
+// Corrects interpolation at the centroid on the edge of a triangle. Some rasterisers take 1 / w
+// at the pixel's centre for the centroid too, which moves the point along its ray off the plane.
+float centroid_factor(vec3 face) {
+    float reached = dot(face, eye_to_sample);
+    return abs(reached) > 0.0 ? dot(face, eye_to_point) / reached : 1.0;
+}
+
+// The shaded point of this triangle, also at its edge.
+vec3 point_in_triangle(vec3 face) {
+    float distance_to_plane = dot(face, eye_to_point), reached = dot(face, eye_to_sample);
+    return abs(reached) > 0.0 ? eye_to_sample * (distance_to_plane / reached) : eye_to_point;
+}

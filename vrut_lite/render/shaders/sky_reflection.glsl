@@ -1,0 +1,60 @@
+// The sky as glossy surfaces mirror it.
+
+layout(binding = 8) uniform samplerCube sky;
+uniform float sky_scale;
+layout(binding = 10) uniform samplerCube reflection;  // the sky over lobes, a mip level each
+uniform float reflection_scale;
+uniform vec4 level_roughness;
+
+//!include sky_lookup.glsl
+
+// Mean radiance of the sky over the lobe of a roughness; a mirror's is the sky itself.
+vec3 reflected_sky(vec3 d, float roughness) {
+#ifndef BLURRED
+    if (roughness < level_roughness.x) {
+        vec3 mirror = sky_on_side(sky, d, d.y > 0.0 ? 1.0 : -1.0) * sky_scale;
+        vec3 blurred = textureLod(reflection, d, 0.0).rgb * reflection_scale;
+        // Near a mirror the light from afar grows with alpha squared, the blur with alpha.
+        return mix(mirror, blurred, pow(roughness / level_roughness.x, 3.0));
+    }
+#endif
+    float level = 0.0;
+    for (int k = 0; k < 3; ++k)
+        level += clamp((roughness - level_roughness[k])
+                       / (level_roughness[k + 1] - level_roughness[k]), 0.0, 1.0);
+    return textureLod(reflection, d, level).rgb * reflection_scale;
+}
+
+// What a lobe shows of the sky: by the share of Fresnel's term that is the same from everywhere,
+// and by that of grazing angles.
+struct SkyImage {
+    vec3 direct, grazing;
+};
+
+// Rough facets are seen from wherever they lie: their lobe stands about the normal, and no light
+// comes from below the surface. At grazing angles another, narrower one stands about the mirror
+// direction, and what the surface cuts off it moves its middle away from the surface. Directions
+// and widths are fitted to the BRDF's integral under clear skies (test_reflection.py).
+SkyImage sky_image(vec3 to_image, vec3 n, float nv, float roughness) {
+    vec3 about = normalize(mix(to_image, n, roughness * roughness));
+    float narrower = roughness * (0.8 - 0.36 * roughness);
+    vec3 cut = normalize(to_image + 0.5 * narrower * max(0.0, 1.0 - nv / 0.7) * n);
+    return SkyImage(reflected_sky(about, roughness), reflected_sky(cut, narrower));
+}
+
+#ifdef SURFACE_LIGHT
+// Which share of the sky both lobes of `sky_image` see: that of the mean of a lobe's directions, for
+// shares grow linearly with direction. The means are fitted to GGX lobes, to 0.1 (test_surface_light.py).
+vec2 sky_seen(vec4 visible, float in_all, vec3 n, vec3 view, float nv, float roughness) {
+    float r2 = roughness * roughness, straight = pow(1.0 - r2, 1.3);
+    vec3 across = nv * n - view;
+    float low = 0.62 * r2 / (r2 + 0.05), low_at_grazing = 0.35 * r2 / (r2 + 0.04);
+    vec2 up = sqrt(vec2(low * low, low_at_grazing * low_at_grazing)
+                   + nv * nv * vec2(straight * straight, (1.0 - roughness) * (1.0 - roughness)));
+    vec3 direct = up.x * n + straight * across;
+    vec3 at_grazing = up.y * n + (1.0 - 0.18 * roughness) * across;
+    vec2 seen = visible.a + vec2(dot(visible.rgb, direct), dot(visible.rgb, at_grazing));
+    // A lobe as wide as the hemisphere has all in it, of which a line says too much.
+    return clamp(mix(seen, vec2(in_all), r2 * r2), 0.0, 1.0);
+}
+#endif
