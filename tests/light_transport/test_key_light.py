@@ -37,24 +37,24 @@ def test_weights_do_not_jump_where_triangles_meet():
 
 
 def test_light_does_not_step_while_a_shadow_passes_small_patches():
-    """Below a roof's edge the floor's single texels go from shade to sun in more than a degree.
+    """Below a roof the sun reaches one wide texel of the floor after the other, each with one ray.
 
-    Their light arrives on the roof's underside, which sees little else: in steps of 0.1 degrees it
-    changes by less than an eighth of all that it changes.
+    The roof's underside sees little else: in a quarter of a degree its light changes by less than a
+    quarter of all that it changes. Rays towards the sun itself bring nine tenths at once.
     """
-    roof = box((-1.0, 1.0, -1.0), (0.0, 1.1, 1.0))
-    bake = Bake(*quads(floor(-1, 1, -1, 1), *roof, texels=4), patch_texels=1.0)
+    roof = box((-1.0, 0.5, -1.0), (0.0, 0.6, 1.0))
+    bake = Bake(*quads(floor(-1, 1, -1, 1), *roof, texels=2), patch_texels=1.0)
     bake.add_rays(256)
     below = bake.texels.normal[:, 1] < -0.5
     row, column = bake.texels.pixel[below][:, ::-1].T
     seen = []
-    for turn in np.radians(np.arange(40.0, 50.0, 0.1)):
+    for turn in np.radians(np.arange(40.0, 70.0, 0.25)):
         now = hour(key=(np.sin(turn), np.cos(turn), 0.0), irradiance=100.0)
         seen.append(bake.light(now).texels[row, column, 1].astype(float))
     steps = np.abs(np.diff(seen, axis=0)).max(axis=0)
     changes = np.ptp(seen, axis=0)
-    assert changes.max() > 1.0
-    assert (steps < changes.max() / 8.0).all()
+    assert changes.max() > 5.0
+    assert (steps < changes.max() / 4.0).all()
 
 
 def test_kept_shadows_change_no_light():
