@@ -217,38 +217,41 @@ Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 }
 #endif
 
-// Share of the sun at a place in a shadow map: 3 x 3 taps of a linearly filtered comparison.
-float lit_share(sampler2DShadow map, vec3 at) {
+// Share of the sun at a place in a shadow map: 3 x 3 taps of a linearly filtered comparison. The
+// surface's depth changes by `steep` across the map, in widths of it: each tap is compared with
+// the surface below itself (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques"), less
+// what the four texels of its filter can span. So shadows begin a texel off a surface, where they are.
+float lit_share(sampler2DShadow map, vec3 at, vec2 steep) {
     at = at * 0.5 + 0.5;
     if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
-    float depth = min(at.z, 1.0);
     vec2 texel = 1.0 / vec2(textureSize(map, 0));
+    float depth = at.z - texel.x * (abs(steep.x) + abs(steep.y) + 0.5);
     float lit = 0.0;
-    for (int i = -1; i <= 1; ++i)
-        for (int j = -1; j <= 1; ++j)
-            lit += texture(map, vec3(at.xy + vec2(i, j) * texel, depth));
+    for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+            vec2 aside = vec2(i, j) * texel;
+            lit += texture(map, vec3(at.xy + aside, clamp(depth + dot(steep, aside), 0.0, 1.0)));
+        }
+    }
     return lit / 9.0;
 }
 
 // Share of the sun that reaches this point.
 float sun_visibility(vec3 face) {
-    // The receiver is moved off its own surface by what the taps can span, more where the
-    // light grazes it: along each axis of the map one texel, and one of the filter. Measured in
-    // texels it is free of acne at any scale; farther off, light would leak under what overhangs.
-    vec3 slope = normalize(mat3(shadow_matrix) * face);  // both maps have the sun's axes
+    vec3 slope = mat3(shadow_matrix) * face;  // both maps have the sun's axes
+    vec2 steep = -slope.xy / min(slope.z, -1e-3 * length(slope));
     vec3 p = point_in_triangle(face);
-    vec3 off = face * (0.5 + 2.0 * (abs(slope.x) + abs(slope.y)));
-    vec3 at = (shadow_matrix * vec4(p + off * shadow_texel_m, 1.0)).xyz;
+    vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz;
 #ifdef NEAR_SHADOW
-    vec3 near_at = (near_shadow_matrix * vec4(p + off * near_shadow_texel_m, 1.0)).xyz;
+    vec3 near_at = (near_shadow_matrix * vec4(p, 1.0)).xyz;
     vec3 from_middle = abs(near_at);
     float to_rim = 1.0 - max(from_middle.x, max(from_middle.y, from_middle.z));
     float share = clamp(to_rim / NEAR_RIM, 0.0, 1.0);
-    if (share <= 0.0) return lit_share(shadow_map, at);
-    float near_lit = lit_share(near_shadow_map, near_at);
-    return share >= 1.0 ? near_lit : mix(lit_share(shadow_map, at), near_lit, share);
+    if (share <= 0.0) return lit_share(shadow_map, at, steep);
+    float near_lit = lit_share(near_shadow_map, near_at, steep);
+    return share >= 1.0 ? near_lit : mix(lit_share(shadow_map, at, steep), near_lit, share);
 #else
-    return lit_share(shadow_map, at);
+    return lit_share(shadow_map, at, steep);
 #endif
 }
 
