@@ -1,10 +1,14 @@
 """What glossy parts see around them, as cube maps: whom their rays meet, and its light."""
 
+from contextlib import nullcontext
+from unittest.mock import patch
+
 import numpy as np
 import pytest
 import trimesh
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
+from light_transport.rays import mirror_rays
 from light_transport.rays.mirror_parts import MirrorParts, mirror_parts
 from light_transport.surfaces.surfaces import surfaces_of
 from trimesh.visual.material import PBRMaterial
@@ -12,6 +16,8 @@ from trimesh.visual.material import PBRMaterial
 from vrut_lite.geometry.cube_map import FACES
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
+
+NOBODY = 99
 
 
 def parts(bake, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0)):
@@ -30,7 +36,10 @@ def parts(bake, part, centre, radius=0.05, hollow=False, facing=(0.0, 0.0, 0.0))
 def seen(scene, now, part, centre, rays=64, **more):
     """The cube (6, e, e, 4) of a part, and the bake that it is of."""
     bake = Bake(*scene)
-    bake.add_mirrors(parts(bake, part, centre, **more))
+    # No part of the scene: one point serves for it.
+    nobody = patch.object(mirror_rays, "_share_from_middle", return_value=1.0)
+    with nobody if part == NOBODY else nullcontext():
+        bake.add_mirrors(parts(bake, part, centre, **more))
     bake.add_rays(rays)
     light = bake.light(now)
     return light.mirrors[0].astype(float), bake, light
@@ -61,7 +70,7 @@ def test_a_mirror_in_a_furnace_disappears():
     """In a closed box that glows and reflects by a half all radiance is M / (1 - rho) / pi, the
     mirror's cube too."""
     scene = quads(*walls_of_a_room(ball=False), reflectance=0.5, emitted=np.pi)
-    cube, _, _ = seen(scene, hour(), 99, (1, 1, 1), rays=256)
+    cube, _, _ = seen(scene, hour(), NOBODY, (1, 1, 1), rays=256)
     np.testing.assert_allclose(cube[..., :3], 2.0, rtol=0.01)
     assert (cube[..., 3] == 1.0).all()
 
@@ -69,13 +78,53 @@ def test_a_mirror_in_a_furnace_disappears():
 def test_open_sky_and_ground_are_left_to_the_frame():
     """Above the floor alpha is 0 and no light; below it is 1, at the floor's distance."""
     scene = quads(floor(-9, 9, -9, 9), reflectance=0.5)
-    cube, bake, _ = seen(scene, hour(2.0), 99, (0, 3, 0))
+    cube, bake, _ = seen(scene, hour(2.0), NOBODY, (0, 3, 0))
     assert (cube[2] == 0.0).all()
     np.testing.assert_array_equal(cube[3, ..., 3], 1.0)
     nearness = bake.mirrors.nearness[0] / bake.surfaces.radius_m
     edge = nearness.shape[1]
     assert 1.0 / nearness[3, edge // 2, edge // 2] == pytest.approx(3.0, rel=1e-3)
     assert (nearness[2] == 0.0).all()
+
+
+def corridor(*walls):
+    """A floor of 12 by 2 m (part 0), 2.5 m below a ceiling, between walls; and more of these."""
+    x, y = (-1.0, 1.0), (0.0, 2.5)
+    inner = box((x[0], y[0], -6.0), (x[1], y[1], 6.0), inwards=True)
+    return quads(inner[3], *(inner[side] for side in (0, 1, 2, 4, 5)), *walls, texels=12)
+
+
+def test_the_long_floor_of_a_room_has_a_cube():
+    """All of a convex room is seen from its middle, however long it is; and the ground below a
+    thin floor, which no eye sees in it, does not count."""
+    below = floor(-1, 1, -6, 6, y=-0.1)
+    bake = Bake(*corridor(below))
+    bake.add_mirrors(parts(bake, 0, (0, -0.05, 0), radius=0.9))
+    assert bake.mirrors is not None
+
+
+def test_a_floor_that_goes_round_a_corner_has_none():
+    """Behind two walls across, one point sees a third of what the floor does."""
+    across = [[[-1, 0, z], [1, 0, z], [1, 2.5, z], [-1, 2.5, z]] for z in (-2.0, 2.0)]
+    bake = Bake(*corridor(*across, *(wall[::-1] for wall in across)))
+    bake.add_mirrors(parts(bake, 0, (0, 0.1, 0), radius=0.9))
+    assert bake.mirrors is None
+
+
+def test_a_door_to_the_sky_is_as_near_as_its_frame():
+    """Texels of an opening have the distance of those around it, not infinity; and no light."""
+    inner = box((-1, 0, -3), (1, 2, 3), inwards=True)
+    sides = [inner[side] for side in (3, 0, 1, 2, 4)]
+    end = [
+        [[x0, y0, -3], [x1, y0, -3], [x1, y1, -3], [x0, y1, -3]]
+        for x0, x1, y0, y1 in ((-1, -0.4, 0, 2), (0.4, 1, 0, 2), (-0.4, 0.4, 1.6, 2))
+    ]
+    bake = Bake(*quads(*sides, *end))
+    bake.add_mirrors(parts(bake, 0, (0, 0.5, 0), radius=0.9))
+    rays, middle = bake.mirrors, bake.mirrors.nearness.shape[-1] // 2
+    assert (rays.target[0, 5, middle, middle] == mirror_rays.SKY).all()
+    distance = 1.0 / (rays.nearness[0, 5, middle, middle] / bake.surfaces.radius_m)
+    assert distance == pytest.approx(3.0, rel=0.05)
 
 
 def test_cubes_agree_with_a_sum_in_double_precision():
@@ -86,7 +135,7 @@ def test_cubes_agree_with_a_sum_in_double_precision():
     )
     scene[0].emitted_rgb[:2] = 1.5
     now = hour(2.0, irradiance=30.0, key=(0.1, 1.0, 0.05))
-    cube, bake, light = seen(scene, now, 99, (2.5, 0.5, 0.0), rays=128)
+    cube, bake, light = seen(scene, now, NOBODY, (2.5, 0.5, 0.0), rays=128)
     rays, texels = bake.mirrors, bake.texels
     assert (rays.row < len(texels.pixel)).all()
     column, row = texels.pixel[rays.row].T
@@ -130,7 +179,7 @@ def test_a_flat_mirror_does_not_see_behind_itself():
     wall = [[-9, 4, -9], [9, 4, -9], [9, 4, 9], [-9, 4, 9]]
     scene = quads(floor(-9, 9, -9, 9, y=-1.0), wall, reflectance=0.0)
     scene[0].emitted_rgb[:2], scene[0].emitted_rgb[2:] = 9.0, 3.0
-    cube, _, _ = seen(scene, hour(), 99, (0, 0, 0), facing=(0.0, 1.0, 0.0))
+    cube, _, _ = seen(scene, hour(), NOBODY, (0, 0, 0), facing=(0.0, 1.0, 0.0))
     np.testing.assert_allclose(cube[2, 8:-8, 8:-8, 0], 3.0 / np.pi, rtol=1e-5)
     np.testing.assert_allclose(cube[3, 8:-8, 8:-8, 0], 3.0 / np.pi, rtol=1e-5)
 

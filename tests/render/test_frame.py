@@ -57,16 +57,18 @@ def test_no_acne_between_narrow_triangles(backend, tmp_path, elevation_deg):
 @pytest.mark.parametrize("elevation_deg", [10.0, 30.0, 60.0])
 def test_no_light_leaks_under_a_low_roof(backend, tmp_path, elevation_deg):
     """A roof just above the floor shades it, by the geometry of the taps along an axis of the map:
-    the floor is lifted by half a texel and two of the slope, and the taps reach two texels on.
+    what is nearer than half a texel towards the sun, and one of the floor's slope, counts as the
+    floor itself, and the filter reaches one texel on.
 
     The roof is one-sided and looks down: from above the floor is seen through it.
     """
     from vrut_lite.render.passes.shadow_map import SHADOW_SIZE
 
-    sine = np.cos(np.radians(elevation_deg))  # of the angle between floor's normal and sun
+    # Of the angle between the floor's normal and the sun.
+    cosine, sine = np.sin(np.radians(elevation_deg)), np.cos(np.radians(elevation_deg))
     scale, texel_m = 40.0, 40.0 * np.sqrt(2.0) / SHADOW_SIZE
     roof = {"mesh": 0, "scale": [4.0, 1.0, 4.0], "rotation": [1.0, 0.0, 0.0, 0.0]}
-    roof["translation"] = [0.0, (0.5 + 4.0 * sine + 0.2) * texel_m, 0.0]
+    roof["translation"] = [0.0, (0.5 * cosine + 2.0 * sine + 0.2) * texel_m, 0.0]
     nodes = [{"mesh": 0, "scale": [scale, 1.0, scale]}, roof]
     backend.change(scene=opened(square(tmp_path, surface(0.0, 1.0), nodes=nodes)))
     # In the plane of x and y, in which one axis of the map then lies.
@@ -76,6 +78,30 @@ def test_no_light_leaks_under_a_low_roof(backend, tmp_path, elevation_deg):
     beside = look(backend, (0.0, 20.0, 8.1), (0.0, 0.0, 8.0), 0.05).radiance
     np.testing.assert_array_equal(under, 0.0)
     assert beside.min() > 0.0
+
+
+def test_the_shadow_of_a_low_sheet_ends_where_the_sun_passes_it(backend, tmp_path):
+    """Twelve texels above the floor and under a sun of 10 degrees a sheet's shadow lies 0.9 m off.
+
+    Three texels inside its end, which are 0.08 m wide there, the floor is dark, as near outside it
+    is lit: a floor that were lifted off itself would lose 0.2 m of the shadow.
+    """
+    from vrut_lite.render.passes.shadow_map import SHADOW_SIZE
+
+    scale, texel_m, elevation = 40.0, 40.0 * np.sqrt(2.0) / SHADOW_SIZE, np.radians(10.0)
+    sheet = {"mesh": 0, "scale": [4.0, 1.0, 4.0], "translation": [0.0, 12.0 * texel_m, 0.0]}
+    nodes = [{"mesh": 0, "scale": [scale, 1.0, scale]}, sheet]
+    backend.change(scene=opened(square(tmp_path, surface(0.0, 1.0), nodes=nodes)))
+    sun = {"sun_direction": sun_at(90.0, 10.0), "sun_irradiance": (10.0,) * 3}
+    light(backend, uniform_sky(0.0), **sun)
+    end = -2.0 - 12.0 * texel_m / np.tan(elevation)
+    inside, outside = (
+        look(backend, (x, 20.0, 0.001), (x, 0.0, 0.0), 0.001).radiance[..., 1]
+        for side in (1.0, -1.0)
+        for x in [end + side * 3.2 * texel_m / np.sin(elevation)]
+    )
+    np.testing.assert_array_equal(inside, 0.0)
+    assert outside.min() > 0.0
 
 
 def test_a_pixel_on_an_edge_is_the_mean_of_what_it_shows(backend, box_file):

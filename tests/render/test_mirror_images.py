@@ -27,13 +27,13 @@ def backend(shared_gl_backend):
     return backend
 
 
-def show(backend, path, cube, part=0, corners=((1, 2),), scale=1.0):
+def show(backend, path, cube, part=0, corners=((1, 2),), scale=1.0, room_m=(HALF_M,) * 3):
     """A scene whose part mirrors a cube (6, EDGE, EDGE, 4), or None, with the room's distances."""
     scene = opened(path)
     layout = laid(scene, corners)
     changed = lit(layout, even(layout, *EVEN_LIGHT), scale=scale)
     if cube is not None:
-        nearness = np.abs(texel_directions(EDGE)).max(axis=-1) / HALF_M
+        nearness = (np.abs(texel_directions(EDGE)) / room_m).max(axis=-1)
         mirrors = Mirrors(
             part=Array(np.array([part], np.int32)),
             centre_m=Array(np.zeros((1, 3))),
@@ -75,6 +75,21 @@ def test_the_image_moves_as_the_room_does(backend, tmp_path):
     found = show(backend, square(tmp_path, MIRROR), cube)[SIZE // 2, :, 0]
     # The eye is 1 m above: x is the slope itself.
     np.testing.assert_allclose(found, 3.0 + SLOPE + HALF_M * SLOPE, rtol=0.01)
+
+
+def test_the_image_is_right_also_far_from_the_middle_of_a_low_room(backend, tmp_path):
+    """Below a ceiling at 0.2 m places at 0.4 m are seen as they are from there.
+
+    Fixed-point steps towards the place swing about it and end up to 0.06 m beside it.
+    """
+    room_m = np.array([2.0, 0.2, 2.0])
+    d = texel_directions(EDGE)
+    at_x = (d / (np.abs(d) / room_m).max(axis=-1, keepdims=True))[..., 0]
+    cube = np.concatenate(
+        [np.repeat(3.0 + at_x[..., None], 3, axis=-1), np.ones((6, EDGE, EDGE, 1))], axis=-1
+    )
+    found = show(backend, square(tmp_path, MIRROR), cube, room_m=room_m)[SIZE // 2, :, 0]
+    np.testing.assert_allclose(found, 3.0 + SLOPE + 0.2 * SLOPE, atol=0.02)
 
 
 def test_rough_metal_shows_a_blurred_image_and_then_none(backend, tmp_path):

@@ -4,6 +4,7 @@ The rays are traced once a scene, from the middle of a part through the part its
 lights the rows that they met (mirror_light.py).
 """
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -15,10 +16,10 @@ from light_transport.kernels import hot
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.ray_starts import Receivers, scratch
 from light_transport.rays.ray_table import met_row
-from light_transport.rays.trace import MISS, nearest_along
+from light_transport.rays.trace import MISS, first_hits, nearest_along
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.groups import NO_GROUP
-from light_transport.surfaces.map_texels import NOBODY
+from light_transport.surfaces.map_texels import NOBODY, MapGeometry
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 from vrut_lite.numeric_types import Float32Array
 
@@ -31,8 +32,9 @@ _ACROSS = 2
 # A ray that passes more back sides than this counts as lost inside a body.
 _MOST_PASSED = 32
 _STEP = 2e-5
-# A part larger than this many distances to its surroundings cannot be served by one point.
-_LONGEST = 4.0
+# Of what random rays from a part meet, its cube must have so much within so much of its distance.
+_TRIED, _SERVED, _SAME_PLACE = 256, 0.6, 0.05
+_Traced = Callable[[int, Float32Array], tuple[NDArray[np.int32], Float32Array]]
 
 
 class MirrorRays(NamedTuple):
@@ -42,8 +44,8 @@ class MirrorRays(NamedTuple):
         parts: the parts of the cubes.
         row: (U,) int32, rows of the table of rays that are seen, in order.
         target: (N, 6, e, e, S) int32, which of these each ray met; SKY for sky and open ground.
-        nearness: (N, 6, e, e) float32, 1 / distance in 1 / radius, the mean of a texel's rays; 0
-            for the sky's.
+        nearness: (N, 6, e, e) float32, 1 / distance in 1 / radius, the mean of rays that met it; of
+            the sky that of what stands around it on the cube's face, 0 where nothing does.
     """
 
     parts: MirrorParts
@@ -60,32 +62,42 @@ def mirror_rays(
     threads: int,
     go_on: GoOn = always,
 ) -> MirrorRays | None:
-    """Trace the cubes of parts, `part_of` (F,) being each triangle's; None where there are none.
+    """Trace the cubes of parts, `part_of` (F,) being each triangle's.
+
+    None where one point serves none of them.
 
     Raises:
         GivenUp: by `go_on`, which is asked before each cube.
     """
     if len(parts.part) == 0:
         return None
-    edge = _edge(len(parts.part))
-    directions = _directions(edge)
-    target = np.empty((len(parts.part), len(directions)), np.int32)
-    near = np.empty(target.shape, np.float32)
 
-    def trace(n: int) -> None:
-        go_on()
+    geometry = receivers.geometry
+
+    def trace(n: int, directions: Float32Array) -> tuple[NDArray[np.int32], Float32Array]:
+        target = np.empty(len(directions), np.int32)
+        near = np.empty(len(directions), np.float32)
         own, hollow = int(parts.part[n]), bool(parts.hollow[n])
         view = parts.centre[n], parts.facing[n], directions
-        _trace(tree, receivers, part_of, own, hollow, view, scratch(), target[n], near[n])
+        _trace(tree, receivers, part_of, own, hollow, view, scratch(), target, near)
+        return target, near
+
+    def serves(n: int) -> bool:
+        go_on()
+        return _share_from_middle(parts, n, part_of, geometry, tree, trace) >= _SERVED
 
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(trace, range(len(parts.part))))
-    shape = (len(parts.part), 6, edge, edge, _ACROSS**2)
-    target = target.reshape(shape)
-    near = near.reshape(shape).mean(axis=-1, dtype=np.float32)
-    fits = _fits(parts, near)
-    if not fits.any():
-        return None
+        fits = np.array(list(pool.map(serves, range(len(parts.part)))))
+        if not fits.any():
+            return None
+        edge = _edge(int(fits.sum()))
+        directions = _directions(edge)
+        cubes = list(pool.map(lambda n: trace(n, directions), np.flatnonzero(fits).tolist()))
+    shape = (len(cubes), 6, edge, edge, _ACROSS**2)
+    target = np.array([target for target, _ in cubes]).reshape(shape)
+    met = (target != SKY).sum(axis=-1)
+    near = np.array([near for _, near in cubes]).reshape(shape).sum(axis=-1)
+    near /= np.maximum(met, np.float32(1.0))
     served = MirrorParts(
         parts.part[fits],
         parts.centre[fits],
@@ -93,12 +105,16 @@ def mirror_rays(
         parts.hollow[fits],
         parts.facing[fits],
     )
-    target = target[fits]
     seen = np.zeros(int(target.max()) + 1, bool)
     seen[target[target != SKY]] = True
     # The last entry is SKY's.
     number = np.append(np.cumsum(seen) - 1, SKY).astype(np.int32)
-    return MirrorRays(served, np.flatnonzero(seen).astype(np.int32), number[target], near[fits])
+    return MirrorRays(
+        served,
+        np.flatnonzero(seen).astype(np.int32),
+        number[target],
+        _behind_openings(near, met == 0),
+    )
 
 
 def _edge(count: int) -> int:
@@ -106,12 +122,63 @@ def _edge(count: int) -> int:
     return next((e for e in _EDGES if e * e * rays <= _MOST_RAYS), _EDGES[-1])
 
 
-def _fits(parts: MirrorParts, near: Float32Array) -> NDArray[np.bool_]:
-    """Which parts see something, and are not too long for one cube."""
-    met = near > 0.0
-    seen = met.sum(axis=(1, 2, 3))
-    mean = near.sum(axis=(1, 2, 3)) / np.maximum(seen, 1)
-    return np.asarray((seen > 0) & (parts.radius * mean <= _LONGEST))
+def _share_from_middle(
+    parts: MirrorParts,
+    n: int,
+    part_of: NDArray[np.int32],
+    geometry: MapGeometry,
+    tree: Tree,
+    trace: _Traced,
+) -> float:
+    """Which share of what a part sees is seen from the middle of its cube too; 0 if it sees none.
+
+    Random rays begin anywhere on the part; `trace` tells how near what is seen from the middle is.
+    """
+    own = part_of == parts.part[n]
+    corners, normals = geometry.corners[own], geometry.faces[own]
+    edges = corners[:, 1:] - corners[:, :1]
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    random = np.random.default_rng(0)
+    chosen = random.choice(len(area), _TRIED, p=area / area.sum(dtype=float))
+    across, along = random.random((2, _TRIED, 1))
+    folded = across + along > 1.0
+    across, along = np.where(folded, 1.0 - across, across), np.where(folded, 1.0 - along, along)
+    first, second, third = np.moveaxis(corners[chosen], 1, 0)
+    normal = normals[chosen]
+    place = first + across * (second - first) + along * (third - first) + _STEP * normal
+    spread = random.normal(size=(_TRIED, 3))
+    ray = normal + spread / np.linalg.norm(spread, axis=1, keepdims=True)
+    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+    hit, distance = first_hits(tree, place, ray)
+    met = hit != MISS
+    if not met.any():
+        return 0.0
+    away = (place + distance[:, None] * ray)[met] - parts.centre[n]
+    metres = np.linalg.norm(away, axis=1)
+    _, near = trace(n, (away / metres[:, None]).astype(np.float32))
+    return float(np.mean(np.abs(near * metres - 1.0) < _SAME_PLACE))
+
+
+def _behind_openings(near: Float32Array, sky: NDArray[np.bool_]) -> Float32Array:
+    """Nearness (..., e, e) in which openings to the sky are as near as their frames.
+
+    A mirrored ray that leaves by a door must be seen to cross the door, not to end at infinity.
+    Pull and push (Gortler et al. 1996, "The Lumigraph"): means of ever larger squares.
+    """
+    edge = near.shape[-1]
+    if edge == 1:
+        return near
+    half = -(-edge // 2)
+    size = (*near.shape[:-2], 2 * half, 2 * half)
+    total, weight = np.zeros(size, np.float32), np.zeros(size, np.float32)
+    total[..., :edge, :edge] = np.where(sky, 0.0, near)
+    weight[..., :edge, :edge] = ~sky
+    pieces = (*near.shape[:-2], half, 2, half, 2)
+    sums = total.reshape(pieces).sum(axis=(-3, -1))
+    known = weight.reshape(pieces).sum(axis=(-3, -1))
+    coarse = _behind_openings(sums / np.maximum(known, 1.0), known == 0.0)
+    fine = coarse.repeat(2, axis=-2).repeat(2, axis=-1)[..., :edge, :edge]
+    return np.where(sky, fine, near).astype(np.float32)
 
 
 def _directions(edge: int) -> Float32Array:

@@ -290,7 +290,7 @@ void main() {
         vec3 mirrored = once * (seen.x * far.direct + things.x * around);
         mirrored += at_grazing * (seen.y * far.grazing + things.y * around);
 #ifdef MIRROR
-        vec4 image = mirror_image(eye_to_sample, to_image, alpha);
+        vec4 image = mirror_image(eye_to_sample, to_image, mirror_n, nv, alpha);
         vec3 imaged = (once + at_grazing) * image.rgb + (1.0 - image.a) * far_light;
         mirrored = mix(imaged, mirrored, mirror_fade(roughness));
 #endif

@@ -10,20 +10,25 @@ uniform float near_shadow_texel_m;
 const float NEAR_RIM = 0.25;         // of its half width, where it goes over into the other
 #endif
 
-
 // Share of the sun at a place in a shadow map: the mean of 3 x 3 linearly filtered comparisons. They
-// meet 4 x 4 texels, which four gathers fetch once each.
-float lit_share(sampler2DShadow map, vec3 at) {
+// meet 4 x 4 texels, which four gathers fetch once each. The surface's depth changes by `steep`
+// across the map, in widths of it: a gather is compared with the surface below its middle (Isidoro
+// 2006, "Shadow mapping: GPU-based tips and techniques"), less what half a texel each way can span.
+// So shadows begin a texel off a surface, where they are.
+float lit_share(sampler2DShadow map, vec3 at, vec2 steep) {
     at = at * 0.5 + 0.5;
     if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return 1.0;
-    float depth = min(at.z, 1.0);
     vec2 size = vec2(textureSize(map, 0)), texel = 1.0 / size;
     vec2 from_first = at.xy * size - 0.5, f = fract(from_first);
     vec2 corner = (from_first - f) * texel, opposite = corner + 2.0 * texel;
-    vec4 a = textureGather(map, corner, depth);
-    vec4 b = textureGather(map, vec2(opposite.x, corner.y), depth);
-    vec4 c = textureGather(map, vec2(corner.x, opposite.y), depth);
-    vec4 d = textureGather(map, opposite, depth);
+    float depth = at.z - 0.5 * texel.x * (abs(steep.x) + abs(steep.y) + 1.0);
+    vec2 first = steep * (corner - at.xy), last = steep * (opposite - at.xy);
+    vec4 depths = clamp(depth + vec4(first.x + first.y, last.x + first.y,
+                                     first.x + last.y, last.x + last.y), 0.0, 1.0);
+    vec4 a = textureGather(map, corner, depths.x);
+    vec4 b = textureGather(map, vec2(opposite.x, corner.y), depths.y);
+    vec4 c = textureGather(map, vec2(corner.x, opposite.y), depths.z);
+    vec4 d = textureGather(map, opposite, depths.w);
     // Components are left and right of the upper row, right and left of the lower: w z / x y.
     vec2 left = vec2(1.0 - f.x, 1.0), right = vec2(1.0, f.x);
     vec2 rows_1_2 = vec2(dot(a.wz, left) + dot(b.wz, right), dot(a.xy, left) + dot(b.xy, right));
@@ -33,23 +38,20 @@ float lit_share(sampler2DShadow map, vec3 at) {
 
 // Share of the sun that reaches this point.
 float sun_visibility(vec3 face) {
-    // The receiver is moved off its own surface by what the taps can span, more where the
-    // light grazes it: along each axis of the map one texel, and one of the filter. Measured in
-    // texels it is free of acne at any scale; farther off, light would leak under what overhangs.
-    vec3 slope = normalize(mat3(shadow_matrix) * face);  // both maps have the sun's axes
+    vec3 slope = mat3(shadow_matrix) * face;  // both maps have the sun's axes
+    vec2 steep = -slope.xy / min(slope.z, -1e-3 * length(slope));
     vec3 p = point_in_triangle(face);
-    vec3 off = face * (0.5 + 2.0 * (abs(slope.x) + abs(slope.y)));
-    vec3 at = (shadow_matrix * vec4(p + off * shadow_texel_m, 1.0)).xyz;
+    vec3 at = (shadow_matrix * vec4(p, 1.0)).xyz;
 #ifdef NEAR_SHADOW
-    vec3 near_at = (near_shadow_matrix * vec4(p + off * near_shadow_texel_m, 1.0)).xyz;
+    vec3 near_at = (near_shadow_matrix * vec4(p, 1.0)).xyz;
     vec3 from_middle = abs(near_at);
     float to_rim = 1.0 - max(from_middle.x, max(from_middle.y, from_middle.z));
     float share = clamp(to_rim / NEAR_RIM, 0.0, 1.0);
-    if (share <= 0.0) return lit_share(shadow_map, at);
-    float near_lit = lit_share(near_shadow_map, near_at);
-    return share >= 1.0 ? near_lit : mix(lit_share(shadow_map, at), near_lit, share);
+    if (share <= 0.0) return lit_share(shadow_map, at, steep);
+    float near_lit = lit_share(near_shadow_map, near_at, steep);
+    return share >= 1.0 ? near_lit : mix(lit_share(shadow_map, at, steep), near_lit, share);
 #else
-    return lit_share(shadow_map, at);
+    return lit_share(shadow_map, at, steep);
 #endif
 }
 
