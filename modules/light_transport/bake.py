@@ -51,7 +51,7 @@ from light_transport.rays.ray_table import (
     with_rays,
 )
 from light_transport.rays.sky_nodes import NODES, node_radiances
-from light_transport.rays.tree import tree_over
+from light_transport.rays.tree import Tree, tree_over
 from light_transport.surfaces.groups import groups_of
 from light_transport.surfaces.links import links_of, seam_links
 from light_transport.surfaces.map_texels import map_geometry, texels_of
@@ -90,6 +90,11 @@ class _Finished:
     """See `HourLight`."""
 
 
+def tree_of(surfaces: Surfaces) -> Tree:
+    """The tree that rays are traced in."""
+    return tree_over(surfaces.corners_m / surfaces.radius_m, surfaces.opacity)
+
+
 class Bake:
     """Rays between the surfaces of a scene.
 
@@ -104,6 +109,7 @@ class Bake:
         threads: int = 1,
         patch_texels: float = 6.0,
         bounces_left: float = 3e-3,
+        tree: Tree | None = None,
     ):
         """Nothing is traced yet.
 
@@ -114,6 +120,7 @@ class Bake:
             patch_texels: edge of the patches for bounces, in texels.
             bounces_left: share of any patch's light that bounces left out may bring; of the mean
                 it is a hundredth of that.
+            tree: `tree_of` the surfaces, where there is one already.
         """
         self.surfaces = surfaces.without_shapes()
         self.probes = layout.message.probes
@@ -124,14 +131,13 @@ class Bake:
         """How many each row has."""
         geometry = map_geometry(surfaces, layout)
         self.texels = texels_of(geometry)
-        self.tree = tree_over(surfaces.corners_m / surfaces.radius_m, surfaces.opacity)
+        self.tree = tree_of(surfaces) if tree is None else tree
         probes = no_probes()
         if self.probes is not None:
             places_m = probe_places_m(self.probes)
             probes = probe_planes(places_m, surfaces.centre_m, surfaces.radius_m)
-        edge = _SMALLEST_GROUP
-        if len(self.texels.width):
-            edge = max(edge, _GROUP_TEXELS * float(np.median(self.texels.width)))
+        widths = self.texels.width if len(self.texels.width) else layout.texel_m / surfaces.radius_m
+        edge = max(_SMALLEST_GROUP, _GROUP_TEXELS * float(np.median(widths)))
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.links = links_of(self.texels, surfaces.part[self.texels.triangle])

@@ -25,6 +25,8 @@ from vrut_lite.numeric_types import Float32Array
 if TYPE_CHECKING:
     from light_transport.bake import Bake
     from light_transport.hour.hour import Hour
+    from light_transport.rays.tree import Tree
+    from light_transport.surfaces.surfaces import Surfaces
 
 T = TypeVar("T")
 _MOST_THREADS = 4
@@ -53,14 +55,6 @@ class Plan(NamedTuple):
     bounces_left: float
 
 
-class Laid(NamedTuple):
-    """A layout, the rays of its first round, and the bake that begins with it."""
-
-    message: LightMapLaid
-    first_rays: int
-    bake: "Unwritten[Bake]"
-
-
 class Round(NamedTuple):
     """A bake after a round: rays of each texel, texels, memory of the table."""
 
@@ -70,25 +64,82 @@ class Round(NamedTuple):
     bake: "Unwritten[Bake]"
 
 
-def laid_out(scene: SceneOpened, plan: Plan, control: JobControl) -> Laid | None:
-    """Lay out a scene; None if nobody waits for it any more."""
+class Laid(NamedTuple):
+    """A layout, the rays of its first round, and the bake that begins with it."""
+
+    message: LightMapLaid
+    first_rays: int
+    bake: "Unwritten[Bake]"
+
+
+class LaidProbes(NamedTuple):
+    """A layout of probes with all its rays, and what another layout of the scene can go on with."""
+
+    message: LightMapLaid
+    round: Round
+    prepared: "Unwritten[Prepared]"
+
+
+class Prepared(NamedTuple):
+    """A scene's triangles and the tree over them."""
+
+    surfaces: "Surfaces"
+    tree: "Tree"
+
+
+def laid_probes(scene: SceneOpened, control: JobControl) -> LaidProbes | None:
+    """A first light for a scene that takes long to lay out; None if nobody waits for it."""
     try:
-        return _laid_out(scene, plan, unless(control.cancelled))
+        return _laid_probes(scene, unless(control.cancelled))
     except GivenUp:
         return None
 
 
-def _laid_out(scene: SceneOpened, plan: Plan, go_on: GoOn) -> Laid:
-    from light_transport.bake import Bake
-    from light_transport.layout.layout import lay_out
-    from light_transport.rays.mirror_parts import mirror_parts
+def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
+    from light_transport.bake import Bake, tree_of
+    from light_transport.layout.layout import lay_out_probes
     from light_transport.surfaces.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
     go_on()
-    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, go_on)
+    prepared = Prepared(surfaces, tree_of(surfaces))
     go_on()
-    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
+    layout = lay_out_probes(scene, surfaces)
+    bake = Bake(surfaces, layout, 1, tree=prepared.tree)
+    bake.lamps = scene.lamps
+    go_on()
+    bake.threads = _all_threads()
+    bake.add_rays(_FEWEST_FIRST)
+    bake.threads = 1
+    return LaidProbes(layout.message, _round(bake), Unwritten(prepared))
+
+
+def laid_out(
+    scene: SceneOpened, plan: Plan, prepared: "Unwritten[Prepared] | None", control: JobControl
+) -> Laid | None:
+    """Lay out a scene; None if nobody waits for it any more."""
+    try:
+        return _laid_out(
+            scene, plan, None if prepared is None else prepared.value, unless(control.cancelled)
+        )
+    except GivenUp:
+        return None
+
+
+def _laid_out(scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn) -> Laid:
+    from light_transport.bake import Bake, tree_of
+    from light_transport.layout.layout import lay_out
+    from light_transport.rays.mirror_parts import mirror_parts
+    from light_transport.surfaces.surfaces import surfaces_of
+
+    if prepared is None:
+        surfaces = surfaces_of(scene)
+        prepared = Prepared(surfaces, tree_of(surfaces))
+    surfaces, tree = prepared
+    go_on()
+    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, _all_threads(), go_on)
+    go_on()
+    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left, tree)
     bake.threads = _all_threads()
     bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
@@ -129,8 +180,11 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
         return None
     # Hours follow each other while time plays: they leave the other cores to the frame.
     grown.threads = 1
-    texels = len(grown.texels.pixel)
-    return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
+    return _round(grown)
+
+
+def _round(bake: "Bake") -> Round:
+    return Round(bake.rays, len(bake.texels.pixel), bake.memory_bytes, Unwritten(bake))
 
 
 def _all_threads() -> int:

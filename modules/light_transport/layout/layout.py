@@ -27,6 +27,9 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SOURCE = "light_transport"
 TEXELS = 150_000
+# Where there are no charts, surfaces send light as if texels were so large, and probes stand so far
+# around; in radii.
+_PROBES_TEXEL, _AROUND = 5e-3, 0.05
 # Version of the algorithm: kept rays of other versions do not fit.
 _VERSION = 1
 
@@ -67,6 +70,7 @@ def lay_out(
     surfaces: Surfaces,
     texel_m: float | None = None,
     texels: int = TEXELS,
+    threads: int = 1,
     go_on: GoOn = always,
 ) -> Layout:
     """A light map for a scene.
@@ -78,12 +82,27 @@ def lay_out(
             about `texels` are used, without the ground's 9,216. Where triangles are fine, texels
             are finer.
         texels: see `texel_m`.
+        threads: number of threads; the layout does not depend on it.
         go_on: asked between steps.
 
     Raises:
         GivenUp: by `go_on`.
     """
-    shapes = part_shapes(scene.geometry, texel_m, texels, go_on)
+    shapes = part_shapes(scene.geometry, texel_m, texels, threads, go_on)
+    return _placed(scene, surfaces, shapes, go_on)
+
+
+def lay_out_probes(scene: SceneOpened, surfaces: Surfaces) -> Layout:
+    """A light map of probes and of the ground's texels alone, which takes no time."""
+    parts = len(scene.geometry.part_mesh.values)
+    none = np.full(parts, NOT_MAPPED, np.int32)
+    texel_m = _PROBES_TEXEL * surfaces.radius_m
+    shapes = PartShapes(none, [], [], np.ones(parts, bool), texel_m)
+    return _placed(scene, surfaces, shapes, always)
+
+
+def _placed(scene: SceneOpened, surfaces: Surfaces, shapes: PartShapes, go_on: GoOn) -> Layout:
+    """Shapes side by side in one map, and what follows from their places."""
     sizes = [shapes.shapes[shape].size for shape in shapes.of if shape != NOT_MAPPED]
     if scene.ground is not None:
         sizes.append((EDGE_PX, EDGE_PX))
@@ -163,7 +182,10 @@ def _probes(surfaces: Surfaces, shapes: PartShapes) -> ProbeGrid | None:
     corners = surfaces.corners_m[np.isin(surfaces.part, bare)].reshape(-1, 3) + surfaces.centre_m
     if not len(corners):
         return None
-    return probe_grid(corners.min(axis=0), corners.max(axis=0), shapes.texel_m)
+    # Where nothing has texels, bodies may fill the whole box: probes stand outside it too.
+    around_m = 0.0 if shapes.shapes else _AROUND * surfaces.radius_m
+    lower_m, upper_m = corners.min(axis=0) - around_m, corners.max(axis=0) + around_m
+    return probe_grid(lower_m, upper_m, shapes.texel_m)
 
 
 def _starts(counts: list[int]) -> NDArray[np.int64]:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.row_numbers import row_numbers
 from light_transport.surfaces.map_texels import MapGeometry
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
@@ -82,8 +83,7 @@ def _numbered(
     way = 4 * axis + 2 * positive + is_front
     while True:
         cell = np.floor(middle / edge).astype(np.int64)
-        key = np.column_stack([cell, way])
-        found, number = np.unique(key, axis=0, return_inverse=True)
-        if len(found) <= _MOST:
-            return np.asarray(number.reshape(-1), np.int64)
+        number, count = row_numbers(np.column_stack([cell, way]))
+        if count <= _MOST:
+            return number
         edge *= 2.0
