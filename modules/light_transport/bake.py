@@ -19,7 +19,14 @@ from light_transport.hour.exchange import Exchange, direct_sky, enclosure, excha
 from light_transport.hour.filling import takes_light_of
 from light_transport.hour.gather import patches_gathered, sky_gathered
 from light_transport.hour.hour import Hour, HourLight
-from light_transport.hour.key_light import KeyRays, key_rays_of, lit_shares, patch_means
+from light_transport.hour.key_lattice import directions_around
+from light_transport.hour.key_light import (
+    KeyShadows,
+    free_rays,
+    key_rays_of,
+    lit_shares,
+    patch_means,
+)
 from light_transport.hour.lamp_light import (
     LampLight,
     lamp_irradiance,
@@ -83,7 +90,7 @@ class _Finished:
     smoothing: Smoothing
     shown: NDArray[np.int32]
     """Whose light each texel of the map (height, width) shows; the number of texels: nobody's."""
-    key_rays: KeyRays
+    key_shadows: KeyShadows
     lamps: LampLight | None
     lamps_on_patches: Float32Array | None
     visible_sky: Array
@@ -159,10 +166,11 @@ class Bake:
         parts += [] if self.patches is None else [*self.patches]
         parts += [] if self.mirrors is None else [*self.mirrors[1:]]
         if self._finished is not None:
-            parts += [*self._finished.exchange, *self._finished.smoothing, *self._finished.key_rays]
+            parts += [*self._finished.exchange, *self._finished.smoothing]
             parts += [self._finished.shown, self._finished.good]
+        shadows = 0 if self._finished is None else self._finished.key_shadows.memory_bytes
         # The links of smoothing may be those of the texels.
-        return sum({id(part): part.nbytes for part in parts}.values())
+        return shadows + sum({id(part): part.nbytes for part in parts}.values())
 
     @cached_property
     def geometry_digest(self) -> str:
@@ -288,14 +296,29 @@ class Bake:
     def _key_shares(self, hour: Hour, finished: _Finished) -> Float32Array:
         """Visible share of the key light times its cosine (N,), of the rows that are asked."""
         share = np.zeros(self.rows, np.float32)
-        if np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
-            ray, towards = finished.key_rays.ray, np.asarray(hour.key_direction, np.float64)
+        if not np.any(np.asarray(hour.key_irradiance_rgb) > 0.0):
+            return share
+        shadows, towards = finished.key_shadows, np.asarray(hour.key_direction, np.float64)
+        ray = shadows.rays.ray
+
+        def cast(direction: FloatArray) -> NDArray[np.uint8]:
+            reached = np.empty(self.rows, np.uint8)
             self._over_rows(
                 self.rows,
-                lambda a, b: lit_shares(
-                    self.tree, self.receivers, ray, towards, scratch(), a, b, share
+                lambda a, b: free_rays(
+                    self.tree, self.receivers, ray, direction, scratch(), a, b, reached
                 ),
             )
+            return reached
+
+        numbers, weights = directions_around(hour.key_direction)
+        around = tuple(shadows.towards(number, cast) for number in numbers)
+        self._over_rows(
+            self.rows,
+            lambda a, b: lit_shares(
+                self.receivers, towards, around, weights, scratch(), a, b, share
+            ),
+        )
         return share
 
     def _node_light(self, hour: Hour) -> Float32Array:
@@ -330,7 +353,7 @@ class Bake:
         patches = self.patches
         direct = np.empty((len(patches.area), 3), np.float32)
         direct_sky(patches, self.table.valid, sky_light, direct)
-        means = patch_means(patches, finished.key_rays, key_shares)
+        means = patch_means(patches, finished.key_shadows.rays, key_shares)
         direct += means[:, None] * np.asarray(hour.key_irradiance_rgb, np.float32)
         if finished.lamps_on_patches is not None:
             direct += finished.lamps_on_patches
@@ -360,7 +383,9 @@ class Bake:
                 exchange,
                 smoothing,
                 shown,
-                key_rays_of(self.patches, self.table.free, enclosure(exchange), mirrored),
+                KeyShadows(
+                    key_rays_of(self.patches, self.table.free, enclosure(exchange), mirrored)
+                ),
                 lamps,
                 None if lamps is None else patch_lamp_light(self.patches, self.table.free, lamps),
                 Array(_as_map(self._visible_sky(smoothing), shown).astype(np.float16)),
@@ -426,7 +451,7 @@ class Bake:
             (self.surfaces.reflectance_rgb, self.surfaces.emitted_rgb),
             self.texels.triangle,
             (light, np.where(shown == len(shown), -1, shown)),
-            (key_shares, finished.key_rays.ray, self.links),
+            (key_shares, finished.key_shadows.rays.ray, self.links),
             np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
             radiance,
         )

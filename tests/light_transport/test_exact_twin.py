@@ -3,9 +3,8 @@
 import numpy as np
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
-from light_transport.hour.key_light import lit_shares, patch_means
+from light_transport.hour.key_light import patch_means
 from light_transport.hour.smoothing import STEPS
-from light_transport.rays.ray_starts import scratch
 from light_transport.rays.ray_table import columns_and_rays
 from light_transport.rays.sky_nodes import NODES, node_radiances
 
@@ -53,10 +52,8 @@ def test_kernels_agree_with_matrices_in_double_precision():
     bake = Bake(*scene)
     bake.add_rays(96)
     now = hour(2.0, irradiance=30.0, key=(0.4, 0.8, 0.1))
-    share = np.empty(bake.rows, np.float32)
-    rays = bake._finish().key_rays
-    towards = np.asarray(now.key_direction)
-    lit_shares(bake.tree, bake.receivers, rays.ray, towards, scratch(), 0, bake.rows, share)
+    finished = bake._finish()
+    rays, share = finished.key_shadows.rays, bake._key_shares(now, finished)
     expected = smoothed(bake, plain_hour(bake, now, patch_means(bake.patches, rays, share)))
     column, row = bake.texels.pixel.T
     good = bake._finish().good[: len(column)]

@@ -1,22 +1,26 @@
 """Shares of the key light on texels, for its bounces: the frame draws its direct light."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from light_transport.hour.key_lattice import FARTHEST, direction_of
 from light_transport.kernels import hot
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import begin, shift
 from light_transport.rays.ray_table import TRIED
 from light_transport.rays.trace import MISS, blocker, mixed
-from vrut_lite.numeric_types import Float32Array
+from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Shadow rays of a patch: at least so many, and from all rows where a third of its view is patches.
 _FEWEST = 4
 _ALL_ASKED = 1.0 / 3.0
 # A group has no other rows whose rays are averaged with its own.
 _RAYS_OF_A_GROUP = 8
+# Directions whose shadows are kept: three for an hour, and those around it.
+_MOST_KEPT = 6
 
 
 class KeyRays(NamedTuple):
@@ -39,7 +43,6 @@ def key_rays_of(
     """Rays for patches whose rows' first free rays (N,) are these.
 
     The rows `also` get shadow rays of their own and count for no patch.
-
 
     `enclosed` (M,): which share of a patch's rays ends at other patches. It sends them the same
     share of its own light (reciprocity), so that few rows suffice under open sky. Half of the share
@@ -69,48 +72,111 @@ def patch_means(patches: Patches, rays: KeyRays, values: Float32Array) -> Float3
     return np.where(np.diff(patches.start) > 0, sums, 0.0).astype(np.float32)
 
 
-@hot
-def lit_shares(tree, receivers, free_start, direction, scratch, first, last, out):  # type: ignore[no-untyped-def]
-    """Fill out[first:last] with visible share times cosine of a direction (3,), unit.
+class KeyShadows:
+    """Which shadow rays nothing is in the way of, for fixed directions that hours asked for.
 
-    A texel has one ray, from anywhere in it: a patch has the mean of its texels. `free_start`
-    (N,): see `KeyRays`.
+    An hour that moves on needs a third of the rays, or none. Jobs may ask at the same time: what is
+    kept is replaced, never changed.
     """
-    stack, _, _, shifts, weights, place, normal, face, _ = scratch
-    x, y, z = np.float32(direction[0]), np.float32(direction[1]), np.float32(direction[2])
+
+    def __init__(self, rays: KeyRays):
+        self.rays = rays
+        self._kept: dict[int, NDArray[np.uint8]] = {}
+
+    @property
+    def memory_bytes(self) -> int:
+        """Of all arrays."""
+        rays = self.rays.ray.nbytes + self.rays.weight.nbytes
+        return rays + sum(kept.nbytes for kept in self._kept.values())
+
+    def towards(
+        self, number: int, cast: Callable[[FloatArray], NDArray[np.uint8]]
+    ) -> NDArray[np.uint8]:
+        """`free_rays` (N,) towards a fixed direction, cast unless it is kept."""
+        found = self._kept.get(number)
+        if found is None:
+            found = cast(direction_of(number))
+            latest = list(self._kept.items())[1 - _MOST_KEPT :]
+            self._kept = {**dict(latest), number: found}
+        return found
+
+
+@hot
+def free_rays(tree, receivers, free_start, direction, scratch, first, last, out):  # type: ignore[no-untyped-def]
+    """Fill out[first:last] with the rays of rows, a bit each, that reach a fixed direction (3,).
+
+    A texel has one ray, from anywhere in it: a patch has the mean of its texels. A group has
+    _RAYS_OF_A_GROUP. `free_start` (N,): see `KeyRays`. Rays that would begin into their surface
+    are laid along it, for the key light itself may stand above.
+    """
+    stack, _, _, shifts, weights, place, normal, face, towards = scratch
     geometry, texels, probes, groups = receivers
     first_probe = len(texels.pixel)
     first_group = first_probe + len(probes.place)
     likely = MISS
     for row in range(first, last):
-        out[row] = 0.0
+        out[row] = 0
         if first_probe <= row < first_group or free_start[row] >= TRIED:
             continue
         rays = 1 if row < first_probe else _RAYS_OF_A_GROUP
         shift(row, shifts)
-        total = 0.0
         for s in range(rays):
             number = s if rays > 1 else free_start[row]
             begin(
                 geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
             )
             cosine = face[0] * direction[0] + face[1] * direction[1] + face[2] * direction[2]
-            if cosine <= 0.0:
+            if cosine < -FARTHEST:
                 continue
+            for k in range(3):
+                towards[k] = direction[k] - min(cosine, 0.0) * face[k]
             found = blocker(
                 tree,
                 np.float32(place[0]),
                 np.float32(place[1]),
                 np.float32(place[2]),
-                x,
-                y,
-                z,
+                np.float32(towards[0]),
+                np.float32(towards[1]),
+                np.float32(towards[2]),
                 mixed(row, s),
                 stack,
                 likely,
             )
             if found == MISS:
-                total += cosine
+                out[row] |= np.uint8(1 << s)
             else:
                 likely = found
+
+
+@hot
+def lit_shares(receivers, direction, around, share_of, scratch, first, last, out):  # type: ignore[no-untyped-def]
+    """Fill out[first:last] with visible share times cosine of a direction (3,), unit.
+
+    `around`: `free_rays` (N,) of three directions around it, which count by `share_of` (3,).
+    """
+    _, _, _, shifts, weights, place, normal, face, _ = scratch
+    geometry, texels, probes, groups = receivers
+    first_probe = len(texels.pixel)
+    for row in range(first, last):
+        out[row] = 0.0
+        if (around[0][row] | around[1][row] | around[2][row]) == 0:
+            continue
+        if row < first_probe:
+            for k in range(3):
+                face[k] = geometry.faces[texels.triangle[row], k]
+        else:
+            shift(row, shifts)
+        rays = 1 if row < first_probe else _RAYS_OF_A_GROUP
+        total = 0.0
+        for s in range(rays):
+            if rays > 1:
+                begin(
+                    geometry, texels, probes, groups, row, s, shifts, weights, place, normal, face
+                )
+            cosine = face[0] * direction[0] + face[1] * direction[1] + face[2] * direction[2]
+            if cosine > 0.0:
+                seen = 0.0
+                for k in range(3):
+                    seen += share_of[k] * ((around[k][row] >> s) & 1)
+                total += seen * cosine
         out[row] = total / rays
