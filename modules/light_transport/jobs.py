@@ -96,8 +96,9 @@ def laid_probes(scene: SceneOpened, control: JobControl) -> LaidProbes | None:
 
 
 def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
-    from light_transport.bake import Bake, tree_of
+    from light_transport.bake import Bake
     from light_transport.layout.layout import lay_out_probes
+    from light_transport.ray_scene import tree_of
     from light_transport.surfaces.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
@@ -127,8 +128,9 @@ def laid_out(
 
 
 def _laid_out(scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn) -> Laid:
-    from light_transport.bake import Bake, tree_of
+    from light_transport.bake import Bake
     from light_transport.layout.layout import lay_out
+    from light_transport.ray_scene import tree_of
     from light_transport.rays.mirror_parts import mirror_parts
     from light_transport.surfaces.surfaces import surfaces_of
 
