@@ -16,7 +16,7 @@ from light_transport.lighting import hour_light, irradiance_at
 from light_transport.ray_scene import BLOCK_ROWS, RayScene, are_good
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.mirror_rays import mirror_rays
-from light_transport.rays.patches import Patches, patches_of
+from light_transport.rays.patches import patches_of
 from light_transport.rays.ray_table import Rows, joined, slice_of, with_columns, with_rays
 from light_transport.rays.sky_nodes import NODES
 from light_transport.rays.tree import Tree
@@ -106,7 +106,8 @@ class Bake(RayScene):
             return False
         table = joined(done) if done else self.table
         if self.patches is None:
-            self.patches = self._patches_by(table, count)
+            self._make_patches(table, count)
+            assert self.patches is not None
             table = with_columns(table, self.patches.column_of)
         self.take_rays(table, count)
         return True
@@ -114,13 +115,15 @@ class Bake(RayScene):
     def take_rays(self, table: Rows, count: int) -> None:
         """Go on from the table of an equal bake that has so many more rays."""
         if self.patches is None:
-            self.patches = self._patches_by(table, count)
+            self._make_patches(table, count)
         self.rays += count
         self.table = table
         self._finished = None
 
-    def _patches_by(self, table: Rows, rays: int) -> Patches:
+    def _make_patches(self, table: Rows, rays: int) -> None:
         good = are_good(table, rays)
-        return patches_of(
+        self.patches = patches_of(
             self.surfaces, self.receivers, self.links, self.seams, good, self.patch_texels
         )
+        own, colour_of = np.unique(self.texels.triangle, return_inverse=True)
+        self.surfaces, self.colour_of = self.surfaces.colours_of(own), colour_of.astype(np.int32)

@@ -65,7 +65,7 @@ class Round(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """A layout, the rays of its first round, and the bake that begins with it."""
+    """A layout, the rays of its first round, and the bake that goes on next."""
 
     message: LightMapLaid
     first_rays: int

@@ -185,14 +185,14 @@ def _as_cubes(
         seen[:texels],
         scene.surfaces.part,
         (scene.surfaces.reflectance_rgb, scene.surfaces.emitted_rgb),
-        scene.texels.triangle,
+        scene.colour_of,
         (light, np.where(shown == len(shown), -1, shown)),
         (shares, finished.key_shadows.rays.ray, scene.links),
         np.array([hour.ground_albedo_rgb, hour.key_irradiance_rgb], np.float32),
         radiance,
     )
     if finished.lamps is not None:
-        triangle = scene.texels.triangle[seen[:texels]]
+        triangle = scene.colour_of[seen[:texels]]
         radiance[:texels] += (
             _reflectance(scene, hour)[triangle] * finished.lamps.drawn[seen[:texels]] / np.pi
         )
@@ -202,7 +202,7 @@ def _as_cubes(
 
 
 def _reflectance(scene: RayScene, hour: Hour) -> Float32Array:
-    """Of all triangles (F, 3), the ground's in this hour included."""
+    """Of the triangles of `surfaces` (F, 3), the ground's in this hour included."""
     reflectance = scene.surfaces.reflectance_rgb.copy()
     reflectance[scene.surfaces.part == GROUND] = hour.ground_albedo_rgb
     return reflectance

@@ -191,6 +191,8 @@ class LightTransport(Module):
         self._laid, self._round = laid, None
         if self._probes is None:
             self._tell(laid.message)
+        # It holds the whole scene.
+        self._probes = None
         self.ledger.did("layout")
         if laid.message.mirrors is None:
             self.ledger.skip("mirrors: nothing in the scene is glossy")
@@ -215,12 +217,11 @@ class LightTransport(Module):
         rays = self._round.rays if self._round is not None else 0
         count = min(rays or self._laid.first_rays, self._quality.rays - rays)
         if count > 0:
-            bake = self._laid.bake if self._round is None else self._round.bake
-            self.link.start_job(RAYS, with_rays, bake, count)
+            self.link.start_job(RAYS, with_rays, self._laid.bake, count)
 
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None
-        self._round = done
+        self._round, self._laid = done, self._laid._replace(bake=done.bake)
         self.ledger.did("round")
         self.link.post(
             BakeGrown(

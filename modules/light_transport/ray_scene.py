@@ -50,6 +50,8 @@ class RayScene:
         rays: how many each row has.
         table: where they end.
         patches, mirrors, lamps: as far as there are some.
+        colour_of: (N,) int32, the triangle of `surfaces` that has a texel's colours: with patches
+            `surfaces` keeps those alone that texels lie on.
         orientation: (N,) of texels and probes, see `orientation_of`.
         bounces_left: share of any patch's light that bounces left out may bring; of the mean it is
             a hundredth of that.
@@ -70,9 +72,9 @@ class RayScene:
         self.threads = threads
         self.bounces_left = bounces_left
         self.rays = 0
-        geometry = map_geometry(surfaces, layout)
-        self.texels = texels_of(geometry)
         self.tree = tree_of(surfaces) if tree is None else tree
+        geometry = map_geometry(surfaces, layout, self.tree)
+        self.texels = texels_of(geometry)
         probes = no_probes()
         if self.probes is not None:
             places_m = probe_places_m(self.probes)
@@ -80,6 +82,7 @@ class RayScene:
         widths = self.texels.width if len(self.texels.width) else layout.texel_m / surfaces.radius_m
         edge = max(_SMALLEST_GROUP, _GROUP_TEXELS * float(np.median(widths)))
         groups = groups_of(geometry, sheets_of(surfaces), edge)
+        self.colour_of = self.texels.triangle
         self.receivers = Receivers(geometry, self.texels, probes, groups)
         self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
         self.seams = seam_links(self.texels, layout.seams)
@@ -100,7 +103,7 @@ class RayScene:
         """All that grow with the scene."""
         parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.links, self.seams]
         parts += [*self.receivers.geometry, *self.receivers.probes, *self.receivers.groups]
-        parts += [*self.surfaces.arrays, self.orientation]
+        parts += [*self.surfaces.arrays, self.orientation, self.colour_of]
         parts += [] if self.patches is None else [*self.patches]
         parts += [] if self.mirrors is None else [*self.mirrors[1:]]
         return parts
@@ -111,7 +114,7 @@ class RayScene:
         digest = hashlib.blake2b(digest_size=16)
         receivers = self.receivers
         begin: list[NDArray] = [receivers.texels.pixel, *receivers.probes, *receivers.groups]
-        for array in [*begin, *self.tree, *receivers.geometry]:
+        for array in [*begin, *self.tree, *receivers.geometry[1:]]:
             digest.update(f"{array.dtype.str}{array.shape}".encode())
             digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
         return digest.hexdigest()

@@ -141,7 +141,7 @@ def _prepare(texels: int, rays: int, patch_texels: float, left: float) -> Work:
 def _errors(quick: bool, lit: Lit) -> dict[str, Errors]:
     truth, texels = _QUICK if quick else _FULL, lit.bake.texels
     free = np.flatnonzero(lit.bake.table.valid[: len(texels.pixel)] > 0.9 * lit.bake.rays)
-    own = free[lit.bake.surfaces.part[texels.triangle[free]] >= 0]
+    own = free[lit.bake.surfaces.part[lit.bake.colour_of[free]] >= 0]
     chosen = np.random.default_rng(1).choice(own, min(truth.points, len(own)), replace=False)
     places_m = texels.place[chosen].astype(float) * lit.bake.surfaces.radius_m
     places_m += lit.bake.surfaces.centre_m

@@ -13,7 +13,7 @@ from light_transport.kernels import kernel
 from light_transport.rays.ray_starts import Receivers
 from light_transport.rays.sky_nodes import NODES
 from light_transport.row_numbers import row_numbers
-from light_transport.surfaces.map_texels import NOBODY
+from light_transport.surfaces.map_texels import NOBODY, edges_of
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
@@ -173,9 +173,8 @@ def _of_rows(
     texels, groups = receivers.texels, receivers.groups
     probes = np.zeros((len(receivers.probes.place), 3))
     group_of = np.repeat(np.arange(len(groups.area)), np.diff(groups.start))
-    corners = receivers.geometry.corners[groups.triangle].astype(np.float64)
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(cross, axis=1) + 1e-30
+    _, b, c = edges_of(receivers.geometry, groups.triangle)
+    area = np.linalg.norm(np.cross(b, c), axis=1) + 1e-30
 
     def joined(values: Float32Array) -> Float32Array:
         of_groups = np.empty((len(groups.area), 3))

@@ -54,9 +54,24 @@ class Surfaces:
         return [value for value in vars(self).values() if isinstance(value, np.ndarray)]
 
     def without_shapes(self) -> "Surfaces":
-        """Parts, colours and the frame alone, for who has the shapes in a form of his own."""
+        """Parts, colours and the frame alone, for who has all else in a form of his own."""
         nothing = np.empty((0, 3, 3))
-        return replace(self, corners_m=nothing, normals=nothing.astype(np.float32))
+        return replace(
+            self,
+            corners_m=nothing,
+            normals=nothing.astype(np.float32),
+            opacity=np.empty(0, np.float32),
+            double_sided=np.empty(0, bool),
+        )
+
+    def colours_of(self, triangles: NDArray[np.integer]) -> "Surfaces":
+        """Some of them, `without_shapes`."""
+        return replace(
+            self.without_shapes(),
+            part=self.part[triangles],
+            reflectance_rgb=self.reflectance_rgb[triangles],
+            emitted_rgb=self.emitted_rgb[triangles],
+        )
 
     def face_normals(self) -> FloatArray:
         """Unit normals (F, 3) of the triangles, on the side of their shading normals.
