@@ -7,6 +7,7 @@ from vrut_lite_bench.bench_path import Group
 from vrut_lite_bench.paths import (
     air,
     dispatch,
+    first_light,
     frame,
     hosek_wilkie,
     light_map,
@@ -28,6 +29,7 @@ KINDS: dict[str, Callable[[bool], list[Group]]] = {
     "tables": tables.groups,
     "air": air.groups,
     "light-map": light_map.groups,
+    "first-light": first_light.groups,
     "dispatch": dispatch.groups,
     "frame": frame.groups,
     "window": window.groups,

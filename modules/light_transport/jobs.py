@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from light_transport.giving_up import GivenUp, GoOn, unless
 from light_transport.messages import NAME
@@ -20,7 +19,6 @@ from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.numeric_types import Float32Array
 
 if TYPE_CHECKING:
     from light_transport.bake import Bake
@@ -195,11 +193,13 @@ def _all_threads() -> int:
 
 def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:
     """The light of an hour, by the rays that there are."""
+    from light_transport.halves import halves, largest
+
     light = bake.value.light(hour_of(messages))
     arrays = {"texels": light.texels, "probes": light.probes, "mirrors": light.mirrors}
     known = {name: array for name, array in arrays.items() if array is not None}
-    scale = float16_scale(max(float(array[..., :3].max()) for array in known.values()))
-    encoded = {name: Array(_encoded(array, scale)) for name, array in known.items()}
+    scale = float16_scale(max(map(largest, known.values())))
+    encoded = {name: Array(halves(array, 1.0 / scale)) for name, array in known.items()}
     return SurfaceLightChanged(
         layout_key=layout_key,
         texels=encoded["texels"],
@@ -225,8 +225,3 @@ def hour_of(messages: HourMessages) -> "Hour":
         key_irradiance_rgb=key_light.irradiance_rgb,
         open_sky=np.asarray(ambient.irradiance_sh_rgb.values, np.float64),
     )
-
-
-def _encoded(light: Float32Array, scale: float) -> NDArray[np.float16]:
-    """Irradiance over the scale, and the share of the open sky's as it is."""
-    return (light * np.array([1.0 / scale] * 3 + [1.0], np.float32)).astype(np.float16)
