@@ -31,6 +31,8 @@ _MOST_THREADS = 4
 # Of a texel, and of all together.
 _FIRST_RAYS, _RAYS_AT_FIRST = 64, 1_250_000
 _FEWEST_FIRST = 16
+# Of each side of a probe.
+_PROBE_RAYS = 32
 
 
 class Unwritten(Generic[T]):
@@ -71,10 +73,13 @@ class Laid(NamedTuple):
 
 
 class LaidProbes(NamedTuple):
-    """A layout of probes with all its rays, and what another layout of the scene can go on with."""
+    """A layout of probes with all its rays, and what another layout of the scene can go on with.
+
+    There is no round where all probes lie inside bodies.
+    """
 
     message: LightMapLaid
-    round: Round
+    round: Round | None
     prepared: "Unwritten[Prepared]"
 
 
@@ -108,9 +113,11 @@ def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
     bake.lamps = scene.lamps
     go_on()
     bake.threads = _all_threads()
-    bake.add_rays(_FEWEST_FIRST)
+    bake.add_rays(_PROBE_RAYS)
     bake.threads = 1
-    return LaidProbes(layout.message, _round(bake), Unwritten(prepared))
+    probes = slice(len(bake.texels.pixel), len(bake.orientation))
+    done = _round(bake) if bake.good[probes].any() else None
+    return LaidProbes(layout.message, done, Unwritten(prepared))
 
 
 def laid_out(

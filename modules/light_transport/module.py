@@ -181,10 +181,13 @@ class LightTransport(Module):
 
     def _take_probes(self, probes: LaidProbes) -> None:
         scene = self.link.last(SceneOpened)
-        self._probes, self._round = probes, probes.round
-        self._tell(probes.message)
-        self.ledger.did("probes")
-        self._light()
+        if probes.round is None:
+            self.ledger.skip("probes: all lie inside bodies")
+        else:
+            self._probes, self._round = probes, probes.round
+            self._tell(probes.message)
+            self.ledger.did("probes")
+            self._light()
         self.link.start_job(LAYOUT, laid_out, scene, self._planned, probes.prepared)
 
     def _take_layout(self, laid: Laid) -> None:

@@ -75,7 +75,8 @@ def test_a_scene_of_many_triangles_replays(tmp_path, monkeypatch):
     monkeypatch.setattr(light_transport, "_MANY_TRIANGLES", 0)
 
     def play(kernel):
-        kernel.inject(LoadScene(path=str(box_file(tmp_path))))
+        two = box_file(tmp_path, boxes=((0.0, 2.0), (5.0, 1.0)))
+        kernel.inject(LoadScene(path=str(two)))
 
     journal, said = recorded(tmp_path, play)
     assert len({light.layout_key for light in lights(said)}) == 2

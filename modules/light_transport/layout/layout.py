@@ -27,9 +27,8 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SOURCE = "light_transport"
 TEXELS = 150_000
-# Where there are no charts, surfaces send light as if texels were so large, and probes stand so far
-# around; in radii.
-_PROBES_TEXEL, _AROUND = 5e-3, 0.05
+# Where there are no charts, surfaces send light as if texels were so large, in radii.
+_PROBES_TEXEL = 5e-3
 # Version of the algorithm: kept rays of other versions do not fit.
 _VERSION = 1
 
@@ -182,10 +181,7 @@ def _probes(surfaces: Surfaces, shapes: PartShapes) -> ProbeGrid | None:
     corners = surfaces.corners_m[np.isin(surfaces.part, bare)].reshape(-1, 3) + surfaces.centre_m
     if not len(corners):
         return None
-    # Where nothing has texels, bodies may fill the whole box: probes stand outside it too.
-    around_m = 0.0 if shapes.shapes else _AROUND * surfaces.radius_m
-    lower_m, upper_m = corners.min(axis=0) - around_m, corners.max(axis=0) + around_m
-    return probe_grid(lower_m, upper_m, shapes.texel_m)
+    return probe_grid(corners.min(axis=0), corners.max(axis=0), shapes.texel_m)
 
 
 def _starts(counts: list[int]) -> NDArray[np.int64]:
