@@ -41,7 +41,7 @@ from light_transport.layout.probe_places import probe_places_m, without_buried
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.mirror_rays import MirrorRays, mirror_rays
 from light_transport.rays.patches import Patches, patches_of
-from light_transport.rays.ray_starts import Probes, Receivers, no_probes, probe_planes, scratch
+from light_transport.rays.ray_starts import Receivers, no_probes, probe_planes, scratch
 from light_transport.rays.ray_table import (
     Rows,
     empty_rows,
@@ -134,7 +134,7 @@ class Bake:
             edge = max(edge, _GROUP_TEXELS * float(np.median(self.texels.width)))
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.receivers = Receivers(geometry, self.texels, probes, groups)
-        self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
+        self.links = links_of(self.texels, layout.chart[self.texels.triangle])
         self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)
@@ -247,37 +247,13 @@ class Bake:
             self._as_cubes(hour, finished, light[:texels], column_light, shares),
         )
 
-    def irradiance_at(
-        self, places_m: FloatArray, normals: FloatArray, hour: Hour, rays: int
-    ) -> Float32Array:
-        """Irradiance (P, 3), W m^-2, at free points by rays of their own, as `light` has it.
-
-        `places_m` (P, 3) and unit `normals` (P, 3): world axes.
-        """
-        assert self.patches is not None
-        places = (places_m - self.surfaces.centre_m) / self.surfaces.radius_m
-        probes = Probes(places.astype(np.float32), normals.astype(np.float32))
-        first, own = len(self.texels.pixel), len(self.receivers.probes.place)
-        columns = self.patches.column_of
-        nothing = np.full(len(places), NODES + len(self.patches.area), np.int32)
-        before, after = columns[: NODES + first], columns[NODES + first + own :]
-        rows = with_rays(
-            self.tree,
-            self.receivers._replace(probes=probes),
-            empty_rows(first, len(places)),
-            np.concatenate([before, nothing, after]),
-            0,
-            rays,
-        )
-        finished, column_light = self._finish(), self._node_light(hour)
+    def column_light(self, hour: Hour) -> Float32Array:
+        """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
+        finished, found = self._finish(), self._node_light(hour)
         light = np.empty((self.rows, 4), np.float32)
-        sky_gathered(self.table, column_light, 0, self.rows, light)
-        shares = self._key_shares(hour, finished)
-        self._bounce(hour, finished, shares, light, column_light)
-        found = np.empty((len(places), 4), np.float32)
-        sky_gathered(rows, column_light, 0, len(places), found)
-        patches_gathered(rows, column_light, 0, len(places), found)
-        return found[:, :3]
+        self._over_rows(self.rows, lambda a, b: sky_gathered(self.table, found, a, b, light))
+        self._bounce(hour, finished, self._key_shares(hour, finished), light, found)
+        return found
 
     def _key_shares(self, hour: Hour, finished: _Finished) -> Float32Array:
         """Visible share of the key light times its cosine (N,), of the rows that are asked."""

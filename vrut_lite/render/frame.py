@@ -138,6 +138,7 @@ class Frame:
         self._meshes.update(scene)
         self._meshes.section = state.section
         seen = self._seen(scene, view)
+        self._surface_light.show_view(state.light_of_view if still else None)
         with self.measure("reflection"):
             reflection = self._reflection(light, seen, still)
         with self.measure("shadow"):

@@ -20,7 +20,8 @@ from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianc
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
-from vrut_lite.kernel.messages import ClockMoved, SlotChanged
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
 from vrut_lite.scene.backend import SceneView
@@ -255,6 +256,24 @@ class SceneManager(Module):
         """Light surfaces with it, if it is of the open scene."""
         self._take_surface_light()
 
+    @handles(ViewLightChanged)
+    def on_view_light(self, message: ViewLightChanged) -> None:
+        """Light a finished still with it, if it is of the present map."""
+        laid = self.state.light_map
+        if laid is not None and message.layout_key == laid.layout_key:
+            self._change(view_light=message)
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Say from where the scene is seen, when somebody wants light for that view."""
+        if message.message == ViewLightChanged.__name__:
+            self._ask_for_still()
+
+    def _ask_for_still(self) -> None:
+        camera = self.state.camera
+        if camera is not None and self.link.wanted(ViewLightChanged) is not None:
+            self.link.post(StillAsked(camera=camera, size_px=self.state.size_px))
+
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
         """Drop the air of a sky that no longer holds its slot, and light that nobody updates."""
@@ -296,6 +315,7 @@ class SceneManager(Module):
                 eye_height_m=camera.eye_m[1],
             )
         )
+        self._ask_for_still()
 
     def _air_reach_m(self, camera: MoveCamera, aspect: float) -> float:
         scene, clouds = self.state.scene, self.state.clouds

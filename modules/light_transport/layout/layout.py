@@ -28,7 +28,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 SOURCE = "light_transport"
 TEXELS = 150_000
 # Version of the algorithm: kept rays of other versions do not fit.
-_VERSION = 1
+_VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +38,12 @@ class Layout:
     Attributes:
         message: the layout as posted.
         uv_px: (F, 3, 2) float32, places of corners in the map, in texels, texel middles at halves;
-            exact multiples of 2^-10. NaN where a triangle has no texels, and for the ground's,
+            exact multiples of 2^-10. The message has where they are looked up, which in charts of
+            one texel's width is its middle. NaN where a triangle has no texels, and for the ground's,
             whose places `ground_chart` tells.
         owner: (height, width) int32, the triangle that a texel's middle lies in, or beside a
             chart the nearest one of it; `texel_owners.UNUSED` elsewhere.
+        chart: (F,) int32, the chart of each triangle; -1 where it has no texels, and the ground's.
         seams: (S, 2) int32, see `seams.seam_texels`.
         texel_m: edge of a texel, where its part does not have finer ones, or is too long for it.
         part_texel_m: (P,) float64, edge of a texel on each part, NaN where it has none.
@@ -51,6 +53,7 @@ class Layout:
     message: LightMapLaid
     uv_px: Float32Array
     owner: NDArray[np.int32]
+    chart: NDArray[np.int32]
     seams: NDArray[np.int32]
     texel_m: float
     part_texel_m: FloatArray
@@ -114,7 +117,7 @@ def lay_out(
     seams = seam_texels(surfaces.corners_m, surfaces.normals, uv_px, chart, owner)
     message = _message(scene, surfaces, shapes, corners, owner, ground)
     texels_m = np.array([*(shape.texel_m for shape in shapes.shapes), np.nan])
-    return Layout(message, uv_px, owner, seams, shapes.texel_m, texels_m[shapes.of], charts)
+    return Layout(message, uv_px, owner, chart, seams, shapes.texel_m, texels_m[shapes.of], charts)
 
 
 def _own_triangles(surfaces: Surfaces) -> int:
