@@ -53,6 +53,10 @@ _CUBE_MAP_SEAMLESS = 0x884F
 # where slices are largest.
 SLICES_A_FRAME = 2
 
+# A finished still is the mean of pictures that are shifted so, right and up, in pixels: with the
+# samples of each 16 a pixel.
+_SHIFTS_PX = ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25))
+
 Measure = Callable[[str], AbstractContextManager[Any]]
 
 
@@ -149,17 +153,26 @@ class Frame:
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
             air = self._clouds.prepare(scene, view, light, air, state.size_px)
-        self._patience.check()
-        targets.multisampled.use()
-        targets.multisampled.clear()
-        with reversed_depth():
-            self._draw_seen(
-                targets, scene, seen, view, light, disc, shadows, reflection, air, still
-            )
-        with self.measure("resolve"):
-            self._context.copy_framebuffer(targets.resolved, targets.multisampled)
+        finished = still and state.light_of_view is not None
+        shifts = _SHIFTS_PX if finished else _SHIFTS_PX[:1]
+        self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
+        self.ledger.did("picture", len(shifts))
+        radiance = np.zeros((*targets.size[::-1], 3), np.float32)
+        for shift_px in shifts:
+            self._patience.check()
+            targets.multisampled.use()
+            targets.multisampled.clear()
+            shifted = view if len(shifts) == 1 else view.shifted(shift_px, targets.size)
+            with reversed_depth():
+                self._draw_seen(
+                    targets, scene, seen, shifted, light, disc, shadows, reflection, air, still
+                )
+            with self.measure("resolve"):
+                self._context.copy_framebuffer(targets.resolved, targets.multisampled)
+            radiance += targets.read_radiance() / np.float32(len(shifts))
         with self.measure("copy and meter"):
-            radiance = targets.read_radiance()
+            if len(shifts) > 1:
+                targets.write_radiance(radiance)
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
             self._tone.draw(targets, ev100, state.exposure)
