@@ -60,7 +60,7 @@ from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.array import Array
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray
+from vrut_lite.numeric_types import BoolArray, Float32Array
 
 # Rows of which a smaller share of rays counts lie inside bodies. A tenth is too little: what gets
 # out between the pieces of a wall then shines at its edge.

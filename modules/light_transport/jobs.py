@@ -1,4 +1,4 @@
-"""The background jobs: a layout, a round of rays, an hour, a view. Plain functions of their arguments.
+"""The background jobs: a layout, rays, an hour, a view. Plain functions of their arguments.
 
 numba is imported where work begins, so that programs without a light map do not wait for it.
 """

@@ -46,8 +46,9 @@ class LightTransport(Module):
 
     With a demand for it, it lights each view of a finished still by `ViewLightChanged`.
 
-    The ledger counts "layout", "round", "hour" and "view", and skips: what is unwanted or switched off, an
-    hour that looks like the one before, one that a newer overtook, rays that were kept on disk.
+    The ledger counts "layout", "round", "hour" and "view", and skips: what is unwanted or switched
+    off, an hour that looks like the one before, one that a newer overtook, rays that were kept on
+    disk, a view of a scene with lamps.
     """
 
     # Its settings are no options of commands: `--on` would say nothing.

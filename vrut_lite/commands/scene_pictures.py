@@ -6,6 +6,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
@@ -145,4 +146,6 @@ class SceneShot:
         wish = self.plan.project.exposure
         matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
         picture = self.picture
+        if picture.values is not None:
+            return picture.display.astype(np.uint16) * 257
         return display_picture(picture.radiance, picture.ev100, wish.tone_map, matrix, bits=16)

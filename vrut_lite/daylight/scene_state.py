@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import Vector
 
+Shown = Literal["picture", "illuminance", "texels", "noise"]
 _UP = np.array([0.0, 1.0, 0.0])
 # Below this irradiance (W m^-2) the quotient of ground radiance and irradiance is rounding.
 _DARKEST_IRRADIANCE = 1e-12
@@ -68,6 +69,8 @@ class SceneState:
         light_map: of the scene; None without one.
         surface_light: of that light map; None before the first, while the open sky lights surfaces.
         view_light: of that light and some camera; None without one, or before the first.
+        coarser_light: of the same hour, by fewer rays; None where none is known.
+        shows: the picture, or values of surfaces in false colours.
         tolerance: share by which radiance may be off.
     """
 
@@ -88,6 +91,8 @@ class SceneState:
     light_map: LightMapLaid | None = None
     surface_light: SurfaceLightChanged | None = None
     view_light: ViewLightChanged | None = None
+    coarser_light: SurfaceLightChanged | None = None
+    shows: Shown = "picture"
     tolerance: float = DEFAULT_TOLERANCE
     skips: FrameSkips = field(default_factory=FrameSkips)
 

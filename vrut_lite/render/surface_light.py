@@ -80,9 +80,7 @@ class SurfaceLightOnGpu:
         if light is not None and not self._view:
             # Row 0 at the bottom, as fragments count.
             arrays = (light.light.values[::-1], light.plane.values[::-1])
-            self._view = tuple(
-                self._written(None, array, array.shape[1::-1]) for array in arrays
-            )
+            self._view = tuple(self._written(None, array, array.shape[1::-1]) for array in arrays)
         self._view_is = light
 
     def defines(self, placed: PlacedPrimitive) -> Defines:

@@ -14,7 +14,7 @@ from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.scene_state import SceneState, Shown
 from vrut_lite.daylight.section import Axis, Side, section_of
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
@@ -60,6 +60,13 @@ class SceneSettings(msgspec.Struct, frozen=True):
     section_at: Annotated[
         float, setting("Where it is cut, as a share of the scene's extent on that axis", 0, 1)
     ] = 0.5
+    shows: Annotated[
+        Shown,
+        setting(
+            "The picture, or in false colours what surfaces have: illuminance in lux, the edge of "
+            "the light map's texels, the noise that its rays leave"
+        ),
+    ] = "picture"
     section_keeps: Annotated[
         Side, setting("Which side of the cut is seen, by the axis's values")
     ] = "below"
@@ -94,7 +101,13 @@ class SceneManager(Module):
             CloudsChanged,
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
         )
-        self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
+        self._hour_moved = True
+        self._change(
+            light_shafts=settings.light_shafts,
+            tolerance=tolerance_of(link),
+            shows=settings.shows,
+            coarser_light=None,
+        )
         self._cut()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
@@ -182,7 +195,9 @@ class SceneManager(Module):
         if name.startswith("animation"):
             self._move()
             return
-        if name == "light_shafts":
+        if name == "shows":
+            self._change(shows=self.settings.shows)
+        elif name == "light_shafts":
             self._change(light_shafts=self.settings.light_shafts)
         elif name.startswith("section"):
             self._cut()
@@ -208,6 +223,7 @@ class SceneManager(Module):
         Raises:
             UserError: its own shader does not compile; its cube map is shown.
         """
+        self._hour_moved = True
         self._view.state = self.state.with_light(background=message)
         if message.view is not None:
             self._view.prepare()
@@ -215,6 +231,7 @@ class SceneManager(Module):
     @handles(KeyLightChanged)
     def on_key_light(self, message: KeyLightChanged) -> None:
         """Let this light cast shadows."""
+        self._hour_moved = True
         self._view.state = self.state.with_light(key_light=message)
 
     @handles(AmbientChanged)
@@ -254,7 +271,14 @@ class SceneManager(Module):
     @handles(SurfaceLightChanged)
     def on_surface_light(self, message: SurfaceLightChanged) -> None:
         """Light surfaces with it, if it is of the open scene."""
+        before = self.state.surface_light
         self._take_surface_light()
+        coarser = None
+        if before is not None and before.layout_key == message.layout_key:
+            same_hour = message.rays > before.rays and not self._hour_moved
+            coarser = before if same_hour else None
+        self._hour_moved = False
+        self._change(coarser_light=coarser)
 
     @handles(ViewLightChanged)
     def on_view_light(self, message: ViewLightChanged) -> None:

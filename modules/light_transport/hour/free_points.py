@@ -67,13 +67,11 @@ def light_at(
     def block(first: int) -> None:
         go_on()
         last = min(first + _BLOCK, len(places))
-        found = with_rays(
-            bake.tree, receivers, slice_of(rows, first, last), column_of, 0, rays
-        )
+        found = with_rays(bake.tree, receivers, slice_of(rows, first, last), column_of, 0, rays)
         gathered = light[first:last]
         sky_gathered(found, column_light, 0, last - first, gathered)
         patches_gathered(found, column_light, 0, last - first, gathered)
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             room[first:last] = found.valid / found.nearness * np.float32(surfaces.radius_m)
         free[first:last] = found.valid / np.float32(rays)
 

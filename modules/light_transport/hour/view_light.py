@@ -104,7 +104,7 @@ def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
     ox, oy, oz = np.float32(eye[0]), np.float32(eye[1]), np.float32(eye[2])
     for i in range(count):
         d = towards[i]
-        distance, hit, u, v = nearest(
+        _, hit, u, v = nearest(
             tree, ox, oy, oz, np.float32(d[0]), np.float32(d[1]), np.float32(d[2]), i, stack,
             far_stack,
         )  # fmt: skip

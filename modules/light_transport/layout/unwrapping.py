@@ -12,8 +12,8 @@ from light_transport.layout.overlaps import layers
 from light_transport.layout.projection import MARGIN_PX, STEPS_PER_PX, projected
 from vrut_lite.numeric_types import FloatArray
 
-# A chart that is narrower than this, in texels, is one texel wide, which is looked up in its middle:
-# strips then need no texels beside them. In that texel the strip ends so far from its border.
+# A chart that is narrower than this, in texels, is one texel wide, which is looked up in its
+# middle: strips need no texels beside them. In its texel a strip ends so far from the border.
 _NARROW_PX, _FROM_BORDER_PX = 1.0, 1.0 / 64.0
 # A chart that fills less of its rectangle than this is halved, and its halves again, unless the
 # rectangle is small: rings and frames would leave most of the map empty.
