@@ -14,7 +14,7 @@ LOOK = Look(eye_m=(3.0, 4.0, 5.0))
 
 @pytest.fixture
 def stage(tmp_path):
-    """A cube of 2 m about the origin, under a sky of radiance 1 above black ground; its light map is done."""
+    """A cube of 2 m about the origin under a sky of radiance 1, and its light map."""
     stage = LightStage()
     stage.tell(*COARSE, Shine(radiance=1.0), WANT, Show(path=str(box_file(tmp_path))))
     yield stage
