@@ -12,7 +12,7 @@ from light_transport.finished import Finished, finished_of
 from light_transport.giving_up import GoOn, always
 from light_transport.hour.hour import Hour, HourLight
 from light_transport.layout.layout import Layout
-from light_transport.lighting import hour_light, irradiance_at
+from light_transport.lighting import column_light_of, hour_light
 from light_transport.ray_scene import BLOCK_ROWS, RayScene, are_good
 from light_transport.rays.mirror_parts import MirrorParts
 from light_transport.rays.mirror_rays import mirror_rays
@@ -21,7 +21,7 @@ from light_transport.rays.ray_table import Rows, joined, slice_of, with_columns,
 from light_transport.rays.sky_nodes import NODES
 from light_transport.rays.tree import Tree
 from light_transport.surfaces.surfaces import Surfaces
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import Float32Array
 
 
 class Bake(RayScene):
@@ -61,14 +61,9 @@ class Bake(RayScene):
         """The light of an hour; some rays must have been added."""
         return hour_light(self, self.finished, hour)
 
-    def irradiance_at(
-        self, places_m: FloatArray, normals: FloatArray, hour: Hour, rays: int
-    ) -> Float32Array:
-        """Irradiance (P, 3), W m^-2, at free points by rays of their own, as `light` has it.
-
-        `places_m` (P, 3) and unit `normals` (P, 3): world axes.
-        """
-        return irradiance_at(self, self.finished, places_m, normals, hour, rays)
+    def column_light(self, hour: Hour) -> Float32Array:
+        """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
+        return column_light_of(self, self.finished, hour)
 
     @property
     def finished(self) -> Finished:

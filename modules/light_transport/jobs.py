@@ -1,4 +1,4 @@
-"""The background jobs: a layout, a round of rays, an hour. Plain functions of their arguments.
+"""The background jobs: a layout, rays, an hour, a view. Plain functions of their arguments.
 
 numba is imported where work begins, so that programs without a light map do not wait for it.
 """
@@ -17,6 +17,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
 
@@ -216,6 +217,42 @@ def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> Sur
         source=NAME,
         mirrors=encoded.get("mirrors"),
         visible_sky=light.visible_sky,
+    )
+
+
+def view_lit(
+    bake: "Unwritten[Bake]",
+    layout_key: str,
+    messages: HourMessages,
+    asked: StillAsked,
+    points: int,
+    control: JobControl,
+) -> ViewLightChanged | None:
+    """The light of an hour on what a picture shows, at about so many points of it.
+
+    None if nobody waits for it any more.
+    """
+    from light_transport.halves import halves, largest
+    from light_transport.hour.view_light import edge_for, view_light
+
+    edge_px = edge_for(asked.size_px, points)
+    hour, rays, go_on = hour_of(messages), bake.value.rays, unless(control.cancelled)
+    view = asked.camera, asked.size_px, edge_px
+    try:
+        found = view_light(bake.value, hour, *view, rays, _all_threads(), go_on)
+    except GivenUp:
+        return None
+    scale = float16_scale(largest(found.light))
+    return ViewLightChanged(
+        layout_key=layout_key,
+        camera=asked.camera,
+        size_px=asked.size_px,
+        edge_px=edge_px,
+        light=Array(halves(found.light, 1.0 / scale)),
+        plane=Array(found.plane),
+        radiance_scale=scale,
+        rays=rays,
+        source=NAME,
     )
 
 

@@ -13,8 +13,7 @@ from light_transport.hour.mirror_light import cubes, texel_radiance
 from light_transport.hour.openness import open_luminance
 from light_transport.layout.probe_places import without_buried
 from light_transport.ray_scene import RayScene
-from light_transport.rays.ray_starts import Probes, scratch
-from light_transport.rays.ray_table import empty_rows, with_rays
+from light_transport.rays.ray_starts import scratch
 from light_transport.rays.sky_nodes import NODES, node_radiances
 from light_transport.surfaces.surfaces import GROUND
 from vrut_lite.geometry.colour import luminance
@@ -55,42 +54,13 @@ def hour_light(scene: RayScene, finished: Finished, hour: Hour) -> HourLight:
     )
 
 
-def irradiance_at(
-    scene: RayScene,
-    finished: Finished,
-    places_m: FloatArray,
-    normals: FloatArray,
-    hour: Hour,
-    rays: int,
-) -> Float32Array:
-    """Irradiance (P, 3), W m^-2, at free points by rays of their own, as `light` has it.
-
-    `places_m` (P, 3) and unit `normals` (P, 3): world axes.
-    """
-    assert scene.patches is not None
-    places = (places_m - scene.surfaces.centre_m) / scene.surfaces.radius_m
-    probes = Probes(places.astype(np.float32), normals.astype(np.float32))
-    first, own = len(scene.texels.pixel), len(scene.receivers.probes.place)
-    columns = scene.patches.column_of
-    nothing = np.full(len(places), NODES + len(scene.patches.area), np.int32)
-    before, after = columns[: NODES + first], columns[NODES + first + own :]
-    rows = with_rays(
-        scene.tree,
-        scene.receivers._replace(probes=probes),
-        empty_rows(first, len(places)),
-        np.concatenate([before, nothing, after]),
-        0,
-        rays,
-    )
-    column_light = _node_light(scene, hour)
+def column_light_of(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
+    """What a ray brings from each column (C, 4): pi L and, of the sky alone, its luminance."""
+    found = _node_light(scene, hour)
     light = np.empty((scene.rows, 4), np.float32)
-    sky_gathered(scene.table, column_light, 0, scene.rows, light)
-    shares = key_shares(scene, finished, hour)
-    _bounce(scene, finished, hour, shares, light, column_light)
-    found = np.empty((len(places), 4), np.float32)
-    sky_gathered(rows, column_light, 0, len(places), found)
-    patches_gathered(rows, column_light, 0, len(places), found)
-    return found[:, :3]
+    scene.over_rows(scene.rows, lambda a, b: sky_gathered(scene.table, found, a, b, light))
+    _bounce(scene, finished, hour, key_shares(scene, finished, hour), light, found)
+    return found
 
 
 def key_shares(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:

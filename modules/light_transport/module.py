@@ -16,6 +16,7 @@ from light_transport.jobs import (
     laid_out,
     laid_probes,
     lit,
+    view_lit,
     with_rays,
 )
 from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
@@ -28,14 +29,17 @@ from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.kernel.messages import Demand, Derived, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
-PROBES, LAYOUT, RAYS, HOUR = "probes", "layout", "rays", "hour"
+PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
 # Charts of more triangles take longer than half a second.
 _MANY_TRIANGLES = 30_000
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
+# A finished still has so many points with rays of their own as the map has texels, times this.
+_POINTS_A_TEXEL = 2.0 / 3.0
 # Of the clear sky; the sum of it and layers has what they leave of these.
 _CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
 _HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
@@ -57,8 +61,11 @@ class LightTransport(Module):
 
     Switched off, it posts a layout of no scene, and the frame is lit by the open sky.
 
-    The ledger counts "probes", "layout", "round" and "hour", and skips: what is unwanted or
-    switched off, an hour that looks like the one before, one that a newer overtook.
+    With a demand for it, it lights each view of a finished still by `ViewLightChanged`.
+
+    The ledger counts "probes", "layout", "round", "hour" and "view", and skips: what is unwanted or
+    switched off, an hour that looks like the one before, one that a newer overtook, a view of a
+    scene with lamps.
     """
 
     # Its settings are no options of commands: `--on` would say nothing.
@@ -94,6 +101,13 @@ class LightTransport(Module):
         """Begin with the first demand for light on surfaces, and end with the last."""
         if message.message == SurfaceLightChanged.__name__:
             self._consider()
+        elif message.message == ViewLightChanged.__name__:
+            self._light_view()
+
+    @handles(StillAsked)
+    def on_still(self, message: StillAsked) -> None:
+        """Another view."""
+        self._light_view()
 
     def settings_changed(self, name: str) -> None:
         """Switch on or off, or begin anew in other sizes."""
@@ -145,7 +159,7 @@ class LightTransport(Module):
 
     def _begin(self) -> None:
         """Drop the present layout and all jobs, and lay out the scene."""
-        for job in (PROBES, LAYOUT, RAYS, HOUR):
+        for job in (PROBES, LAYOUT, RAYS, HOUR, VIEW):
             self.link.cancel_job(job)
         self._planned = self._probes = self._laid = self._round = self._told = None
         self._asked = None
@@ -176,6 +190,10 @@ class LightTransport(Module):
             self._take_layout(result.value)
         elif result.job == RAYS:
             self._take_round(result.value)
+        elif result.job == VIEW:
+            if result.value is not None:
+                self.link.post(result.value)
+                self.ledger.did("view")
         else:
             self._take_hour(result.value)
 
@@ -207,6 +225,7 @@ class LightTransport(Module):
             self._tell(self._laid.message)
         self.link.post(light)
         self.ledger.did("hour")
+        self._light_view()
 
     def _tell(self, laid: LightMapLaid) -> None:
         if laid is not self._told:
@@ -270,6 +289,23 @@ class LightTransport(Module):
         else:
             self._hours_under_way += 1
         self.link.start_job(HOUR, lit, self._round.bake, layout_key, hour)
+
+    def _light_view(self) -> None:
+        """Light the points that a finished still shows, by the last rays, if somebody wants it."""
+        self.link.cancel_job(VIEW)
+        asked, scene = self.link.last(StillAsked), self.link.last(SceneOpened)
+        if asked is None or self.link.wanted(ViewLightChanged) is None:
+            return
+        if self._laid is None or self._round is None or self._asked is None or scene is None:
+            return
+        if self._hours_under_way or self._asked.rays < self._quality.rays:
+            return
+        if scene.lamps is not None:
+            self.ledger.skip("view: lamps light the map by themselves")
+            return
+        key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)
+        bake, hour = self._round.bake, self._asked.hour
+        self.link.start_job(VIEW, view_lit, bake, key, hour, asked, points)
 
     def _present_hour(self) -> HourMessages | None:
         summed = self.link.last(SkyLightChanged)

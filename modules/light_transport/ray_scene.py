@@ -84,7 +84,7 @@ class RayScene:
         groups = groups_of(geometry, sheets_of(surfaces), edge)
         self.colour_of = self.texels.triangle
         self.receivers = Receivers(geometry, self.texels, probes, groups)
-        self.links = links_of(self.texels, surfaces.part[self.texels.triangle])
+        self.links = links_of(self.texels, layout.chart[self.texels.triangle])
         self.seams = seam_links(self.texels, layout.seams)
         self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
         self.table: Rows = empty_rows(0, self.rows)

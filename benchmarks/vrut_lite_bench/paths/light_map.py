@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
 from light_transport.bake import Bake
+from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
 from light_transport.jobs import first_rays
 from light_transport.layout.layout import Layout, lay_out
@@ -148,9 +149,9 @@ def _errors(quick: bool, lit: Lit) -> dict[str, Errors]:
     column, row = texels.pixel[chosen].T
     found = {}
     for light, each in zip(lit.lights, ELEVATIONS_DEG, strict=True):
-        exact = _true_bake(truth).irradiance_at(
-            places_m, texels.normal[chosen].astype(float), _hour(each), truth.point_rays
-        )
+        normals = texels.normal[chosen].astype(float)
+        bake, rays = _true_bake(truth), truth.point_rays
+        exact = light_at(bake, places_m, normals, _hour(each), rays).irradiance_rgb
         found[f"sun {each:g}°"] = sizes_of(np.abs(light[row, column, :3] - exact) / exact.mean())
     return found
 

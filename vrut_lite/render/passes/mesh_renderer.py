@@ -5,7 +5,7 @@ are not used: they draw into framebuffer 0, clamp to 8 bits and know no sky.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +54,13 @@ class View:
     rotation: NDArray[np.float64]
     projection: NDArray[np.float64]
 
+    def shifted(self, shift_px: tuple[float, float], size_px: tuple[int, int]) -> "View":
+        """The view whose picture shows what lies so far to the right and up."""
+        projection = self.projection.copy()
+        for axis in range(2):
+            projection[axis] -= 2.0 * shift_px[axis] / size_px[axis] * projection[3]
+        return replace(self, projection=projection)
+
 
 class _Program(ShaderProgram):
     """A program of our shaders, with pyrender's names defined as GLSL has it."""
@@ -91,6 +98,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         self._terms = SurfaceTermsOnGpu()
         # What cuts the scene's meshes, but neither the ground's disc nor shadows.
         self.section: Section | None = None
+        self._levels_finer = 0.0
 
     def __del__(self) -> None:
         """Do nothing: pyrender would free GL objects from whatever thread collects garbage."""
@@ -105,6 +113,18 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         # Rows of 3-channel textures are packed; GL's default would skew odd widths.
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
         self._update_context(scene.scene, RenderFlags.NONE)
+
+    def read_finer(self, scene: PyrenderScene, levels: float) -> None:
+        """Read maps so many of their levels finer than pixels ask for."""
+        if levels == self._levels_finer:
+            return
+        self._levels_finer = levels
+        for placed in scene.placed:
+            for _, texture in _textures(placed.primitive.material):
+                if texture is not None:
+                    GL.glBindTexture(GL.GL_TEXTURE_2D, texture._texid)
+                    GL.glTexParameterf(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_LOD_BIAS, -levels)
+        GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
 
     def draw(
         self,

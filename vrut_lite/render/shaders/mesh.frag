@@ -191,7 +191,7 @@ vec3 point_in_triangle(vec3 face) {
 //!include surface_light.glsl
 
 // Light of a surface with this normal, and with its normal map's normal.
-Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #if defined(GROUND_LIGHT)
     return ground_light(eye_to_point);
 #elif defined(LIGHT_MAP)
@@ -214,6 +214,21 @@ Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #else
     return probe_light(eye_to_point, n);
 #endif
+}
+
+// The same, finer where points of the view are known.
+Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+    Reached found = light_of_scene(face, smooth_n, n, behind);
+#ifdef VIEW_LIGHT
+    vec4 light;
+    if (light_of_view(point_in_triangle(face), face, light)) {
+#ifdef HAS_NORMAL_TEX
+        light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+#endif
+        found.light = light;
+    }
+#endif
+    return found;
 }
 #endif
 
@@ -404,6 +419,10 @@ vec4 base_color() {
     return base;
 }
 
+#ifdef ILLUMINANCE
+//!include illuminance.glsl
+#endif
+
 #ifdef TERMS
 //!include surface_terms.glsl
 #endif
@@ -435,6 +454,13 @@ void main() {
     cover(alpha_of_map);
 #endif
     if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
+#ifdef ILLUMINANCE
+    vec3 towards_eye = normalize(-eye_to_sample), seen_face = face_normal(towards_eye);
+    bool from_behind;
+    vec3 seen_n = smooth_normal(seen_face, from_behind);
+    frag_radiance = vec4(irradiance_of(seen_face, seen_n, from_behind), 1.0);
+    return;
+#endif
 #ifdef UNLIT
     // As bright as level ground of its colour in the open.
     vec3 on_ground = sky_irradiance(vec3(0.0, 1.0, 0.0)) + sun_irradiance * max(sun_direction.y, 0.0);
