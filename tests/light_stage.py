@@ -8,8 +8,10 @@ from light_messages import light_messages
 from light_transport.module import LightTransport
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.sky import SkyRadianceChanged
+from vrut_lite.daylight.view_light import StillAsked
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import Demand, Input, SetSetting
@@ -68,6 +70,12 @@ class Shine(Input, frozen=True, kw_only=True):
     irradiance: float = 0.0
 
 
+class Look(Input, frozen=True, kw_only=True):
+    """A picture of 24 x 16 pixels is to be finished, seen from here towards the origin."""
+
+    eye_m: tuple[float, float, float]
+
+
 class Player(Module):
     """Posts scenes and skies as tests say."""
 
@@ -88,6 +96,11 @@ class Player(Module):
             )
             scene = msgspec.structs.replace(scene, geometry=geometry, triangles=0)
         self.link.post(scene)
+
+    @handles(Look)
+    def on_look(self, message: Look) -> None:
+        camera = MoveCamera(eye_m=message.eye_m, target_m=(0.0, 1.0, 0.0))
+        self.link.post(StillAsked(camera=camera, size_px=(24, 16)))
 
     @handles(Shine)
     def on_shine(self, message: Shine) -> None:

@@ -21,6 +21,7 @@ from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
 from vrut_lite.daylight.placement import PlacedFile, Placement
 from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.scene_state import Shown
 from vrut_lite.daylight.section import Axis, Side
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.errors import UserError
@@ -35,7 +36,7 @@ Metres = Annotated[float, msgspec.Meta(ge=-1e8, le=1e8)]
 Point = tuple[Metres, Metres, Metres]
 # Of the scene manager, which a project has as fields of its own.
 SCENE_SETTINGS = (
-    "air", "light_shafts", "animation", "animation_time_s",
+    "air", "light_shafts", "shows", "animation", "animation_time_s",
     "section", "section_at", "section_keeps",
 )  # fmt: skip
 _NEAREST_TARGET_M = 1e-6
@@ -114,6 +115,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     haze: Haze | None = None
     air: bool = True
     light_shafts: bool = False
+    shows: Shown = "picture"
     animation: Literal["rest", "time", "clock"] = "rest"
     animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
     section: Axis = "off"

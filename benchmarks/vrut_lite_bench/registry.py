@@ -7,6 +7,7 @@ from vrut_lite_bench.bench_path import Group
 from vrut_lite_bench.paths import (
     air,
     dispatch,
+    first_light,
     frame,
     frame_peers,
     hosek_wilkie,
@@ -29,6 +30,7 @@ KINDS: dict[str, Callable[[bool], list[Group]]] = {
     "tables": tables.groups,
     "air": air.groups,
     "light-map": light_map.groups,
+    "first-light": first_light.groups,
     "dispatch": dispatch.groups,
     "frame": frame.groups,
     "frame-peers": frame_peers.groups,

@@ -1,4 +1,4 @@
-"""The background jobs: a layout, a round of rays, an hour. Plain functions of their arguments.
+"""The background jobs: a layout, rays, an hour, a view. Plain functions of their arguments.
 
 numba is imported where work begins, so that programs without a light map do not wait for it.
 """
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from light_transport.giving_up import GivenUp, GoOn, unless
 from light_transport.messages import NAME
@@ -18,19 +17,23 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import LightMapLaid, Mirrors, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import ground_albedo
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.geometry.encoding import decode_float16, float16_scale
 from vrut_lite.kernel.job import JobControl
-from vrut_lite.numeric_types import Float32Array
 
 if TYPE_CHECKING:
     from light_transport.bake import Bake
     from light_transport.hour.hour import Hour
+    from light_transport.rays.tree import Tree
+    from light_transport.surfaces.surfaces import Surfaces
 
 T = TypeVar("T")
 _MOST_THREADS = 4
 # Of a texel, and of all together.
 _FIRST_RAYS, _RAYS_AT_FIRST = 64, 1_250_000
 _FEWEST_FIRST = 16
+# Of each side of a probe.
+_PROBE_RAYS = 32
 
 
 class Unwritten(Generic[T]):
@@ -53,14 +56,6 @@ class Plan(NamedTuple):
     bounces_left: float
 
 
-class Laid(NamedTuple):
-    """A layout, the rays of its first round, and the bake that begins with it."""
-
-    message: LightMapLaid
-    first_rays: int
-    bake: "Unwritten[Bake]"
-
-
 class Round(NamedTuple):
     """A bake after a round: rays of each texel, texels, memory of the table."""
 
@@ -70,25 +65,89 @@ class Round(NamedTuple):
     bake: "Unwritten[Bake]"
 
 
-def laid_out(scene: SceneOpened, plan: Plan, control: JobControl) -> Laid | None:
-    """Lay out a scene; None if nobody waits for it any more."""
+class Laid(NamedTuple):
+    """A layout, the rays of its first round, and the bake that goes on next."""
+
+    message: LightMapLaid
+    first_rays: int
+    bake: "Unwritten[Bake]"
+
+
+class LaidProbes(NamedTuple):
+    """A layout of probes with all its rays, and what another layout of the scene can go on with.
+
+    There is no round where all probes lie inside bodies.
+    """
+
+    message: LightMapLaid
+    round: Round | None
+    prepared: "Unwritten[Prepared]"
+
+
+class Prepared(NamedTuple):
+    """A scene's triangles and the tree over them."""
+
+    surfaces: "Surfaces"
+    tree: "Tree"
+
+
+def laid_probes(scene: SceneOpened, control: JobControl) -> LaidProbes | None:
+    """A first light for a scene that takes long to lay out; None if nobody waits for it."""
     try:
-        return _laid_out(scene, plan, unless(control.cancelled))
+        return _laid_probes(scene, unless(control.cancelled))
     except GivenUp:
         return None
 
 
-def _laid_out(scene: SceneOpened, plan: Plan, go_on: GoOn) -> Laid:
+def _laid_probes(scene: SceneOpened, go_on: GoOn) -> LaidProbes:
     from light_transport.bake import Bake
-    from light_transport.layout.layout import lay_out
-    from light_transport.rays.mirror_parts import mirror_parts
+    from light_transport.layout.layout import lay_out_probes
+    from light_transport.ray_scene import tree_of
     from light_transport.surfaces.surfaces import surfaces_of
 
     surfaces = surfaces_of(scene)
     go_on()
-    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, go_on)
+    prepared = Prepared(surfaces, tree_of(surfaces))
     go_on()
-    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left)
+    layout = lay_out_probes(scene, surfaces)
+    bake = Bake(surfaces, layout, 1, tree=prepared.tree)
+    bake.lamps = scene.lamps
+    go_on()
+    bake.threads = _all_threads()
+    bake.add_rays(_PROBE_RAYS)
+    bake.threads = 1
+    probes = slice(len(bake.texels.pixel), len(bake.orientation))
+    done = _round(bake) if bake.good[probes].any() else None
+    return LaidProbes(layout.message, done, Unwritten(prepared))
+
+
+def laid_out(
+    scene: SceneOpened, plan: Plan, prepared: "Unwritten[Prepared] | None", control: JobControl
+) -> Laid | None:
+    """Lay out a scene; None if nobody waits for it any more."""
+    try:
+        return _laid_out(
+            scene, plan, None if prepared is None else prepared.value, unless(control.cancelled)
+        )
+    except GivenUp:
+        return None
+
+
+def _laid_out(scene: SceneOpened, plan: Plan, prepared: Prepared | None, go_on: GoOn) -> Laid:
+    from light_transport.bake import Bake
+    from light_transport.layout.layout import lay_out
+    from light_transport.ray_scene import tree_of
+    from light_transport.rays.mirror_parts import mirror_parts
+    from light_transport.surfaces.surfaces import surfaces_of
+
+    if prepared is None:
+        surfaces = surfaces_of(scene)
+        prepared = Prepared(surfaces, tree_of(surfaces))
+    surfaces, tree = prepared
+    go_on()
+    layout = lay_out(scene, surfaces, plan.texel_m, plan.texels, _all_threads(), go_on)
+    go_on()
+    bake = Bake(surfaces, layout, 1, plan.patch_texels, plan.bounces_left, tree)
     bake.threads = _all_threads()
     bake.lamps = scene.lamps
     bake.add_mirrors(mirror_parts(scene, surfaces), go_on)
@@ -129,8 +188,11 @@ def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round
         return None
     # Hours follow each other while time plays: they leave the other cores to the frame.
     grown.threads = 1
-    texels = len(grown.texels.pixel)
-    return Round(grown.rays, texels, grown.memory_bytes, Unwritten(grown))
+    return _round(grown)
+
+
+def _round(bake: "Bake") -> Round:
+    return Round(bake.rays, len(bake.texels.pixel), bake.memory_bytes, Unwritten(bake))
 
 
 def _all_threads() -> int:
@@ -139,11 +201,13 @@ def _all_threads() -> int:
 
 def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> SurfaceLightChanged:
     """The light of an hour, by the rays that there are."""
+    from light_transport.halves import halves, largest
+
     light = bake.value.light(hour_of(messages))
     arrays = {"texels": light.texels, "probes": light.probes, "mirrors": light.mirrors}
     known = {name: array for name, array in arrays.items() if array is not None}
-    scale = float16_scale(max(float(array[..., :3].max()) for array in known.values()))
-    encoded = {name: Array(_encoded(array, scale)) for name, array in known.items()}
+    scale = float16_scale(max(map(largest, known.values())))
+    encoded = {name: Array(halves(array, 1.0 / scale)) for name, array in known.items()}
     return SurfaceLightChanged(
         layout_key=layout_key,
         texels=encoded["texels"],
@@ -153,6 +217,42 @@ def lit(bake: "Unwritten[Bake]", layout_key: str, messages: HourMessages) -> Sur
         source=NAME,
         mirrors=encoded.get("mirrors"),
         visible_sky=light.visible_sky,
+    )
+
+
+def view_lit(
+    bake: "Unwritten[Bake]",
+    layout_key: str,
+    messages: HourMessages,
+    asked: StillAsked,
+    points: int,
+    control: JobControl,
+) -> ViewLightChanged | None:
+    """The light of an hour on what a picture shows, at about so many points of it.
+
+    None if nobody waits for it any more.
+    """
+    from light_transport.halves import halves, largest
+    from light_transport.hour.view_light import edge_for, view_light
+
+    edge_px = edge_for(asked.size_px, points)
+    hour, rays, go_on = hour_of(messages), bake.value.rays, unless(control.cancelled)
+    view = asked.camera, asked.size_px, edge_px
+    try:
+        found = view_light(bake.value, hour, *view, rays, _all_threads(), go_on)
+    except GivenUp:
+        return None
+    scale = float16_scale(largest(found.light))
+    return ViewLightChanged(
+        layout_key=layout_key,
+        camera=asked.camera,
+        size_px=asked.size_px,
+        edge_px=edge_px,
+        light=Array(halves(found.light, 1.0 / scale)),
+        plane=Array(found.plane),
+        radiance_scale=scale,
+        rays=rays,
+        source=NAME,
     )
 
 
@@ -169,8 +269,3 @@ def hour_of(messages: HourMessages) -> "Hour":
         key_irradiance_rgb=key_light.irradiance_rgb,
         open_sky=np.asarray(ambient.irradiance_sh_rgb.values, np.float64),
     )
-
-
-def _encoded(light: Float32Array, scale: float) -> NDArray[np.float16]:
-    """Irradiance over the scale, and the share of the open sky's as it is."""
-    return (light * np.array([1.0 / scale] * 3 + [1.0], np.float32)).astype(np.float16)

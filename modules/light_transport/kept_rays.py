@@ -47,7 +47,8 @@ def _code_digest() -> str:
     """Of the files that decide where rays begin and end, and which patches they end on."""
     digest = hashlib.blake2b(digest_size=16)
     package = Path(__file__).parent
-    for pattern in ("bake.py", "surfaces/*.py", "layout/*.py", "rays/*.py"):
+    packages = ("surfaces/*.py", "layout/*.py", "rays/*.py")
+    for pattern in ("bake.py", "ray_scene.py", "row_numbers.py", *packages):
         for path in sorted(package.glob(pattern)):
             digest.update(path.read_bytes())
     return digest.hexdigest()

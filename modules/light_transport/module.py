@@ -2,28 +2,44 @@
 
 It listens to the opened scene and its light. It works only while a module demands
 `SurfaceLightChanged`. A scene is laid out and baked in background jobs, in rounds of rays that
-double; each hour is a job of its own, beside the rounds, by the rays that are there.
+double; each hour is a job of its own, beside the rounds, by the rays that are there. What takes
+long to lay out is lit by probes until the first rays of its map are there.
 """
 
 from typing import NamedTuple
 
-from light_transport.jobs import Laid, Plan, Round, laid_out, lit, with_rays
+from light_transport.jobs import (
+    Laid,
+    LaidProbes,
+    Plan,
+    Round,
+    laid_out,
+    laid_probes,
+    lit,
+    view_lit,
+    with_rays,
+)
 from light_transport.messages import NAME, BakeGrown, HourOutdated, no_light_map
 from light_transport.settings import LightTransportSettings
 from light_transport.tolerance import Quality, quality_for
 from light_transport.unseen_hours import HourMessages, looks_like
-from vrut_lite.daylight.light_map import SLOT, SurfaceLightChanged
+from vrut_lite.daylight.light_map import SLOT, LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.kernel.messages import Demand, Derived, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
-LAYOUT, RAYS, HOUR = "layout", "rays", "hour"
+PROBES, LAYOUT, RAYS, HOUR, VIEW = "probes", "layout", "rays", "hour", "view"
+# Charts of more triangles take longer than half a second.
+_MANY_TRIANGLES = 30_000
 # Edge of the sky's cube to ask for: its texels are finer than the nodes of the table.
 SKY_SIZE = 64
+# A finished still has so many points with rays of their own as the map has texels, times this.
+_POINTS_A_TEXEL = 2.0 / 3.0
 # Of the clear sky; the sum of it and layers has what they leave of these.
 _CLEAR_LIGHT: tuple[type[Derived], ...] = (SkyRadianceChanged, KeyLightChanged, AmbientChanged)
 _HEARD: tuple[type[Derived], ...] = (*_CLEAR_LIGHT, SkyLightChanged)
@@ -33,16 +49,23 @@ class _Asked(NamedTuple):
     """The sources of the present light, and of light under way."""
 
     hour: HourMessages
+    layout_key: str
     rays: int
 
 
 class LightTransport(Module):
     """Posts `LightMapLaid` once a scene and `SurfaceLightChanged` after each round and hour.
 
+    A scene of many triangles has two layouts: one of probes alone, and its map's, which is told
+    with the map's first light.
+
     Switched off, it posts a layout of no scene, and the frame is lit by the open sky.
 
-    The ledger counts "layout", "round" and "hour", and skips: what is unwanted or switched off, an
-    hour that looks like the one before, one that a newer overtook, rays that were kept on disk.
+    With a demand for it, it lights each view of a finished still by `ViewLightChanged`.
+
+    The ledger counts "probes", "layout", "round", "hour" and "view", and skips: what is unwanted or
+    switched off, an hour that looks like the one before, one that a newer overtook, a view of a
+    scene with lamps.
     """
 
     # Its settings are no options of commands: `--on` would say nothing.
@@ -63,8 +86,11 @@ class LightTransport(Module):
         self._works = False
         # The inputs of the layout, and its result.
         self._planned: Plan | None = None
+        self._probes: LaidProbes | None = None
         self._laid: Laid | None = None
         self._round: Round | None = None
+        # The layout that was posted last.
+        self._told: LightMapLaid | None = None
         self._asked: _Asked | None = None
         self._hours_under_way = 0
 
@@ -75,6 +101,13 @@ class LightTransport(Module):
         """Begin with the first demand for light on surfaces, and end with the last."""
         if message.message == SurfaceLightChanged.__name__:
             self._consider()
+        elif message.message == ViewLightChanged.__name__:
+            self._light_view()
+
+    @handles(StillAsked)
+    def on_still(self, message: StillAsked) -> None:
+        """Another view."""
+        self._light_view()
 
     def settings_changed(self, name: str) -> None:
         """Switch on or off, or begin anew in other sizes."""
@@ -101,7 +134,7 @@ class LightTransport(Module):
         for kind in _HEARD:
             size = SKY_SIZE if kind is SkyRadianceChanged else None
             self.link.demand(kind, size if works else 0)
-        if not works and self._laid is not None:
+        if not works and self._told is not None:
             self.link.post(no_light_map())
         self._begin()
 
@@ -126,9 +159,10 @@ class LightTransport(Module):
 
     def _begin(self) -> None:
         """Drop the present layout and all jobs, and lay out the scene."""
-        for job in (LAYOUT, RAYS, HOUR):
+        for job in (PROBES, LAYOUT, RAYS, HOUR, VIEW):
             self.link.cancel_job(job)
-        self._planned = self._laid = self._round = self._asked = None
+        self._planned = self._probes = self._laid = self._round = self._told = None
+        self._asked = None
         self._hours_under_way = 0
         scene = self.link.last(SceneOpened)
         if not self._works:
@@ -137,7 +171,10 @@ class LightTransport(Module):
             self.ledger.skip("light map: a scene without surfaces")
         elif scene is not None:
             self._planned = self._plan
-            self.link.start_job(LAYOUT, laid_out, scene, self._planned)
+            if scene.triangles > _MANY_TRIANGLES:
+                self.link.start_job(PROBES, laid_probes, scene)
+            else:
+                self.link.start_job(LAYOUT, laid_out, scene, self._planned, None)
 
     @handles(JobResult)
     def job_done(self, result: JobResult) -> None:
@@ -147,21 +184,53 @@ class LightTransport(Module):
         if result.error:
             if result.job == HOUR:
                 self._asked = None
+        elif result.job == PROBES:
+            self._take_probes(result.value)
         elif result.job == LAYOUT:
             self._take_layout(result.value)
         elif result.job == RAYS:
             self._take_round(result.value)
+        elif result.job == VIEW:
+            if result.value is not None:
+                self.link.post(result.value)
+                self.ledger.did("view")
         else:
-            self.link.post(result.value)
-            self.ledger.did("hour")
+            self._take_hour(result.value)
+
+    def _take_probes(self, probes: LaidProbes) -> None:
+        scene = self.link.last(SceneOpened)
+        if probes.round is None:
+            self.ledger.skip("probes: all lie inside bodies")
+        else:
+            self._probes, self._round = probes, probes.round
+            self._tell(probes.message)
+            self.ledger.did("probes")
+            self._light()
+        self.link.start_job(LAYOUT, laid_out, scene, self._planned, probes.prepared)
 
     def _take_layout(self, laid: Laid) -> None:
-        self._laid = laid
-        self.link.post(laid.message)
+        self._laid, self._round = laid, None
+        if self._probes is None:
+            self._tell(laid.message)
+        # It holds the whole scene.
+        self._probes = None
         self.ledger.did("layout")
         if laid.message.mirrors is None:
             self.ledger.skip("mirrors: nothing in the scene is glossy")
         self._next_round()
+
+    def _take_hour(self, light: SurfaceLightChanged) -> None:
+        # The light of probes stands until that of the map is there.
+        if self._laid is not None and light.layout_key == self._laid.message.layout_key:
+            self._tell(self._laid.message)
+        self.link.post(light)
+        self.ledger.did("hour")
+        self._light_view()
+
+    def _tell(self, laid: LightMapLaid) -> None:
+        if laid is not self._told:
+            self._told = laid
+            self.link.post(laid)
 
     def _next_round(self) -> None:
         """Trace as many rays as there are, until there are enough."""
@@ -170,12 +239,11 @@ class LightTransport(Module):
         rays = self._round.rays if self._round is not None else 0
         count = min(rays or self._laid.first_rays, self._quality.rays - rays)
         if count > 0:
-            bake = self._laid.bake if self._round is None else self._round.bake
-            self.link.start_job(RAYS, with_rays, bake, count)
+            self.link.start_job(RAYS, with_rays, self._laid.bake, count)
 
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None
-        self._round = done
+        self._round, self._laid = done, self._laid._replace(bake=done.bake)
         self.ledger.did("round")
         self.link.post(
             BakeGrown(
@@ -206,20 +274,38 @@ class LightTransport(Module):
         self._light()
 
     def _light(self) -> None:
-        hour = self._present_hour()
-        if self._laid is None or self._round is None or hour is None:
+        hour, laid = self._present_hour(), self._laid or self._probes
+        if laid is None or self._round is None or hour is None:
             return
-        if self._asked is not None and self._round.rays == self._asked.rays:
+        layout_key = laid.message.layout_key
+        if self._asked is not None and self._asked[1:] == (layout_key, self._round.rays):
             quality = self._quality
             if looks_like(hour, self._asked.hour, quality.hour_change, quality.sun_rad):
                 self.ledger.skip("hour: it looks like the one before")
                 return
-        self._asked = _Asked(hour, self._round.rays)
+        self._asked = _Asked(hour, layout_key, self._round.rays)
         if self._hours_under_way == 2:
             self.ledger.skip("hour: a newer one overtook it")
         else:
             self._hours_under_way += 1
-        self.link.start_job(HOUR, lit, self._round.bake, self._laid.message.layout_key, hour)
+        self.link.start_job(HOUR, lit, self._round.bake, layout_key, hour)
+
+    def _light_view(self) -> None:
+        """Light the points that a finished still shows, by the last rays, if somebody wants it."""
+        self.link.cancel_job(VIEW)
+        asked, scene = self.link.last(StillAsked), self.link.last(SceneOpened)
+        if asked is None or self.link.wanted(ViewLightChanged) is None:
+            return
+        if self._laid is None or self._round is None or self._asked is None or scene is None:
+            return
+        if self._hours_under_way or self._asked.rays < self._quality.rays:
+            return
+        if scene.lamps is not None:
+            self.ledger.skip("view: lamps light the map by themselves")
+            return
+        key, points = self._laid.message.layout_key, int(_POINTS_A_TEXEL * self._quality.texels)
+        bake, hour = self._round.bake, self._asked.hour
+        self.link.start_job(VIEW, view_lit, bake, key, hour, asked, points)
 
     def _present_hour(self) -> HourMessages | None:
         summed = self.link.last(SkyLightChanged)

@@ -15,7 +15,6 @@ from light_transport.false_colours import (
     density_picture,
     error_picture,
     light_picture,
-    scale_pixels,
 )
 from light_transport.messages import NAME, BakeGrown, HourOutdated
 from light_transport.module import HOUR, LAYOUT, RAYS
@@ -26,6 +25,7 @@ from vrut_lite.app.fitted_picture import FittedPicture
 from vrut_lite.app.widgets import faint_label, panel_column, rgb_image
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.geometry.false_colours import scale_pixels
 
 _NOTHING = "No light map: the scene is lit by the open sky."
 _LIGHT, _SIZE, _ERROR = "Light", "Texel size", "Error"

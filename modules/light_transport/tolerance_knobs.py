@@ -7,6 +7,7 @@ with paint of reflectance 0.1 to 0.8, an even sky above a grey ground, and a sun
 a tenth of the mean: where walls meet and things stand, a texel is for both sides.
 """
 
+import os
 from functools import lru_cache
 from math import log
 from typing import Any, NamedTuple
@@ -38,6 +39,7 @@ BOUNCES = (10, 30, 100, 300, 1000)
 _SIZE, _RAYS, _PATCH = 20_000, 128, 6.0
 _TRUE_SIZE, _TRUE_RAYS, _TRUE_PATCH = 160_000, 256, 3.0
 _TIMED_SIZE, _TIMED_RAYS = 5000, 16
+_THREADS = os.cpu_count() or 1
 _PLACES, _MOST_PLACES = 4000, 0.95
 _WALL_M, _BEFORE_M = 0.3, 0.02
 _SEEDS = (1, 2)
@@ -198,7 +200,7 @@ def _laid(room: Room, texels: int) -> _Laid:
 
 
 def _baked(laid: _Laid, rays: int, patch_texels: float, left: float = 1e-4) -> Bake:
-    bake = Bake(*laid, patch_texels=patch_texels, bounces_left=left)
+    bake = Bake(*laid, threads=_THREADS, patch_texels=patch_texels, bounces_left=left)
     bake.add_rays(rays)
     return bake
 

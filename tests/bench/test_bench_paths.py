@@ -3,12 +3,15 @@
 import msgspec
 import numpy as np
 import pytest
+from light_transport.module import LightTransport
+from light_transport.settings import LightTransportSettings
 from vrut_lite_bench import sky_truth
 from vrut_lite_bench.bench_path import BenchPath, Errors
 from vrut_lite_bench.gl import close_gl
 from vrut_lite_bench.paths import (
     air,
     dispatch,
+    first_light,
     frame,
     hosek_wilkie,
     light_map,
@@ -164,3 +167,13 @@ def test_frame() -> None:
     path = path_of(frame.groups(True), "sky, 320 x 200")
     spent = path.clock.time(path.prepare())
     assert 0.0 < spent.seconds < 2 * spent.wall_s + 1.0
+
+
+def test_first_light(monkeypatch) -> None:
+    """It comes after its scene, in less CPU time than all rays take."""
+    # Tests elsewhere switch it off.
+    monkeypatch.setattr(LightTransport, "settings_type", LightTransportSettings)
+    clock = path_of(first_light.groups(True), "work/indoor.glb").clock
+    spent = clock.time(lambda: None)
+    assert 0.0 < spent.seconds < 60.0
+    assert spent.wall_s > 0.0

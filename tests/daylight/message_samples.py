@@ -39,6 +39,7 @@ from vrut_lite.daylight.sky import (
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ChooseSlot,
@@ -117,6 +118,11 @@ SURFACE_LIGHT = SurfaceLightChanged(
     mirrors=Array(np.ones((1, 6, 4, 4, 4), np.float16)),
     visible_sky=Array(np.zeros((6, 8, 4), np.float16)),
 )  # fmt: skip
+VIEW_LIGHT = ViewLightChanged(
+    layout_key="l", camera=MoveCamera(eye_m=(0.0, 1.0, 2.0), target_m=(0.0, 1.0, 0.0)),
+    size_px=(16, 9), edge_px=2, light=Array(np.ones((5, 8, 4), np.float16)),
+    plane=Array(np.ones((5, 8, 4), np.float32)), radiance_scale=2.0, rays=64, source="s",
+)  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 SOUND = [
     SetSetting(module="m", name="n", value=1.0),
@@ -171,6 +177,8 @@ SOUND = [
     GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
     LAID,
     SURFACE_LIGHT,
+    StillAsked(camera=VIEW_LIGHT.camera, size_px=(16, 9)),
+    VIEW_LIGHT,
     SkyLightChanged(
         background=BackgroundChanged(
             cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"

@@ -46,6 +46,7 @@ def quads(*corners, texels=8, reflectance=0.5, emitted=0.0, opacity=1.0, double_
         message=SimpleNamespace(ground=None, probes=None),
         uv_px=np.array(uv, np.float32),
         owner=owner,
+        chart=surfaces.part,
         seams=np.empty((0, 2), np.int32),
     )
     return surfaces, layout

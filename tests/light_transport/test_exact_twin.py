@@ -5,6 +5,7 @@ from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
 from light_transport.hour.key_light import patch_means
 from light_transport.hour.smoothing import STEPS
+from light_transport.lighting import key_shares
 from light_transport.rays.ray_table import columns_and_rays
 from light_transport.rays.sky_nodes import NODES, node_radiances
 
@@ -37,7 +38,7 @@ def plain_hour(bake, now, key_share):
 
 
 def smoothed(bake, e):
-    smoothing = bake._finish().smoothing
+    smoothing = bake.finished.smoothing
     w = smoothing.weights.astype(float)
     for _ in range(STEPS):
         e = e + np.einsum("nk,nkc->nc", w, e[smoothing.links] - e[:, None])
@@ -52,11 +53,11 @@ def test_kernels_agree_with_matrices_in_double_precision():
     bake = Bake(*scene)
     bake.add_rays(96)
     now = hour(2.0, irradiance=30.0, key=(0.4, 0.8, 0.1))
-    finished = bake._finish()
-    rays, share = finished.key_shadows.rays, bake._key_shares(now, finished)
+    finished = bake.finished
+    rays, share = finished.key_shadows.rays, key_shares(bake, finished, now)
     expected = smoothed(bake, plain_hour(bake, now, patch_means(bake.patches, rays, share)))
     column, row = bake.texels.pixel.T
-    good = bake._finish().good[: len(column)]
+    good = bake.finished.good[: len(column)]
     found = bake.light(now).texels[row, column, :3]
     np.testing.assert_allclose(found[good], expected[good], rtol=2e-3)
     assert len(bake.patches.area) < 192
@@ -72,7 +73,7 @@ def test_a_sample_of_many_partners_stands_for_all():
     room[0].emitted_rgb[:2] = 5.0
     bake = Bake(*room, patch_texels=1.0)
     bake.add_rays(768)
-    exchange = bake._finish().exchange
+    exchange = bake.finished.exchange
     assert np.median(np.diff(bake.table.start)) > 200
     assert np.diff(exchange.start).max() <= 192
     kept = np.add.reduceat(exchange.share, exchange.start[:-1])

@@ -4,6 +4,7 @@ import numpy as np
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
 from light_transport.hour.key_lattice import FARTHEST, direction_of, directions_around
+from light_transport.lighting import key_shares
 
 
 def test_any_direction_lies_between_three_fixed_ones_near_it():
@@ -77,8 +78,8 @@ def test_grazing_light_is_not_lost_at_the_surface_itself():
     for x, y in ((0.02, 0.5), (0.5, 0.02)):
         now = hour(key=(x, y, 0.3), irradiance=1.0)
         direction = np.asarray(now.key_direction)
-        share = bake._key_shares(now, bake._finish())
-        asked = bake._finish().key_shadows.rays.ray < 8
+        share = key_shares(bake, bake.finished, now)
+        asked = bake.finished.key_shadows.rays.ray < 8
         cosine = bake.receivers.geometry.faces[bake.texels.triangle] @ direction
         facing = asked & (cosine > 0.0)
         # The wall hides some of the floor.

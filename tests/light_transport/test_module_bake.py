@@ -17,12 +17,13 @@ from light_stage import (
     lights,
     of_kind,
 )
+from light_transport import module
 from light_transport.layout import part_shapes
 from light_transport.layout.mesh_shapes import charts_of, stretched
 from light_transport.messages import BakeGrown
 from light_transport.tolerance import quality_for
 
-from vrut_lite.daylight.light_map import SurfaceLightChanged
+from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.kernel.messages import EnableModule, RestartModule, SetSetting
 
@@ -36,6 +37,12 @@ def stage(tmp_path):
     yield stage
     stage.kernel.close()
     assert stage.kernel.last_fault("light_transport") is None
+
+
+@pytest.fixture
+def two(tmp_path):
+    """Two boxes with air between."""
+    return Show(path=str(box_file(tmp_path, "two.obj", boxes=((0.0, 2.0), (5.0, 1.0)))))
 
 
 @pytest.fixture
@@ -97,6 +104,60 @@ def test_glossy_things_have_cubes_in_layout_and_light(stage, tmp_path):
     assert ((laid.mirrors.nearness.values > 0.0) == met).all()
     assert 0.2 < met.mean() < 0.55
     assert (cubes[met][:, :3] == 0.0).all()
+
+
+def test_what_takes_long_to_lay_out_is_lit_by_probes_first(stage, two, monkeypatch):
+    """First light needs no charts. The map replaces it with light of its own, at one stroke."""
+    monkeypatch.setattr(module, "_MANY_TRIANGLES", 0)
+    told = [LightMapLaid, SurfaceLightChanged]
+    said = [m for m in stage.tell(NOON, WANT, two) if type(m) in told]
+    assert [type(m) for m in said[:4]] == told * 2
+    probes, first, laid, light = said[:4]
+    assert not len(probes.shapes.values)
+    assert (probes.part_shape.values == NOT_MAPPED).all()
+    assert len(laid.shapes.values)
+    assert first.fits(probes)
+    assert light.fits(laid)
+    for message in (probes, first):
+        message.check()
+        message.check_arrays()
+    top = first.probes.values[..., 2, 3].astype(float)
+    assert top[:, -1].max() > 0.95
+    assert stage.ledger.done["probes"] == stage.ledger.done["layout"] == 1
+
+
+def test_probes_that_all_lie_inside_a_body_light_nothing(stage, scene, monkeypatch):
+    """One box fills its bounds: it waits for its map."""
+    monkeypatch.setattr(module, "_MANY_TRIANGLES", 0)
+    assert len(layouts(stage.tell(NOON, WANT, scene))) == 1
+    assert stage.ledger.skipped["probes: all lie inside bodies"] == 1
+
+
+def test_an_hour_between_probes_and_map_lights_the_probes(stage, two, monkeypatch):
+    """The layout takes seconds: time plays on meanwhile."""
+    monkeypatch.setattr(module, "_MANY_TRIANGLES", 0)
+    went_on, may_go_on = threading.Event(), threading.Event()
+
+    def waiting(mesh, stretch):
+        went_on.set()
+        assert may_go_on.wait(60.0)
+        return stretched(mesh, stretch)
+
+    monkeypatch.setattr(part_shapes, "stretched", waiting)
+    stage.tell(WANT, NOON)
+    stage.said.clear()
+    stage.kernel.inject(two)
+    while not went_on.is_set() or not lights(stage.said):
+        stage.kernel.pump()
+    stage.kernel.inject(Shine(radiance=2.0))
+    while len(lights(stage.said)) < 2:
+        stage.kernel.pump()
+    may_go_on.set()
+    stage.kernel.pump_until_idle()
+    (probes, laid), light = layouts(stage.said), lights(stage.said)
+    assert light[0].fits(probes)
+    assert light[1].fits(probes)
+    assert light[-1].fits(laid)
 
 
 def test_an_hour_lights_the_same_map(stage, scene):

@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 from dynamic_skylight.module import DynamicSkyLight
 from light_stage import box_file, lights
+from light_transport import module as light_transport
 from light_transport.messages import NAME
 from light_transport.module import LightTransport
 from long_parameters import mostly_long
@@ -64,6 +65,21 @@ def test_a_session_with_scene_and_hours_replays(tmp_path):
     assert Replay(journal, MODULES).run().difference is None
     for path in (tmp_path / "cache").rglob("*.arrays"):
         path.unlink()
+    outcome = Replay(journal, MODULES).run()
+    assert outcome.difference is None
+    assert not outcome.by_value
+
+
+def test_a_scene_of_many_triangles_replays(tmp_path, monkeypatch):
+    """Its first light by probes, then its map."""
+    monkeypatch.setattr(light_transport, "_MANY_TRIANGLES", 0)
+
+    def play(kernel):
+        two = box_file(tmp_path, boxes=((0.0, 2.0), (5.0, 1.0)))
+        kernel.inject(LoadScene(path=str(two)))
+
+    journal, said = recorded(tmp_path, play)
+    assert len({light.layout_key for light in lights(said)}) == 2
     outcome = Replay(journal, MODULES).run()
     assert outcome.difference is None
     assert not outcome.by_value

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from light_transport.bake import Bake
+from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
 from light_transport.layout.layout import lay_out
 from light_transport.surfaces.surfaces import Surfaces, surfaces_of
@@ -121,7 +122,7 @@ class Baked:
     def at_points(self, places_m: FloatArray, hour: Hour, effort: Effort) -> Compared:
         """Upwards at points: by rays of their own, which end on the light map's patches."""
         up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
-        ours = self._bake.irradiance_at(places_m, up, hour, effort.rays)
+        ours = light_at(self._bake, places_m, up, hour, effort.rays).irradiance_rgb
         return self._compared(ours, places_m, up, hour, effort)
 
     def on_texels(self, grid: Grid, count: int, hour: Hour, effort: Effort) -> Compared:

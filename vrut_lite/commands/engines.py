@@ -58,6 +58,8 @@ def with_engine(project: Project, options: dict[str, Any]) -> tuple[Project, str
             able = " or ".join(f"--engine {name}" for name, _ in _engines()) or "other engines"
             raise UserError(f"--spp is for {able}: OpenGL takes no samples")
         return project, engine
+    if project.shows != "picture":
+        raise UserError(f"--show is for OpenGL: {engine} draws no false colours")
     name = _module_of(engine).manifest.name
     settings = {module: dict(values) for module, values in project.settings.items()}
     if samples is not None:

@@ -1,6 +1,6 @@
 """`vrut-lite render`: a picture of a scene under the daylight of a place and an hour."""
 
-from typing import Any
+from typing import Any, get_args
 
 import click
 import msgspec
@@ -13,6 +13,7 @@ from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.commands.scene_pictures import ScenePlan
 from vrut_lite.commands.time_span import span_options, wanted_pictures
 from vrut_lite.commands.workers import worker_options, workers_of
+from vrut_lite.daylight.scene_state import Shown
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.image_files import check_all_writable, picture_format
 from vrut_lite.plain_numbers import plain_float, plain_int
@@ -66,6 +67,13 @@ FORMATS = (".png", ".jpg", ".exr")
     default=None,
     help="Let the scene's shadows show in the air. Default: no.",
 )
+@click.option(
+    "--show",
+    "shows",
+    type=click.Choice(get_args(Shown)[1:]),
+    help="Instead of the picture, in false colours with a legend: lux on surfaces, the edge of "
+    "the light map's texels, or the noise that its rays leave. EXR holds the values.",
+)
 @engine_options
 @bits_option
 @span_options
@@ -106,7 +114,8 @@ def _with_view(project: Project, options: dict[str, Any]) -> Project:
     if options["size"] is not None:
         project = msgspec.structs.replace(project, size=_size(options["size"]))
     camera = _camera(project.camera, options)
-    seen = {name: options[name] for name in ("air", "light_shafts") if options[name] is not None}
+    of_view = ("air", "light_shafts", "shows")
+    seen = {name: options[name] for name in of_view if options[name] is not None}
     project = msgspec.structs.replace(project, camera=camera, **seen)
     exposure = msgspec.structs.asdict(project.exposure)
     if options["exposure"] is not None:

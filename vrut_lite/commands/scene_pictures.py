@@ -5,6 +5,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.commands.engines import GL, EngineHost
@@ -13,7 +14,8 @@ from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import busy_with
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
-from vrut_lite.kernel.messages import SetClock
+from vrut_lite.daylight.view_light import ViewLightChanged
+from vrut_lite.kernel.messages import Demand, SetClock
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import Metadata, write_exr, write_jpeg, write_png
 from vrut_lite.pictures.picture import Picture
@@ -69,6 +71,8 @@ class SceneStudio:
 
     def shoot(self, instant: datetime) -> "SceneShot":
         """The scene's picture at an instant."""
+        # Of this hour alone: a light that no picture shows would cost seconds.
+        self._host.inject(_finer_light(wanted=False))
         if instant != self._hour:
             # Small moves are skipped as invisible, so that the sun moves far away first.
             for hour in (other_side(instant), instant):
@@ -77,6 +81,7 @@ class SceneStudio:
             self._hour = instant
         require_sun(self._host.kernel)
         require_sky(self._host.kernel)
+        self._host.inject(_finer_light(wanted=True))
         picture = self._host.draw()
         project = at_instant(self._plan.project, instant)
         metadata = {
@@ -93,6 +98,12 @@ class SceneStudio:
     def close(self) -> None:
         """Free the GPU."""
         self._host.close()
+
+
+def _finer_light(wanted: bool) -> Demand:
+    """A demand for light on what a finished still shows, or its end."""
+    size = None if wanted else 0
+    return Demand(consumer="still", message=ViewLightChanged.__name__, size=size)
 
 
 @dataclass(frozen=True)
@@ -128,4 +139,6 @@ class SceneShot:
         wish = self.plan.project.exposure
         matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
         picture = self.picture
+        if picture.values is not None:
+            return picture.display.astype(np.uint16) * 257
         return display_picture(picture.radiance, picture.ev100, wish.tone_map, matrix, bits=16)

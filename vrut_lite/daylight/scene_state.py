@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -17,9 +17,11 @@ from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianc
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.numeric_types import Vector
 
+Shown = Literal["picture", "illuminance", "texels", "noise"]
 _UP = np.array([0.0, 1.0, 0.0])
 # Below this irradiance (W m^-2) the quotient of ground radiance and irradiance is rounding.
 _DARKEST_IRRADIANCE = 1e-12
@@ -66,6 +68,9 @@ class SceneState:
         section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None without one.
         surface_light: of that light map; None before the first, while the open sky lights surfaces.
+        view_light: of that light and some camera; None without one, or before the first.
+        coarser_light: of the same hour, by fewer rays; None where none is known.
+        shows: the picture, or values of surfaces in false colours.
         tolerance: share by which radiance may be off.
     """
 
@@ -85,6 +90,9 @@ class SceneState:
     section: Section | None = None
     light_map: LightMapLaid | None = None
     surface_light: SurfaceLightChanged | None = None
+    view_light: ViewLightChanged | None = None
+    coarser_light: SurfaceLightChanged | None = None
+    shows: Shown = "picture"
     tolerance: float = DEFAULT_TOLERANCE
     skips: FrameSkips = field(default_factory=FrameSkips)
 
@@ -101,6 +109,14 @@ class SceneState:
         return self.scene.camera or frame_bounds(
             self.scene.lower_m, self.scene.upper_m, self.aspect
         )
+
+    @property
+    def light_of_view(self) -> ViewLightChanged | None:
+        """The light of this very view, where it is known."""
+        known = self.view_light
+        if known is None or (known.camera, known.size_px) != (self.camera, self.size_px):
+            return None
+        return known
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -134,7 +150,12 @@ class SceneState:
             light_map = None
         if surface_light is not None and (light_map is None or not surface_light.fits(light_map)):
             surface_light = None
-        return replace(self, light_map=light_map, surface_light=surface_light)
+        # Other light leaves that of a view outdated.
+        same = surface_light is not None and surface_light is self.surface_light
+        view_light = self.view_light if same else None
+        return replace(
+            self, light_map=light_map, surface_light=surface_light, view_light=view_light
+        )
 
     def _is_of_scene(self, light_map: LightMapLaid) -> bool:
         if self.scene is None or light_map.content_key != self.scene.content_key:

@@ -20,6 +20,7 @@ from vrut_lite.daylight.sky import (
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
 from vrut_lite.kernel.messages import Derived, Input, Message
 
 INPUTS: tuple[type[Input], ...] = (
@@ -49,5 +50,7 @@ DERIVED: tuple[type[Derived], ...] = (
     GpuJob,
     LightMapLaid,
     SurfaceLightChanged,
+    StillAsked,
+    ViewLightChanged,
 )
 DAYLIGHT_MESSAGES: tuple[type[Message], ...] = INPUTS + DERIVED

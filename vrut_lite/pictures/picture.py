@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.pictures.value_picture import Values
 
 
 @dataclass(frozen=True)
@@ -13,12 +14,14 @@ class Picture:
     """A drawn frame.
 
     radiance (h, w, 3) float32 is linear sRGB in W m^-2 sr^-1, display (h, w, 3) uint8 is
-    sRGB-encoded, row 0 at the top; `ev100` is the exposure that was used.
+    sRGB-encoded, row 0 at the top; `ev100` is the exposure that was used. Of a picture in false
+    colours `values` are what it shows, and `radiance` holds them in each channel, 0 for none.
     """
 
     radiance: NDArray[np.float32]
     display: NDArray[np.uint8]
     ev100: float
+    values: Values | None = None
 
     def luminance_cd_m2(self, x: int, y: int) -> float:
         """Luminance of a pixel in cd m^-2; x counts from the left, y from the top.

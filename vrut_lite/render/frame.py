@@ -13,7 +13,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
-from vrut_lite.daylight.scene_state import FrameSkips, SceneState
+from vrut_lite.daylight.scene_state import FrameSkips, SceneState, Shown
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.reflection import reflectance_table
 from vrut_lite.geometry.sheen import sheen_table
@@ -22,7 +22,7 @@ from vrut_lite.pictures import exposure
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.backdrop import Backdrop
-from vrut_lite.render.clouds.frame_clouds import FrameClouds
+from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS, FrameClouds
 from vrut_lite.render.culling import in_view, part_of
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.lamps import LampsOnGpu
@@ -38,17 +38,23 @@ from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Piece, Pieces
 from vrut_lite.render.pyrender_scene import PlacedPrimitive, PyrenderScene
 from vrut_lite.render.reversed_depth import reversed_depth
+from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.staleness import sky_level
 from vrut_lite.render.surface_light import SurfaceLightOnGpu
 from vrut_lite.render.surface_terms import needs_backdrop
 from vrut_lite.render.targets import Targets
+from vrut_lite.render.value_light import in_false_colours
 from vrut_lite.scene.backend import IsGivenUp
 
 _CUBE_MAP_SEAMLESS = 0x884F
 # Slices of the filtered sky (of 24) in a frame that must not wait for them: a sixth of its time
 # where slices are largest.
 SLICES_A_FRAME = 2
+
+# A finished still is the mean of pictures that are shifted so, right and up, in pixels: with the
+# samples of each 16 a pixel.
+_SHIFTS_PX = ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25))
 
 Measure = Callable[[str], AbstractContextManager[Any]]
 
@@ -135,6 +141,7 @@ class Frame:
         self._meshes.update(scene)
         self._meshes.section = state.section
         seen = self._seen(scene, view)
+        self._surface_light.show_view(state.light_of_view if still else None)
         with self.measure("reflection"):
             reflection = self._reflection(light, seen, still)
         with self.measure("shadow"):
@@ -145,17 +152,39 @@ class Frame:
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
             air = self._clouds.prepare(scene, view, light, air, state.size_px)
-        self._patience.check()
-        targets.multisampled.use()
-        targets.multisampled.clear()
-        with reversed_depth():
-            self._draw_seen(
-                targets, scene, seen, view, light, disc, shadows, reflection, air, still
-            )
-        with self.measure("resolve"):
-            self._context.copy_framebuffer(targets.resolved, targets.multisampled)
+        finished = still and state.light_of_view is not None
+        shifts = _SHIFTS_PX if finished else _SHIFTS_PX[:1]
+        self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
+        self.ledger.did("picture", len(shifts))
+        resolved = np.zeros((*targets.size[::-1], 4), np.float32)
+        for shift_px in shifts:
+            self._patience.check()
+            targets.multisampled.use()
+            targets.multisampled.clear()
+            shifted = view if len(shifts) == 1 else view.shifted(shift_px, targets.size)
+            with reversed_depth():
+                self._draw_seen(
+                    targets,
+                    scene,
+                    seen,
+                    shifted,
+                    light,
+                    disc,
+                    shadows,
+                    reflection,
+                    air,
+                    still,
+                    state.shows,
+                )
+            with self.measure("resolve"):
+                self._context.copy_framebuffer(targets.resolved, targets.multisampled)
+            resolved += targets.read_resolved() / np.float32(len(shifts))
+        if state.shows != "picture":
+            return in_false_colours(resolved, state.shows)
+        radiance = np.ascontiguousarray(resolved[..., :3])
         with self.measure("copy and meter"):
-            radiance = targets.read_radiance()
+            if len(shifts) > 1:
+                targets.write_resolved(resolved)
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
             self._tone.draw(targets, ev100, state.exposure)
@@ -182,8 +211,17 @@ class Frame:
         reflection: Reflection,
         air: FrameAir,
         still: bool,
+        shows: Shown,
     ) -> None:
-        """Solid surfaces, the sky in what they leave, clouds, and what shows all these."""
+        """Solid surfaces, the sky in what they leave, clouds, and what shows all these.
+
+        Of values in false colours solid surfaces alone.
+        """
+        defines: Defines = (*air.mesh, *self._lamps.defines)
+        if shows != "picture":
+            shadows_of_clouds = tuple(set(air.mesh) & {CLOUD_SHADOWS})
+            of_light = (*shadows_of_clouds, *self._lamps.defines)
+            defines = ("ILLUMINANCE", *(of_light if shows == "illuminance" else ("MAP_VALUES",)))
 
         def draw_meshes(placed: list[PlacedPrimitive], blended: bool = False) -> None:
             def draw(piece: Piece) -> None:
@@ -200,7 +238,7 @@ class Frame:
                     shadows,
                     reflection,
                     self._surface_light,
-                    (*air.mesh, *self._lamps.defines),
+                    defines,
                     blended,
                     unseen,
                 )
@@ -209,6 +247,10 @@ class Frame:
                 self._mesh_pieces.draw(targets.size, draw)
 
         solid, blended = in_order(seen, view.eye_m)
+        if shows != "picture":
+            with self.measure("mesh"):
+                draw_meshes(solid)
+            return
         if not self._skips.sky:
             self._draw_sky(targets, view, light, disc, air)
         with self.measure("mesh"):

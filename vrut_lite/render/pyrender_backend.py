@@ -1,8 +1,10 @@
 """The scene backend on pyrender and moderngl: uploads what changed and draws on the GL thread."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -26,6 +28,7 @@ from vrut_lite.render.passes.view import View
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.rays import Hit, SceneRays
 from vrut_lite.render.surface_look_up import LitScene
+from vrut_lite.render.value_light import ValueLight, in_false_colours
 from vrut_lite.scene.backend import IsGivenUp
 
 _NEAR_M, _NEAR_RADII = 0.02, 1e-3
@@ -58,6 +61,7 @@ class PyrenderBackend:
         # The sky with its layers, where it has any.
         self._summed_cube = _OwnCube()
         self._mirrored: Sky | None = None
+        self._values = ValueLight()
         self._rays: tuple[SceneOpened, SceneRays] | None = None
 
     def prepare(self, state: SceneState) -> None:
@@ -78,6 +82,15 @@ class PyrenderBackend:
             GivenUp: `is_given_up()`, called repeatedly on the GL thread, returned true.
         """
         state.check_drawable()
+        if state.shows in ("texels", "noise"):
+            # Values are looked up as light is; no other light may come to them.
+            assert state.key_light is not None
+            sun = msgspec.structs.replace(state.key_light, irradiance_rgb=(0.0, 0.0, 0.0))
+            light = self._values.of(state)
+            if light is None:
+                width, height = state.size_px
+                return in_false_colours(np.zeros((height, width, 4), np.float32), state.shows)
+            state = replace(state, key_light=sun, surface_light=light, view_light=None)
         return self._owner.call(lambda context: self._draw(context, state, still, is_given_up))
 
     def illuminance(self, state: SceneState, point_m: ArrayLike, normal: ArrayLike) -> Illuminance:

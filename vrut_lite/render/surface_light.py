@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.light_map import GroundChart, LightMapLaid, ProbeGrid, SurfaceLightChanged
+from vrut_lite.daylight.view_light import ViewLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.light import Light
@@ -23,6 +24,7 @@ from vrut_lite.render.uniform_blocks import SURFACE_LIGHT
 
 # As surface_light.glsl binds them.
 _MAP_UNIT, _PROBE_UNIT, _OPEN_SKY_UNIT, _VISIBLE_SKY_UNIT = 5, 6, 7, 18
+_VIEW_UNITS = (19, 20)
 _UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -42,6 +44,9 @@ class SurfaceLightOnGpu:
         self._visible_sky: Any = None
         self._visible_sky_is: Array | None = None
         self._probes: Any = None
+        # Light and planes of points that a view shows, and their message.
+        self._view: tuple[Any, ...] = ()
+        self._view_is: ViewLightChanged | None = None
         self._mirrors = MirrorCubes(context)
         self._sees_sky: dict[PlacedPrimitive, bool] = {}
 
@@ -66,13 +71,29 @@ class SurfaceLightOnGpu:
             layers, rows, columns = faces.shape[0] * faces.shape[1], *faces.shape[2:4]
             self._probes = self._written(self._probes, faces, (columns, rows, layers))
 
+    def show_view(self, light: ViewLightChanged | None) -> None:
+        """Light what the next picture shows by points of its own; None: by the map alone."""
+        if light is None or light is not self._view_is:
+            for texture in self._view:
+                self._release(texture)
+            self._view = ()
+        if light is not None and not self._view:
+            # Row 0 at the bottom, as fragments count.
+            arrays = (light.light.values[::-1], light.plane.values[::-1])
+            self._view = tuple(self._written(None, array, array.shape[1::-1]) for array in arrays)
+        self._view_is = light
+
     def defines(self, placed: PlacedPrimitive) -> Defines:
         """Defines of a mesh's program, by the source of its light."""
         if self._light is None or self._laid is None:
             return ()
+        source = self._source(placed, self._laid)
+        return (*source, "VIEW_LIGHT") if source and self._view else source
+
+    def _source(self, placed: PlacedPrimitive, laid: LightMapLaid) -> Defines:
         if placed.is_ground:
-            return () if self._laid.ground is None else ("GROUND_LIGHT",)
-        probes: Defines = () if self._laid.probes is None else ("LIGHT_PROBES",)
+            return () if laid.ground is None else ("GROUND_LIGHT",)
+        probes: Defines = () if laid.probes is None else ("LIGHT_PROBES",)
         mirror: Defines = ("MIRROR",) if self.mirrors(placed) else ()
         if placed.light_corner_px is None:
             return (*probes, *mirror) if probes else ()
@@ -123,6 +144,7 @@ class SurfaceLightOnGpu:
                 probes_per_m=1.0 / np.array(probes.step_m),
                 probe_counts=probes.counts,
                 scene_m=2.0 * scene.radius_m,
+                **self._view_fields(),
             )
         )
         self._block.bind_to_uniform_block(SURFACE_LIGHT.binding)
@@ -131,9 +153,23 @@ class SurfaceLightOnGpu:
         self._open_sky_of(light.irradiance_sh).use(location=_OPEN_SKY_UNIT)
         if self._laid.probes is not None:
             self._probes.use(location=_PROBE_UNIT)
+        for texture, unit in zip(self._view, _VIEW_UNITS, strict=False):
+            texture.filter = (self._context.NEAREST, self._context.NEAREST)
+            texture.use(location=unit)
+
+    def _view_fields(self) -> dict[str, Any]:
+        light = self._view_is
+        if light is None:
+            return {"view_edge_px": 1.0, "view_height_px": 1.0, "view_scale": 1.0}
+        return {
+            "view_edge_px": light.edge_px,
+            "view_height_px": light.size_px[1],
+            "view_scale": light.radiance_scale,
+        }
 
     def release(self) -> None:
         """Free the GL objects."""
+        self.show_view(None)
         self._free()
         self._mirrors.release()
         self._release(self._open_sky)

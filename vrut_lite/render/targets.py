@@ -32,9 +32,13 @@ class Targets:
         """Samples of all pixels."""
         return self.size[0] * self.size[1] * SAMPLES
 
-    def read_radiance(self) -> NDArray[np.float32]:
-        """The resolved picture (h, w, 3), row 0 at the top."""
-        return read_rgba(self.radiance)[::-1, :, :3].copy()
+    def read_resolved(self) -> NDArray[np.float32]:
+        """The resolved picture (h, w, 4), row 0 at the top."""
+        return read_rgba(self.radiance)[::-1].copy()
+
+    def write_resolved(self, radiance: NDArray[np.float32]) -> None:
+        """Let this (h, w, 4), row 0 at the top, be the resolved picture."""
+        self.radiance.write(np.ascontiguousarray(radiance[::-1]).tobytes())
 
     def read_display(self) -> NDArray[np.uint8]:
         """The tone-mapped picture (h, w, 3), row 0 at the top."""

@@ -157,6 +157,9 @@ SURFACE_LIGHT = UniformBlock(
         "probes_per_m": ("vec3", "one over the step"),
         "probe_counts": ("vec3", "along x, y and z"),
         "scene_m": ("float", "across the scene"),
+        "view_edge_px": ("float", "of the squares of pixels that share a point of the view"),
+        "view_height_px": ("float", "of the picture"),
+        "view_scale": ("float", "from the light of these points to W m^-2"),
     },
 )
 LAMPS = UniformBlock(

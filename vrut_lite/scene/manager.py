@@ -14,13 +14,14 @@ from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
-from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.daylight.scene_state import SceneState, Shown
 from vrut_lite.daylight.section import Axis, SectionChanged, Side, section_of
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import LIGHT, SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
-from vrut_lite.kernel.messages import ClockMoved, SlotChanged
+from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 from vrut_lite.kernel.settings import setting
 from vrut_lite.scene.backend import SceneView
@@ -59,6 +60,13 @@ class SceneSettings(msgspec.Struct, frozen=True):
     section_at: Annotated[
         float, setting("Where it is cut, as a share of the scene's extent on that axis", 0, 1)
     ] = 0.5
+    shows: Annotated[
+        Shown,
+        setting(
+            "The picture, or in false colours what surfaces have: illuminance in lux, the edge of "
+            "the light map's texels, the noise that its rays leave"
+        ),
+    ] = "picture"
     section_keeps: Annotated[
         Side, setting("Which side of the cut is seen, by the axis's values")
     ] = "below"
@@ -93,7 +101,13 @@ class SceneManager(Module):
             CloudsChanged,
             *((LightMapLaid, SurfaceLightChanged) if light_map else ()),
         )
-        self._change(light_shafts=settings.light_shafts, tolerance=tolerance_of(link))
+        self._hour_moved = True
+        self._change(
+            light_shafts=settings.light_shafts,
+            tolerance=tolerance_of(link),
+            shows=settings.shows,
+            coarser_light=None,
+        )
         self._cut()
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
@@ -181,7 +195,9 @@ class SceneManager(Module):
         if name.startswith("animation"):
             self._move()
             return
-        if name == "light_shafts":
+        if name == "shows":
+            self._change(shows=self.settings.shows)
+        elif name == "light_shafts":
             self._change(light_shafts=self.settings.light_shafts)
         elif name.startswith("section"):
             self._cut()
@@ -209,6 +225,7 @@ class SceneManager(Module):
         Raises:
             UserError: its own shader does not compile; its cube map is shown.
         """
+        self._hour_moved = True
         self._view.state = self.state.with_light(background=message)
         if message.view is not None:
             self._view.prepare()
@@ -216,6 +233,7 @@ class SceneManager(Module):
     @handles(KeyLightChanged)
     def on_key_light(self, message: KeyLightChanged) -> None:
         """Let this light cast shadows."""
+        self._hour_moved = True
         self._view.state = self.state.with_light(key_light=message)
 
     @handles(AmbientChanged)
@@ -255,7 +273,32 @@ class SceneManager(Module):
     @handles(SurfaceLightChanged)
     def on_surface_light(self, message: SurfaceLightChanged) -> None:
         """Light surfaces with it, if it is of the open scene."""
+        before = self.state.surface_light
         self._take_surface_light()
+        coarser = None
+        if before is not None and before.layout_key == message.layout_key:
+            same_hour = message.rays > before.rays and not self._hour_moved
+            coarser = before if same_hour else None
+        self._hour_moved = False
+        self._change(coarser_light=coarser)
+
+    @handles(ViewLightChanged)
+    def on_view_light(self, message: ViewLightChanged) -> None:
+        """Light a finished still with it, if it is of the present map."""
+        laid = self.state.light_map
+        if laid is not None and message.layout_key == laid.layout_key:
+            self._change(view_light=message)
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """Say from where the scene is seen, when somebody wants light for that view."""
+        if message.message == ViewLightChanged.__name__:
+            self._ask_for_still()
+
+    def _ask_for_still(self) -> None:
+        camera = self.state.camera
+        if camera is not None and self.link.wanted(ViewLightChanged) is not None:
+            self.link.post(StillAsked(camera=camera, size_px=self.state.size_px))
 
     @handles(SlotChanged)
     def on_slot(self, message: SlotChanged) -> None:
@@ -298,6 +341,7 @@ class SceneManager(Module):
                 eye_height_m=camera.eye_m[1],
             )
         )
+        self._ask_for_still()
 
     def _air_reach_m(self, camera: MoveCamera, aspect: float) -> float:
         scene, clouds = self.state.scene, self.state.clouds

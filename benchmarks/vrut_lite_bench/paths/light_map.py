@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from dynamic_skylight import HosekWilkieSky
 from light_transport.bake import Bake
+from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
 from light_transport.jobs import first_rays
 from light_transport.layout.layout import Layout, lay_out
@@ -141,16 +142,16 @@ def _prepare(texels: int, rays: int, patch_texels: float, left: float) -> Work:
 def _errors(quick: bool, lit: Lit) -> dict[str, Errors]:
     truth, texels = _QUICK if quick else _FULL, lit.bake.texels
     free = np.flatnonzero(lit.bake.table.valid[: len(texels.pixel)] > 0.9 * lit.bake.rays)
-    own = free[lit.bake.surfaces.part[texels.triangle[free]] >= 0]
+    own = free[lit.bake.surfaces.part[lit.bake.colour_of[free]] >= 0]
     chosen = np.random.default_rng(1).choice(own, min(truth.points, len(own)), replace=False)
     places_m = texels.place[chosen].astype(float) * lit.bake.surfaces.radius_m
     places_m += lit.bake.surfaces.centre_m
     column, row = texels.pixel[chosen].T
     found = {}
     for light, each in zip(lit.lights, ELEVATIONS_DEG, strict=True):
-        exact = _true_bake(truth).irradiance_at(
-            places_m, texels.normal[chosen].astype(float), _hour(each), truth.point_rays
-        )
+        normals = texels.normal[chosen].astype(float)
+        bake, rays = _true_bake(truth), truth.point_rays
+        exact = light_at(bake, places_m, normals, _hour(each), rays).irradiance_rgb
         found[f"sun {each:g}°"] = sizes_of(np.abs(light[row, column, :3] - exact) / exact.mean())
     return found
 

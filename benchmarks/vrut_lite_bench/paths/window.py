@@ -1,4 +1,5 @@
-"""The window: how soon a picture follows a slider, and how long its event loop is held up.
+"""The window: how soon a picture follows a slider, how long its event loop is held up, and how fast
+pictures follow each other while time plays.
 
 It runs in a process of its own (`window_process`), which has Qt and its OpenGL contexts to itself.
 """
@@ -17,10 +18,18 @@ PARTS = ("kernel", "draw", "paint", "whole")
 # What goes on meanwhile; of a gap, all of it, what lies outside drawing, the window's own CPU time.
 ACTS = ("nothing", "atmosphere solved anew", "scene loaded", "clouds made", "module sleeps 0.4 s")
 GAPS = ("longest gap", "outside drawing", "own work")
+# Of time that plays, from one to the next: pictures, how long one is drawn, light on surfaces.
+PACES, PACE_PARTS = ("light transport off", "light transport on"), ("picture", "drawing", "light")
 _LATENCY = tuple(
     f"{renderer}, {sky}: {part}" for renderer in RENDERERS for sky in SKIES for part in PARTS
 )
 _GAPS = tuple(f"{act}: {gap}" for act in ACTS for gap in GAPS)
+_PACE = tuple(f"{pace}: {part}" for pace in PACES for part in PACE_PARTS)
+_UNITS = {
+    "window-latency": "a move of the slider",
+    "window-gaps": "the longest gap",
+    "window-pace": "from one to the next, mean",
+}
 # Seconds that a process has measured and no path has used yet.
 _measured: dict[str, float] = {}
 
@@ -34,6 +43,7 @@ def groups(quick: bool) -> list[Group]:
     return [
         _group("window-latency", "From the turbidity's slider to the picture", _LATENCY, left_out),
         _group("window-gaps", "Gaps of the window's event loop", _GAPS, left_out),
+        _group("window-pace", "The street while time plays", _PACE, left_out),
     ]
 
 
@@ -41,7 +51,7 @@ def _group(name: str, title: str, paths: tuple[str, ...], left_out: dict[str, st
     return Group(
         name=name,
         title=title,
-        unit="a move of the slider" if "latency" in name else "the longest gap",
+        unit=_UNITS[name],
         norm="none: times alone",
         truth="none",
         paths=() if left_out else tuple(map(_path, paths)),

@@ -4,13 +4,15 @@
 
 Latency: medians of some moves of the turbidity's slider. Gaps: a timer of 0 ms beats in the event
 loop, and the longest time between two beats is the gap; outside drawing is the part of it in which
-the engine drew no frame on any thread; own work is the window's CPU time in it.
+the engine drew no frame on any thread; own work is the window's CPU time in it. Pace: ten
+seconds in which time plays ten minutes a second, from 7 in the morning.
 """
 
 import gc
 import json
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +26,7 @@ from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.clouds import CloudsChanged
+from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
@@ -31,9 +34,10 @@ from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.kernel.trace import Entry
 from vrut_lite.project import load_project
 from vrut_lite_bench.paths.frame import SCENES
-from vrut_lite_bench.paths.window import ACTS, GAPS, PARTS, SKIES
+from vrut_lite_bench.paths.window import ACTS, GAPS, PACE_PARTS, PACES, PARTS, SKIES
 
 SIZE = (1600, 1000)
+_MORNING, _RAYS = datetime(2026, 6, 21, 7, tzinfo=UTC), 256
 _LIMIT_S, _REST_S, _MOVES = 300.0, 10.0, 5
 # Shorter gaps are not kept: to keep all of them would itself make longer ones.
 _SHORT_S = 1e-3
@@ -254,6 +258,30 @@ def acts(bench: Window) -> dict[str, Callable[[], None]]:
     return dict(zip(ACTS, (rest, solve, load, clouds, sleep), strict=True))
 
 
+def pace(bench: Window, on: bool) -> tuple[float, float, float]:
+    """Seconds of `PACE_PARTS` while time plays, with light transport or without it."""
+    drawn: list[float] = []
+    lights: list[SurfaceLightChanged] = []
+    bench.session.send(SetSetting(module="light_transport", name="on", value=on))
+    bench.still()
+    bench.session.picture_shown.connect(lambda shown: drawn.append(shown.seconds))
+    bench.session.listen(SurfaceLightChanged, lights.append)
+    bench.window.time.go_to(_MORNING)
+    bench.still()
+    if on:
+        bench.until(lambda: bool(lights) and lights[-1].rays >= _RAYS)
+    player = bench.window.time.player
+    player.play()
+    start_s = time.perf_counter()
+    drawn.clear()
+    lights.clear()
+    bench.until(lambda: time.perf_counter() > start_s + _REST_S)
+    spent_s, pictures, hours = time.perf_counter() - start_s, len(drawn), len(lights)
+    player.pause()
+    bench.still()
+    return spent_s / max(pictures, 1), float(np.mean(drawn)), spent_s / max(hours, 1)
+
+
 def main() -> None:
     """Print all figures as one line of JSON."""
     found: dict[str, float] = {}
@@ -274,6 +302,11 @@ def main() -> None:
     for name, act in acts(bench).items():
         for gap, seconds in zip(GAPS, bench.gaps_s(act), strict=True):
             found[f"{name}: {gap}"] = seconds
+    bench.close()
+    bench = Window(GlStage)
+    for name in PACES:
+        for part, seconds in zip(PACE_PARTS, pace(bench, name == PACES[1]), strict=True):
+            found[f"{name}: {part}"] = seconds
     bench.close()
     print(json.dumps(found))
 

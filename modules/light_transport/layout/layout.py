@@ -27,8 +27,10 @@ from vrut_lite.numeric_types import Float32Array, FloatArray
 
 SOURCE = "light_transport"
 TEXELS = 150_000
+# Where there are no charts, surfaces send light as if texels were so large, in radii.
+_PROBES_TEXEL = 5e-3
 # Version of the algorithm: kept rays of other versions do not fit.
-_VERSION = 1
+_VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +40,12 @@ class Layout:
     Attributes:
         message: the layout as posted.
         uv_px: (F, 3, 2) float32, places of corners in the map, in texels, texel middles at halves;
-            exact multiples of 2^-10. NaN where a triangle has no texels, and for the ground's,
-            whose places `ground_chart` tells.
+            exact multiples of 2^-10. The message has where they are looked up, which in charts of
+            one texel's width is its middle. NaN where a triangle has no texels, and for the
+            ground's, whose places `ground_chart` tells.
         owner: (height, width) int32, the triangle that a texel's middle lies in, or beside a
             chart the nearest one of it; `texel_owners.UNUSED` elsewhere.
+        chart: (F,) int32, the chart of each triangle; -1 where it has no texels, and the ground's.
         seams: (S, 2) int32, see `seams.seam_texels`.
         texel_m: edge of a texel, where its part does not have finer ones, or is too long for it.
         part_texel_m: (P,) float64, edge of a texel on each part, NaN where it has none.
@@ -51,6 +55,7 @@ class Layout:
     message: LightMapLaid
     uv_px: Float32Array
     owner: NDArray[np.int32]
+    chart: NDArray[np.int32]
     seams: NDArray[np.int32]
     texel_m: float
     part_texel_m: FloatArray
@@ -67,6 +72,7 @@ def lay_out(
     surfaces: Surfaces,
     texel_m: float | None = None,
     texels: int = TEXELS,
+    threads: int = 1,
     go_on: GoOn = always,
 ) -> Layout:
     """A light map for a scene.
@@ -78,12 +84,27 @@ def lay_out(
             about `texels` are used, without the ground's 9,216. Where triangles are fine, texels
             are finer.
         texels: see `texel_m`.
+        threads: number of threads; the layout does not depend on it.
         go_on: asked between steps.
 
     Raises:
         GivenUp: by `go_on`.
     """
-    shapes = part_shapes(scene.geometry, texel_m, texels, go_on)
+    shapes = part_shapes(scene.geometry, texel_m, texels, threads, go_on)
+    return _placed(scene, surfaces, shapes, go_on)
+
+
+def lay_out_probes(scene: SceneOpened, surfaces: Surfaces) -> Layout:
+    """A light map of probes and of the ground's texels alone, which takes no time."""
+    parts = len(scene.geometry.part_mesh.values)
+    none = np.full(parts, NOT_MAPPED, np.int32)
+    texel_m = _PROBES_TEXEL * surfaces.radius_m
+    shapes = PartShapes(none, [], [], np.ones(parts, bool), texel_m)
+    return _placed(scene, surfaces, shapes, always)
+
+
+def _placed(scene: SceneOpened, surfaces: Surfaces, shapes: PartShapes, go_on: GoOn) -> Layout:
+    """Shapes side by side in one map, and what follows from their places."""
     sizes = [shapes.shapes[shape].size for shape in shapes.of if shape != NOT_MAPPED]
     if scene.ground is not None:
         sizes.append((EDGE_PX, EDGE_PX))
@@ -114,7 +135,7 @@ def lay_out(
     seams = seam_texels(surfaces.corners_m, surfaces.normals, uv_px, chart, owner)
     message = _message(scene, surfaces, shapes, corners, owner, ground)
     texels_m = np.array([*(shape.texel_m for shape in shapes.shapes), np.nan])
-    return Layout(message, uv_px, owner, seams, shapes.texel_m, texels_m[shapes.of], charts)
+    return Layout(message, uv_px, owner, chart, seams, shapes.texel_m, texels_m[shapes.of], charts)
 
 
 def _own_triangles(surfaces: Surfaces) -> int:

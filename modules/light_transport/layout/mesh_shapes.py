@@ -52,7 +52,8 @@ class MeshShape:
     Attributes:
         source_vertex, vertex_uv, triangles: see `daylight.light_map.Shape`.
         chart: (F,) int32, of each triangle.
-        uv_px: (F, 3, 2) float64, places of corners from the rectangle's corner.
+        uv_px: (F, 3, 2) float64, places of corners from the rectangle's corner; `vertex_uv` has
+            where they are looked up, see `unwrapping.Charts`.
         owner: (height, width) int32, see `texel_owners`.
         charts: how many there are.
         texel_m: edge of a texel.
@@ -102,12 +103,13 @@ def charts_of(surface: Surface, texel_m: float) -> Charts:
 def shape_of(surface: Surface, charts: Charts, texel_m: float) -> MeshShape:
     """Charts, which were made for texels of this edge, in one rectangle."""
     packed = pack(charts.sizes, WIDEST_PX)
-    uv_px = charts.uv_px + packed.corners[charts.of][:, None]
+    corners = packed.corners[charts.of][:, None]
+    uv_px = charts.uv_px + corners
     owner = texel_owners(uv_px, charts.of, packed.corners, charts.sizes, packed.size)
     corner, triangles = _split_vertices(surface.vertices, charts.of, len(charts.sizes))
     return MeshShape(
         source_vertex=surface.vertices.reshape(-1)[corner],
-        vertex_uv=uv_px.reshape(-1, 2)[corner],
+        vertex_uv=(charts.look_up_px + corners).reshape(-1, 2)[corner],
         triangles=triangles,
         chart=charts.of,
         uv_px=uv_px,

@@ -1,6 +1,10 @@
 """Chooses the parts of a scene that get texels, the texels' sizes, and shared shapes."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +17,7 @@ from vrut_lite.daylight.light_map import NOT_MAPPED
 from vrut_lite.daylight.scene_content import SceneGeometry
 from vrut_lite.numeric_types import BoolArray, FloatArray
 
+_Made = TypeVar("_Made")
 # Most texels of a map, for any setting.
 MOST_TEXELS = 400_000
 # Texels are right when this share of those that are wanted is used; their size is sought so often.
@@ -64,11 +69,55 @@ class _Kind:
     count: int
 
 
+class _Each(Protocol):
+    def __call__(self, make: Callable[[int], _Made], count: int) -> list[_Made]: ...
+
+
+def _each(threads: int, go_on: GoOn, make: Callable[[int], _Made], count: int) -> list[_Made]:
+    """What is made of each number below `count`; `go_on` is asked before each."""
+
+    def asked(number: int) -> _Made:
+        go_on()
+        return make(number)
+
+    with ThreadPoolExecutor(threads) as pool:
+        return list(pool.map(asked, range(count)))
+
+
+class _Cut:
+    """The latest charts and shape of a surface.
+
+    Texels of finely modelled surfaces keep their size while that of others is sought: cutting them
+    anew in each trial took 9 of the 14 s that a million triangles need.
+    """
+
+    def __init__(self, surface: Surface):
+        self.surface = surface
+        self._texel_m = 0.0
+        self._charts: Charts | None = None
+        self._shape: MeshShape | None = None
+
+    def charts(self, texel_m: float) -> Charts:
+        """For texels of this edge."""
+        if self._charts is None or texel_m != self._texel_m:
+            self._charts, self._shape = charts_of(self.surface, texel_m), None
+            self._texel_m = texel_m
+        return self._charts
+
+    def shape(self, texel_m: float) -> MeshShape:
+        """For texels of this edge."""
+        charts = self.charts(texel_m)
+        if self._shape is None:
+            self._shape = shape_of(self.surface, charts, texel_m)
+        return self._shape
+
+
 def part_shapes(
-    geometry: SceneGeometry, texel_m: float | None, texels: int, go_on: GoOn
+    geometry: SceneGeometry, texel_m: float | None, texels: int, threads: int, go_on: GoOn
 ) -> PartShapes:
     """Shapes for all parts of a scene, as `layout.lay_out` explains."""
-    kinds, of = _kinds(geometry, go_on)
+    each = partial(_each, threads, go_on)
+    kinds, of = _kinds(geometry, each)
     whole_m2 = sum(kind.area_m2 * kind.count for kind in kinds)
     if whole_m2 == 0.0:
         nothing = np.full(len(of), NOT_MAPPED, np.int32)
@@ -79,8 +128,9 @@ def part_shapes(
     # A mistyped setting must not fill the memory.
     size_m = max(size_m, float(np.sqrt(whole_m2 / (_FIRST_TRIAL * most))))
     bare = np.array([kind.area_m2 == 0.0 for kind in kinds])
+    cuts = [_Cut(kind.surface) for kind in kinds]
     for last in reversed(range(_ROUNDS)):
-        shapes = _cut(kinds, bare, size_m, most, go_on)
+        shapes = _cut(kinds, cuts, bare, size_m, most, each)
         used = sum(
             kind.count * int(np.count_nonzero(shape.owner != UNUSED))
             for kind, shape in zip(kinds, shapes, strict=True)
@@ -103,18 +153,22 @@ def part_shapes(
 
 
 def _cut(
-    kinds: list[_Kind], bare: BoolArray, texel_m: float, budget: int, go_on: GoOn
+    kinds: list[_Kind],
+    cuts: list[_Cut],
+    bare: BoolArray,
+    texel_m: float,
+    budget: int,
+    each: _Each,
 ) -> list[MeshShape | None]:
     """A shape for each kind; None for those that do without texels, which `bare` (K,) collects.
 
     Those in it stay there, whatever texels the others get.
     """
     sizes_m = _texel_sizes_m(kinds, texel_m, budget)
-    charts: list[Charts | None] = []
-    for kind, size_m, none in zip(kinds, sizes_m.tolist(), bare.tolist(), strict=True):
-        go_on()
-        charts.append(None if none else charts_of(kind.surface, size_m))
-    cost = np.array([0.0 if each is None else each.texels for each in charts])
+    charts: list[Charts | None] = each(
+        lambda kind: None if bare[kind] else cuts[kind].charts(float(sizes_m[kind])), len(kinds)
+    )
+    cost = np.array([0.0 if made is None else made.texels for made in charts])
     within = np.array([kind.area_m2 for kind in kinds]) / sizes_m**2
     count = np.array([kind.count for kind in kinds])
     beside = np.maximum(cost - within, 0.0) * count
@@ -129,13 +183,9 @@ def _cut(
             bare[kind] = True
             kept_m2 -= areas_m2[kind]
             excess -= 0.0 if thin[kind] else beside[kind]
-    shapes: list[MeshShape | None] = []
-    for kind, each, size_m, none in zip(
-        kinds, charts, sizes_m.tolist(), bare.tolist(), strict=True
-    ):
-        go_on()
-        shapes.append(None if each is None or none else shape_of(kind.surface, each, size_m))
-    return shapes
+    return each(
+        lambda kind: None if bare[kind] else cuts[kind].shape(float(sizes_m[kind])), len(kinds)
+    )
 
 
 def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArray:
@@ -157,7 +207,7 @@ def _texel_sizes_m(kinds: list[_Kind], texel_m: float, budget: int) -> FloatArra
     return np.maximum(np.minimum(texel_m, least_m), np.maximum(long_m, 1e-3 * texel_m))
 
 
-def _kinds(geometry: SceneGeometry, go_on: GoOn) -> tuple[list[_Kind], NDArray[np.int64]]:
+def _kinds(geometry: SceneGeometry, each: _Each) -> tuple[list[_Kind], NDArray[np.int64]]:
     """Meshes as they are stretched, and which of them each part (P,) is."""
     numbers: dict[tuple[int, ...], int] = {}
     stretches: list[tuple[int, FloatArray]] = []
@@ -172,12 +222,13 @@ def _kinds(geometry: SceneGeometry, go_on: GoOn) -> tuple[list[_Kind], NDArray[n
         if of[part] == len(stretches):
             stretches.append((mesh, stretch))
     counts = np.bincount(of, minlength=len(stretches))
-    kinds = []
-    for (mesh, stretch), count in zip(stretches, counts.tolist(), strict=True):
-        go_on()
+
+    def kind(number: int) -> _Kind:
+        mesh, stretch = stretches[number]
         surface = stretched(geometry.mesh(mesh), stretch)
-        kinds.append(_Kind(mesh, surface, float(surface.areas_m2.sum()), count))
-    return kinds, of
+        return _Kind(mesh, surface, float(surface.areas_m2.sum()), int(counts[number]))
+
+    return each(kind, len(stretches)), of
 
 
 def _stretch(matrix: FloatArray) -> FloatArray:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from light_transport.kernels import kernel
 from light_transport.rays.ray_starts import Receivers
 from light_transport.rays.sky_nodes import NODES
-from light_transport.surfaces.map_texels import NOBODY
+from light_transport.row_numbers import row_numbers
+from light_transport.surfaces.map_texels import NOBODY, edges_of
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
@@ -91,8 +92,6 @@ def patches_of(
 def _keys(surfaces: Surfaces, receivers: Receivers, texels_an_edge: float) -> NDArray[np.int64]:
     """Equal numbers (N,) for texels of one part, facing and box of space."""
     texels = receivers.texels
-    if len(texels.pixel) == 0:
-        return np.empty(0, np.int64)
     # Boxes grow by whole octaves, so that neighbours' boxes are the same or nested.
     edge = texels_an_edge * np.exp2(np.round(np.log2(np.maximum(texels.width, 1e-9))))
     cell = np.floor(texels.place / edge[:, None]).astype(np.int64)
@@ -100,9 +99,7 @@ def _keys(surfaces: Surfaces, receivers: Receivers, texels_an_edge: float) -> ND
     positive = np.take_along_axis(texels.normal, axis[:, None], axis=1)[:, 0] > 0.0
     octave = np.round(np.log2(edge / texels_an_edge)).astype(np.int64)
     parts = surfaces.part[texels.triangle].astype(np.int64)
-    rows = np.column_stack([parts, 2 * axis + positive, octave, cell])
-    _, key = np.unique(rows, axis=0, return_inverse=True)
-    return np.asarray(key.reshape(-1), np.int64)
+    return row_numbers(np.column_stack([parts, 2 * axis + positive, octave, cell]))[0]
 
 
 @kernel
@@ -176,9 +173,8 @@ def _of_rows(
     texels, groups = receivers.texels, receivers.groups
     probes = np.zeros((len(receivers.probes.place), 3))
     group_of = np.repeat(np.arange(len(groups.area)), np.diff(groups.start))
-    corners = receivers.geometry.corners[groups.triangle].astype(np.float64)
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(cross, axis=1) + 1e-30
+    _, b, c = edges_of(receivers.geometry, groups.triangle)
+    area = np.linalg.norm(np.cross(b, c), axis=1) + 1e-30
 
     def joined(values: Float32Array) -> Float32Array:
         of_groups = np.empty((len(groups.area), 3))

@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.surfaces.map_texels import MapGeometry
+from light_transport.row_numbers import row_numbers
+from light_transport.surfaces.map_texels import MapGeometry, edges_of
 from vrut_lite.numeric_types import BoolArray, Float32Array, FloatArray, IntArray
 
 NO_GROUP = -1
-# More than these are not told apart; boxes of space then become larger.
+# More than these, which 16 bits can name, are not told apart; boxes of space then become larger.
 _MOST = 30_000
 
 
@@ -17,7 +18,7 @@ class Groups(NamedTuple):
     """Sides of triangles that lie in one box of space and face one way (G).
 
     Attributes:
-        front, back: (F,) int32, the group of each side of a triangle, or NO_GROUP.
+        front, back: (F,) int16, the group of each side of a triangle, or NO_GROUP.
         start: (G + 1,) int64, where each group's sides begin in the next two.
         triangle: (K,) int32.
         area_up_to: (K,) float32, area of the group's sides up to this one, over all of them.
@@ -25,8 +26,8 @@ class Groups(NamedTuple):
         area: (G,) float32, in squares of the scene's radius.
     """
 
-    front: NDArray[np.int32]
-    back: NDArray[np.int32]
+    front: NDArray[np.int16]
+    back: NDArray[np.int16]
     start: IntArray
     triangle: NDArray[np.int32]
     area_up_to: Float32Array
@@ -43,17 +44,16 @@ def groups_of(geometry: MapGeometry, sheets: BoolArray, edge: float) -> Groups:
     fronts, backs = np.flatnonzero(~has_texels), np.flatnonzero(sheets)
     triangle = np.concatenate([fronts, backs]).astype(np.int32)
     is_front = np.arange(len(triangle)) < len(fronts)
-    corners = geometry.corners[triangle].astype(np.float64)
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.linalg.norm(cross, axis=1)
+    corner, b, c = edges_of(geometry, triangle)
+    area = 0.5 * np.linalg.norm(np.cross(b, c), axis=1)
     facing = np.where(is_front[:, None], 1.0, -1.0) * geometry.faces[triangle].astype(np.float64)
-    group = _numbered(corners.mean(axis=1), facing, is_front, edge)
+    group = _numbered(corner + (b + c) / 3.0, facing, is_front, edge)
     order = np.argsort(group, kind="stable")
     group, triangle, area, is_front = group[order], triangle[order], area[order], is_front[order]
     count = int(group[-1]) + 1 if len(group) else 0
     start = np.searchsorted(group, np.arange(count + 1))
     total = np.bincount(group, area, count)
-    front = np.full(len(geometry.faces), NO_GROUP, np.int32)
+    front = np.full(len(geometry.faces), NO_GROUP, np.int16)
     back = front.copy()
     front[triangle[is_front]], back[triangle[~is_front]] = group[is_front], group[~is_front]
     running = np.concatenate([[0.0], np.cumsum(area)])
@@ -82,8 +82,7 @@ def _numbered(
     way = 4 * axis + 2 * positive + is_front
     while True:
         cell = np.floor(middle / edge).astype(np.int64)
-        key = np.column_stack([cell, way])
-        found, number = np.unique(key, axis=0, return_inverse=True)
-        if len(found) <= _MOST:
-            return np.asarray(number.reshape(-1), np.int64)
+        number, count = row_numbers(np.column_stack([cell, way]))
+        if count <= _MOST:
+            return number
         edge *= 2.0

@@ -12,12 +12,12 @@ from light_transport.surfaces.map_texels import NOBODY, Texels
 _NEAR = 2.5
 
 
-def links_of(texels: Texels, parts: NDArray[np.int32]) -> NDArray[np.int32]:
+def links_of(texels: Texels, charts: NDArray[np.int32]) -> NDArray[np.int32]:
     """The texels (N, 4) above, below, left and right of each on the same surface, or NOBODY.
 
-    `parts` (N,): texels of two parts are never linked. Links go both ways.
+    `charts` (N,): texels of two charts are never linked. Links go both ways.
     """
-    return cast(NDArray[np.int32], _links(texels, parts))
+    return cast(NDArray[np.int32], _links(texels, charts))
 
 
 def seam_links(texels: Texels, seams: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -28,7 +28,7 @@ def seam_links(texels: Texels, seams: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 @kernel
-def _links(texels, parts):  # type: ignore[no-untyped-def]
+def _links(texels, charts):  # type: ignore[no-untyped-def]
     height, width = texels.row_of.shape
     count = len(texels.pixel)
     links = np.full((count, 4), NOBODY, np.int32)
@@ -44,6 +44,6 @@ def _links(texels, parts):  # type: ignore[no-untyped-def]
                 continue
             away = texels.place[j] - texels.place[i]
             reach = _NEAR * max(texels.width[i], texels.width[j])
-            if parts[i] == parts[j] and dot(away, away) < reach * reach:
+            if charts[i] == charts[j] and dot(away, away) < reach * reach:
                 links[i, k] = j
     return links

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from light_transport.kernels import cross, dot, inlined, kernel
 from light_transport.layout.layout import Layout
+from light_transport.rays.tree import Tree
 from light_transport.surfaces.surfaces import GROUND, Surfaces
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
@@ -17,6 +18,8 @@ _PIECES = 4
 _LEAST_COVERED = 1.0 / 32.0
 # Padding looks so far around for a texel to copy.
 _REACH_PX = 2
+# Length of normals in 16 bits: they are right to 3e-5 radians, and nobody needs their length.
+_NORMAL = 32767.0
 # Rays begin at least so far inside their triangle, of its height: not on an edge.
 _INSIDE = 2e-4
 
@@ -24,13 +27,16 @@ _INSIDE = 2e-4
 class MapGeometry(NamedTuple):
     """Triangles in space and in the map, for kernels; lengths in radii of the scene.
 
-    `corners`, `normals` (F, 3, 3) and `faces` (F, 3) float32; `uv` (F, 3, 2) float32; `owner`
-    (height, width); `on_ground` (F,) bool; `ground` (8,): corner of the ground's chart in the map
-    (2), texels an edge less one, half width, warp, middle (2) and height.
+    `triangle` (F, 9) float32: those of the tree, a corner and two edges; `leaf` (F,) int32: where
+    each triangle is among these; `normals` (F, 3, 3) int16: of the corners, 32767 long; `faces`
+    (F, 3) float32; `uv` (F, 3, 2) float32; `owner` (height, width); `on_ground` (F,) bool; `ground`
+    (8,): corner of the ground's chart in the map (2), texels an edge less one, half width, warp,
+    middle (2) and height.
     """
 
-    corners: Float32Array
-    normals: Float32Array
+    triangle: Float32Array
+    leaf: NDArray[np.int32]
+    normals: NDArray[np.int16]
     faces: Float32Array
     uv: Float32Array
     owner: NDArray[np.int32]
@@ -59,7 +65,7 @@ class Texels(NamedTuple):
     row_of: NDArray[np.int32]
 
 
-def map_geometry(surfaces: Surfaces, layout: Layout) -> MapGeometry:
+def map_geometry(surfaces: Surfaces, layout: Layout, tree: Tree) -> MapGeometry:
     """The arrays of surfaces and layout in the form and unit that kernels take."""
     radius = surfaces.radius_m
     chart = layout.message.ground
@@ -71,15 +77,26 @@ def map_geometry(surfaces: Surfaces, layout: Layout) -> MapGeometry:
         half_width = chart.half_width_m / radius
         ground[:5] = *chart.corner_px, chart.edge_px - 1, half_width, chart.warp
         ground[5:] = middle[0], middle[2], middle[1]
+    leaf = np.empty(len(tree.order), np.int32)
+    leaf[tree.order] = np.arange(len(leaf), dtype=np.int32)
     return MapGeometry(
-        (surfaces.corners_m / radius).astype(np.float32),
-        surfaces.normals,
+        tree.triangle,
+        leaf,
+        np.round(surfaces.normals * np.float32(_NORMAL)).astype(np.int16),
         surfaces.face_normals().astype(np.float32),
         np.ascontiguousarray(layout.uv_px, np.float32),
         np.ascontiguousarray(layout.owner),
         on_ground,
         ground,
     )
+
+
+def edges_of(
+    geometry: MapGeometry, triangles: NDArray[np.integer]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The first corner of triangles (K,) and the two edges that begin there, (K, 3) each."""
+    found = geometry.triangle[geometry.leaf[triangles]].astype(np.float64)
+    return found[:, :3], found[:, 3:6], found[:, 6:]
 
 
 def texels_of(geometry: MapGeometry) -> Texels:
@@ -199,12 +216,12 @@ def ground_pixel(ground, place_x, place_z, pixel):  # type: ignore[no-untyped-de
 @inlined
 def surface_place(geometry, t, weights, place, normal):  # type: ignore[no-untyped-def]
     """The point of triangle t at barycentric coordinates, and the shading normal there."""
-    corners, normals = geometry.corners, geometry.normals
+    triangle, normals, leaf = geometry.triangle, geometry.normals, geometry.leaf[t]
     for k in range(3):
         place[k] = (
-            weights[0] * corners[t, 0, k]
-            + weights[1] * corners[t, 1, k]
-            + weights[2] * corners[t, 2, k]
+            triangle[leaf, k]
+            + weights[1] * triangle[leaf, 3 + k]
+            + weights[2] * triangle[leaf, 6 + k]
         )
         normal[k] = (
             weights[0] * normals[t, 0, k]
@@ -213,7 +230,7 @@ def surface_place(geometry, t, weights, place, normal):  # type: ignore[no-untyp
         )
     length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
     for k in range(3):
-        normal[k] = normal[k] / length if length > 1e-6 else geometry.faces[t, k]
+        normal[k] = normal[k] / length if length > 1e-6 * _NORMAL else geometry.faces[t, k]
 
 
 @kernel
@@ -272,7 +289,7 @@ def _places(geometry, pixel):  # type: ignore[no-untyped-def]
     area = np.empty(count, np.float32)
     weights, beside = np.empty(3), np.empty(3)
     b, c = np.empty(3, np.float32), np.empty(3, np.float32)
-    uv, corners = geometry.uv, geometry.corners
+    uv, triangle = geometry.uv, geometry.triangle
     for i in range(count):
         column, row = pixel[i, 0], pixel[i, 1]
         t = geometry.owner[row, column]
@@ -292,7 +309,7 @@ def _places(geometry, pixel):  # type: ignore[no-untyped-def]
         t = triangle_at(geometry, column, row, column + 0.5, row + 0.5, weights)
         surface_place(geometry, t, weights, place[i], normal[i])
         for k in range(3):
-            b[k], c[k] = corners[t, 1, k] - corners[t, 0, k], corners[t, 2, k] - corners[t, 0, k]
+            b[k], c[k] = triangle[geometry.leaf[t], 3 + k], triangle[geometry.leaf[t], 6 + k]
         cross(b, c, beside)
         ux, uy = uv[t, 1, 0] - uv[t, 0, 0], uv[t, 1, 1] - uv[t, 0, 1]
         vx, vy = uv[t, 2, 0] - uv[t, 0, 0], uv[t, 2, 1] - uv[t, 0, 1]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from light_transport.surfaces.map_means import linear, triangle_means
+from light_transport.surfaces.map_means import linear, shares, triangle_means
 from light_transport.surfaces.terms import SentBack, sent_back
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.scene import SceneOpened
@@ -56,7 +56,22 @@ class Surfaces:
     def without_shapes(self) -> "Surfaces":
         """Parts, colours and the frame alone, for callers that hold the shapes in another form."""
         nothing = np.empty((0, 3, 3))
-        return replace(self, corners_m=nothing, normals=nothing.astype(np.float32))
+        return replace(
+            self,
+            corners_m=nothing,
+            normals=nothing.astype(np.float32),
+            opacity=np.empty(0, np.float32),
+            double_sided=np.empty(0, bool),
+        )
+
+    def colours_of(self, triangles: NDArray[np.integer]) -> "Surfaces":
+        """Some of them, `without_shapes`."""
+        return replace(
+            self.without_shapes(),
+            part=self.part[triangles],
+            reflectance_rgb=self.reflectance_rgb[triangles],
+            emitted_rgb=self.emitted_rgb[triangles],
+        )
 
     def face_normals(self) -> FloatArray:
         """Unit normals (F, 3) of the triangles, on the side of their shading normals.
@@ -78,7 +93,7 @@ def surfaces_of(scene: SceneOpened) -> Surfaces:
     lower_m, upper_m = np.asarray(scene.lower_m), np.asarray(scene.upper_m)
     centre_m = 0.5 * (lower_m + upper_m)
     radius_m = max(0.5 * float(np.linalg.norm(upper_m - lower_m)), _SMALLEST_RADIUS_M)
-    skins = [_skin(geometry.mesh(number), materials) for number in range(geometry.mesh_count)]
+    skins = _skins([geometry.mesh(n) for n in range(geometry.mesh_count)], materials)
     pieces = [
         _Piece(
             geometry.world_triangles(part) - centre_m,
@@ -112,6 +127,52 @@ class _Piece:
     skin: _Skin
 
 
+def _skins(meshes: list[Mesh], materials: list[Material]) -> list[_Skin]:
+    """Those of meshes.
+
+    Meshes that are alike in material and kinds of arrays are done at once: a landscape's tiles
+    share large maps.
+    """
+    alike: dict[tuple[bool | int, ...], list[int]] = {}
+    for number, mesh in enumerate(meshes):
+        layers = (mesh.uv, mesh.second_uv, mesh.colours_rgba)
+        key = (mesh.material, *(layer is None for layer in layers))
+        alike.setdefault(key, []).append(number)
+    skins: dict[int, _Skin] = {}
+    for numbers in alike.values():
+        together = [meshes[number] for number in numbers]
+        skin = _skin(_one_mesh(together), materials)
+        ends = np.cumsum([len(mesh.triangles) for mesh in together])[:-1]
+        arrays = (skin.corner_normals, skin.reflectance_rgb, skin.emitted_rgb, skin.opacity)
+        pieces = zip(*(np.split(array, ends) for array in arrays), strict=True)
+        for number, piece in zip(numbers, pieces, strict=True):
+            normals, reflectance_rgb, emitted_rgb, opacity = piece
+            skins[number] = _Skin(normals, reflectance_rgb, emitted_rgb, opacity, skin.double_sided)
+    return [skins[number] for number in range(len(meshes))]
+
+
+def _one_mesh(meshes: list[Mesh]) -> Mesh:
+    """Meshes of one material one after another."""
+    if len(meshes) == 1:
+        return meshes[0]
+    firsts = np.cumsum([0, *(len(mesh.positions_m) for mesh in meshes)])[:-1]
+    moved = [mesh.triangles + np.int32(first) for mesh, first in zip(meshes, firsts, strict=True)]
+
+    def joined(arrays: list[NDArray | None]) -> NDArray | None:
+        present = [array for array in arrays if array is not None]
+        return np.concatenate(present) if present else None
+
+    return Mesh(
+        np.concatenate([mesh.positions_m for mesh in meshes]),
+        np.concatenate([mesh.normals for mesh in meshes]),
+        np.concatenate(moved),
+        joined([mesh.uv for mesh in meshes]),
+        joined([mesh.second_uv for mesh in meshes]),
+        joined([mesh.colours_rgba for mesh in meshes]),
+        meshes[0].material,
+    )
+
+
 def _skin(mesh: Mesh, materials: list[Material]) -> _Skin:
     material = materials[mesh.material]
     vertex_rgba = _of_triangles(mesh)
@@ -138,9 +199,8 @@ def _map_means(mesh: Mesh, material: Material, name: MapName) -> Float32Array | 
     if found is None:
         return None
     is_colour = name in ("base_colour", "emission")
-    return triangle_means(
-        found, mesh, lambda texels: linear(texels[..., :3]) if is_colour else texels[..., :3]
-    )
+    decode = linear if is_colour else shares
+    return triangle_means(found, mesh, lambda texels: decode(texels[..., :3]))
 
 
 def _sent_back(mesh: Mesh, material: Material, vertex_rgb: Float32Array) -> SentBack:
@@ -171,8 +231,8 @@ def _opacity(mesh: Mesh, material: Material, vertex_alpha: Float32Array) -> Floa
     is_cut = material.alpha_mode == "MASK"
     alpha = np.float32(material.base_colour_rgba[3])
 
-    def decode(texels: Float32Array) -> Float32Array:
-        own = texels[..., 3:] * alpha
+    def decode(texels: NDArray[np.uint8]) -> Float32Array:
+        own = shares(texels[..., 3:]) * alpha
         return np.asarray(own >= material.alpha_cutoff, np.float32) if is_cut else own
 
     found = material.maps.get("base_colour")

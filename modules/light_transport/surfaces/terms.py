@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from light_transport.surfaces.map_means import linear, triangle_means
+from light_transport.surfaces.map_means import linear, shares, triangle_means
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
@@ -101,7 +101,7 @@ def _channel_means(mesh: Mesh, material: Material, name: MapName, channel: int) 
     found, ones = material.maps.get(name), np.ones((len(mesh.triangles), 1))
     if found is None or found.texels.shape[2] <= channel:
         return ones
-    means = triangle_means(found, mesh, lambda texels: texels[..., channel : channel + 1])
+    means = triangle_means(found, mesh, lambda texels: shares(texels[..., channel : channel + 1]))
     return ones if means is None else np.asarray(means, np.float64)
 
 

@@ -82,7 +82,11 @@ class LightProbe(QObject):
             return
         height, width = shown.picture.display.shape[:2]
         x, y = int(self._at[0] * width), int(self._at[1] * height)
-        self._luminance = luminance_text(shown.picture.luminance_cd_m2(x, y))
+        values = shown.picture.values
+        if values is None:
+            self._luminance = luminance_text(shown.picture.luminance_cd_m2(x, y))
+        else:
+            self._luminance = values.said_at(x, y)
         if shown.still:
             self._measuring.start()
         self.changed.emit()

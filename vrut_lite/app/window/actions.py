@@ -11,6 +11,8 @@ from vrut_lite.app.view.profiler_overlay import ProfilerOverlay
 from vrut_lite.app.view.section_switch import SectionSwitch
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.files import Files
+from vrut_lite.daylight.scene_state import Shown
+from vrut_lite.kernel.messages import SetSetting
 
 
 class ActionSpec(NamedTuple):
@@ -79,6 +81,12 @@ def action_specs(
 
         return ActionSpec(name, "Camera", title, key, set_mode, True, "camera")
 
+    def show(shown: Shown, title: str) -> ActionSpec:
+        def ask(on: bool) -> None:
+            session.send(SetSetting(module="scene", name="shows", value=shown))
+
+        return ActionSpec(f"show {shown}", "View", title, "", ask, True, "shown")
+
     return [
         ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
         ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
@@ -112,6 +120,10 @@ def action_specs(
         ActionSpec("compass", "View", "Compass", "K", desk.compass.show, True),
         ActionSpec("section", "View", "Section through the scene", "X",
                    SectionSwitch(session).cut, True),
+        show("picture", "Picture"),
+        show("illuminance", "Illuminance in false colours"),
+        show("texels", "Light map's texels in false colours"),
+        show("noise", "Light map's noise in false colours"),
         ActionSpec("compare", "View", "Compare two skies", "C",
                    partial(window.toggle_dock, "compare")),
         ActionSpec("profiler", "View", "Profiler", "F3", profiler.setVisible, True),

@@ -108,6 +108,7 @@ class MainWindow(QMainWindow):
         desk.scout.day_changed.connect(desk.sun_path.set_day)
         session.listen(SunMoved, desk.sun_path.set_sun)
         session.listen(SettingChanged, self.menus.show_section)
+        session.listen(SettingChanged, self.menus.show_values)
         session.listen(SetPlace, desk.sun_path.set_place)
         session.listen(SetPlace, desk.compass.set_place)
         session.listen(SceneOpened, self._scene_loaded)

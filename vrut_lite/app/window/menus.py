@@ -40,6 +40,7 @@ class Menus:
         self.views = self._submenu("Camera", "Views")
         self.panels = self._submenu("View", "Panels")
         self.actions["orbit"].setChecked(True)
+        self.actions["show picture"].setChecked(True)
         self.show_steps(Steps())
 
     def add(self, spec: ActionSpec) -> None:
@@ -68,6 +69,11 @@ class Menus:
         """Show whether the picture is cut."""
         if (changed.module, changed.name) == ("scene", "section"):
             self.actions["section"].setChecked(changed.value != "off")
+
+    def show_values(self, changed: SettingChanged) -> None:
+        """Show whether the picture is one of values in false colours."""
+        if (changed.module, changed.name) == ("scene", "shows"):
+            self.actions[f"show {changed.value}"].setChecked(True)
 
     def fill_recent(self) -> None:
         """List the recent files that exist."""

@@ -18,7 +18,7 @@ from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PyrenderScene
 from vrut_lite.render.targets import Targets
 
-_SHADOWS = "CLOUD_SHADOWS"
+CLOUD_SHADOWS = "CLOUD_SHADOWS"
 Measure = Callable[[str], AbstractContextManager[Any]]
 
 
@@ -95,5 +95,5 @@ class FrameClouds:
 
 def with_cloud_shadows(air: FrameAir) -> FrameAir:
     """The defines where clouds shade the sun; the sky's own ground is shaded only through air."""
-    sky = (*air.sky, _SHADOWS) if "AIR" in air.sky else air.sky
-    return FrameAir((*air.mesh, _SHADOWS), sky)
+    sky = (*air.sky, CLOUD_SHADOWS) if "AIR" in air.sky else air.sky
+    return FrameAir((*air.mesh, CLOUD_SHADOWS), sky)

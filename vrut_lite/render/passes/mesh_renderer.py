@@ -54,6 +54,7 @@ class MeshRenderer(CasterRenderer):
         # What cuts the scene's meshes, but neither the ground's disc nor shadows.
         self.section: Section | None = None
         self._queries = OcclusionQueries()
+        self._levels_finer = 0.0
 
     def delete(self) -> None:
         """Free all that it keeps on the GPU."""
@@ -102,6 +103,18 @@ class MeshRenderer(CasterRenderer):
         if self._cuts(placed):
             program.set_uniform("section", _seen_from(self.section, view.eye_m))
             GL.glEnable(GL.GL_CLIP_DISTANCE0)
+
+    def read_finer(self, scene: PyrenderScene, levels: float) -> None:
+        """Read maps so many of their levels finer than pixels ask for."""
+        if levels == self._levels_finer:
+            return
+        self._levels_finer = levels
+        for placed in scene.placed:
+            for _, texture in _textures(placed.primitive.material):
+                if texture is not None:
+                    GL.glBindTexture(GL.GL_TEXTURE_2D, texture._texid)
+                    GL.glTexParameterf(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_LOD_BIAS, -levels)
+        GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
 
     def draw(
         self,

@@ -1,6 +1,6 @@
 """A camera's matrices, and those of placed meshes as it sees them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,13 @@ class View:
     def clip_from_eye(self) -> NDArray[np.float64]:
         """Matrix (4, 4) of positions relative to the eye, in world axes."""
         return self.projection @ self.rotation
+
+    def shifted(self, shift_px: tuple[float, float], size_px: tuple[int, int]) -> "View":
+        """The view whose picture shows what lies so far to the right and up."""
+        projection = self.projection.copy()
+        for axis in range(2):
+            projection[axis] -= 2.0 * shift_px[axis] / size_px[axis] * projection[3]
+        return replace(self, projection=projection)
 
 
 def translation(offset_m: NDArray) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@
 //!include surface_light.glsl
 
 // Light of a surface with this normal, and with its normal map's normal.
-Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+Reached light_of_scene(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #if defined(GROUND_LIGHT)
     return ground_light(eye_to_point);
 #elif defined(LIGHT_MAP)
@@ -28,5 +28,20 @@ Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
 #else
     return probe_light(eye_to_point, n);
 #endif
+}
+
+// The same, finer where points of the view are known.
+Reached surface_light(vec3 face, vec3 smooth_n, vec3 n, bool behind) {
+    Reached found = light_of_scene(face, smooth_n, n, behind);
+#ifdef VIEW_LIGHT
+    vec4 light;
+    if (light_of_view(point_in_triangle(face), face, light)) {
+#ifdef HAS_NORMAL_TEX
+        light.rgb *= tilted(n, smooth_n, MOST_TILTED);
+#endif
+        found.light = light;
+    }
+#endif
+    return found;
 }
 #endif

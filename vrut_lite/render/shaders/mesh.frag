@@ -121,6 +121,10 @@ vec4 base_color() {
     return base;
 }
 
+#ifdef ILLUMINANCE
+//!include illuminance.glsl
+#endif
+
 #ifdef TERMS
 //!include surface_terms.glsl
 #endif
@@ -141,6 +145,13 @@ void main() {
     cover(alpha_of_map);
 #endif
     if (base.a < alpha_cutoff || base.a >= alpha_end) discard;
+#ifdef ILLUMINANCE
+    vec3 towards_eye = normalize(-eye_to_sample), seen_face = face_normal(towards_eye);
+    bool from_behind;
+    vec3 seen_n = smooth_normal(seen_face, from_behind);
+    frag_radiance = vec4(irradiance_of(seen_face, seen_n, from_behind), 1.0);
+    return;
+#endif
 #ifdef UNLIT
     // As bright as level ground of its colour in the open.
     vec3 on_ground = sky_irradiance(vec3(0.0, 1.0, 0.0)) + sun_irradiance * max(sun_direction.y, 0.0);

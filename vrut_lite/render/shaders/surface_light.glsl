@@ -48,6 +48,43 @@ Reached ground_light(vec3 point) {
 }
 #endif
 
+#ifdef VIEW_LIGHT
+layout(binding = 19) uniform sampler2D view_light;  // at points that the picture shows
+layout(binding = 20) uniform sampler2D view_plane;  // their triangles' planes, from the eye
+const float SAME_PLANE = 2e-3;  // of the distance from the eye
+const float SAME_FACING = 0.97;
+
+// The light of the points around a fragment that lie on its triangle's plane, where there are any.
+bool light_of_view(vec3 point, vec3 face, out vec4 light) {
+    ivec2 size = textureSize(view_light, 0);
+    // Squares count from the upper edge of the picture, which the last of them may pass.
+    float below = surface.view_edge_px * float(size.y) - surface.view_height_px;
+    vec2 at = (gl_FragCoord.xy + vec2(0.0, below)) / surface.view_edge_px - 0.5;
+    ivec2 first = ivec2(floor(at));
+    vec2 share = at - vec2(first);
+    vec3 n = face;
+    float reach = SAME_PLANE * length(point), total = 0.0;
+    light = vec4(0.0);
+    for (int j = -1; j <= 2; ++j) {
+        for (int i = -1; i <= 2; ++i) {
+            ivec2 texel = clamp(first + ivec2(i, j), ivec2(0), size - 1);
+            vec4 plane = texelFetch(view_plane, texel, 0);
+            if (dot(plane.xyz, n) < SAME_FACING) continue;
+            if (abs(dot(plane.xyz, point) - plane.w) > reach) continue;
+            // Linear between the four points about it; those beyond count where these do not.
+            vec2 near = max(1.0 - abs(vec2(i, j) - share), 1e-3);
+            float weight = near.x * near.y;
+            light += weight * texelFetch(view_light, texel, 0);
+            total += weight;
+        }
+    }
+    if (total <= 0.0) return false;
+    light /= total;
+    light.rgb *= surface.view_scale;
+    return true;
+}
+#endif
+
 #ifdef LIGHT_PROBES
 vec3 among_probes(vec3 point) {
     return surface.probes_eye + point * surface.probes_per_m;

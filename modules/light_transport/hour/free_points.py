@@ -1,0 +1,80 @@
+"""Light at points that are no texels, by rays of their own, which end on the map's patches."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from light_transport.bake import Bake
+from light_transport.giving_up import GoOn, always
+from light_transport.hour.gather import patches_gathered, sky_gathered
+from light_transport.hour.hour import Hour
+from light_transport.rays.ray_starts import Probes
+from light_transport.rays.ray_table import empty_rows, slice_of, with_rays
+from light_transport.rays.sky_nodes import NODES
+from vrut_lite.numeric_types import Float32Array, FloatArray
+
+_BLOCK = 1024
+
+
+class PointLight(NamedTuple):
+    """Light at points (P).
+
+    Attributes:
+        irradiance_rgb: (P, 3), W m^-2.
+        sky: (P,), luminance of what of it the sky sends.
+        room_m: (P,), harmonic mean distance of what is seen from there, infinite under open sky.
+        free: (P,), share of the rays that count: little in bodies.
+    """
+
+    irradiance_rgb: Float32Array
+    sky: Float32Array
+    room_m: Float32Array
+    free: Float32Array
+
+
+def light_at(
+    bake: Bake,
+    places_m: FloatArray,
+    normals: FloatArray,
+    hour: Hour,
+    rays: int,
+    threads: int = 1,
+    go_on: GoOn = always,
+) -> PointLight:
+    """Light of an hour at `places_m` (P, 3) on planes with unit `normals` (P, 3), world axes.
+
+    The key light's own is not in it. Light does not depend on the number of threads.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
+    assert bake.patches is not None
+    surfaces, texels = bake.surfaces, len(bake.texels.pixel)
+    places = (places_m - surfaces.centre_m) / surfaces.radius_m
+    probes = Probes(places.astype(np.float32), normals.astype(np.float32))
+    # Rows of these points stand where those of the bake's probes do.
+    columns, own = bake.patches.column_of, len(bake.receivers.probes.place)
+    nothing = np.full(len(places), NODES + len(bake.patches.area), np.int32)
+    after = columns[NODES + texels + own :]
+    column_of = np.concatenate([columns[: NODES + texels], nothing, after])
+    receivers = bake.receivers._replace(probes=probes)
+    column_light = bake.column_light(hour)
+    rows = empty_rows(texels, len(places))
+    light = np.empty((len(places), 4), np.float32)
+    room, free = np.empty((2, len(places)), np.float32)
+
+    def block(first: int) -> None:
+        go_on()
+        last = min(first + _BLOCK, len(places))
+        found = with_rays(bake.tree, receivers, slice_of(rows, first, last), column_of, 0, rays)
+        gathered = light[first:last]
+        sky_gathered(found, column_light, 0, last - first, gathered)
+        patches_gathered(found, column_light, 0, last - first, gathered)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            room[first:last] = found.valid / found.nearness * np.float32(surfaces.radius_m)
+        free[first:last] = found.valid / np.float32(rays)
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(block, range(0, len(places), _BLOCK)))
+    return PointLight(light[:, :3], light[:, 3], room, free)

@@ -1,0 +1,152 @@
+"""Light for the pixels of a finished still, by rays of their own (a final gather).
+
+A map's texel is wide: what stands out a little darkens a strip of wall that is narrower. Points
+that pixels see have their own rays, which end on the map's patches.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from light_transport.bake import Bake
+from light_transport.giving_up import GoOn
+from light_transport.hour.free_points import light_at
+from light_transport.hour.hour import Hour
+from light_transport.kernels import dot, kernel
+from light_transport.rays.trace import MISS, nearest
+from light_transport.rays.tree import STACK
+from light_transport.surfaces.map_texels import surface_place
+from vrut_lite.daylight.camera import MoveCamera, pixel_rays
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.numeric_types import Float32Array
+
+# Points begin so far off their surface, in radii, as rays of texels do.
+_OFF = 1e-5
+# Points of which fewer rays count lie inside bodies, where no eye looks.
+_LEAST_FREE = 0.4
+# Noise is smoothed over so many points to each side; light changes slowly where there is room.
+_REACH, _SHARE_OF_ROOM = 2, 0.3
+
+
+class ViewLight(NamedTuple):
+    """Light (rows, columns, 4) and planes (rows, columns, 4), as `ViewLightChanged` has them."""
+
+    light: Float32Array
+    plane: Float32Array
+
+
+def edge_for(size_px: tuple[int, int], points: int) -> int:
+    """Edge of squares such that a picture has about so many."""
+    return max(1, int(np.ceil(np.sqrt(size_px[0] * size_px[1] / points))))
+
+
+def view_light(
+    bake: Bake,
+    hour: Hour,
+    camera: MoveCamera,
+    size_px: tuple[int, int],
+    edge_px: int,
+    rays: int,
+    threads: int,
+    go_on: GoOn,
+) -> ViewLight:
+    """Light of an hour on what the middles of squares of `edge_px` pixels see.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
+    columns, rows = (-(-edge // edge_px) for edge in size_px)
+    y, x = np.indices((rows, columns)).reshape(2, -1)
+    middle = 0.5 * (edge_px - 1)
+    towards = pixel_rays(camera, size_px, x * edge_px + middle, y * edge_px + middle)
+    radius_m, centre_m = bake.surfaces.radius_m, bake.surfaces.centre_m
+    eye_m = np.asarray(camera.eye_m)
+    eye = (eye_m - centre_m) / radius_m
+    place, normal, face = _seen(bake.tree, bake.receivers.geometry, eye, towards)
+    seen = np.flatnonzero(face.any(axis=1))
+    off = (place[seen] + _OFF * face[seen]) * radius_m + centre_m
+    found = light_at(bake, off, normal[seen], hour, rays, threads, go_on)
+    seen, kept = seen[found.free >= _LEAST_FREE], found.free >= _LEAST_FREE
+    light = np.zeros((len(towards), 4), np.float32)
+    light[seen, :3] = found.irradiance_rgb[kept]
+    open_sky = luminance(evaluate_irradiance(hour.open_sky, normal[seen]))
+    light[seen, 3] = np.clip(found.sky[kept] / np.maximum(open_sky, 1e-30), 0.0, 1.0)
+    distance_m = np.zeros((len(towards), 1))
+    distance_m[seen, 0] = np.einsum("pi,pi->p", face[seen], place[seen] - eye) * radius_m
+    shown = np.zeros((len(towards), 1), bool)
+    shown[seen] = True
+    plane = np.where(shown, np.concatenate([face, distance_m], axis=1), 0.0).astype(np.float32)
+    room = np.zeros(len(towards), np.float32)
+    room[seen] = found.room_m[kept] / radius_m
+    shape = (rows, columns)
+    smoothed = _smoothed(
+        light.reshape(*shape, 4),
+        plane.reshape(*shape, 4),
+        (place - eye).astype(np.float32).reshape(*shape, 3),
+        room.reshape(shape),
+        np.float32(radius_m),
+    )
+    return ViewLight(smoothed, plane.reshape(*shape, 4))
+
+
+@kernel
+def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
+    """Places, shading normals and face normals (R, 3) where rays meet surfaces; 0 in the sky.
+
+    Both normals are those of the side that is seen.
+    """
+    count = len(towards)
+    places, normals = np.zeros((count, 3)), np.zeros((count, 3))
+    faces = np.zeros((count, 3))
+    weights = np.empty(3)
+    stack, far_stack = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+    ox, oy, oz = np.float32(eye[0]), np.float32(eye[1]), np.float32(eye[2])
+    for i in range(count):
+        d = towards[i]
+        _, hit, u, v = nearest(
+            tree, ox, oy, oz, np.float32(d[0]), np.float32(d[1]), np.float32(d[2]), i, stack,
+            far_stack,
+        )  # fmt: skip
+        if hit == MISS:
+            continue
+        t = tree.order[hit]
+        weights[0], weights[1], weights[2] = 1.0 - u - v, u, v
+        surface_place(geometry, t, weights, places[i], normals[i])
+        side = 1.0 if dot(geometry.faces[t], d) < 0.0 else -1.0
+        alike = 1.0 if dot(geometry.faces[t], normals[i]) > 0.0 else -1.0
+        for k in range(3):
+            faces[i, k] = side * geometry.faces[t, k]
+            normals[i, k] *= side * alike
+    return places, normals, faces
+
+
+@kernel
+def _smoothed(light, plane, place, room, radius_m):  # type: ignore[no-untyped-def]
+    """Means of light (H, W, 4) over neighbours on one plane, by how much room both have."""
+    height, width = room.shape
+    out = np.zeros_like(light)
+    for y in range(height):
+        for x in range(width):
+            total = np.float32(0.0)
+            for r in range(max(y - _REACH, 0), min(y + _REACH + 1, height)):
+                for c in range(max(x - _REACH, 0), min(x + _REACH + 1, width)):
+                    alike, away2, off = np.float32(0.0), np.float32(0.0), np.float32(0.0)
+                    for k in range(3):
+                        step = place[r, c, k] - place[y, x, k]
+                        alike += plane[r, c, k] * plane[y, x, k]
+                        away2 += step * step
+                        off += step * plane[y, x, k]
+                    away = np.sqrt(away2)
+                    if alike < np.float32(0.9) or abs(off) > np.float32(0.1) * away:
+                        continue
+                    reach = np.float32(_SHARE_OF_ROOM) * min(room[y, x], room[r, c])
+                    weight = min(np.float32(1.0), reach / max(away, np.float32(1e-9)))
+                    weight *= weight
+                    total += weight
+                    for k in range(4):
+                        out[y, x, k] += weight * light[r, c, k]
+            if total > 0.0:
+                for k in range(4):
+                    out[y, x, k] /= total
+    return out

@@ -1,0 +1,139 @@
+"""A scene as rays see it: triangles, the rows that rays begin at, and where these rays end."""
+
+import hashlib
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.hour.openness import orientation_of
+from light_transport.layout.layout import Layout
+from light_transport.layout.probe_places import probe_places_m
+from light_transport.rays.mirror_rays import MirrorRays
+from light_transport.rays.patches import Patches
+from light_transport.rays.ray_starts import Receivers, no_probes, probe_planes
+from light_transport.rays.ray_table import Rows, empty_rows
+from light_transport.rays.tree import Tree, tree_over
+from light_transport.surfaces.groups import groups_of
+from light_transport.surfaces.links import links_of, seam_links
+from light_transport.surfaces.map_texels import map_geometry, texels_of
+from light_transport.surfaces.sheets import sheets_of
+from light_transport.surfaces.surfaces import Surfaces
+from vrut_lite.daylight.lamps import SceneLamps
+from vrut_lite.numeric_types import BoolArray
+
+BLOCK_ROWS = 2048
+# Rows of which a smaller share of rays counts lie inside bodies. A tenth is too little: what gets
+# out between the pieces of a wall then shines at its edge.
+_LEAST_FREE = 0.4
+_GROUP_TEXELS = 4.0
+_SMALLEST_GROUP = 1.0 / 200.0
+_Made = TypeVar("_Made")
+
+
+def tree_of(surfaces: Surfaces) -> Tree:
+    """The tree that rays are traced in."""
+    return tree_over(surfaces.corners_m / surfaces.radius_m, surfaces.opacity)
+
+
+class RayScene:
+    """Triangles and rows of a scene, and where the rays of rows end.
+
+    Rows are texels, row by row of the map, then six planes for each probe (+x, -x, +y, -y, +z,
+    -z), then groups of triangles without texels and backs of sheets.
+
+    Attributes:
+        rows: how many there are.
+        rays: how many each row has.
+        table: where they end.
+        patches, mirrors, lamps: as far as there are some.
+        colour_of: (N,) int32, the triangle of `surfaces` that has a texel's colours: with patches
+            `surfaces` keeps those alone that texels lie on.
+        orientation: (N,) of texels and probes, see `orientation_of`.
+        bounces_left: share of any patch's light that bounces left out may bring; of the mean it is
+            a hundredth of that.
+        threads: how many work on rows.
+    """
+
+    def __init__(
+        self,
+        surfaces: Surfaces,
+        layout: Layout,
+        bounces_left: float,
+        threads: int,
+        tree: Tree | None,
+    ):
+        """Nothing is traced yet; `tree` is made where there is none."""
+        self.surfaces = surfaces.without_shapes()
+        self.probes = layout.message.probes
+        self.threads = threads
+        self.bounces_left = bounces_left
+        self.rays = 0
+        self.tree = tree_of(surfaces) if tree is None else tree
+        geometry = map_geometry(surfaces, layout, self.tree)
+        self.texels = texels_of(geometry)
+        probes = no_probes()
+        if self.probes is not None:
+            places_m = probe_places_m(self.probes)
+            probes = probe_planes(places_m, surfaces.centre_m, surfaces.radius_m)
+        widths = self.texels.width if len(self.texels.width) else layout.texel_m / surfaces.radius_m
+        edge = max(_SMALLEST_GROUP, _GROUP_TEXELS * float(np.median(widths)))
+        groups = groups_of(geometry, sheets_of(surfaces), edge)
+        self.colour_of = self.texels.triangle
+        self.receivers = Receivers(geometry, self.texels, probes, groups)
+        self.links = links_of(self.texels, layout.chart[self.texels.triangle])
+        self.seams = seam_links(self.texels, layout.seams)
+        self.rows = len(self.texels.pixel) + len(probes.place) + len(groups.area)
+        self.table: Rows = empty_rows(0, self.rows)
+        self.patches: Patches | None = None
+        self.mirrors: MirrorRays | None = None
+        self.lamps: SceneLamps | None = None
+        self.orientation = orientation_of(np.concatenate([self.texels.normal, probes.normal]))
+
+    @property
+    def good(self) -> BoolArray:
+        """Which rows (N,) do not lie inside bodies."""
+        return are_good(self.table, self.rays)
+
+    @property
+    def arrays(self) -> list[NDArray]:
+        """All that grow with the scene."""
+        parts: list[NDArray] = [*self.tree, *self.texels, *self.table[1:], self.links, self.seams]
+        parts += [*self.receivers.geometry, *self.receivers.probes, *self.receivers.groups]
+        parts += [*self.surfaces.arrays, self.orientation, self.colour_of]
+        parts += [] if self.patches is None else [*self.patches]
+        parts += [] if self.mirrors is None else [*self.mirrors[1:]]
+        return parts
+
+    @cached_property
+    def geometry_digest(self) -> str:
+        """Of all that rays meet and begin at."""
+        digest = hashlib.blake2b(digest_size=16)
+        receivers = self.receivers
+        begin: list[NDArray] = [receivers.texels.pixel, *receivers.probes, *receivers.groups]
+        for array in [*begin, *self.tree, *receivers.geometry[1:]]:
+            digest.update(f"{array.dtype.str}{array.shape}".encode())
+            digest.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+        return digest.hexdigest()
+
+    def over_rows(self, rows: int, work: Callable[[int, int], None]) -> None:
+        """Do work on ranges of rows, which fill arrays apart from each other."""
+        step = max(BLOCK_ROWS, -(-rows // max(4 * self.threads, 1))) if self.threads > 1 else rows
+        self.in_threads(
+            lambda first: work(first, min(first + step, rows)), range(0, rows, max(step, 1))
+        )
+
+    def in_threads(self, work: Callable[[int], _Made], firsts: range) -> list[_Made]:
+        """What work makes of numbers."""
+        if self.threads == 1:
+            return [work(first) for first in firsts]
+        with ThreadPoolExecutor(self.threads) as pool:
+            return list(pool.map(work, firsts))
+
+
+def are_good(table: Rows, rays: int) -> BoolArray:
+    """Which rows (N,) do not lie inside bodies."""
+    return np.asarray(table.valid > _LEAST_FREE * rays)

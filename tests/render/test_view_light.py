@@ -1,0 +1,96 @@
+"""A finished still is lit by points of its own where they lie on what it shows."""
+
+import numpy as np
+import pytest
+from light_map_stage import even, laid, lit
+from scene_stage import light, look, square, surface
+from stateful_backend import opened
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.view_light import ViewLightChanged
+
+pytestmark = pytest.mark.gl
+SIZE = 48
+ABOVE = ((0.0, 1.0, 1e-3), (0.0, 0.0, 0.0), 2 * np.arctan(0.4))
+# From the eye 1 m below it, upwards.
+LEVEL = (0.0, 1.0, 0.0, -1.0)
+
+
+@pytest.fixture
+def backend(gl_backend, tmp_path):
+    """A white square under a map of 1 W m^-2 in every texel, seen from above."""
+    backend = gl_backend(size_px=(SIZE, SIZE))
+    light(backend, np.zeros((6, 16, 16, 3)))
+    scene = opened(square(tmp_path, surface(0.0, 1.0)))
+    layout = laid(scene, ((1, 2),))
+    texels = even(layout, 1.0, 0.0)
+    backend.change(scene=scene, light_map=layout, surface_light=lit(layout, texels))
+    backend.by_map = look(backend, *ABOVE).radiance.astype(float)
+    return backend
+
+
+def of_view(backend, irradiance, plane=LEVEL, edge_px=4):
+    """Irradiance (rows, columns) on a plane, for the present view."""
+    irradiance = np.asarray(irradiance, float)
+    rgba = np.stack([irradiance] * 3 + [np.zeros_like(irradiance)], axis=-1)
+    message = ViewLightChanged(
+        layout_key=backend.state.light_map.layout_key,
+        camera=backend.state.camera,
+        size_px=(SIZE, SIZE),
+        edge_px=edge_px,
+        light=Array((rgba / 2.0).astype(np.float16)),
+        plane=Array(np.broadcast_to(np.float32(plane), rgba.shape).copy()),
+        radiance_scale=2.0,
+        rays=64,
+        source="test",
+    )
+    message.check()
+    message.check_arrays()
+    backend.change(view_light=message)
+
+
+def test_surfaces_have_the_light_of_points_on_them(backend):
+    """Linearly between the points, in the middles of their squares."""
+    across = np.linspace(1.0, 2.0, 12)
+    of_view(backend, np.broadcast_to(across, (12, 12)))
+    found = look(backend, *ABOVE).radiance / backend.by_map
+    at = (np.arange(SIZE) + 0.5) / 4.0 - 0.5
+    expected = np.interp(at, np.arange(12), across)
+    # Beyond the last points the two nearest weigh alike.
+    np.testing.assert_allclose(found[24, 4:-4, 0], expected[4:-4], rtol=5e-3)
+
+
+def test_rows_count_from_the_top_also_where_squares_pass_the_border(backend):
+    """Squares of 5 pixels on 48: the last row of them is cut."""
+    down = np.linspace(1.0, 2.0, 10)
+    of_view(backend, np.broadcast_to(down[:, None], (10, 10)), edge_px=5)
+    found = look(backend, *ABOVE).radiance / backend.by_map
+    expected = np.interp((np.arange(SIZE) + 0.5) / 5.0 - 0.5, np.arange(10), down)
+    np.testing.assert_allclose(found[5:-8, 24, 0], expected[5:-8], rtol=5e-3)
+
+
+@pytest.mark.parametrize("plane", [(0, 1, 0, -0.9), (0, 0.8, 0.6, -0.8), (0, 0, 0, 0)])
+def test_points_on_other_planes_light_nothing(backend, plane):
+    """Farther away, turned, or in the sky: the map lights the surface."""
+    of_view(backend, np.full((12, 12), 3.0), plane)
+    found = look(backend, *ABOVE).radiance
+    np.testing.assert_allclose(found, backend.by_map, rtol=1e-3)
+
+
+def test_light_of_another_view_is_not_shown(backend):
+    """A camera that moved on is lit by the map, and so is a moving frame."""
+    of_view(backend, np.full((12, 12), 3.0))
+    finished = look(backend, *ABOVE).radiance
+    assert finished.mean() == pytest.approx(3.0 * backend.by_map.mean(), rel=1e-2)
+    moving = look(backend, *ABOVE, still=False).radiance
+    moved = look(backend, (0.01, 1.0, 1e-3), *ABOVE[1:]).radiance
+    for other in (moving, moved):
+        assert other.mean() == pytest.approx(backend.by_map.mean(), rel=1e-2)
+
+
+def test_a_finished_still_is_the_mean_of_four_pictures(backend):
+    """Pixels stay where they are; edges have four times the samples."""
+    before = backend.ledger.done["picture"]
+    of_view(backend, np.ones((12, 12)))
+    look(backend, *ABOVE)
+    assert backend.ledger.done["picture"] - before == 4

@@ -1,0 +1,62 @@
+"""Values as colours, on a scale by ratios that is perceptually even."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.numeric_types import FloatArray
+
+AnyFloats = NDArray[np.floating]
+
+# From dark violet over green to yellow.
+_STOPS = np.array(
+    [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], float
+)
+UNUSED = (24, 24, 24)
+# Range of the shown values: darker and brighter ones get the colours of the ends.
+_LOW, _HIGH = 0.01, 0.99
+_WIDEST = 1e3
+
+
+class Scale(NamedTuple):
+    """The values of the darkest and of the brightest colour; 0 where there is nothing to show."""
+
+    low: float
+    high: float
+
+    def at(self, share: float) -> float:
+        """The value at a share of the way from the darkest colour to the brightest."""
+        return float(self.low ** (1.0 - share) * self.high**share)
+
+
+def scale_of(values: AnyFloats) -> Scale:
+    """A scale for values of any shape; only positive numbers count."""
+    used = values[np.isfinite(values) & (values > 0.0)]
+    if not len(used):
+        return Scale(0.0, 0.0)
+    low, high = (float(value) for value in np.quantile(used, (_LOW, _HIGH)))
+    return Scale(max(low, high / _WIDEST), high)
+
+
+def coloured(values: AnyFloats, scale: Scale) -> NDArray[np.uint8]:
+    """sRGB pixels (..., 3) of values (...,); what is no positive number has the colour UNUSED."""
+    pixels = np.empty((*values.shape, 3), np.uint8)
+    pixels[:] = UNUSED
+    used = np.isfinite(values) & (values > 0.0)
+    if scale.high > 0.0:
+        span = max(np.log(scale.high / scale.low), 1e-9)
+        share = np.log(np.maximum(values[used], scale.low) / scale.low) / span
+        pixels[used] = _colour_at(np.clip(share, 0.0, 1.0))
+    return pixels
+
+
+def scale_pixels(width: int) -> NDArray[np.uint8]:
+    """The scale (1, width, 3) from the darkest colour to the brightest."""
+    return _colour_at(np.linspace(0.0, 1.0, width)[None])
+
+
+def _colour_at(share: FloatArray) -> NDArray[np.uint8]:
+    at = share * (len(_STOPS) - 1)
+    rgb = np.stack([np.interp(at, range(len(_STOPS)), stops) for stops in _STOPS.T], axis=-1)
+    return rgb.round().astype(np.uint8)

@@ -1,0 +1,76 @@
+"""Pictures of values in false colours, with their legend."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from vrut_lite.geometry.false_colours import Scale, coloured, scale_of, scale_pixels
+from vrut_lite.numeric_types import Float32Array
+
+
+class Quantity(NamedTuple):
+    """What a picture shows instead of radiance, and how its values are written."""
+
+    title: str
+    unit: str
+    factor: float = 1.0
+
+    def said(self, value: float) -> str:
+        """A value in three figures, with its unit."""
+        shown = value * self.factor
+        return f"{shown:,.0f} {self.unit}" if shown >= 100.0 else f"{shown:.3g} {self.unit}"
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "illuminance": Quantity("illuminance", "lx"),
+    "texels": Quantity("edge of the light map's texels", "m"),
+    "noise": Quantity("noise of the light map's rays", "%", 100.0),
+}
+_TICKS = 5
+_MARGIN_PX, _BAR_PX, _FONT_PX = 8, 10, 11
+_NARROWEST_PX = 160
+
+
+class Values(NamedTuple):
+    """Values (h, w) float32 of a picture, row 0 at the top: NaN where no surface is seen."""
+
+    values: Float32Array
+    quantity: Quantity
+    scale: Scale
+
+    def said_at(self, x: int, y: int) -> str:
+        """The value of a pixel; empty where there is none."""
+        value = float(self.values[y, x])
+        return self.quantity.said(value) if np.isfinite(value) else ""
+
+
+def values_of(values: Float32Array, shown: str) -> Values:
+    """Values (h, w) with a scale of their own."""
+    return Values(values, QUANTITIES[shown], scale_of(values))
+
+
+def value_pixels(found: Values) -> NDArray[np.uint8]:
+    """The picture (h, w, 3) with its legend, where there is room for one."""
+    pixels = coloured(found.values, found.scale)
+    height, width = pixels.shape[:2]
+    if width < _NARROWEST_PX or height < _NARROWEST_PX // 2 or found.scale.high <= 0.0:
+        return pixels
+    image = Image.fromarray(pixels)
+    pen, font = ImageDraw.Draw(image, "RGBA"), ImageFont.load_default(_FONT_PX)
+    top = height - 2 * _FONT_PX - _BAR_PX - 2 * _MARGIN_PX
+    pen.rectangle((0, top - _MARGIN_PX // 2, width, height), fill=(0, 0, 0, 170))
+    pen.text((_MARGIN_PX, top), found.quantity.title, (235, 235, 235), font=font)
+    bar = Image.fromarray(scale_pixels(width - 2 * _MARGIN_PX)).resize(
+        (width - 2 * _MARGIN_PX, _BAR_PX)
+    )
+    below = top + _FONT_PX + _MARGIN_PX // 2
+    image.paste(bar, (_MARGIN_PX, below))
+    for tick in range(_TICKS):
+        share = tick / (_TICKS - 1)
+        said = found.quantity.said(found.scale.at(share))
+        room = width - 2 * _MARGIN_PX - pen.textlength(said, font=font)
+        place = (_MARGIN_PX + share * room, below + _BAR_PX + 2)
+        pen.text(place, said, (235, 235, 235), font=font)
+    return np.asarray(image, np.uint8).copy()

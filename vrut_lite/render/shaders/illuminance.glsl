@@ -1,0 +1,31 @@
+// Irradiance of what is seen, normal maps left out: as a light meter on the surface has it.
+
+vec3 irradiance_of(vec3 face, vec3 n, bool behind) {
+#ifdef SURFACE_LIGHT
+    vec3 found = surface_light(face, n, n, behind).light.rgb;
+#elif defined(MAP_VALUES)
+    vec3 found = vec3(0.0);  // no map, no value
+#else
+    vec3 found = sky_irradiance(n);
+#endif
+    float nl = dot(n, sun_direction);
+#ifndef NO_SKY
+    if (nl > 0.0 && dot(face, sun_direction) > 0.0) {
+        vec3 sun = sun_irradiance * (nl * sun_visibility(face));
+#ifdef GLASS_SHADOW
+        sun *= sun_through_glass(face);
+#endif
+#ifdef CLOUD_SHADOWS
+        sun *= cloud_transmittance(eye_to_sample);
+#endif
+        found += sun;
+    }
+#endif
+#ifdef LAMPS
+    for (int number = 0; number < int(lamps.count); ++number) {
+        vec3 towards, lamp = lamp_irradiance(number, point_in_triangle(face), face, towards);
+        found += lamp * max(dot(n, towards), 0.0);
+    }
+#endif
+    return found;
+}
