@@ -101,7 +101,8 @@ def test_glossy_things_have_cubes_in_layout_and_light(stage, tmp_path):
     assert light.fits(laid)
     cubes = light.mirrors.values.astype(float)
     met = cubes[..., 3] > 0.0
-    assert ((laid.mirrors.nearness.values > 0.0) == met).all()
+    # Openings to the sky have a distance too, that of what stands around them.
+    assert (laid.mirrors.nearness.values[met] > 0.0).all()
     assert 0.2 < met.mean() < 0.55
     assert (cubes[met][:, :3] == 0.0).all()
 

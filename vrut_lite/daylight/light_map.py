@@ -105,8 +105,8 @@ class Mirrors(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     Attributes:
         part: (N,) int32, the parts of the scene.
         centre_m: (N, 3) float64, the points that the cubes are seen from, world axes.
-        nearness: (N, 6, e, e) float32, inverse distance of the surface that is seen, in 1/m; 0 for
-            infinity. Faces as in `geometry.cube_map`.
+        nearness: (N, 6, e, e) float32, inverse distance of the surface that is seen, in 1/m; of the
+            sky what a ray through an opening crosses, or 0. Faces as in `geometry.cube_map`.
     """
 
     part: Array
