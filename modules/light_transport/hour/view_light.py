@@ -25,8 +25,10 @@ from vrut_lite.numeric_types import Float32Array
 _OFF = 1e-5
 # Points of which fewer rays count lie inside bodies, where no eye looks.
 _LEAST_FREE = 0.4
-# Noise is smoothed over so many points to each side; light changes slowly where there is room.
-_REACH, _SHARE_OF_ROOM = 2, 0.3
+# Noise is smoothed over so many points to each side, then over so many that lie farther apart
+# (Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly where
+# there is room.
+_REACH, _APART, _SHARE_OF_ROOM = 2, (1, 2, 4), 0.3
 
 
 class ViewLight(NamedTuple):
@@ -80,14 +82,12 @@ def view_light(
     room = np.zeros(len(towards), np.float32)
     room[seen] = found.room_m[kept] / radius_m
     shape = (rows, columns)
-    smoothed = _smoothed(
-        light.reshape(*shape, 4),
-        plane.reshape(*shape, 4),
-        (place - eye).astype(np.float32).reshape(*shape, 3),
-        room.reshape(shape),
-        np.float32(radius_m),
-    )
-    return ViewLight(smoothed, plane.reshape(*shape, 4))
+    smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
+    places = (place - eye).astype(np.float32).reshape(*shape, 3)
+    for apart in _APART:
+        go_on()
+        smoothed = _smoothed(smoothed, planes, places, room.reshape(shape), apart)
+    return ViewLight(smoothed, planes)
 
 
 @kernel
@@ -122,15 +122,18 @@ def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _smoothed(light, plane, place, room, radius_m):  # type: ignore[no-untyped-def]
+def _smoothed(light, plane, place, room, apart):  # type: ignore[no-untyped-def]
     """Means of light (H, W, 4) over neighbours on one plane, by how much room both have."""
     height, width = room.shape
     out = np.zeros_like(light)
     for y in range(height):
         for x in range(width):
             total = np.float32(0.0)
-            for r in range(max(y - _REACH, 0), min(y + _REACH + 1, height)):
-                for c in range(max(x - _REACH, 0), min(x + _REACH + 1, width)):
+            for i in range(-_REACH, _REACH + 1):
+                for j in range(-_REACH, _REACH + 1):
+                    r, c = y + i * apart, x + j * apart
+                    if r < 0 or c < 0 or r >= height or c >= width:
+                        continue
                     alike, away2, off = np.float32(0.0), np.float32(0.0), np.float32(0.0)
                     for k in range(3):
                         step = place[r, c, k] - place[y, x, k]
