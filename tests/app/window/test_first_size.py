@@ -2,6 +2,7 @@
 
 import pytest
 from PySide6.QtCore import QRect
+from PySide6.QtWidgets import QApplication
 
 from vrut_lite.app.window.first_size import first_place
 
@@ -26,6 +27,18 @@ def test_a_first_window_does_not_fill_a_large_screen():
     """A picture of 4K pixels takes seconds without a graphics card."""
     place = first_place(QRect(0, 0, 3840, 2160))
     assert (place.width(), place.height()) == (1600, 1000)
+
+
+def test_no_panel_is_cut_off_at_its_side_in_a_small_window(shared_headless_window):
+    """The numbers at the right of the sliders are seen at 1100 x 700 too."""
+    driver = shared_headless_window
+    driver.until(lambda: "module clouds" in driver.window.docks)
+    driver.window.resize(1084, 660)
+    for name in ("place", "sun", "picture", "export", "sky", "module clouds", "module scene"):
+        driver.window.show_dock(name)
+        QApplication.processEvents()
+        area = driver.window.docks[name].widget()
+        assert area.viewport().width() >= area.widget().minimumSizeHint().width(), name
 
 
 def test_a_window_may_be_narrower_than_900_points(shared_headless_window):

@@ -10,7 +10,7 @@ from functools import partial
 from importlib.metadata import entry_points
 from typing import NamedTuple
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from vrut_lite.app.compare.compare_panel import ComparePanel
@@ -111,9 +111,27 @@ def module_docks(roster: Roster) -> ModulePanels:
     return ModulePanels(docks, failures)
 
 
+class _UpAndDown(QScrollArea):
+    """As wide as its panel needs: what is cut off at the side cannot be scrolled to."""
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the panel's width and the bar."""
+        hint, panel = super().minimumSizeHint(), self.widget()
+        if panel is None:
+            return hint
+        bar_px = self.verticalScrollBar().sizeHint().width()
+        return QSize(panel.minimumSizeHint().width() + bar_px, hint.height())
+
+    def eventFilter(self, panel: QObject, event: QEvent) -> bool:
+        """Qt asks for the least width once; rows come to panels later."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(panel, event)
+
+
 def scrolled(panel: QWidget) -> QScrollArea:
     """An area that scrolls a panel up and down."""
-    area = QScrollArea()
+    area = _UpAndDown()
     area.setWidgetResizable(True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
