@@ -7,10 +7,11 @@ scalar variants Python would be called for each ray: this is for llvm, and for w
 
 from typing import Any
 
+from path_tracer.plugins import register
+
 PLUGIN, _BACK = "vrut_lite_seen_backs", "back_"
 # A ray passes at most so many backs.
 _MOST = 16
-_registered: set[str] = set()
 
 
 def sees(mitsuba: Any, scene: Any, one_sided: list[Any]) -> bool:
@@ -31,10 +32,7 @@ def sees(mitsuba: Any, scene: Any, one_sided: list[Any]) -> bool:
 
 def past_backs(mitsuba: Any, inner: Any, one_sided: list[Any]) -> Any:
     """An integrator that does as `inner` from where the eye's rays have passed these backs."""
-    variant = mitsuba.variant()
-    if variant not in _registered:
-        mitsuba.register_integrator(PLUGIN, _seen_backs(mitsuba))
-        _registered.add(variant)
+    register(mitsuba, PLUGIN, "integrator", _seen_backs)
     backs = {f"{_BACK}{number}": bsdf for number, bsdf in enumerate(one_sided)}
     return mitsuba.load_dict({"type": PLUGIN, "inner": inner, **backs})
 

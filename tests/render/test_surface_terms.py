@@ -11,6 +11,8 @@ from scene_stage import CORNERS, light, look, square
 from stateful_backend import opened
 from term_stage import ALBEDO, F0, GROUND, material
 
+from vrut_lite.geometry.thin_film import film_reflectance
+
 pytestmark = pytest.mark.gl
 
 
@@ -155,6 +157,26 @@ def test_fibres_add_their_colour_and_keep_energy(backend, tmp_path):
     for elevation_deg in (10.0, 90.0):
         shown = seen(backend, tmp_path, material(roughness=1.0, sheen=white), None, elevation_deg)
         np.testing.assert_allclose(shown, 1.0, rtol=0.03)
+
+
+@pytest.mark.parametrize("elevation_deg", [90.0, 30.0])
+def test_a_thin_film_reflects_the_sky_in_its_colours(backend, tmp_path, elevation_deg):
+    """As wave optics says of a mirror under a film whose map sets its thickness: 1 %."""
+    film = {
+        "iridescenceFactor": 1.0,
+        "iridescenceIor": 1.8,
+        "iridescenceThicknessMinimum": 0.0,
+        "iridescenceThicknessMaximum": 1000.0,
+        "iridescenceThicknessTexture": {"index": 0},
+    }
+    for texel in (0, 102, 204):
+        grey = material((0.6, 0.6, 0.6), metallic=1.0, iridescence=film)
+        images = [np.full((2, 2, 3), texel, np.uint8)]
+        shown = seen(backend, tmp_path, grey, None, elevation_deg, images)
+        mu = np.sin(np.radians(elevation_deg))
+        expected = film_reflectance(mu, 0.6, 1.8, 1000.0 * texel / 255.0)
+        np.testing.assert_allclose(shown, expected, atol=0.012)
+    assert np.ptp(shown) > 0.02
 
 
 def test_anisotropy_stretches_the_suns_highlight(backend, tmp_path):

@@ -50,7 +50,7 @@ def test_extensions_that_are_not_read_are_told(write_square: WriteScene) -> None
     )
 
 
-@pytest.mark.parametrize("name", ["KHR_materials_iridescence", "KHR_audio"])
+@pytest.mark.parametrize("name", ["KHR_materials_dispersion", "KHR_audio"])
 def test_a_required_extension_with_a_plain_reading_is_told(
     write_square: WriteScene, name: str
 ) -> None:

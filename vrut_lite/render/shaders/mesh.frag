@@ -496,6 +496,10 @@ void main() {
     float nl = dot(n, sun_direction);
     float cos_face = dot(face, sun_direction);
 
+#ifdef IRIDESCENCE
+    f0 = under_film(f0, nv);
+    coat_peak = peak(under_film(coat_f0, nv));
+#endif
     vec3 share = shares(nv, roughness);
     vec3 more = bounces(f0, share.xy);
     // The coat transmits the rest to the paint below it (Kelemen and Szirmay-Kalos

@@ -43,6 +43,10 @@ float peak(vec3 v) {
     return max(v.r, max(v.g, v.b));
 }
 
+#ifdef IRIDESCENCE
+//!include thin_film.glsl
+#endif
+
 #ifdef SHEEN
 // Charlie's distribution of fibres (Estevez and Kulla 2017) with Neubelt's visibility:
 // KHR_materials_sheen.
