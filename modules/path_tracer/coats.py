@@ -58,7 +58,7 @@ class Film:
         self._mi, self._dr = mi, drjit
         table = film_table(ior, least_nm, most_nm)
         self._size = [float(size) for size in (table.shape[2], table.shape[1], table.shape[0])]
-        self._table = mi.Texture3f(mi.TensorXf(np.asarray(table)), wrap_mode=mi.WrapMode.Clamp)
+        self._table = mi.Texture3f(mi.TensorXf(np.asarray(table)))
 
     def over(self, f0: Any, cosine: Any, share: Any, thickness: Any) -> Any:
         """Schlick's f0 of a surface of which a share lies under the film."""

@@ -53,8 +53,8 @@ def test_the_table_holds_what_gives_the_reflectance_by_schlick():
     """Between its nodes too, to 1 %; a film of one thickness has one layer."""
     table = film_table(1.8, 200.0, 600.0)
     assert film_table(1.8, 600.0, 600.0).shape == (1, *table.shape[1:])
-    layer, row, column = 20, 5, 24
-    mu, part = (column + 0.5) / 31, (row + 0.5) / 7
+    layer, row, column = 20, 17, 24
+    mu, part = (column + 0.5) / 31, (row + 0.5) / 23
     thickness_nm = 200.0 + 400.0 * layer / 47
     f0 = table[layer, row : row + 2, column : column + 2].mean(axis=(0, 1))
     shown = f0 + (1.0 - f0) * (1.0 - mu) ** 5

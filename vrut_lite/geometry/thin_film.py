@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from vrut_lite.geometry.colour import integration_matrix, solar_irradiance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
-FILM_SHAPE = (48, 8, 32)
+FILM_SHAPE = (48, 24, 32)
 _NM = tuple(np.arange(390.0, 731.0, 10.0))
 # What is so thick shows no colours any more, for they lie side by side.
 MOST_NM = 4000.0
@@ -63,7 +63,7 @@ def _weights() -> FloatArray:
 
 @lru_cache(maxsize=64)
 def film_table(ior: float, least_nm: float, most_nm: float) -> Float32Array:
-    """Schlick's f0 (thicknesses, 8, 32, 3) that gives the film's reflectance with an f90 of 1.
+    """Schlick's f0 (thicknesses, 24, 32, 3) that gives the film's reflectance with an f90 of 1.
 
     Thicknesses run in equal steps, the surface's own reflectance as the square of equal steps from
     0 to 1, view cosines in equal steps from 0 to 1. Each channel is that of a surface whose own
