@@ -94,7 +94,7 @@ SCENE = SceneOpened(
     ),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
     lamps=LAMPS, notices=("points or lines: not drawn",),
-    opened=LoadScene(path="a.glb"), cameras=("gate",),
+    opened=LoadScene(path="a.glb"), cameras=("gate",), variants=("red",),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
@@ -146,6 +146,7 @@ SOUND = [
         path="a.glb",
         beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),),
         luminaires=(("bulb", "a.ies"),),
+        variant="red",
     ),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),

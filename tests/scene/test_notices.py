@@ -149,5 +149,6 @@ def test_variants_and_maps_by_their_mean_are_told(write_square: WriteScene) -> N
 
     assert load_scene(write_square(edit)).notices == (
         "sheenColorTexture: its mean is taken",
-        "material variants beach, midnight: the default materials are shown",
+        "material variants beach, midnight: the default materials are shown (--variant NAME, or "
+        "Variant in the Scene panel)",
     )

@@ -19,7 +19,8 @@ class LoadScene(Input, frozen=True, kw_only=True):
     """Open this scene file, and others beside it, each placed.
 
     `camera` is the name of one of the file's cameras, or its number from 1; empty for the first.
-    `luminaires` are names of lamps and paths of their IES files.
+    `luminaires` are names of lamps and paths of their IES files. `variant` is one of the file's
+    variants of materials, in the same way as `camera`; empty for the default ones.
     """
 
     path: str
@@ -27,10 +28,11 @@ class LoadScene(Input, frozen=True, kw_only=True):
     beside: tuple[PlacedFile, ...] = ()
     camera: str = ""
     luminaires: tuple[tuple[str, str], ...] = ()
+    variant: str = ""
 
     def check(self) -> None:
         """Paths and placements; the files themselves tell the rest."""
-        checks.text(self, "path", "camera")
+        checks.text(self, "path", "camera", "variant")
         checks.instance(self, "placement", Placement)
         self.placement.check()
         if not (isinstance(self.beside, tuple) and len(self.beside) <= MOST_FILES):
@@ -49,7 +51,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
     `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
     what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
-    of the file's cameras; `animation_s` is how long its animations last, 0 without any.
+    of the file's cameras, `variants` those of its materials' variants; `animation_s` is how long
+    its animations last, 0 without any.
     """
 
     path: str
@@ -64,6 +67,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     notices: tuple[str, ...] = ()
     opened: LoadScene | None = None
     cameras: tuple[str, ...] = ()
+    variants: tuple[str, ...] = ()
     animation_s: float = 0.0
 
     @property
@@ -98,6 +102,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
             self.lamps.check()
         checks.lines(self, "notices")
         checks.lines(self, "cameras")
+        checks.lines(self, "variants")
         checks.number(self, "animation_s", 0.0)
         checks.instance(self, "opened", (LoadScene, type(None)))
         if self.opened is not None:

@@ -39,8 +39,8 @@ class LoadedScene:
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
     once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
     files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
-    asked for, with what was guessed filled in, and so is `luminaires`. `animation_s`: how long the
-    animations last.
+    asked for, with what was guessed filled in, and so are `luminaires` and `variant`, one of
+    `variants`. `animation_s`: how long the animations last.
     """
 
     path: Path
@@ -56,14 +56,17 @@ class LoadedScene:
     placement: Placement = _AS_IT_SAYS
     beside: tuple[PlacedFile, ...] = ()
     animation_s: float = 0.0
+    variant: str = ""
+    variants: tuple[str, ...] = ()
 
 
 class OpenScene:
     """Scene files that stay in memory, for one pose of their animations after another.
 
     `budget` limits memory; by default it comes from the environment. Axes and units that a
-    placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1.
-    `luminaires` are paths of IES files by the names of lamps.
+    placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1,
+    and so does `variant` among the materials' variants. `luminaires` are paths of IES files by
+    the names of lamps.
 
     Raises:
         UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
@@ -79,13 +82,17 @@ class OpenScene:
         beside: Sequence[PlacedFile] = (),
         camera: str = "",
         luminaires: Mapping[str, str] = _NO_LUMINAIRES,
+        variant: str = "",
     ) -> None:
         self._path, self._camera = Path(path), camera
-        self._files = SceneFiles(budget or budget_of_environment())
+        self._files = SceneFiles(budget or budget_of_environment(), variant)
         self._luminaires = luminaires
         self._photometries = self._read_luminaires()
         main = PlacedFile(scene=str(path), placement=placement)
         self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
+        names = (name for _, file in self._asked for name in file.variants)
+        self._variants = tuple(dict.fromkeys(names))
+        self._variant = self._chosen_variant(variant)
         self._filled = [_filled(one.placement, file) for one, file in self._asked]
 
     @property
@@ -108,10 +115,26 @@ class OpenScene:
             lamps = [lamp for one in stood for lamp in one.lamps]
             lamps = with_luminaires(lamps, self._photometries)
             return replace(
-                scene, lamps=packed_lamps(lamps), luminaires=tuple(self._luminaires.items())
+                scene,
+                lamps=packed_lamps(lamps),
+                luminaires=tuple(self._luminaires.items()),
+                variant=self._variant,
+                variants=self._variants,
             )
         except SceneFileError as fault:
             raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
+
+    def _chosen_variant(self, asked: str) -> str:
+        """The name of the variant that is asked for."""
+        names = self._variants
+        if not asked or asked in names:
+            return asked
+        if asked.isdecimal() and 1 <= int(asked) <= len(names):
+            return names[int(asked) - 1]
+        there = f"there are {', '.join(map(ascii, names))}"[:200] if names else "it has none"
+        raise UserError(
+            f"cannot open the scene {self._path}: it has no variant {ascii(asked)[:60]}: {there}"
+        )
 
     def _read_luminaires(self) -> dict[str, Photometry]:
         """Photometries by the names of lamps; a file may lie in any folder."""
@@ -152,7 +175,7 @@ def _stand(
     lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
     if time_s is None and file.duration_s > 0.0:
         lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
-    placed, cameras, lamps = file.posed(time_s), file.cameras, file.lamps(time_s)
+    placed, cameras, lamps = file.posed(time_s), file.cameras(time_s), file.lamps(time_s)
     if not np.array_equal(matrix, np.eye(4)):
         with np.errstate(over="ignore", invalid="ignore"):
             placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
