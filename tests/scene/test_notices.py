@@ -76,7 +76,8 @@ def test_points_and_other_scenes_are_told(write_square: WriteScene) -> None:
         document["scenes"].append({"nodes": []})
 
     assert load_scene(write_square(edit)).notices == (
-        "points or lines (3 times): not drawn",
+        "points or lines (3 times): one pixel wide, in their colours; not path traced, and without "
+        "shadows",
         "scene beside the default one: not drawn",
     )
 

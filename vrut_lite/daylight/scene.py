@@ -8,6 +8,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Vector
@@ -52,7 +53,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
     what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
     of the file's cameras, `variants` those of its materials' variants; `animation_s` is how long
-    its animations last, 0 without any.
+    its animations last, 0 without any. `points_and_lines` are None without any.
     """
 
     path: str
@@ -68,6 +69,7 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     opened: LoadScene | None = None
     cameras: tuple[str, ...] = ()
     variants: tuple[str, ...] = ()
+    points_and_lines: PointsAndLines | None = None
     animation_s: float = 0.0
 
     @property
@@ -100,6 +102,9 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         checks.instance(self, "lamps", (SceneLamps, type(None)))
         if self.lamps is not None:
             self.lamps.check()
+        checks.instance(self, "points_and_lines", (PointsAndLines, type(None)))
+        if self.points_and_lines is not None:
+            self.points_and_lines.check()
         checks.lines(self, "notices")
         checks.lines(self, "cameras")
         checks.lines(self, "variants")
@@ -113,6 +118,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         self.geometry.check_arrays()
         if self.lamps is not None:
             self.lamps.check_arrays()
+        if self.points_and_lines is not None:
+            self.points_and_lines.check_arrays()
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):

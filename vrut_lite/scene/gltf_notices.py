@@ -28,7 +28,8 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
 def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
     notices = file.notices
     unfilled = [primitive for primitive in mesh.primitives if primitive.mode < _TRIANGLES]
-    notices.tell("points or lines", "not drawn", len(unfilled))
+    drawn = "one pixel wide, in their colours; not path traced, and without shadows"
+    notices.tell("points or lines", drawn, len(unfilled))
     for primitive in mesh.primitives:
         _tell_maps(file, primitive)
 

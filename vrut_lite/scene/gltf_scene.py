@@ -13,6 +13,7 @@ from vrut_lite.scene.gltf_lamps import GltfLamps
 from vrut_lite.scene.gltf_meshes import GltfMeshes
 from vrut_lite.scene.gltf_nodes import REST, PlacedNode, cameras_of, placed_nodes
 from vrut_lite.scene.gltf_notices import tell_unread
+from vrut_lite.scene.gltf_points_and_lines import GltfStrokes, Strokes
 from vrut_lite.scene.gltf_shapes import Sizes
 from vrut_lite.scene.gltf_variants import variant_names
 from vrut_lite.scene.lamps import PlacedLamp
@@ -35,6 +36,7 @@ class GltfScene:
         self._cameras = list(cameras_of(file, nodes, file.notices))
         self._lamps = GltfLamps(file)
         self._lamps.tell_unread(nodes)
+        self._strokes = GltfStrokes(file)
         self._skins = Skins(file, nodes)
         self._instances = {
             one.number: instances_of(file, one.node.extensions.instancing)
@@ -83,6 +85,19 @@ class GltfScene:
             for name, mesh in self._meshes.get(one.node.mesh or 0, bend):
                 for matrix in matrices if bend.skin is None else (np.eye(4),):
                     placed.append(PlacedMesh(one.node.name or name, mesh, matrix))
+        return placed
+
+    def strokes(self, time_s: float | None) -> list[Strokes]:
+        """Points and lines, in the scene's axes, at a time of its animations, or at rest."""
+        placed = []
+        self._strokes.begin()
+        for one in placed_nodes(self._file, self._animations.pose(time_s)):
+            if one.node.mesh is None:
+                continue
+            for strokes in self._strokes.get(one.node.mesh):
+                for matrix in self._places(one):
+                    self._strokes.take(strokes)
+                    placed.append(strokes.moved(matrix))
         return placed
 
     def cameras(self, time_s: float | None) -> list[SceneCamera]:

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.errors import UserError
 from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
 from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.gltf_points_and_lines import Strokes, packed_strokes
 from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
 from vrut_lite.scene.mesh import mirrored
@@ -58,6 +60,7 @@ class LoadedScene:
     animation_s: float = 0.0
     variant: str = ""
     variants: tuple[str, ...] = ()
+    points_and_lines: PointsAndLines | None = None
 
 
 class OpenScene:
@@ -120,6 +123,7 @@ class OpenScene:
                 luminaires=tuple(self._luminaires.items()),
                 variant=self._variant,
                 variants=self._variants,
+                points_and_lines=packed_strokes([s for one in stood for s in one.strokes]),
             )
         except SceneFileError as fault:
             raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
@@ -163,6 +167,7 @@ class _Stood:
     placed: list[PlacedMesh]
     cameras: list[SceneCamera]
     lamps: list[PlacedLamp]
+    strokes: list[Strokes]
     notices: list[str]
     says_unit: bool
 
@@ -176,14 +181,16 @@ def _stand(
     if time_s is None and file.duration_s > 0.0:
         lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
     placed, cameras, lamps = file.posed(time_s), file.cameras(time_s), file.lamps(time_s)
+    strokes = file.strokes(time_s)
     if not np.array_equal(matrix, np.eye(4)):
         with np.errstate(over="ignore", invalid="ignore"):
             placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
         cameras = [camera.moved(matrix) for camera in cameras]
         lamps = [lamp.moved(matrix) for lamp in lamps]
+        strokes = [one.moved(matrix) for one in strokes]
     says_unit = asked.placement.metres_per_unit is None and file.says.metres_per_unit is not None
     filled = msgspec.structs.replace(asked, placement=placement)
-    return _Stood(filled, placed, cameras, lamps, lines, says_unit)
+    return _Stood(filled, placed, cameras, lamps, strokes, lines, says_unit)
 
 
 def _filled(asked: Placement, file: SceneFile) -> Placement:

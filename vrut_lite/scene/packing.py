@@ -148,6 +148,7 @@ def packed(loaded: LoadedScene) -> SceneOpened:
         ),
         cameras=tuple(camera.name for camera in loaded.cameras),
         variants=loaded.variants,
+        points_and_lines=loaded.points_and_lines,
         animation_s=loaded.animation_s,
     )
 

@@ -8,6 +8,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene import usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
+from vrut_lite.scene.gltf_points_and_lines import Strokes
 from vrut_lite.scene.gltf_scene import GltfScene
 from vrut_lite.scene.lamps import PlacedLamp
 from vrut_lite.scene.notices import Notices
@@ -59,6 +60,10 @@ class SceneFile:
         if time_s is None or self.gltf is None:
             return self.resting_cameras
         return self.gltf.cameras(time_s)
+
+    def strokes(self, time_s: float | None) -> list[Strokes]:
+        """Its points and lines at a time of its animations."""
+        return [] if self.gltf is None else self.gltf.strokes(self._wrapped_s(time_s))
 
     def lamps(self, time_s: float | None) -> list[PlacedLamp]:
         """Its lamps at a time of its animations."""

@@ -188,7 +188,7 @@ class MeshRenderer(pyrender.Renderer):  # type: ignore[name-defined]
         GL.glDepthFunc(GL.GL_LESS)
         GL.glDepthMask(GL.GL_TRUE)
         for placed in scene.placed:
-            if not placed.is_ground and has_solid_texels(placed.primitive):
+            if placed.casts and has_solid_texels(placed.primitive):
                 self._draw_caster(placed, shadow, ())
         GL.glDisable(GL.GL_DEPTH_CLAMP)
         GL.glUseProgram(0)
