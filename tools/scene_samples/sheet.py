@@ -3,7 +3,7 @@
     python -m tools.scene_samples.sheet SHEET.webp [KIND...] [--spp N] [--folder FOLDER]
 
 Columns are the frame, the path tracer's picture at the frame's exposure, and their FLIP. Printed is
-a Markdown table of FLIP's mean, of the ratio of both pictures' mean luminance, and of what was told.
+a Markdown table of FLIP's mean, the ratio of both pictures' mean luminance, and what was told.
 """
 
 import argparse
@@ -36,7 +36,8 @@ def compared(host: Host, sample: Sample, spp: int) -> tuple[str, list[Captioned]
     picture = host.draw()
     tracer = Tracer(Subject(host.state), PathTracerSettings(spp=spp))
     traced = tracer.trace(0, spp)
-    assert traced is not None and host.state.scene is not None
+    assert traced is not None
+    assert host.state.scene is not None
     frame = picture.radiance
     pictures = [display_picture(one, picture.ev100) for one in (frame, traced)]
     one, other = (np.asarray(picture, np.float32) / 255.0 for picture in pictures)

@@ -135,7 +135,8 @@ SURFACES: dict[str, Callable[[Document], None]] = {
     "thick glass": both(colour=(1, 1, 1), rough=0.0, khr=_THICK),
     "rough glass": both(colour=(1, 1, 1), rough=0.35, khr=_PANE, doubleSided=True),
     "glass by maps": mixed,
-    "dispersion": both(colour=(1, 1, 1), rough=0.0, khr={**_THICK, "dispersion": {"dispersion": 2}}),
+    "dispersion": both(colour=(1, 1, 1), rough=0.0, khr={**_THICK, "dispersion": {
+        "dispersion": 2}}),
     "clearcoat": both(colour=(0.5, 0.03, 0.03), rough=0.7, khr={"clearcoat": {
         "clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.05}}),
     "specular, ior": both(colour=(0.05, 0.05, 0.05), rough=0.15, khr={
