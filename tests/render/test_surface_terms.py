@@ -51,6 +51,23 @@ def test_a_pane_before_a_like_sky_is_not_seen(backend, tmp_path, elevation_deg):
     np.testing.assert_allclose(shown, 1.0, rtol=5e-3)
 
 
+def test_a_rough_pane_blurs_by_an_angle(shared_gl_backend, tmp_path):
+    """The horizon behind it is as wide in a small picture as in one of four times the pixels."""
+    pane = material((1, 1, 1), 0.3, transmission={"transmissionFactor": 1.0})
+    corners = 4.0 * CORNERS[:, [0, 2, 1]] * [1, -1, 1]
+    path = square(tmp_path, pane, corners=corners)
+    shares = []
+    for size in (32, 128):
+        backend = shared_gl_backend(size_px=(size, size))
+        backend.change(scene=opened(path, GROUND), ground_albedo_rgb=(ALBEDO,) * 3)
+        light(backend, np.full((6, 16, 16, 3), 1.0))
+        shown = look(backend, (0.0, 0.0, 3.0), (0.0, 0.0, 0.0), 0.8).radiance[:, size // 2, 0]
+        low, high = shown.min(), shown.max()
+        between = (shown > low + 0.2 * (high - low)) & (shown < low + 0.8 * (high - low))
+        shares.append(between.mean())
+    assert shares[1] == pytest.approx(shares[0], rel=0.4)
+
+
 def test_half_of_a_pane_is_paint(backend, tmp_path):
     """A transmission of a half: half of the paint, half of what is behind, one coat."""
     paint = material((0.6, 0.6, 0.6), transmission={"transmissionFactor": 0.5})

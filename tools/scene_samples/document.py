@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from tools.scenes.shapes import Shape, sphere
+from tools.scenes.shapes import Shape, box, sphere
 
 _KINDS = {"b": 5120, "B": 5121, "h": 5122, "H": 5123, "I": 5125, "f": 5126}
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 BALL_AT, PANEL_AT = (-0.75, 0.55, 0.0), (0.75, 0.6, 0.0)
 PANEL = np.array([[-0.55, -0.55, 0], [0.55, -0.55, 0], [0.55, 0.55, 0], [-0.55, 0.55, 0]])
 PANEL_UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], float)
+_LEAN = [-0.12, 0.0, 0.0, 0.9928]
 QUAD = np.array([0, 1, 2, 0, 2, 3])
 
 
@@ -129,10 +130,15 @@ class Document:
 
     def panel(self, material: int, at: ArrayLike = PANEL_AT, **more: Any) -> int:
         """An upright square that leans back a little."""
-        lean = {"rotation": [-0.12, 0.0, 0.0, 0.9928]}
+        lean = {"rotation": _LEAN}
         return self.place(
             self.mesh(_quad(PANEL, (0.0, 0.0, 1.0)), material), at, **{**lean, **more}
         )
+
+    def slab(self, material: int) -> int:
+        """A box of a tenth of a metre in the panel's place."""
+        shape = box((-0.55, -0.55, -0.05), (0.55, 0.55, 0.05))
+        return self.place(self.mesh(shape, material), PANEL_AT, rotation=_LEAN)
 
     def behind(self) -> None:
         """A red and a blue column, for what is seen through."""

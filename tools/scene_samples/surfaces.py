@@ -49,6 +49,23 @@ def cut_out(document: Document) -> None:
     document.panel(fence, (-0.8, 0.6, 0.2), scale=[0.8, 0.8, 0.8])
 
 
+def thick(**more: Any) -> Callable[[Document], None]:
+    """A ball and a slab of greenish glass, closed bodies."""
+
+    def make(document: Document) -> None:
+        document.behind()
+        for thickness_m, place in ((0.8, document.ball), (0.1, document.slab)):
+            volume = {
+                "thicknessFactor": thickness_m,
+                "attenuationDistance": 1.0,
+                "attenuationColor": [0.6, 0.9, 0.7],
+            }
+            khr = {"transmission": {"transmissionFactor": 1.0}, "volume": volume, **more}
+            place(document.material((1, 1, 1), 0.0, khr=khr))
+
+    return make
+
+
 def mixed(document: Document) -> None:
     """A pane of coloured glass whose map leaves a frame of paint, and a body."""
     document.behind()
@@ -126,17 +143,14 @@ def one_sided(document: Document) -> None:
 
 
 _PANE = {"transmission": {"transmissionFactor": 1.0}}
-_THICK = {**_PANE, "volume": {"thicknessFactor": 0.8, "attenuationDistance": 1.0,
-                              "attenuationColor": [0.6, 0.9, 0.7]}}  # fmt: skip
 SURFACES: dict[str, Callable[[Document], None]] = {
     "alpha blend": blended,
     "cut-out": cut_out,
     "thin glass": both(colour=(0.6, 0.85, 0.9), rough=0.0, khr=_PANE, doubleSided=True),
-    "thick glass": both(colour=(1, 1, 1), rough=0.0, khr=_THICK),
+    "thick glass": thick(),
     "rough glass": both(colour=(1, 1, 1), rough=0.35, khr=_PANE, doubleSided=True),
     "glass by maps": mixed,
-    "dispersion": both(colour=(1, 1, 1), rough=0.0, khr={**_THICK, "dispersion": {
-        "dispersion": 2}}),
+    "dispersion": thick(dispersion={"dispersion": 0.36}),
     "clearcoat": both(colour=(0.5, 0.03, 0.03), rough=0.7, khr={"clearcoat": {
         "clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.05}}),
     "specular, ior": both(colour=(0.05, 0.05, 0.05), rough=0.15, khr={
