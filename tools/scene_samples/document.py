@@ -117,9 +117,8 @@ class Document:
         """Dark and light squares of half a metre."""
         board = np.indices((12, 12)).sum(axis=0) % 2
         pixels = np.repeat(np.where(board, 190, 110)[..., None], 3, axis=2)
-        nearest = {"magFilter": 9728}
         paint = self.material(
-            (1, 1, 1), 1.0, pbr={"baseColorTexture": self.texture(pixels, **nearest)}
+            (1, 1, 1), 1.0, pbr={"baseColorTexture": self.texture(pixels, magFilter=9728)}
         )
         corners = np.array([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]]) * half_m
         self.place(self.mesh(_quad(corners, (0.0, 1.0, 0.0)), paint))

@@ -33,7 +33,7 @@ def blended(document: Document) -> None:
     document.behind()
     alpha = np.dstack([np.full((_SIDE, _SIDE, 3), (230, 190, 60)), 255 * _AT[1] // (_SIDE - 1)])
     ramp = {"baseColorTexture": document.texture(alpha)}
-    more = {"alphaMode": "BLEND", "doubleSided": True}
+    more: dict[str, Any] = {"alphaMode": "BLEND", "doubleSided": True}
     document.panel(document.material((1, 1, 1), pbr=ramp, **more))
     document.ball(document.material((0.2, 0.6, 0.2), alpha=0.5, alphaMode="BLEND"))
 
