@@ -18,6 +18,7 @@ from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.errors import UserError
 from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
+from vrut_lite.scene.choices import chosen_camera, chosen_variant
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_points_and_lines import Strokes, packed_strokes
 from vrut_lite.scene.ies_file import Photometry, read_ies
@@ -95,7 +96,7 @@ class OpenScene:
         self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
         names = (name for _, file in self._asked for name in file.variants)
         self._variants = tuple(dict.fromkeys(names))
-        self._variant = self._chosen_variant(variant)
+        self._variant = self._found_variant(variant)
         self._filled = [_filled(one.placement, file) for one, file in self._asked]
 
     @property
@@ -128,17 +129,11 @@ class OpenScene:
         except SceneFileError as fault:
             raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
 
-    def _chosen_variant(self, asked: str) -> str:
-        """The name of the variant that is asked for."""
-        names = self._variants
-        if not asked or asked in names:
-            return asked
-        if asked.isdecimal() and 1 <= int(asked) <= len(names):
-            return names[int(asked) - 1]
-        there = f"there are {', '.join(map(ascii, names))}"[:200] if names else "it has none"
-        raise UserError(
-            f"cannot open the scene {self._path}: it has no variant {ascii(asked)[:60]}: {there}"
-        )
+    def _found_variant(self, asked: str) -> str:
+        try:
+            return chosen_variant(self._variants, asked)
+        except SceneFileError as fault:
+            raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
 
     def _read_luminaires(self) -> dict[str, Photometry]:
         """Photometries by the names of lamps; a file may lie in any folder."""
@@ -236,7 +231,7 @@ def _joined(
         lower_m=lower_m,
         upper_m=upper_m,
         triangles=triangles,
-        camera=_chosen(cameras, camera),
+        camera=chosen_camera(cameras, camera),
         cameras=tuple(cameras),
         notices=(*_lines(stood), *_told_height(stood, upper_m - lower_m)),
         placement=stood[0].asked.placement,
@@ -261,23 +256,6 @@ def _told_height(stood: list[_Stood], extent_m: NDArray[np.float64]) -> list[str
         f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
         "--metres-per-unit 0.01, or Unit in the Scene panel"
     ]
-
-
-def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:
-    """The camera of this name or number; the first if nothing is asked for."""
-    if not name:
-        return cameras[0] if cameras else None
-    for camera in cameras:
-        if camera.name == name:
-            return camera
-    if name.isdecimal() and 1 <= int(name) <= len(cameras):
-        return cameras[int(name) - 1]
-    there = ", ".join(f"{number} ({camera.name})" for number, camera in enumerate(cameras, 1))
-    raise SceneFileError(
-        f"it has no camera {ascii(name)[:60]}: there are {there[:200]}"
-        if cameras
-        else f"it has no camera {ascii(name)[:60]}, for it has no cameras; leave it out"
-    )
 
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:
