@@ -116,6 +116,19 @@ def test_what_obj_and_mtl_have_more_is_told(write_obj: WriteScene) -> None:
     }
 
 
+def test_a_face_without_coordinates_leaves_the_others_theirs(write_obj: WriteScene) -> None:
+    """A floor that nobody unwrapped does not take the walls' bricks away, and is told."""
+    path = write_obj("newmtl paint\nmap_Kd paint.png\n", faces="f 1/1 2/2 3/3 4/4\nf 3 2 1")
+    (path.parent / "paint.png").write_bytes(png_bytes())
+    (place,) = load_scene(path).meshes
+    uv = np.asarray(place.mesh.visual.uv)[np.asarray(place.mesh.faces)]  # type: ignore[union-attr]
+    np.testing.assert_allclose(uv[0], [[0, 0], [1, 0], [1, 1]])
+    np.testing.assert_allclose(uv[2], 0.0)
+    assert load_scene(path).notices == (
+        "triangle without coordinates of its texture: in one colour of it",
+    )
+
+
 @pytest.mark.parametrize(("name", "says"), [("a.fbx", "Blender"), ("a.xyz", "export it as one")])
 def test_other_formats_name_what_converts_them(tmp_path: Path, name: str, says: str) -> None:
     """Where a common program reads the format, the sentence names it."""

@@ -25,14 +25,16 @@ _MORE: dict[str, dict[str, Any]] = {
     "cameras": {"scene_camera": "above", "camera": None},
     "variants": {"variant": "blue"},
 }
-# A house with a roof, Z up, in metres.
+# A house with a roof on its plot, Z up, in metres.
 _HOUSE = (
     "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 2\nv 4 0 2\nv 4 3 2\nv 0 3 2\n"
     "v 0 1.5 3.2\nv 4 1.5 3.2\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\n"
     "usemtl wall\nf 1/1 2/2 6/3 5/4\nf 2/1 3/2 7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4/1 1/2 5/3 8/4\n"
     "f 4 3 2 1\nusemtl roof\nf 5 6 10 9\nf 7 8 9 10\nf 8 5 9\nf 6 7 10\n"
+    "v -3 -3 0\nv 7 -3 0\nv 7 6 0\nv -3 6 0\nusemtl plot\nf 11 12 13 14\n"
 )
 _MTL = "newmtl wall\nKd 1 1 1\nmap_Kd C:\\models\\maps\\bricks.png\nnewmtl roof\nKd 0.5 0.1 0.06\n"
+_MTL += "newmtl plot\nKd 0.2 0.25 0.12\n"
 _USD = """#usda 1.0
 ( upAxis = "Z"
   metersPerUnit = 0.01 )

@@ -39,7 +39,7 @@ def compared(host: Host, sample: Sample, spp: int) -> tuple[str, list[Captioned]
     assert traced is not None
     assert host.state.scene is not None
     frame = picture.radiance
-    pictures = [display_picture(one, picture.ev100) for one in (frame, traced)]
+    pictures = [np.asarray(display_picture(one, picture.ev100)) for one in (frame, traced)]
     one, other = (np.asarray(picture, np.float32) / 255.0 for picture in pictures)
     error, mean, _ = flip_evaluator.evaluate(other, one, "LDR", applyMagma=True)
     ratio = float(luminance(frame).mean() / luminance(traced).mean())
