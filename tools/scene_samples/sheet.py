@@ -13,6 +13,7 @@ from pathlib import Path
 import flip_evaluator
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 from path_tracer.settings import PathTracerSettings
 from path_tracer.subject import Subject
 from path_tracer.tracer import Tracer
@@ -39,13 +40,15 @@ def compared(host: Host, sample: Sample, spp: int) -> tuple[str, list[Captioned]
     assert traced is not None
     assert host.state.scene is not None
     frame = picture.radiance
-    pictures = [np.asarray(display_picture(one, picture.ev100)) for one in (frame, traced)]
+    pictures: list[NDArray[np.uint8]] = [
+        np.asarray(display_picture(one, picture.ev100), np.uint8) for one in (frame, traced)
+    ]
     one, other = (np.asarray(picture, np.float32) / 255.0 for picture in pictures)
     error, mean, _ = flip_evaluator.evaluate(other, one, "LDR", applyMagma=True)
     ratio = float(luminance(frame).mean() / luminance(traced).mean())
     told = "; ".join(host.state.scene.notices)
     flipped = np.round(255 * np.asarray(error)).astype(np.uint8)
-    shown = [
+    shown: list[Captioned] = [
         (sample.kind, pictures[0]),
         ("path traced", pictures[1]),
         (f"FLIP {mean:.3f}", flipped),
