@@ -92,7 +92,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `tolerance`: largest relative error of radiance; None leaves it unchanged, and so does a missing
     `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
-    `luminaires` are IES files by the names of lamps.
+    `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `animation` and `animation_time_s` say how the scene's own animations stand.
     `views` are kept by name, for the window.
     """
@@ -102,6 +102,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     beside: tuple[PlacedFile, ...] = ()
     scene_camera: str = ""
     luminaires: dict[str, str] = {}
+    variant: str = ""
     place: str = "50.0755,14.4378,200"
     at: str = "2026-06-21T16:00"
     north_offset_deg: Annotated[float, msgspec.Meta(ge=-360, le=360)] = 0.0
@@ -284,6 +285,7 @@ def view_inputs(project: Project) -> list[Input]:
             beside=project.beside,
             camera=project.scene_camera,
             luminaires=tuple(project.luminaires.items()),
+            variant=project.variant,
         ),
     ]
     if project.camera is not None:

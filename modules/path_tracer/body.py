@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from path_tracer.bitmaps import Plugin
+from path_tracer.plugins import register
 from vrut_lite.daylight.scene_content import Material
 
 PLUGIN = "vrut_lite_body"
-_registered: set[str] = set()
 # What is smoother than this lets light straight on, as in the GL frame.
 SMOOTH, _LEAST_IOR = 0.05, 1.0001
 
 
 def body(mitsuba: Any, material: Material, units_per_m: float) -> Plugin:
     """The BSDF of a closed body; its base colour tints what has passed two of its sides once."""
-    _register(mitsuba)
+    register(mitsuba, PLUGIN, "bsdf", _body)
     terms, roughness = material.terms, material.roughness
     tint = np.sqrt(np.clip(material.base_colour_rgba[:3], 0.0, 1.0))
     inner: Plugin = {
@@ -36,13 +36,6 @@ def body(mitsuba: Any, material: Material, units_per_m: float) -> Plugin:
         "inner": inner,
         "extinction": mitsuba.ScalarColor3f(extinction),
     }
-
-
-def _register(mitsuba: Any) -> None:
-    variant = mitsuba.variant()
-    if variant not in _registered:
-        mitsuba.register_bsdf(PLUGIN, _body(mitsuba))
-        _registered.add(variant)
 
 
 def _body(mi: Any) -> Any:

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from path_tracer.plugins import register
 from path_tracer.subject import Subject
 
 PLUGIN, _BACK, _GROUND = "vrut_lite_eye_rays", "back_", "ground"
 _NORMAL, _OFFSET = "cut_normal", "cut_offset"
 # A ray passes at most so many surfaces: the leaves of some trees.
 _MOST = 256
-_registered: set[str] = set()
 
 
 class Cut(NamedTuple):
@@ -54,10 +54,7 @@ def sees(mitsuba: Any, scene: Any, one_sided: list[Any]) -> bool:
 
 def past_unseen(mitsuba: Any, inner: Any, one_sided: list[Any], cut: Cut | None) -> Any:
     """An integrator that does as `inner` from where the eye's rays have passed all of that."""
-    variant = mitsuba.variant()
-    if variant not in _registered:
-        mitsuba.register_integrator(PLUGIN, _eye_rays(mitsuba))
-        _registered.add(variant)
+    register(mitsuba, PLUGIN, "integrator", _eye_rays)
     parts: dict[str, Any] = {f"{_BACK}{n}": bsdf for n, bsdf in enumerate(one_sided)}
     if cut is not None:
         parts |= {_NORMAL: mitsuba.ScalarVector3f(cut.normal), _OFFSET: cut.offset_units}

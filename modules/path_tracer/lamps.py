@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from path_tracer.plugins import register
 from path_tracer.subject import Subject
 from vrut_lite.daylight.lamps import NONE, TABLE_SHAPE, SceneLamps
 
 PLUGIN = "vrut_lite_lamp"
 _SHARPEST_RAMP = 1e-3
-_registered: set[str] = set()
 
 
 def lamp_emitters(mitsuba: Any, subject: Subject) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def lamp_emitters(mitsuba: Any, subject: Subject) -> dict[str, Any]:
     lamps = subject.scene.lamps
     if lamps is None:
         return {}
-    _register(mitsuba)
+    register(mitsuba, PLUGIN, "emitter", _lamp)
     return {
         f"lamp_{number}": _emitter(mitsuba, subject, lamps, number) for number in range(lamps.count)
     }
@@ -58,13 +58,6 @@ def _texture(mitsuba: Any, table: Any) -> dict[str, Any]:
         "raw": True,
         "wrap_mode": "clamp",
     }
-
-
-def _register(mitsuba: Any) -> None:
-    variant = mitsuba.variant()
-    if variant not in _registered:
-        mitsuba.register_emitter(PLUGIN, _lamp(mitsuba))
-        _registered.add(variant)
 
 
 def _lamp(mi: Any) -> Any:

@@ -1,34 +1,27 @@
 """The GL frame's own surface as a BSDF of mitsuba: metal, or paint under a coat that keeps energy.
 
-GGX with height-correlated Smith shadowing (Heitz 2014) and Schlick's Fresnel term, and what bounces
-between facets (Turquin 2019); what the coat does not reflect reaches the paint below it (Kelemen
-and Szirmay-Kalos 2001). The coat's shares are `geometry.reflection.reflectance_table`, looked up as
-mesh.frag looks them up. Mitsuba's plugins have none of the four: their Smith terms are products,
-their Fresnel terms exact, and rough surfaces lose what bounces.
-
-One text serves all variants: drjit's functions take numbers in scalar ones and arrays in llvm.
+To the lobes of lobes.py comes what bounces between facets (Turquin 2019); what the coat does not
+reflect reaches the paint below it (Kelemen and Szirmay-Kalos 2001). Mitsuba's plugins have none of
+this: their Smith terms are products, their Fresnel terms exact, and rough surfaces lose what
+bounces.
 """
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from path_tracer import plugins
+from path_tracer.coats import COAT_F90, GRAZING_SLOPE, Film, Shares, coat, mean_coat
+from path_tracer.lobes import Facets, Lobes, Stretch
 from path_tracer.pane import pane
-from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
-from vrut_lite.geometry.sheen import sheen_table
+from vrut_lite.geometry.reflection import DIELECTRIC_F0
 
 PLUGIN, PANE = "vrut_lite_layered", "vrut_lite_pane"
 # As in mesh.frag: the sun's own radius blurs a mirror image about so much.
 _SMALLEST_ALPHA = 0.005
 _SMALLEST_COSINE, _SMALLEST_DENSITY = 1e-4, 1e-20
-# What is darker than 2 % at normal incidence reflects less at grazing angles too.
-_GRAZING_SLOPE = 50.0
-_COAT_F90 = min(1.0, _GRAZING_SLOPE * DIELECTRIC_F0)
 # Of the samples, for the coat as for the paint: neither's light is left to few that weigh much.
 _LEAST_SHARE = 0.1
 # Of the samples, for a second coat.
 _CLEARCOAT_SAMPLES = 0.25
-_registered: set[str] = set()
 
 
 class _Seen(NamedTuple):
@@ -42,9 +35,7 @@ class _Seen(NamedTuple):
     wi: Any
     cosine: Any
     roughness: Any
-    alpha: Any
-    f0: Any
-    f90: Any
+    facets: Facets
     more: Any
     paint: Any
     glossy_share: Any
@@ -58,27 +49,13 @@ def register(mitsuba: Any) -> None:
 
     Its textures: `base_color`; `tint`, a factor of it that may be missing; `roughness`; `metallic`;
     `f0` and `f90`, the coat's reflectance at normal incidence and at grazing angles; `clearcoat`,
-    the share under a second coat of `clearcoat_roughness`; colour and roughness of a `sheen`; and
-    `anisotropy`. `PANE` is the same surface from both
-    sides, of which the share `transmission` lets light through, straight on if it is `smooth`.
+    the share under a second coat of `clearcoat_roughness`; colour and roughness of a `sheen`;
+    `anisotropy`; and `iridescence`, the share under a film of `film_ior`, of which `film_thickness`
+    says where it lies between `film_least_nm` and `film_most_nm`. `PANE` is the same surface from
+    both sides, of which the share `transmission` lets light through, straight on if it is `smooth`.
     """
-    variant = mitsuba.variant()
-    if variant not in _registered:
-        layered = _layered(mitsuba)
-        mitsuba.register_bsdf(PLUGIN, layered)
-        mitsuba.register_bsdf(PANE, pane(mitsuba, layered))
-        _registered.add(variant)
-
-
-def _coat(a: Any, b: Any, f0: Any = DIELECTRIC_F0, f90: Any = _COAT_F90) -> Any:
-    """Share of the light that the coat of a dielectric reflects, all bounces."""
-    return (f0 * a + f90 * b) * (1.0 + f0 * (1.0 / (a + b) - 1.0))
-
-
-def _mean_coat(mean: Any, f0: Any, f90: Any) -> Any:
-    """The same over all directions, in proportion to the table's `mean`, as mesh.frag has it."""
-    more = (f0 - DIELECTRIC_F0 * f90) * (1.0 - mean) / (1.0 - DIELECTRIC_F0)
-    return mean * f90 + more
+    plugins.register(mitsuba, PLUGIN, "bsdf", _layered)
+    plugins.register(mitsuba, PANE, "bsdf", lambda mi: pane(mi, _layered(mi)))
 
 
 def _layered(mi: Any) -> Any:
@@ -86,8 +63,7 @@ def _layered(mi: Any) -> Any:
     import drjit
 
     dr: Any = drjit
-    table = np.asarray(reflectance_table())
-    last = table.shape[0] - 1
+    shares, lobes = Shares(mi), Lobes(mi)
     glossy, diffuse = +mi.BSDFFlags.GlossyReflection, +mi.BSDFFlags.DiffuseReflection
 
     class Layered(mi.BSDF):
@@ -100,7 +76,7 @@ def _layered(mi: Any) -> Any:
             self.roughness = properties.get_texture("roughness", 1.0)
             self.metallic = properties.get_texture("metallic", 0.0)
             self.f0 = properties.get_texture("f0", DIELECTRIC_F0)
-            self.f90 = properties.get_texture("f90", _COAT_F90)
+            self.f90 = properties.get_texture("f90", COAT_F90)
             self.clearcoat = (
                 properties.get_texture("clearcoat") if "clearcoat" in properties else None
             )
@@ -108,11 +84,16 @@ def _layered(mi: Any) -> Any:
             self.sheen = mi.Color3f(properties.get("sheen", mi.ScalarColor3f(0.0)))
             self.sheen_roughness = float(properties.get("sheen_roughness", 0.0))
             self.has_sheen = "sheen" in properties
-            self.anisotropy = float(properties.get("anisotropy", 0.0))
-            turn = float(properties.get("anisotropy_rad", 0.0))
-            self.cosine, self.sine = float(np.cos(turn)), float(np.sin(turn))
-            self.sheen_table = mi.Texture2f(mi.TensorXf(np.asarray(sheen_table())[..., None]))
-            self.table = mi.Texture2f(mi.TensorXf(table))
+            self.stretch = None
+            if "anisotropy" in properties:
+                turn_rad = float(properties.get("anisotropy_rad", 0.0))
+                self.stretch = Stretch(float(properties["anisotropy"]), turn_rad)
+            self.film = None
+            if "iridescence" in properties:
+                names = ("film_ior", "film_least_nm", "film_most_nm")
+                self.film = Film(mi, *(float(properties[name]) for name in names))
+                self.iridescence = properties.get_texture("iridescence")
+                self.film_thickness = properties.get_texture("film_thickness", 1.0)
             front = +mi.BSDFFlags.FrontSide
             self.m_components = [glossy | front, diffuse | front]
             self.m_flags = glossy | diffuse | front
@@ -144,10 +125,11 @@ def _layered(mi: Any) -> Any:
             base = self.base_color.eval(si, active)
             return base if self.tint is None else base * self.tint.eval(si, active)
 
-        def _shares(self, mu: Any, roughness: Any) -> Any:
-            """Of a uniform white sky, and a dielectric's mean: `reflectance_table`."""
-            at = mi.Point2f(dr.sqrt(dr.clip(mu, 0.0, 1.0)), roughness) * last + 0.5
-            return self.table.eval(at / (last + 1.0))
+        def _filmed(self, si: Any, f0: Any, cosine: Any, active: Any) -> Any:
+            if self.film is None:
+                return f0
+            share = self.iridescence.eval_1(si, active)
+            return self.film.over(f0, cosine, share, self.film_thickness.eval_1(si, active))
 
         def seen(self, si: Any, wi: Any, active: Any) -> _Seen:
             """The surface as seen from `wi` above it."""
@@ -155,18 +137,18 @@ def _layered(mi: Any) -> Any:
             roughness = dr.clip(self.roughness.eval_1(si, active), 0.0, 1.0)
             metallic = self.metallic.eval_1(si, active)
             cosine = dr.maximum(mi.Frame3f.cos_theta(wi), _SMALLEST_COSINE)
-            a, b, mean = self._shares(cosine, roughness)
+            a, b, mean = shares.facets(cosine, roughness)
             coat_f0, edge = self.f0.eval(si, active), self.f90.eval_1(si, active)
-            peak = dr.max(coat_f0)
             f0 = coat_f0 + (base - coat_f0) * metallic
-            f90 = dr.clip(_GRAZING_SLOPE * dr.max(f0), 0.0, 1.0)
+            f90 = dr.clip(GRAZING_SLOPE * dr.max(f0), 0.0, 1.0)
             f90 = dr.lerp(edge, f90, metallic)
+            f0 = self._filmed(si, f0, cosine, active)
+            peak = dr.max(self._filmed(si, coat_f0, cosine, active))
             more = 1.0 + f0 * (1.0 / (a + b) - 1.0)
-            below = base * (1.0 - metallic) * (1.0 - _coat(a, b, peak, edge))
+            below = base * (1.0 - metallic) * (1.0 - coat(a, b, peak, edge))
             if self.has_sheen:
                 # Fibres take their light from all that is below them.
-                at = mi.Point2f(dr.sqrt(cosine), self.sheen_roughness) * last + 0.5
-                taken = dr.max(self.sheen) * self.sheen_table.eval(at / (last + 1.0))[0]
+                taken = dr.max(self.sheen) * shares.fibres(cosine, self.sheen_roughness)
                 more, below = more * (1.0 - taken), below * (1.0 - taken)
             reflected = mi.luminance((f0 * a + f90 * b) * more)
             share = reflected / dr.maximum(reflected + mi.luminance(below), _SMALLEST_DENSITY)
@@ -175,11 +157,9 @@ def _layered(mi: Any) -> Any:
                 wi=wi,
                 cosine=cosine,
                 roughness=roughness,
-                alpha=dr.maximum(roughness * roughness, _SMALLEST_ALPHA),
-                f0=f0,
-                f90=f90,
+                facets=Facets(dr.maximum(roughness * roughness, _SMALLEST_ALPHA), f0, f90),
                 more=more,
-                paint=below * dr.inv_pi / dr.maximum(1.0 - _mean_coat(mean, peak, edge), 1e-3),
+                paint=below * dr.inv_pi / dr.maximum(1.0 - mean_coat(mean, peak, edge), 1e-3),
                 glossy_share=dr.select(dr.max(below) > 0.0, share, 1.0),
                 peak=peak,
                 edge=edge,
@@ -191,67 +171,19 @@ def _layered(mi: Any) -> Any:
             nl, nv = mi.Frame3f.cos_theta(wo), seen.cosine
             above = (mi.Frame3f.cos_theta(seen.wi) > 0.0) & (nl > 0.0)
             nl = dr.maximum(nl, _SMALLEST_COSINE**2)
-            if self.anisotropy > 0.0:
-                lobe, facets = self._stretched_lobe(wo, nl, seen)
+            if self.stretch is not None:
+                lobe, facets = lobes.stretched(seen.wi, wo, nv, nl, seen.facets, self.stretch)
             else:
-                lobe, facets = self._lobe(seen.wi, wo, nv, nl, seen.alpha, seen.f0, seen.f90)
-            a, b, _ = self._shares(nl, seen.roughness)
-            value = (seen.more * lobe + seen.paint * (1.0 - _coat(a, b, seen.peak, seen.edge))) * nl
+                lobe, facets = lobes.facets(seen.wi, wo, nv, nl, seen.facets)
+            a, b, _ = shares.facets(nl, seen.roughness)
+            value = (seen.more * lobe + seen.paint * (1.0 - coat(a, b, seen.peak, seen.edge))) * nl
             density = dr.lerp(nl * dr.inv_pi, facets, seen.glossy_share)
             if self.has_sheen:
-                value += self._fibres(wo, nl, seen)
+                value += self.sheen * lobes.fibres(seen.wi, wo, nv, nl, self.sheen_roughness)
             if self.clearcoat is not None:
                 second = self.clearcoat.eval_1(si, active)
                 value, density = self._under_clearcoat(second, wo, seen, nl, value, density)
             return dr.select(above, value, 0.0), dr.select(above, density, 0.0)
-
-        def _lobe(
-            self, wi: Any, wo: Any, nv: Any, nl: Any, alpha: Any, f0: Any, f90: Any
-        ) -> tuple[Any, Any]:
-            """The facets' reflection, one bounce, and the density of their mirror directions."""
-            half = dr.normalize(wi + wo)
-            vh = dr.clip(dr.dot(wi, half), 0.0, 1.0)
-            a2 = alpha * alpha
-            # (n.h)^2 (alpha^2 - 1) + 1 without cancellation.
-            spread = half.x * half.x + half.y * half.y + half.z * half.z * a2
-            distribution = a2 / (dr.pi * spread * spread)
-            root_v = dr.sqrt(nv * nv * (1.0 - a2) + a2)
-            root_l = dr.sqrt(nl * nl * (1.0 - a2) + a2)
-            visibility = 0.5 / (nl * root_v + nv * root_l)
-            fresnel = f0 + (f90 - f0) * (1.0 - vh) ** 5
-            # Of visible facets: G1 D / (4 n.v).
-            return fresnel * (distribution * visibility), 0.5 * distribution / (nv + root_v)
-
-        def _stretched_lobe(self, wo: Any, nl: Any, seen: _Seen) -> tuple[Any, Any]:
-            """The same with two widths: KHR_materials_anisotropy."""
-            along, across = self._widths(seen.alpha)
-            view, out = self._in_axes(seen.wi), self._in_axes(wo)
-            half = dr.normalize(view + out)
-            vh = dr.clip(dr.dot(view, half), 0.0, 1.0)
-            spread = (half.x / along) ** 2 + (half.y / across) ** 2 + half.z * half.z
-            distribution = 1.0 / (dr.pi * along * across * spread * spread)
-            root_v = dr.norm(mi.Vector3f(along * view.x, across * view.y, seen.cosine))
-            root_l = dr.norm(mi.Vector3f(along * out.x, across * out.y, nl))
-            visibility = 0.5 / (nl * root_v + seen.cosine * root_l)
-            fresnel = seen.f0 + (seen.f90 - seen.f0) * (1.0 - vh) ** 5
-            facets = 0.5 * distribution / (seen.cosine + root_v)
-            return fresnel * (distribution * visibility), facets
-
-        def _widths(self, alpha: Any) -> tuple[Any, Any]:
-            return dr.lerp(alpha, 1.0, self.anisotropy**2), alpha
-
-        def _in_axes(self, v: Any, back: float = 1.0) -> Any:
-            """A direction in the axes of the facets, or `back` (-1) from them."""
-            c, s = self.cosine, back * self.sine
-            return mi.Vector3f(c * v.x + s * v.y, c * v.y - s * v.x, v.z)
-
-        def _fibres(self, wo: Any, nl: Any, seen: _Seen) -> Any:
-            """KHR_materials_sheen, as mesh.frag has it, times the light's cosine."""
-            half = dr.normalize(seen.wi + wo)
-            inverse = 1.0 / max(self.sheen_roughness**2, 1e-3)
-            sine2 = dr.maximum(half.x * half.x + half.y * half.y, 1e-12)
-            distribution = (2.0 + inverse) * sine2 ** (0.5 * inverse) * (0.5 * dr.inv_pi)
-            return self.sheen * (distribution * nl / (4.0 * (nl + seen.cosine - nl * seen.cosine)))
 
         def _under_clearcoat(
             self, share: Any, wo: Any, seen: _Seen, nl: Any, below: Any, density: Any
@@ -259,18 +191,19 @@ def _layered(mi: Any) -> Any:
             """A second coat above what reflects `below`, coupled as mesh.frag couples them."""
             roughness = self.clearcoat_roughness
             alpha = max(roughness * roughness, _SMALLEST_ALPHA)
-            a, b, mean = self._shares(seen.cosine, roughness)
-            out_again = 1.0 - share * _coat(a, b)
-            a_l, b_l, _ = self._shares(nl, roughness)
-            in_before = (1.0 - share * _coat(a_l, b_l)) / (1.0 - share * mean)
-            lobe, facets = self._lobe(seen.wi, wo, seen.cosine, nl, alpha, DIELECTRIC_F0, _COAT_F90)
+            a, b, mean = shares.facets(seen.cosine, roughness)
+            out_again = 1.0 - share * coat(a, b)
+            a_l, b_l, _ = shares.facets(nl, roughness)
+            in_before = (1.0 - share * coat(a_l, b_l)) / (1.0 - share * mean)
+            of = Facets(alpha, DIELECTRIC_F0, COAT_F90)
+            lobe, facets = lobes.facets(seen.wi, wo, seen.cosine, nl, of)
             more = 1.0 + DIELECTRIC_F0 * (1.0 / (a + b) - 1.0)
             value = below * out_again * in_before + share * more * lobe * nl
             return value, dr.lerp(density, facets, _CLEARCOAT_SAMPLES)
 
         def sampled(self, si: Any, seen: _Seen, sample1: Any, sample2: Any, active: Any) -> Any:
             """A direction by visible facets or by the cosine, and its weight."""
-            alpha, share = seen.alpha, seen.glossy_share
+            alpha, share = seen.facets.alpha, seen.glossy_share
             if self.clearcoat is not None:
                 above = sample1 < _CLEARCOAT_SAMPLES
                 left = (sample1 - _CLEARCOAT_SAMPLES) / (1.0 - _CLEARCOAT_SAMPLES)
@@ -279,17 +212,12 @@ def _layered(mi: Any) -> Any:
                 share = dr.select(above, 2.0, share)
                 sample1 = dr.select(above, 0.0, left)
             is_glossy = sample1 < share
-            facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, alpha, True)
-            normal = facets.sample(seen.wi, sample2)[0]
-            if self.anisotropy > 0.0:
-                stretched = mi.MicrofacetDistribution(
-                    mi.MicrofacetType.GGX, *self._widths(seen.alpha), True
-                )
-                turned = stretched.sample(self._in_axes(seen.wi), sample2)[0]
-                turned = self._in_axes(turned, -1.0)
+            mirrored = lobes.mirrored(seen.wi, alpha, sample2)
+            if self.stretch is not None:
+                own = seen.facets.alpha
+                stretched = lobes.mirrored_by_stretched(seen.wi, own, self.stretch, sample2)
                 # Not those of a second coat.
-                normal = dr.select(alpha == seen.alpha, turned, normal)
-            mirrored = mi.reflect(seen.wi, normal)
+                mirrored = dr.select(alpha == own, stretched, mirrored)
             scattered = mi.warp.square_to_cosine_hemisphere(sample2)
             drawn = dr.zeros(mi.BSDFSample3f)
             drawn.wo = dr.select(is_glossy, mirrored, scattered)

@@ -7,6 +7,8 @@ sought from beyond finds its way through too (`eval_null_transmission`): the sun
 
 from typing import Any
 
+from path_tracer.lobes import Lobes
+
 _LEAST_SHARE = 0.1
 
 
@@ -15,6 +17,7 @@ def pane(mi: Any, layered: Any) -> Any:
     import drjit
 
     dr: Any = drjit
+    lobes = Lobes(mi)
     null, rough = +mi.BSDFFlags.Null, +mi.BSDFFlags.GlossyTransmission
     glossy, diffuse = +mi.BSDFFlags.GlossyReflection, +mi.BSDFFlags.DiffuseReflection
 
@@ -75,8 +78,7 @@ def pane(mi: Any, layered: Any) -> Any:
                 return value, density
             onwards = _turned(turned, mi.Float(-1.0))
             nl = dr.maximum(mi.Frame3f.cos_theta(onwards), 1e-8)
-            white = mi.Color3f(1.0)
-            _, facets = self._lobe(seen.wi, onwards, seen.cosine, nl, seen.alpha, white, white)
+            _, facets = lobes.facets(seen.wi, onwards, seen.cosine, nl, seen.facets)
             below = mi.Frame3f.cos_theta(turned) < 0.0
             return (
                 dr.select(below, seen.tint * facets, value),
@@ -94,14 +96,10 @@ def pane(mi: Any, layered: Any) -> Any:
                 onwards, kept = -seen.wi, seen.tint / share
                 density = share
             else:
-                facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, seen.alpha, True)
-                mirrored = mi.reflect(seen.wi, facets.sample(seen.wi, sample2)[0])
+                mirrored = lobes.mirrored(seen.wi, seen.facets.alpha, sample2)
                 nl = mi.Frame3f.cos_theta(mirrored)
-                white = mi.Color3f(1.0)
                 positive = dr.maximum(nl, 1e-8)
-                _, density = self._lobe(
-                    seen.wi, mirrored, seen.cosine, positive, seen.alpha, white, white
-                )
+                _, density = lobes.facets(seen.wi, mirrored, seen.cosine, positive, seen.facets)
                 density *= share
                 onwards = _turned(mirrored, mi.Float(-1.0))
                 kept = dr.select(nl > 0.0, seen.tint / share, 0.0)

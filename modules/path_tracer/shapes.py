@@ -28,6 +28,8 @@ from vrut_lite.daylight.scene_content import Material, Mesh
 
 # Flatter than this, a matrix has no usable inverse in single precision.
 _FLAT = 1e-5
+# No map lies on it: of meshes without texture coordinates.
+_NO_LAYER = -1
 
 
 class Matter(NamedTuple):
@@ -103,13 +105,20 @@ class _Skin(NamedTuple):
         colours = self.mesh.colours_rgba
         return colours is not None and colours_vary(colours)
 
+    @property
+    def layer(self) -> int:
+        """The layer of texture coordinates that its maps lie on; none of theirs if it has none."""
+        base_colour = self.material.maps.get("base_colour")
+        layer = 0 if base_colour is None else base_colour.uv_layer
+        return _NO_LAYER if _coordinates(self.mesh, layer) is None else layer
+
 
 class _Bsdfs:
     """One BSDF for all meshes of a material, so that llvm kernels compile in seconds."""
 
     def __init__(self, mitsuba: Any, model: SurfaceModel, units_per_m: float):
         self._mitsuba, self._model, self._units_per_m = mitsuba, model, units_per_m
-        self._made: dict[tuple[int, bytes], Any] = {}
+        self._made: dict[tuple[int, int, bytes], Any] = {}
         self.one_sided: list[Any] = []
 
     def of(self, skin: _Skin) -> Any:
@@ -119,12 +128,12 @@ class _Bsdfs:
         own = b"" if colours is None else colours[: None if skin.is_painted else 1].tobytes()
         if skin.is_painted and self._model == "layered":
             own = b"attribute"
-        key = (skin.mesh.material, own)
+        key = (skin.mesh.material, skin.layer, own)
         if key not in self._made:
             made = surface(
                 self._mitsuba,
                 skin.material,
-                _layer(skin.material),
+                skin.layer,
                 colours,
                 self._model,
                 self._units_per_m,
@@ -133,12 +142,6 @@ class _Bsdfs:
             if not skin.material.double_sided:
                 self.one_sided.append(self._made[key])
         return self._made[key]
-
-
-def _layer(material: Material) -> int:
-    """The layer of texture coordinates that a material's maps lie on."""
-    base_colour = material.maps.get("base_colour")
-    return 0 if base_colour is None else base_colour.uv_layer
 
 
 def _skins(subject: Subject) -> list[_Skin]:
@@ -164,7 +167,7 @@ def _mesh(
 ) -> Any:
     """A shape whose vertices are moved by the matrix (4, 4) in double precision."""
     mesh, material = skin
-    layer = _layer(material)
+    layer = skin.layer
     uv = _coordinates(mesh, layer)
     colours = mesh.colours_rgba
     made = _new_mesh(
@@ -246,7 +249,7 @@ def _moved_normals(normals: NDArray[Any], matrix: NDArray[np.float64]) -> NDArra
 
 def _coordinates(mesh: Mesh, layer: int) -> NDArray[np.float64] | None:
     """glTF's own texture coordinates (V, 2), v downwards."""
-    uv = mesh.second_uv if layer else mesh.uv
+    uv = mesh.second_uv if layer == 1 else mesh.uv
     return None if uv is None else np.stack([uv[:, 0], 1.0 - uv[:, 1]], axis=1)
 
 

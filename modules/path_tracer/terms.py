@@ -36,6 +36,18 @@ def terms_of(mitsuba: Any, material: Material, maps: Maps) -> Plugin:
         made["sheen_roughness"] = terms.sheen_roughness
     if terms.anisotropy > 0.0:
         made |= {"anisotropy": terms.anisotropy, "anisotropy_rad": terms.anisotropy_rad}
+    if terms.iridescence > 0.0:
+        made |= {
+            "iridescence": _texture(
+                mitsuba, terms.iridescence, maps.iridescence, sampler_of(material, "iridescence")
+            ),
+            "film_thickness": _texture(
+                mitsuba, 1.0, maps.film_thickness, sampler_of(material, "iridescence_thickness")
+            ),
+            "film_ior": terms.film_ior,
+            "film_least_nm": terms.film_least_nm,
+            "film_most_nm": terms.film_most_nm,
+        }
     if terms.transmits and material.metallic < 1.0:
         sampler = sampler_of(material, "transmission")
         share = _texture(mitsuba, terms.transmission, maps.transmission, sampler)

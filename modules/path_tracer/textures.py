@@ -37,6 +37,8 @@ class Maps(NamedTuple):
     specular_colour: FloatArray | None
     clearcoat: FloatArray | None
     transmission: FloatArray | None
+    iridescence: FloatArray | None
+    film_thickness: FloatArray | None
 
     def f0_and_f90(self, terms: SurfaceTerms) -> tuple[FloatArray, FloatArray]:
         """A dielectric's reflectance (h, w, 3) at normal incidence, (h, w, 1) at grazing angles."""
@@ -74,6 +76,8 @@ def maps_of(material: Material, layer: int) -> Maps:
         specular_colour=None if tint is None else _linear(tint[..., :3]),
         clearcoat=_channel(pixels("clearcoat"), 0),
         transmission=_channel(pixels("transmission"), 0),
+        iridescence=_channel(pixels("iridescence"), 0),
+        film_thickness=_channel(pixels("iridescence_thickness"), 1),
     )  # fmt: skip
 
 

@@ -25,6 +25,7 @@ from vrut_lite.daylight.light_map import (
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.daylight.scene import LoadScene, SceneNeeds, SceneOpened
 from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.daylight.section import SectionChanged
@@ -84,8 +85,12 @@ SCENE = SceneOpened(
     ),
     materials=grey_materials(),
     ground=GroundDisc((0.0, 0.0), 0.0, 10.0), camera=MoveCamera(eye_m=UP, target_m=(0.0,) * 3),
-    lamps=LAMPS, notices=("points or lines: not drawn",),
-    opened=LoadScene(path="a.glb"), cameras=("gate",),
+    lamps=LAMPS, notices=("directional light: not drawn",),
+    opened=LoadScene(path="a.glb"), cameras=("gate",), variants=("red",),
+    points_and_lines=PointsAndLines(
+        points_m=Array(np.zeros((1, 3))), point_rgba=Array(np.ones((1, 4), np.float32)),
+        lines_m=Array(np.ones((2, 2, 3))), line_rgba=Array(np.ones((2, 2, 4), np.float32)),
+    ),
 )  # fmt: skip
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
@@ -94,6 +99,7 @@ NESTED = (
     | ViewShader
     | SceneGeometry
     | SceneMaterials
+    | PointsAndLines
     | GroundChart
     | ProbeGrid
     | Mirrors
@@ -142,6 +148,7 @@ SOUND = [
         path="a.glb",
         beside=(PlacedFile(scene="b.glb", placement=Placement(up="z")),),
         luminaires=(("bulb", "a.ies"),),
+        variant="red",
     ),
     MoveCamera(eye_m=UP, target_m=(0.0, 0.0, 0.0)),
     Resize(width_px=64, height_px=32),

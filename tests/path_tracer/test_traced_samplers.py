@@ -1,5 +1,7 @@
 """Maps beyond their edges in the path tracer, as the frame has them."""
 
+import json
+
 import numpy as np
 import pytest
 from light_messages import light_messages
@@ -21,6 +23,16 @@ def wrapped(numbers, wrap):
     return inside.get(wrap, np.where(numbers % 4 < 2, numbers % 2, 1 - numbers % 2))
 
 
+def seen(path):
+    """The square from above under an even sky of 1: (12, 12, 3)."""
+    settings = PathTracerSettings(spp=2, max_bounces=1, variant="scalar")
+    backend = StatefulBackend(PathTracedBackend(settings), size_px=(12, 12))
+    backend.change(scene=opened(path))
+    background, key_light, ambient = light_messages(np.ones((6, 8, 8, 3)))
+    backend.change(background=background, key_light=key_light, ambient=ambient)
+    return look(backend, (0, 5, 1e-5), (0, 0, 0), 2 * np.arctan(0.1)).radiance
+
+
 @pytest.mark.parametrize("u", CODES)
 @pytest.mark.parametrize("v", CODES)
 def test_each_axis_goes_on_by_itself(tmp_path, u, v):
@@ -33,13 +45,19 @@ def test_each_axis_goes_on_by_itself(tmp_path, u, v):
         attributes={"TEXCOORD_0": UV * 3 - 1},
         sampler={"wrapS": CODES[u], "wrapT": CODES[v], "magFilter": 9728},
     )
-    settings = PathTracerSettings(spp=2, max_bounces=1, variant="scalar")
-    backend = StatefulBackend(PathTracedBackend(settings), size_px=(12, 12))
-    backend.change(scene=opened(path))
-    background, key_light, ambient = light_messages(np.ones((6, 8, 8, 3)))
-    backend.change(background=background, key_light=key_light, ambient=ambient)
-    picture = look(backend, (0, 5, 1e-5), (0, 0, 0), 2 * np.arctan(0.1)).radiance
+    picture = seen(path)
     shown = picture.reshape(6, 2, 6, 2, 3).mean(axis=(1, 3))
     halves = np.arange(-2, 4)
     expected = QUARTERS[wrapped(halves, v)][:, wrapped(halves, u)] / 255.0
     np.testing.assert_allclose(shown, expected, atol=0.15)
+
+
+def test_a_map_without_coordinates_is_left_out(tmp_path):
+    """As in the frame: mitsuba would lay it over each triangle."""
+    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.0}}
+    black = [np.zeros((2, 2, 3), np.uint8)]
+    path = square(tmp_path, material, black)
+    document = json.loads(path.read_text())
+    del document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"]
+    path.write_text(json.dumps(document))
+    assert seen(path).mean() > 0.8

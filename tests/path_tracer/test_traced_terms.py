@@ -114,6 +114,7 @@ def test_white_stays_white_under_an_even_sky(tmp_path, extensions, elevation_deg
         {"ior": {"ior": 1.9}},
         {"sheen": {"sheenColorFactor": [1.0, 0.5, 0.2], "sheenRoughnessFactor": 0.4}},
         {"anisotropy": {"anisotropyStrength": 0.7, "anisotropyRotation": 0.5}},
+        {"iridescence": {"iridescenceFactor": 0.8, "iridescenceThicknessMaximum": 350.0}},
     ],
 )
 def test_sunlight_is_reflected_as_by_the_frame(gl_owner, tmp_path, extensions):

@@ -11,6 +11,8 @@ from scene_stage import CORNERS, light, look, square
 from stateful_backend import opened
 from term_stage import ALBEDO, F0, GROUND, material
 
+from vrut_lite.geometry.thin_film import film_reflectance
+
 pytestmark = pytest.mark.gl
 
 
@@ -47,6 +49,23 @@ def test_a_pane_before_a_like_sky_is_not_seen(backend, tmp_path, elevation_deg):
     pane = material(transmission={"transmissionFactor": 1.0})
     shown = seen(backend, tmp_path, pane, None, elevation_deg)
     np.testing.assert_allclose(shown, 1.0, rtol=5e-3)
+
+
+def test_a_rough_pane_blurs_by_an_angle(shared_gl_backend, tmp_path):
+    """The horizon behind it is as wide in a small picture as in one of four times the pixels."""
+    pane = material((1, 1, 1), 0.3, transmission={"transmissionFactor": 1.0})
+    corners = 4.0 * CORNERS[:, [0, 2, 1]] * [1, -1, 1]
+    path = square(tmp_path, pane, corners=corners)
+    shares = []
+    for size in (32, 128):
+        backend = shared_gl_backend(size_px=(size, size))
+        backend.change(scene=opened(path, GROUND), ground_albedo_rgb=(ALBEDO,) * 3)
+        light(backend, np.full((6, 16, 16, 3), 1.0))
+        shown = look(backend, (0.0, 0.0, 3.0), (0.0, 0.0, 0.0), 0.8).radiance[:, size // 2, 0]
+        low, high = shown.min(), shown.max()
+        between = (shown > low + 0.2 * (high - low)) & (shown < low + 0.8 * (high - low))
+        shares.append(between.mean())
+    assert shares[1] == pytest.approx(shares[0], rel=0.4)
 
 
 def test_half_of_a_pane_is_paint(backend, tmp_path):
@@ -155,6 +174,26 @@ def test_fibres_add_their_colour_and_keep_energy(backend, tmp_path):
     for elevation_deg in (10.0, 90.0):
         shown = seen(backend, tmp_path, material(roughness=1.0, sheen=white), None, elevation_deg)
         np.testing.assert_allclose(shown, 1.0, rtol=0.03)
+
+
+@pytest.mark.parametrize("elevation_deg", [90.0, 30.0])
+def test_a_thin_film_reflects_the_sky_in_its_colours(backend, tmp_path, elevation_deg):
+    """As wave optics says of a mirror under a film whose map sets its thickness: 1 %."""
+    film = {
+        "iridescenceFactor": 1.0,
+        "iridescenceIor": 1.8,
+        "iridescenceThicknessMinimum": 0.0,
+        "iridescenceThicknessMaximum": 1000.0,
+        "iridescenceThicknessTexture": {"index": 0},
+    }
+    for texel in (0, 102, 204):
+        grey = material((0.6, 0.6, 0.6), metallic=1.0, iridescence=film)
+        images = [np.full((2, 2, 3), texel, np.uint8)]
+        shown = seen(backend, tmp_path, grey, None, elevation_deg, images)
+        mu = np.sin(np.radians(elevation_deg))
+        expected = film_reflectance(mu, 0.6, 1.8, 1000.0 * texel / 255.0)
+        np.testing.assert_allclose(shown, expected, atol=0.012)
+    assert np.ptp(shown) > 0.02
 
 
 def test_anisotropy_stretches_the_suns_highlight(backend, tmp_path):

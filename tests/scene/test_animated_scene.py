@@ -22,16 +22,17 @@ MIDNIGHT = datetime(2026, 6, 20, 22, tzinfo=UTC)  # In Prague.
 
 @pytest.fixture
 def sliding(write_square):
-    """A square that slides by 1 m a second for ten seconds."""
+    """A square that slides."""
+    return str(write_square(slide))
 
-    def edit(document):
-        times = np.array([0, 10], "<f4")
-        values = np.array([[0, 0, 0], [10, 0, 0]], "<f4")
-        sampler = {"input": add_array(document, times), "output": add_array(document, values)}
-        channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
-        document["animations"] = [{"channels": [channel], "samplers": [sampler]}]
 
-    return str(write_square(edit))
+def slide(document):
+    """Let the first node slide by 1 m a second for ten seconds."""
+    times = np.array([0, 10], "<f4")
+    values = np.array([[0, 0, 0], [10, 0, 0]], "<f4")
+    sampler = {"input": add_array(document, times), "output": add_array(document, values)}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
+    document["animations"] = [{"channels": [channel], "samplers": [sampler]}]
 
 
 @pytest.fixture
@@ -93,6 +94,24 @@ def test_ground_and_framing_stay_while_things_move(stage):
     play(_set("animation", "time"), _set("animation_time_s", 5.0))
     assert view.state.scene.lower_m[0] == 5.0
     assert (view.state.scene.ground, view.state.camera) == (ground, camera)
+
+
+def test_who_looks_through_an_animated_camera_moves_with_it(stage, write_square):
+    """The scene's own camera follows the clock until the user moves away from it."""
+    play, view, _ = stage
+
+    def edit(document):
+        slide(document)
+        document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
+        document["nodes"][0]["camera"] = 0
+
+    play(LoadScene(path=str(write_square(edit))), _set("animation", "time"))
+    for time_s in (2.0, 5.0):
+        play(_set("animation_time_s", time_s))
+        assert view.state.camera.eye_m[0] == time_s
+    own = MoveCamera(eye_m=(0.0, 1.0, 9.0), target_m=(0.0, 0.0, 0.0))
+    play(own, _set("animation_time_s", 7.0))
+    assert view.state.camera == own
 
 
 def test_a_scene_that_cannot_be_opened_leaves_the_old_one_moving(stage):

@@ -280,15 +280,21 @@ def test_a_scene_at_rest_says_so(write_square: WriteScene) -> None:
     assert scene.at(1.0).notices == ()
 
 
-def test_a_camera_that_would_move_rests_and_says_so(write_square: WriteScene) -> None:
-    """The file's own camera is offered where it stands at rest."""
+def test_a_camera_moves_with_its_node(write_square: WriteScene) -> None:
+    """The file's own camera stands where the animation has it, at rest where its node rests."""
 
     def edit(document: dict[str, Any]) -> None:
         _animated("LINEAR", ALONG)(document)
         document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
         document["nodes"][0]["camera"] = 0
 
-    assert "camera that an animation moves: at rest" in load_scene(write_square(edit)).notices
+    scene = OpenScene(write_square(edit))
+    for time_s in (None, 0.5, 1.5):
+        posed = scene.at(time_s)
+        assert posed.camera is not None
+        moved = posed.meshes[0].world_from_model
+        np.testing.assert_allclose(posed.camera.world_from_camera[:3, 3], moved[:3, 3])
+    assert moved[:3, 3].any()
 
 
 @pytest.mark.parametrize("broken", ["order", "width", "missing", "infinite"])

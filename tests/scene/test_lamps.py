@@ -145,12 +145,48 @@ def test_lamps_come_brightest_first_and_dark_ones_and_suns_not_at_all(
     assert packed(scene).content_key != packed(load_scene(write_square())).content_key
 
 
+# 30 candela (multiplier 1) where it is aimed, in two quarters symmetric.
+FLOODLIGHT = """IESNA:LM-63-2002
+TILT=NONE
+1 1000 1 3 3 {kind} 2 0.1 0.1 0 1 1 10
+-90 0 90
+0 60 90
+0 30 0
+0 20 0
+0 0 0
+"""
+
+
+@pytest.mark.parametrize("kind", [2, 3])
+def test_lamps_of_types_a_and_b_shine_where_they_are_aimed(kind: int) -> None:
+    """Type A turns around the vertical axis, so that 60 degrees aside and 45 up keep its angles;
+    type B turns around the horizontal one."""
+    candela, table = read_ies(FLOODLIGHT.format(kind=kind).encode())
+    assert candela == pytest.approx(30.0)
+    assert table[0] == pytest.approx(1.0)
+    assert table[91:].max() == 0.0
+
+    def towards(right: float, up: float, ahead: float) -> float:
+        row = math.degrees(math.acos(ahead))
+        column = math.degrees(math.atan2(up, right)) % 360.0 / 5.0
+        return 30.0 * float(table[round(row), round(column)])
+
+    # On the axes both agree: 20 at 60 degrees either way, 15 at 45 degrees up or down.
+    for side in (-1.0, 1.0):
+        assert towards(side * math.sin(math.radians(60)), 0.0, 0.5) == pytest.approx(20.0, rel=0.01)
+        assert towards(0.0, side * math.sqrt(0.5), math.sqrt(0.5)) == pytest.approx(15.0, rel=0.01)
+    # 30 degrees aside and 45 up, turned first around the one axis or around the other.
+    s, c, r = 0.5, math.sqrt(0.75), math.sqrt(0.5)
+    way = (s * r, r, c * r) if kind == 3 else (s, r * c, r * c)
+    assert towards(*way) == pytest.approx(30.0 * 0.5 * (1.0 - 30.0 / 180.0), rel=0.05)
+
+
 BROKEN = {
     "no tilt": ("TILT=NONE", "", "no line TILT"),
     "letters": ("0 45 90", "0 4x5 90", "damaged"),
     "short": ("20 2.5 0\n", "", "cut short"),
     "falling angles": ("0 45 90", "0 90 45", "do not rise"),
-    "type A": ("2 3 2 1 2", "2 3 2 3 2", "type A"),
+    "type D": ("2 3 2 1 2", "2 3 2 4 2", "type 4"),
     "negative": ("20 2.5 0", "20 -2.5 0", "impossible candela"),
     "infinite": ("20 2.5 0", "20 inf 0", "not finite"),
     "many angles": ("2 3 2 1 2", "2 3e9 2 1 2", "angles"),

@@ -50,7 +50,7 @@ def test_extensions_that_are_not_read_are_told(write_square: WriteScene) -> None
     )
 
 
-@pytest.mark.parametrize("name", ["KHR_materials_iridescence", "KHR_audio"])
+@pytest.mark.parametrize("name", ["KHR_materials_dispersion", "KHR_audio"])
 def test_a_required_extension_with_a_plain_reading_is_told(
     write_square: WriteScene, name: str
 ) -> None:
@@ -76,7 +76,8 @@ def test_points_and_other_scenes_are_told(write_square: WriteScene) -> None:
         document["scenes"].append({"nodes": []})
 
     assert load_scene(write_square(edit)).notices == (
-        "points or lines (3 times): not drawn",
+        "points or lines (3 times): one pixel wide, in their colours; not path traced, and without "
+        "shadows",
         "scene beside the default one: not drawn",
     )
 
@@ -115,6 +116,19 @@ def test_what_obj_and_mtl_have_more_is_told(write_obj: WriteScene) -> None:
     }
 
 
+def test_a_face_without_coordinates_leaves_the_others_theirs(write_obj: WriteScene) -> None:
+    """A floor that nobody unwrapped does not take the walls' bricks away, and is told."""
+    path = write_obj("newmtl paint\nmap_Kd paint.png\n", faces="f 1/1 2/2 3/3 4/4\nf 3 2 1")
+    (path.parent / "paint.png").write_bytes(png_bytes())
+    (place,) = load_scene(path).meshes
+    uv = np.asarray(place.mesh.visual.uv)[np.asarray(place.mesh.faces)]  # type: ignore[union-attr]
+    np.testing.assert_allclose(uv[0], [[0, 0], [1, 0], [1, 1]])
+    np.testing.assert_allclose(uv[2], 0.0)
+    assert load_scene(path).notices == (
+        "triangle without coordinates of its texture: in one colour of it",
+    )
+
+
 @pytest.mark.parametrize(("name", "says"), [("a.fbx", "Blender"), ("a.xyz", "export it as one")])
 def test_other_formats_name_what_converts_them(tmp_path: Path, name: str, says: str) -> None:
     """Where a common program reads the format, the sentence names it."""
@@ -149,5 +163,6 @@ def test_variants_and_maps_by_their_mean_are_told(write_square: WriteScene) -> N
 
     assert load_scene(write_square(edit)).notices == (
         "sheenColorTexture: its mean is taken",
-        "material variants beach, midnight: the default materials are shown",
+        "material variants beach, midnight: the default materials are shown (--variant NAME, or "
+        "Variant in the Scene panel)",
     )

@@ -1,4 +1,4 @@
-"""Options on the scene: --up, --metres-per-unit, --scene-camera and --animation."""
+"""Options on the scene: --up, --metres-per-unit, --scene-camera, --variant and --animation."""
 
 from typing import Any
 
@@ -20,6 +20,8 @@ def scene_options(command: Command) -> Command:
                      "animations: at rest (default), by the clock, or at a time."),
         click.option("--scene-camera", metavar="NAME|N", help="Which of the scene's own cameras to "
                      "look through, by name or counted from 1. Default: the first."),
+        click.option("--variant", metavar="NAME|N", help="Which of the scene's variants of "
+                     "materials to show, by name or counted from 1."),
         click.option("--metres-per-unit", metavar="METRES",
                      type=FiniteRange(LEAST_METRES_PER_UNIT, MOST_METRES_PER_UNIT),
                      help="Length of the scene file's unit, 0.01 if it is in centimetres. Default: "
@@ -38,18 +40,22 @@ def with_scene_options(project: Project, options: dict[str, Any]) -> Project:
         UserError: there is no scene that they could be about.
     """
     project = _animated(project, options.pop("animation"))
-    up, unit, camera = (options.pop(name) for name in ("up", "metres_per_unit", "scene_camera"))
-    if (up, unit, camera) == (None, None, None):
+    names = ("up", "metres_per_unit", "scene_camera", "variant")
+    up, unit, camera, variant = (options.pop(name) for name in names)
+    if (up, unit, camera, variant) == (None,) * len(names):
         return project
     if not project.scene:
-        raise UserError("--up, --metres-per-unit and --scene-camera need a scene: name one")
+        raise UserError(
+            "--up, --metres-per-unit, --scene-camera and --variant need a scene: name one"
+        )
     said = {"up": up, "metres_per_unit": unit}
     placement = msgspec.structs.replace(
         project.placement, **{name: value for name, value in said.items() if value is not None}
     )
     # The scene's own camera is asked for: the project's gives way to it.
     seen = {} if camera is None else {"scene_camera": camera, "camera": None}
-    return msgspec.structs.replace(project, placement=placement, **seen)
+    variant = project.variant if variant is None else variant
+    return msgspec.structs.replace(project, placement=placement, variant=variant, **seen)
 
 
 def _animated(project: Project, text: str | None) -> Project:

@@ -8,6 +8,7 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.daylight.scene_content import SceneGeometry, SceneMaterials
 from vrut_lite.kernel.messages import Derived, Input
 from vrut_lite.numeric_types import Vector
@@ -19,7 +20,8 @@ class LoadScene(Input, frozen=True, kw_only=True):
     """Open this scene file, and others beside it, each placed.
 
     `camera` is the name of one of the file's cameras, or its number from 1; empty for the first.
-    `luminaires` are names of lamps and paths of their IES files.
+    `luminaires` are names of lamps and paths of their IES files. `variant` is one of the file's
+    variants of materials, in the same way as `camera`; empty for the default ones.
     """
 
     path: str
@@ -27,10 +29,11 @@ class LoadScene(Input, frozen=True, kw_only=True):
     beside: tuple[PlacedFile, ...] = ()
     camera: str = ""
     luminaires: tuple[tuple[str, str], ...] = ()
+    variant: str = ""
 
     def check(self) -> None:
         """Paths and placements; the files themselves tell the rest."""
-        checks.text(self, "path", "camera")
+        checks.text(self, "path", "camera", "variant")
         checks.instance(self, "placement", Placement)
         self.placement.check()
         if not (isinstance(self.beside, tuple) and len(self.beside) <= MOST_FILES):
@@ -49,7 +52,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     brings a ground of its own; `camera` the first that the file brings; `lamps` None without any.
     `notices` are lines on what the file has and the scene has not, or has otherwise. `opened` is
     what was asked for, with the guessed parts of its placement filled in; `cameras` are the names
-    of the file's cameras; `animation_s` is how long its animations last, 0 without any.
+    of the file's cameras, `variants` those of its materials' variants; `animation_s` is how long
+    its animations last, 0 without any. `points_and_lines` are None without any.
     """
 
     path: str
@@ -64,6 +68,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
     notices: tuple[str, ...] = ()
     opened: LoadScene | None = None
     cameras: tuple[str, ...] = ()
+    variants: tuple[str, ...] = ()
+    points_and_lines: PointsAndLines | None = None
     animation_s: float = 0.0
 
     @property
@@ -96,8 +102,12 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         checks.instance(self, "lamps", (SceneLamps, type(None)))
         if self.lamps is not None:
             self.lamps.check()
+        checks.instance(self, "points_and_lines", (PointsAndLines, type(None)))
+        if self.points_and_lines is not None:
+            self.points_and_lines.check()
         checks.lines(self, "notices")
         checks.lines(self, "cameras")
+        checks.lines(self, "variants")
         checks.number(self, "animation_s", 0.0)
         checks.instance(self, "opened", (LoadScene, type(None)))
         if self.opened is not None:
@@ -108,6 +118,8 @@ class SceneOpened(Derived, frozen=True, kw_only=True):
         self.geometry.check_arrays()
         if self.lamps is not None:
             self.lamps.check_arrays()
+        if self.points_and_lines is not None:
+            self.points_and_lines.check_arrays()
 
 
 class SceneNeeds(Derived, frozen=True, kw_only=True):

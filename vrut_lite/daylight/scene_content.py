@@ -29,6 +29,8 @@ MapName = Literal[
     "specular_colour",
     "clearcoat",
     "transmission",
+    "iridescence",
+    "iridescence_thickness",
 ]
 Wrap = Literal["repeat", "clamp", "mirror"]
 ALPHA_MODES: tuple[AlphaMode, ...] = get_args(AlphaMode)

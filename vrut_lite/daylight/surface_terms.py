@@ -1,8 +1,8 @@
 """Terms of a surface from glTF's extensions, beyond metal, roughness and colour.
 
 The numbers are those of KHR_materials_ior, specular, clearcoat, sheen, anisotropy, transmission,
-volume and unlit, in their units; each default is the extension's own, so that the defaults
-together are glTF 2.0's core material.
+volume, iridescence and unlit, in their units; each default is the extension's own, so that the
+defaults together are glTF 2.0's core material.
 """
 
 from typing import Any, NamedTuple
@@ -23,7 +23,9 @@ class SurfaceTerms(NamedTuple):
     Anisotropy stretches highlights across the direction that is turned counter-clockwise from the
     first texture coordinate. `transmission` is the share of the light below the coat that passes
     through, not scattered by paint; a body of `thickness_m`, 0 for a pane, bends it, and takes
-    `extinction_per_m` of it away by Beer and Lambert. An `unlit` surface shows its colour (1 or 0).
+    `extinction_per_m` of it away by Beer and Lambert. `iridescence` is the share under a thin film
+    of `film_ior`, as thick as its map says between both thicknesses. An `unlit` surface shows its
+    colour (1 or 0).
     """
 
     ior: float = 1.5
@@ -39,6 +41,10 @@ class SurfaceTerms(NamedTuple):
     thickness_m: float = 0.0
     extinction_per_m: Vector = _BLACK
     unlit: float = 0.0
+    iridescence: float = 0.0
+    film_ior: float = 1.3
+    film_least_nm: float = 400.0
+    film_most_nm: float = 400.0
 
     @property
     def f0_rgb(self) -> FloatArray:

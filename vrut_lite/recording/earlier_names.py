@@ -11,7 +11,7 @@ _RENAMED = {"SunLightChanged": "KeyLightChanged", "SceneLoaded": "SceneOpened"}
 # What journals of earlier versions lack of SceneOpened.
 _LATER_OF_SCENES = (
     "geometry", "materials", "ground", "camera", "lamps", "notices", "opened", "cameras",
-    "animation_s",
+    "animation_s", "variants", "points_and_lines",
 )  # fmt: skip
 # Fields that earlier messages lack, by today's type names, and what they meant without them.
 _ADDED: dict[str, Plain] = {

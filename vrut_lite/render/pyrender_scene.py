@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.ground_disc import GroundDisc, triangulate
 from vrut_lite.daylight.light_map import NOT_MAPPED, LightMapLaid, Shape
+from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh
 from vrut_lite.daylight.surface_terms import SurfaceTerms
@@ -19,6 +20,7 @@ from vrut_lite.render.colour_texture import is_cut_out, textures_of
 from vrut_lite.render.gl_environment import import_pyrender
 
 pyrender = import_pyrender()
+GL_POINTS, GL_LINES = 0, 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +31,7 @@ class PlacedPrimitive:
     (4, 4) stays ours: pyrender would decompose it, which fails for a flattened one.
     `light_corner_px` (2,) is the corner of its rectangle in the light map, where it has one, and
     `light_end_px` (2,) lies past the last texel that its look-ups reach. `mirror` is the number of
-    the cube map of its surroundings.
+    the cube map of its surroundings. What does not cast is left out of shadow maps.
     """
 
     primitive: Any
@@ -37,6 +39,7 @@ class PlacedPrimitive:
     centre_m: FloatArray
     radius_m: float
     is_ground: bool = False
+    casts: bool = True
     light_corner_px: NDArray[np.int32] | None = None
     light_end_px: NDArray[np.int32] | None = None
     mirror: int | None = None
@@ -92,6 +95,7 @@ class PyrenderScene:
         self.dims_sun = any(
             surface.terms.transmits or surface.alphaMode == "BLEND" for surface in self._surfaces
         )
+        self._strokes = _strokes(opened.points_and_lines)
         self._ground = None if ground is None else _ground(ground)
         # By the number of the mesh and of its shape in the light map.
         self._cuts: dict[tuple[int, int], _Cut] = {}
@@ -124,10 +128,13 @@ class PyrenderScene:
             matrix = geometry.world_from_part.values[part] @ self._cuts[key].model_from_centred
             mirror = mirror_of.get(part)
             self.placed.append(_placed(self._cuts[key].primitive, matrix, mirror=mirror, **lit))
+        for stroke in self._strokes:
+            self.uploads.meshes.add(stroke)
+            self.placed.append(_placed(stroke.primitive, stroke.model_from_centred, casts=False))
         if self._ground is not None:
             self.uploads.meshes.add(self._ground)
             ground = self._ground.primitive, self._ground.model_from_centred
-            self.placed.append(_placed(*ground, is_ground=True))
+            self.placed.append(_placed(*ground, is_ground=True, casts=False))
 
     def paint_ground(self, albedo_rgb: Vector) -> None:
         """Give the ground disc an albedo, linear RGB in [0, 1]."""
@@ -145,6 +152,31 @@ def _placed(primitive: Any, matrix: FloatArray, **more: Any) -> PlacedPrimitive:
     largest = float(np.linalg.norm(primitive.positions, axis=1).max(initial=0.0))
     radius_m = largest * float(np.linalg.norm(matrix[:3, :3], ord=2))
     return PlacedPrimitive(primitive, matrix, matrix[:3, 3], radius_m, **more)
+
+
+def _strokes(found: PointsAndLines | None) -> list[_Cut]:
+    """Points and lines that show their colours, as glTF wants those without normals."""
+    if found is None:
+        return []
+    made = []
+    for mode, places, rgba in (
+        (GL_POINTS, found.points_m.values, found.point_rgba.values),
+        (GL_LINES, found.lines_m.values, found.line_rgba.values),
+    ):
+        if not places.size:
+            continue
+        places, middle = places.reshape(-1, 3), np.eye(4)
+        middle[:3, 3] = 0.5 * (places.min(axis=0) + places.max(axis=0))
+        surface = Surface(doubleSided=True)
+        surface.terms, surface.matte = SurfaceTerms(unlit=1.0), True
+        primitive = pyrender.Primitive(
+            positions=(places - middle[:3, 3]).astype(np.float32),
+            color_0=rgba.reshape(-1, 4),
+            material=surface,
+            mode=mode,
+        )
+        made.append(_Cut(primitive, middle))
+    return made
 
 
 def _ground(ground: GroundDisc) -> _Cut:

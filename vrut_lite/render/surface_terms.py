@@ -9,6 +9,7 @@ import numpy as np
 
 from vrut_lite.daylight.scene_content import MapName
 from vrut_lite.daylight.surface_terms import SurfaceTerms
+from vrut_lite.geometry.thin_film import film_table
 from vrut_lite.render.gl_environment import import_pyrender
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import SURFACE_TERMS
@@ -22,11 +23,22 @@ _MAP_UNITS: dict[MapName, int] = {
     "specular_colour": 19,
     "clearcoat": 20,
     "transmission": 21,
+    "iridescence": 27,
+    "iridescence_thickness": 28,
 }
+_FILM_UNIT = 26
 BACKDROP_UNIT = 22
 # What is smoother than this and no body shows what is behind it as it is.
 _SMOOTH = 0.05
 _PLAIN = SurfaceTerms()
+Film = tuple[float, float, float]
+_LINEAR_AND_CLAMPED = {
+    GL.GL_TEXTURE_MIN_FILTER: GL.GL_LINEAR,
+    GL.GL_TEXTURE_MAG_FILTER: GL.GL_LINEAR,
+    GL.GL_TEXTURE_WRAP_S: GL.GL_CLAMP_TO_EDGE,
+    GL.GL_TEXTURE_WRAP_T: GL.GL_CLAMP_TO_EDGE,
+    GL.GL_TEXTURE_WRAP_R: GL.GL_CLAMP_TO_EDGE,
+}
 
 
 def term_defines(material: Any, blended: bool) -> Defines:
@@ -43,6 +55,8 @@ def term_defines(material: Any, blended: bool) -> Defines:
         defines.append("ANISOTROPY")
     if terms.clearcoat > 0.0:
         defines.append("CLEARCOAT")
+    if terms.iridescence > 0.0:
+        defines.append("IRIDESCENCE")
     if terms.transmits and blended:
         defines.append("GLASS")
         if needs_backdrop(material):
@@ -61,10 +75,11 @@ def _has_terms(material: Any) -> bool:
 
 
 class SurfaceTermsOnGpu:
-    """The block's buffer; used on the GL thread only."""
+    """The block's buffer, and the tables of thin films; used on the GL thread only."""
 
     def __init__(self) -> None:
         self._buffer: int | None = None
+        self._films: dict[Film, int] = {}
 
     def bind(self, material: Any, scale: float) -> None:
         """Hand a material's numbers and maps to the mesh that is drawn next, `scale` times as
@@ -86,6 +101,7 @@ class SurfaceTermsOnGpu:
             clearcoat_roughness=terms.clearcoat_roughness,
             anisotropy=terms.anisotropy,
             anisotropy_rad=terms.anisotropy_rad,
+            iridescence=terms.iridescence,
             **layer,
         )
         if self._buffer is None:
@@ -95,13 +111,35 @@ class SurfaceTermsOnGpu:
         for name, texture in material.further.items():
             GL.glActiveTexture(GL.GL_TEXTURE0 + _MAP_UNITS[name])
             texture._bind()
+        if terms.iridescence > 0.0:
+            GL.glActiveTexture(GL.GL_TEXTURE0 + _FILM_UNIT)
+            GL.glBindTexture(GL.GL_TEXTURE_3D, self._film(terms))
         GL.glActiveTexture(GL.GL_TEXTURE0)
 
+    def _film(self, terms: SurfaceTerms) -> int:
+        """The texture of a film's table."""
+        film = terms.film_ior, terms.film_least_nm, terms.film_most_nm
+        if film not in self._films:
+            table = film_table(*film)
+            self._films[film] = int(GL.glGenTextures(1))
+            GL.glBindTexture(GL.GL_TEXTURE_3D, self._films[film])
+            layers, rows, columns, _ = table.shape
+            GL.glTexImage3D(
+                GL.GL_TEXTURE_3D, 0, GL.GL_RGB32F, columns, rows, layers, 0, GL.GL_RGB,
+                GL.GL_FLOAT, table,
+            )  # fmt: skip
+            for name, value in _LINEAR_AND_CLAMPED.items():
+                GL.glTexParameteri(GL.GL_TEXTURE_3D, name, value)
+        return self._films[film]
+
     def release(self) -> None:
-        """Free the buffer."""
+        """Free the buffer and the tables."""
         if self._buffer is not None:
             GL.glDeleteBuffers(1, [self._buffer])
+        if self._films:
+            GL.glDeleteTextures(list(self._films.values()))
         self._buffer = None
+        self._films.clear()
 
 
 def scale_of(world_from_model: np.ndarray) -> float:

@@ -198,10 +198,13 @@ SURFACE_TERMS = UniformBlock(
         "clearcoat_roughness": ("float", "of that coat"),
         "anisotropy": ("float", "how much highlights are stretched"),
         "anisotropy_rad": ("float", "which way, from the first texture coordinate"),
+        "iridescence": ("float", "share under a thin film"),
         "specular_layer": ("float", "of texture coordinates, for each map"),
         "specular_colour_layer": ("float", "of the map of f0's colour"),
         "clearcoat_layer": ("float", "of the map of the second coat"),
         "transmission_layer": ("float", "of the map of glass"),
+        "iridescence_layer": ("float", "of the map of a thin film"),
+        "iridescence_thickness_layer": ("float", "of the map of its thickness"),
     },
 )
 # By the names that shaders include.

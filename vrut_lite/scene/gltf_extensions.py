@@ -35,7 +35,6 @@ _INSTEAD = {
     "KHR_animation_pointer": "what it moves rests",
     "KHR_audio": "silent",
     "KHR_materials_dispersion": "light of all colours is bent alike",
-    "KHR_materials_iridescence": "reflects without its thin film",
     "KHR_node_visibility": "everything is shown",
     "MSFT_lod": "the finest level is shown",
 }

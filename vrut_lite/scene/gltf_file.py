@@ -14,6 +14,7 @@ from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
 from vrut_lite.scene.gltf_extensions import check_extensions
 from vrut_lite.scene.gltf_schema import Accessor, Gltf, Image, MeshoptView, Sparse
+from vrut_lite.scene.gltf_variants import with_variant
 from vrut_lite.scene.meshopt_views import admit_meshopt, unpack_meshopt
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.scene_file_error import SceneFileError
@@ -31,13 +32,14 @@ Item = TypeVar("Item")
 class GltfFile:
     """A parsed document and its buffers in memory; buffers of the same bytes are one object.
 
-    `notices` takes what a reader leaves out.
+    `notices` takes what a reader leaves out. `variant` is that of the materials, "" by default.
     """
 
     document: Gltf
     buffers: tuple[bytes | memoryview, ...]
     folder: SceneFolder
     notices: Notices
+    variant: str = ""
     _sparse: dict[int, NDArray[Any]] = field(default_factory=dict)
     _unpacked: dict[int, bytes] = field(default_factory=dict)
 
@@ -151,7 +153,9 @@ class GltfFile:
         return replaced
 
 
-def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFile:
+def read_gltf_file(
+    path: Path, budget: SceneBudget, notices: Notices, variant: str = ""
+) -> GltfFile:
     """Parse a .gltf or .glb file and fetch its buffers; tell the extensions that are not read.
 
     Raises:
@@ -166,7 +170,7 @@ def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFil
     _check_version(document)
     check_extensions(text, document.extensions_used, document.extensions_required, notices)
     materials = [as_metallic_roughness(material) for material in document.materials]
-    document = msgspec.structs.replace(document, materials=materials)
+    document = with_variant(msgspec.structs.replace(document, materials=materials), variant)
     for image in document.images:
         if image.uri is not None:
             folder.check_uri(image.uri)
@@ -174,7 +178,7 @@ def read_gltf_file(path: Path, budget: SceneBudget, notices: Notices) -> GltfFil
     for view in document.buffer_views:
         if view.packed is not None and not len(item_at(buffers, view.buffer, "buffer")):
             admit_meshopt(view.packed, budget)
-    return GltfFile(document, buffers, folder, notices)
+    return GltfFile(document, buffers, folder, notices, variant)
 
 
 def item_at(items: Sequence[Item], index: int, what: str) -> Item:

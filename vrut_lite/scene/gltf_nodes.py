@@ -1,6 +1,6 @@
 """glTF's tree of nodes: where each stands at rest or in a pose, and its cameras."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Node
+from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.placed import SceneCamera, check_places
 from vrut_lite.scene.scene_file_error import SceneFileError
 
@@ -128,18 +129,20 @@ def matrices_of(translation: Matrix, rotation: Matrix, scale: Matrix) -> Matrix:
     return matrices
 
 
-def cameras_of(file: GltfFile, nodes: list[PlacedNode]) -> Iterator[SceneCamera]:
+def cameras_of(
+    file: GltfFile, nodes: Iterable[PlacedNode], notices: Notices
+) -> Iterator[SceneCamera]:
     """The perspective cameras in the order of their nodes, under their nodes' or own names."""
     for _, node, scene_from_node in nodes:
         if node.camera is None:
             continue
         camera = item_at(file.document.cameras, node.camera, "camera")
         if camera.perspective is None:
-            file.notices.tell("orthographic camera", "not offered")
+            notices.tell("orthographic camera", "not offered")
             continue
         axes = scene_from_node[:3, :3]
         if not np.all(np.isfinite(scene_from_node)) or np.linalg.matrix_rank(axes) < 3:
-            file.notices.tell("camera without a direction", "not offered")
+            notices.tell("camera without a direction", "not offered")
             continue
         pose = scene_from_node.copy()
         left, _, right = np.linalg.svd(axes)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from vrut_lite.scene.gltf_file import GltfFile, item_at
 from vrut_lite.scene.gltf_schema import Mesh, Node, Primitive
 from vrut_lite.scene.gltf_terms import averaged_maps
+from vrut_lite.scene.gltf_variants import variant_names
 from vrut_lite.scene.uv_layers import layers_of, texture_infos
 
 _TRIANGLES = 4
@@ -16,9 +17,10 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
     meshes = {node.mesh for node in nodes if node.mesh is not None}
     for number in meshes:
         _tell_mesh(file, item_at(document.meshes, number, "mesh"))
-    variants = [variant.name for variant in document.extensions.variants.variants]
-    if variants:
-        notices.tell(f"material variants {', '.join(variants)}", "the default materials are shown")
+    variants = variant_names(document)
+    if variants and not file.variant:
+        shown = "the default materials are shown (--variant NAME, or Variant in the Scene panel)"
+        notices.tell(f"material variants {', '.join(variants)}", shown)
     others = len(document.scenes) - 1
     notices.tell("scene beside the default one", "not drawn", max(others, 0))
 
@@ -26,7 +28,8 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
 def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
     notices = file.notices
     unfilled = [primitive for primitive in mesh.primitives if primitive.mode < _TRIANGLES]
-    notices.tell("points or lines", "not drawn", len(unfilled))
+    drawn = "one pixel wide, in their colours; not path traced, and without shadows"
+    notices.tell("points or lines", drawn, len(unfilled))
     for primitive in mesh.primitives:
         _tell_maps(file, primitive)
 

@@ -13,9 +13,12 @@ from vrut_lite.scene.gltf_lamps import GltfLamps
 from vrut_lite.scene.gltf_meshes import GltfMeshes
 from vrut_lite.scene.gltf_nodes import REST, PlacedNode, cameras_of, placed_nodes
 from vrut_lite.scene.gltf_notices import tell_unread
+from vrut_lite.scene.gltf_points_and_lines import GltfStrokes, Strokes
 from vrut_lite.scene.gltf_shapes import Sizes
+from vrut_lite.scene.gltf_variants import variant_names
 from vrut_lite.scene.lamps import PlacedLamp
-from vrut_lite.scene.placed import PlacedMesh
+from vrut_lite.scene.notices import Notices
+from vrut_lite.scene.placed import PlacedMesh, SceneCamera
 
 
 class GltfScene:
@@ -30,12 +33,10 @@ class GltfScene:
         self._animations = GltfAnimations(file)
         nodes = list(placed_nodes(file, REST))
         tell_unread(file, [node for _, node, _ in nodes])
-        self.cameras = list(cameras_of(file, nodes))
+        self._cameras = list(cameras_of(file, nodes, file.notices))
         self._lamps = GltfLamps(file)
         self._lamps.tell_unread(nodes)
-        filmed = [one for one in nodes if one.node.camera is not None]
-        moved = [one for one in filmed if one.number in self._animations.nodes]
-        file.notices.tell("camera that an animation moves", "at rest", len(moved))
+        self._strokes = GltfStrokes(file)
         self._skins = Skins(file, nodes)
         self._instances = {
             one.number: instances_of(file, one.node.extensions.instancing)
@@ -44,6 +45,11 @@ class GltfScene:
         }
         self._sizes = Sizes(file)
         self._meshes: GltfMeshes | None = None
+
+    @property
+    def variants(self) -> list[str]:
+        """The names of its materials' variants."""
+        return variant_names(self._file.document)
 
     @property
     def duration_s(self) -> float:
@@ -80,6 +86,26 @@ class GltfScene:
                 for matrix in matrices if bend.skin is None else (np.eye(4),):
                     placed.append(PlacedMesh(one.node.name or name, mesh, matrix))
         return placed
+
+    def strokes(self, time_s: float | None) -> list[Strokes]:
+        """Points and lines, in the scene's axes, at a time of its animations, or at rest."""
+        placed = []
+        self._strokes.begin()
+        for one in placed_nodes(self._file, self._animations.pose(time_s)):
+            if one.node.mesh is None:
+                continue
+            for strokes in self._strokes.get(one.node.mesh):
+                for matrix in self._places(one):
+                    self._strokes.take(strokes)
+                    placed.append(strokes.moved(matrix))
+        return placed
+
+    def cameras(self, time_s: float | None) -> list[SceneCamera]:
+        """The cameras, in the scene's axes, at a time of its animations, or at rest."""
+        if time_s is None:
+            return self._cameras
+        nodes = placed_nodes(self._file, self._animations.pose(time_s))
+        return list(cameras_of(self._file, nodes, Notices()))
 
     def lamps(self, time_s: float | None) -> list[PlacedLamp]:
         """The lamps, in the scene's axes, at a time of its animations, or at rest."""

@@ -213,10 +213,26 @@ class DracoMesh(Part, frozen=True):
     attributes: dict[str, Index]
 
 
+class VariantMapping(Part, frozen=True):
+    """The material that some variants give a primitive."""
+
+    material: Index
+    variants: list[Index]
+
+
+class VariantMappings(Part, frozen=True):
+    """KHR_materials_variants of a primitive."""
+
+    mappings: list[VariantMapping] = []
+
+
 class PrimitiveExtensions(Part, frozen=True):
     """The extensions of a primitive that are honoured."""
 
     draco: DracoMesh | None = field(default=None, name="KHR_draco_mesh_compression")
+    variants: VariantMappings = field(
+        default_factory=VariantMappings, name="KHR_materials_variants"
+    )
 
 
 class Primitive(Part, frozen=True):

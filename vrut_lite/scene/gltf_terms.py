@@ -1,6 +1,6 @@
 """Extensions of glTF's materials: KHR_materials_* as the numbers and maps of `SurfaceTerms`.
 
-Four of their maps are kept texel by texel. The others scale their factor by their mean.
+Six of their maps are kept texel by texel. The others scale their factor by their mean.
 """
 
 import math
@@ -24,6 +24,7 @@ DRAWN_EXTENSIONS = (
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -85,6 +86,15 @@ class _Volume(Part, frozen=True):
     attenuation_color: Vector = _WHITE
 
 
+class _Iridescence(Part, frozen=True):
+    iridescence_factor: float = 0.0
+    iridescence_texture: TextureInfo | None = None
+    iridescence_ior: float = 1.3
+    iridescence_thickness_minimum: float = 100.0
+    iridescence_thickness_maximum: float = 400.0
+    iridescence_thickness_texture: TextureInfo | None = None
+
+
 class _Extensions(Part, frozen=True):
     strength: _Strength = field(default=_Strength(), name="KHR_materials_emissive_strength")
     ior: _Ior = field(default=_Ior(), name="KHR_materials_ior")
@@ -94,6 +104,7 @@ class _Extensions(Part, frozen=True):
     anisotropy: _Anisotropy = field(default=_Anisotropy(), name="KHR_materials_anisotropy")
     transmission: _Transmission = field(default=_Transmission(), name="KHR_materials_transmission")
     volume: _Volume = field(default=_Volume(), name="KHR_materials_volume")
+    iridescence: _Iridescence = field(default=_Iridescence(), name="KHR_materials_iridescence")
     unlit: dict[str, Any] | None = field(default=None, name="KHR_materials_unlit")
 
 
@@ -113,6 +124,8 @@ def further_textures(source: Material) -> dict[str, TextureInfo]:
         "specular_colour": found.specular.specular_color_texture,
         "clearcoat": found.clearcoat.clearcoat_texture,
         "transmission": found.transmission.transmission_texture,
+        "iridescence": found.iridescence.iridescence_texture,
+        "iridescence_thickness": found.iridescence.iridescence_thickness_texture,
     }
     return {name: info for name, info in named.items() if info is not None}
 
@@ -144,7 +157,19 @@ def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
             return 1.0
         return float(np.asarray(image)[..., channel].mean() / 255.0)
 
-    clearcoat, sheen, volume = found.clearcoat, found.sheen, found.volume
+    clearcoat, sheen, volume, film = (
+        found.clearcoat,
+        found.sheen,
+        found.volume,
+        found.iridescence,
+    )
+    film_most_nm = max(_finite(film.iridescence_thickness_maximum, 400.0), 0.0)
+    # Without a map a film is as thick as it may be.
+    film_least_nm = (
+        film_most_nm
+        if film.iridescence_thickness_texture is None
+        else max(_finite(film.iridescence_thickness_minimum, 100.0), 0.0)
+    )
     tint = 1.0
     if sheen.sheen_color_texture is not None:
         image = image_of(sheen.sheen_color_texture)
@@ -175,6 +200,10 @@ def terms_of(source: Material, image_of: ImageOf) -> SurfaceTerms:
         * mean(volume.thickness_texture, 1),
         extinction_per_m=_extinction_per_m(volume),
         unlit=float(found.unlit is not None),
+        iridescence=_share(film.iridescence_factor),
+        film_ior=float(np.clip(_finite(film.iridescence_ior, 1.3), 1.0, 4.0)),
+        film_least_nm=film_least_nm,
+        film_most_nm=film_most_nm,
     )
 
 

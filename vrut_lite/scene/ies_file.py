@@ -12,8 +12,7 @@ from vrut_lite.scene.scene_file_error import SceneFileError
 
 _MOST_ANGLES = 721
 _SEPARATORS = re.compile(r"[\s,]+")
-_TYPE_C = 1
-_TYPES = {2.0: "B", 3.0: "A"}
+_TYPE_C, _TYPE_B, _TYPE_A = 1, 2, 3
 # Angles that files round.
 _NEARLY_DEG = 0.1
 _MOST_CANDELA = 1e12
@@ -22,7 +21,8 @@ _MOST_CANDELA = 1e12
 class Photometry(NamedTuple):
     """A luminaire's light: `table` (181, 73) in [0, 1], and the candela where it is 1.
 
-    Rows go from the luminaire's axis (its nadir) to its opposite, columns once around it.
+    Rows go from the luminaire's axis to its opposite, columns once around it from its own +X by
+    +Y. The axis is the nadir of type C, and where lamps of types A and B are aimed.
     """
 
     candela: float
@@ -33,7 +33,7 @@ def read_ies(data: bytes) -> Photometry:
     """The photometry of an IES file, tilt and ballast factor included.
 
     Raises:
-        SceneFileError: it is no IES file of type C photometry, or its numbers do not hold.
+        SceneFileError: it is no IES file, or its numbers do not hold.
     """
     head, _, rest = data.decode("latin-1").partition("TILT=")
     tilt, _, body = rest.partition("\n")
@@ -48,18 +48,22 @@ def read_ies(data: bytes) -> Photometry:
     if len(values) < 13:
         raise _cut_short()
     multiplier, rows, columns, kind = values[2], values[3], values[4], values[5]
-    if kind != _TYPE_C:
+    if kind not in (_TYPE_A, _TYPE_B, _TYPE_C):
         raise SceneFileError(
-            f"an IES file of it has photometry of type {_TYPES.get(kind, kind)}, and only type C "
-            "is read; convert that file"
+            f"an IES file of it has photometry of type {kind:g}, and there are 1, 2 and 3 (C, B "
+            "and A); mend that file"
         )
     if not (1 <= rows <= _MOST_ANGLES and 1 <= columns <= _MOST_ANGLES):
         raise SceneFileError(f"an IES file of it has {rows:g} x {columns:g} angles; mend that file")
-    vertical, horizontal, candela = _parts(values[13:], int(rows), int(columns))
+    lowest = 0.0 if kind == _TYPE_C else -180.0
+    vertical, horizontal, candela = _parts(values[13:], int(rows), int(columns), lowest)
     candela = candela * multiplier * values[10]
     if not (np.all(candela >= 0.0) and np.all(candela <= _MOST_CANDELA)):
         raise SceneFileError("an IES file of it has impossible candela; mend that file")
-    table = _table(vertical, horizontal, candela)
+    if kind == _TYPE_C:
+        table = _table(vertical, horizontal, candela)
+    else:
+        table = _aimed_table(vertical, horizontal, candela, around_vertical=kind == _TYPE_A)
     most = float(table.max())
     return Photometry(most, (table / max(most, 1e-30)).astype(np.float32))
 
@@ -74,7 +78,9 @@ def _numbers(text: str) -> list[float]:
     return values
 
 
-def _parts(values: list[float], rows: int, columns: int) -> tuple[FloatArray, ...]:
+def _parts(
+    values: list[float], rows: int, columns: int, lowest_deg: float
+) -> tuple[FloatArray, ...]:
     """Vertical angles (V,), horizontal ones (H,), degrees, and candela (V, H)."""
     if len(values) < rows + columns + rows * columns:
         raise _cut_short()
@@ -83,7 +89,8 @@ def _parts(values: list[float], rows: int, columns: int) -> tuple[FloatArray, ..
     first = rows + columns
     candela = np.array(values[first : first + rows * columns]).reshape(columns, rows).T
     rising = np.all(np.diff(vertical) > 0.0) and np.all(np.diff(horizontal) > 0.0)
-    if not rising or vertical[0] < 0.0 or vertical[-1] > 180.0 or horizontal[-1] > 360.0:
+    inside = min(vertical[0], horizontal[0]) >= lowest_deg and vertical[-1] <= 180.0
+    if not (rising and inside and horizontal[-1] <= 360.0):
         raise SceneFileError("angles in an IES file of it do not rise; mend that file")
     return vertical, horizontal, candela
 
@@ -97,6 +104,41 @@ def _table(vertical: FloatArray, horizontal: FloatArray, candela: FloatArray) ->
     )
     folded = _folded(phi, horizontal)
     return np.array([np.interp(folded, horizontal, row) for row in by_column.T])
+
+
+def _aimed_table(
+    vertical: FloatArray, horizontal: FloatArray, candela: FloatArray, *, around_vertical: bool
+) -> FloatArray:
+    """The same of types A and B, whose angles (0, 0) are where the lamp is aimed.
+
+    In type A planes turn around the vertical axis, in type B around the horizontal one (IES LM-75).
+    What begins at 0 is symmetric; dark beyond the file's angles.
+    """
+    theta, phi = np.meshgrid(
+        *(
+            np.linspace(0.0, end, count)
+            for end, count in zip((180.0, 360.0), TABLE_SHAPE, strict=True)
+        ),
+        indexing="ij",
+    )
+    ahead, aside = np.cos(np.radians(theta)), np.sin(np.radians(theta))
+    right, up = aside * np.cos(np.radians(phi)), aside * np.sin(np.radians(phi))
+    turned, leaning = (right, up) if around_vertical else (up, right)
+    turn_deg = np.degrees(np.arctan2(turned, ahead))
+    lean_deg = np.degrees(np.arcsin(np.clip(leaning, -1.0, 1.0)))
+    level, rise = (turn_deg, lean_deg) if around_vertical else (lean_deg, turn_deg)
+    shares = []
+    for asked, angles in ((rise, vertical), (level, horizontal)):
+        asked = np.abs(asked) if angles[0] == 0.0 else asked
+        # Each angle's share, (n, angles): hats, which interpolate.
+        shares.append(
+            [
+                np.interp(asked.ravel(), angles, unit, left=0.0, right=0.0)
+                for unit in np.eye(len(angles))
+            ]
+        )
+    found = np.einsum("vn,hn,vh->n", *shares, candela, optimize=True)
+    return np.asarray(found.reshape(TABLE_SHAPE))
 
 
 def _folded(phi: FloatArray, horizontal: FloatArray) -> FloatArray:

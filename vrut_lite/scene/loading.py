@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.placement import PlacedFile, Placement
+from vrut_lite.daylight.points_and_lines import PointsAndLines
 from vrut_lite.errors import UserError
 from vrut_lite.scene.axes_and_units import guess_metres_per_unit, guess_up
 from vrut_lite.scene.budget import SceneBudget, budget_of_environment
+from vrut_lite.scene.choices import chosen_camera, chosen_variant
 from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.gltf_points_and_lines import Strokes, packed_strokes
 from vrut_lite.scene.ies_file import Photometry, read_ies
 from vrut_lite.scene.lamps import PlacedLamp, packed_lamps, with_luminaires
 from vrut_lite.scene.mesh import Mesh, mirrored
@@ -38,8 +41,8 @@ class LoadedScene:
     `lower_m` and `upper_m` (3,) bound all triangles; `triangles` counts those of shared meshes
     once for each place. `camera` is the chosen one of `cameras`. `notices` are lines on what the
     files have and the meshes do not, and on what was guessed; `placement` and `beside` are those
-    asked for, with what was guessed filled in, and so is `luminaires`. `animation_s`: how long the
-    animations last.
+    asked for, with what was guessed filled in, and so are `luminaires` and `variant`, one of
+    `variants`. `animation_s`: how long the animations last.
     """
 
     path: Path
@@ -55,14 +58,18 @@ class LoadedScene:
     placement: Placement = _AS_IT_SAYS
     beside: tuple[PlacedFile, ...] = ()
     animation_s: float = 0.0
+    variant: str = ""
+    variants: tuple[str, ...] = ()
+    points_and_lines: PointsAndLines | None = None
 
 
 class OpenScene:
     """Scene files that stay in memory, for one pose of their animations after another.
 
     `budget` limits memory; by default it comes from the environment. Axes and units that a
-    placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1.
-    `luminaires` are paths of IES files by the names of lamps.
+    placement leaves open are the file's own, or guessed. `camera` names a camera, or counts from 1,
+    and so does `variant` among the materials' variants. `luminaires` are paths of IES files by
+    the names of lamps.
 
     Raises:
         UserError: in one sentence, if a file is missing, damaged, too large, empty, or names
@@ -78,13 +85,17 @@ class OpenScene:
         beside: Sequence[PlacedFile] = (),
         camera: str = "",
         luminaires: Mapping[str, str] = _NO_LUMINAIRES,
+        variant: str = "",
     ) -> None:
         self._path, self._camera = Path(path), camera
-        self._files = SceneFiles(budget or budget_of_environment())
+        self._files = SceneFiles(budget or budget_of_environment(), variant)
         self._luminaires = luminaires
         self._photometries = self._read_luminaires()
         main = PlacedFile(scene=str(path), placement=placement)
         self._asked = [(one, self._files.get(Path(one.scene))) for one in (main, *beside)]
+        names = (name for _, file in self._asked for name in file.variants)
+        self._variants = tuple(dict.fromkeys(names))
+        self._variant = self._found_variant(variant)
         self._filled = [_filled(one.placement, file) for one, file in self._asked]
 
     @property
@@ -107,8 +118,19 @@ class OpenScene:
             lamps = [lamp for one in stood for lamp in one.lamps]
             lamps = with_luminaires(lamps, self._photometries)
             return replace(
-                scene, lamps=packed_lamps(lamps), luminaires=tuple(self._luminaires.items())
+                scene,
+                lamps=packed_lamps(lamps),
+                luminaires=tuple(self._luminaires.items()),
+                variant=self._variant,
+                variants=self._variants,
+                points_and_lines=packed_strokes([s for one in stood for s in one.strokes]),
             )
+        except SceneFileError as fault:
+            raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
+
+    def _found_variant(self, asked: str) -> str:
+        try:
+            return chosen_variant(self._variants, asked)
         except SceneFileError as fault:
             raise UserError(f"cannot open the scene {self._path}: {fault}") from fault
 
@@ -139,6 +161,7 @@ class _Stood:
     placed: list[PlacedMesh]
     cameras: list[SceneCamera]
     lamps: list[PlacedLamp]
+    strokes: list[Strokes]
     notices: list[str]
     says_unit: bool
 
@@ -151,15 +174,17 @@ def _stand(
     lines = [*file.notices.lines(), *_told_guesses(asked.placement, placement, file)]
     if time_s is None and file.duration_s > 0.0:
         lines.append(f"animations of {file.duration_s:.3g} s: at rest ({_SAY_ANIMATION})")
-    placed, cameras, lamps = file.posed(time_s), file.cameras, file.lamps(time_s)
+    placed, cameras, lamps = file.posed(time_s), file.cameras(time_s), file.lamps(time_s)
+    strokes = file.strokes(time_s)
     if not np.array_equal(matrix, np.eye(4)):
         with np.errstate(over="ignore", invalid="ignore"):
             placed = [replace(p, world_from_model=matrix @ p.world_from_model) for p in placed]
         cameras = [camera.moved(matrix) for camera in cameras]
         lamps = [lamp.moved(matrix) for lamp in lamps]
+        strokes = [one.moved(matrix) for one in strokes]
     says_unit = asked.placement.metres_per_unit is None and file.says.metres_per_unit is not None
     filled = msgspec.structs.replace(asked, placement=placement)
-    return _Stood(filled, placed, cameras, lamps, lines, says_unit)
+    return _Stood(filled, placed, cameras, lamps, strokes, lines, says_unit)
 
 
 def _filled(asked: Placement, file: SceneFile) -> Placement:
@@ -205,7 +230,7 @@ def _joined(
         lower_m=lower_m,
         upper_m=upper_m,
         triangles=triangles,
-        camera=_chosen(cameras, camera),
+        camera=chosen_camera(cameras, camera),
         cameras=tuple(cameras),
         notices=(*_lines(stood), *_told_height(stood, upper_m - lower_m)),
         placement=stood[0].asked.placement,
@@ -230,23 +255,6 @@ def _told_height(stood: list[_Stood], extent_m: NDArray[np.float64]) -> list[str
         f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
         "--metres-per-unit 0.01, or Unit in the Scene panel"
     ]
-
-
-def _chosen(cameras: list[SceneCamera], name: str) -> SceneCamera | None:
-    """The camera of this name or number; the first if nothing is asked for."""
-    if not name:
-        return cameras[0] if cameras else None
-    for camera in cameras:
-        if camera.name == name:
-            return camera
-    if name.isdecimal() and 1 <= int(name) <= len(cameras):
-        return cameras[int(name) - 1]
-    there = ", ".join(f"{number} ({camera.name})" for number, camera in enumerate(cameras, 1))
-    raise SceneFileError(
-        f"it has no camera {ascii(name)[:60]}: there are {there[:200]}"
-        if cameras
-        else f"it has no camera {ascii(name)[:60]}, for it has no cameras; leave it out"
-    )
 
 
 def _wound_outwards(placed: list[PlacedMesh], budget: SceneBudget) -> list[PlacedMesh]:

@@ -129,6 +129,7 @@ class SceneManager(Module):
             beside=message.beside,
             camera=message.camera,
             luminaires=dict(message.luminaires),
+            variant=message.variant,
         )
         moves = opened.duration_s > 0.0
         time_s = self._animation_time_s() if moves else None
@@ -155,9 +156,11 @@ class SceneManager(Module):
         self._time_s = self._animation_time_s()
         posed = packed(self._animated.at(self._time_s))
         if self.state.scene is not None:
-            # What moves in front of a camera moves neither it nor the ground.
+            # What moves in front of a camera moves neither the framing nor the ground.
             posed = msgspec.structs.replace(posed, ground=self.state.scene.ground)
-        self._show(posed, moved_camera=self.state.camera)
+        # The scene's own camera may move by itself.
+        looks_through = self.state.moved_camera is None and posed.camera is not None
+        self._show(posed, moved_camera=None if looks_through else self.state.camera)
 
     def _animation_time_s(self) -> float | None:
         """The time of the animations; None at rest."""

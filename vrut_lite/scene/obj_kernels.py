@@ -104,13 +104,20 @@ def _words(text: NDArray[np.uint8], at: int, end: int) -> int:
 
 
 @njit(cache=True, nogil=True)
+def _line(text: NDArray[np.uint8], at: int) -> tuple[int, int, int, int]:
+    """Where a line's first word begins, where its values do, where it ends, and its kind."""
+    end = _line_end(text, at)
+    first = _skip_spaces(text, at, end)
+    kind, values = _kind(text, first, end)
+    return first, values, end, kind
+
+
+@njit(cache=True, nogil=True)
 def _measure(text: NDArray[np.uint8], sizes: NDArray[np.int64], columns: NDArray[np.int64]) -> int:
     """Fill in the rows of each kind, triangles and other lines, and the columns of rows."""
     at = 0
     while at < text.size:
-        end = _line_end(text, at)
-        first = _skip_spaces(text, at, end)
-        kind, values = _kind(text, first, end)
+        first, values, end, kind = _line(text, at)
         at = end + 1
         if first == end:
             continue
@@ -147,9 +154,7 @@ def _fill(
     polygon = np.zeros((_MOST_CORNERS, 3), np.int64)
     triangles, others, at = 0, 0, 0
     while at < text.size:
-        end = _line_end(text, at)
-        first = _skip_spaces(text, at, end)
-        kind, values = _kind(text, first, end)
+        first, values, end, kind = _line(text, at)
         at = end + 1
         if first == end:
             continue

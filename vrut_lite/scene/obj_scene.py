@@ -44,7 +44,12 @@ def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[Pl
         shown = name or "geometry"
         check_places(len(placed) + 1)
         geometry = _geometry(obj, shown, corners, budget)
-        placed.append(PlacedMesh(shown, make_mesh(geometry, materials.make(name)), np.eye(4)))
+        material = materials.make(name)
+        if material.baseColorTexture is not None:
+            lacking = np.any(~_exist(corners[..., 1], obj.uv), axis=1).sum()
+            instead = "left out" if geometry.uv is None else "in one colour of it"
+            notices.tell("triangle without coordinates of its texture", instead, int(lacking))
+        placed.append(PlacedMesh(shown, make_mesh(geometry, material), np.eye(4)))
     return placed
 
 
@@ -71,18 +76,21 @@ def _groups(obj: ObjFile) -> Iterator[tuple[int, NDArray[np.int32]]]:
 def _geometry(obj: ObjFile, name: str, corners: NDArray[np.int32], budget: SceneBudget) -> Geometry:
     """The geometry of some triangles.
 
-    If one corner lacks texture coordinates or normals, or refers to missing ones, the whole mesh
-    goes without them: such files are common.
+    If one corner lacks a normal, or refers to a missing one, the whole mesh goes without them: such
+    files are common. Corners without texture coordinates have 0, unless all are without.
     """
     # Each corner may become a vertex, even where the file has normals.
     size_bytes = geometry_bytes(0, len(corners), normals=False, layers=2)
     budget.take(size_bytes + MESH_BYTES, f"mesh {ascii(name)[:60]}")
     named = {"uv": (obj.uv, corners[..., 1]), "NORMAL": (obj.normals, corners[..., 2])}
-    given = {
-        key: (values, at)
-        for key, (values, at) in named.items()
-        if at.min() >= 0 and at.max() < len(values)
-    }
+    given = {}
+    for key, (values, at) in named.items():
+        exists = _exist(at, values)
+        if key == "uv" and exists.any() and not exists.all():
+            values = np.concatenate([values, np.zeros((1, values.shape[1]))])
+            at, exists = np.where(exists, at, len(values) - 1), np.ones_like(exists)
+        if exists.all():
+            given[key] = values, at
     places = {"POSITION": obj.positions}
     if obj.colours is not None:
         places["COLOR"] = obj.colours
@@ -121,3 +129,7 @@ def _joined_corners(
     vertex = np.empty(len(order), np.int64)
     vertex[order] = np.cumsum(is_first) - 1
     return vertex.reshape(-1, 3), [kind[order[is_first]] for kind in columns]
+
+
+def _exist(corners: NDArray[np.int32], values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return (corners >= 0) & (corners < len(values))

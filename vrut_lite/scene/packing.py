@@ -141,8 +141,11 @@ def packed(loaded: LoadedScene) -> SceneOpened:
             beside=loaded.beside,
             camera=own.name if own is not None and own is not loaded.cameras[0] else "",
             luminaires=loaded.luminaires,
+            variant=loaded.variant,
         ),
         cameras=tuple(camera.name for camera in loaded.cameras),
+        variants=loaded.variants,
+        points_and_lines=loaded.points_and_lines,
         animation_s=loaded.animation_s,
     )
 

@@ -8,6 +8,7 @@ from vrut_lite.errors import UserError
 from vrut_lite.scene import usd_scene
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.gltf_file import read_gltf_file
+from vrut_lite.scene.gltf_points_and_lines import Strokes
 from vrut_lite.scene.gltf_scene import GltfScene
 from vrut_lite.scene.lamps import PlacedLamp
 from vrut_lite.scene.notices import Notices
@@ -27,11 +28,11 @@ _GLTF = Placement(up="y", metres_per_unit=1.0)
 class SceneFile:
     """What one file holds, in its own axes and units; `says` is what it says of these.
 
-    `placed` are its meshes at rest.
+    `placed` are its meshes, `resting_cameras` its cameras at rest.
     """
 
     placed: list[PlacedMesh]
-    cameras: list[SceneCamera]
+    resting_cameras: list[SceneCamera]
     notices: Notices
     says: Placement
     gltf: GltfScene | None = None
@@ -48,6 +49,22 @@ class SceneFile:
             return self.placed
         return self.gltf.posed(time_s)
 
+    @property
+    def variants(self) -> list[str]:
+        """The names of its materials' variants."""
+        return [] if self.gltf is None else self.gltf.variants
+
+    def cameras(self, time_s: float | None) -> list[SceneCamera]:
+        """Its cameras at a time of its animations."""
+        time_s = self._wrapped_s(time_s)
+        if time_s is None or self.gltf is None:
+            return self.resting_cameras
+        return self.gltf.cameras(time_s)
+
+    def strokes(self, time_s: float | None) -> list[Strokes]:
+        """Its points and lines at a time of its animations."""
+        return [] if self.gltf is None else self.gltf.strokes(self._wrapped_s(time_s))
+
     def lamps(self, time_s: float | None) -> list[PlacedLamp]:
         """Its lamps at a time of its animations."""
         return [] if self.gltf is None else self.gltf.lamps(self._wrapped_s(time_s))
@@ -61,9 +78,10 @@ class SceneFile:
 
 @dataclass
 class SceneFiles:
-    """Files by their paths."""
+    """Files by their paths, with the materials of a variant where they have it."""
 
     budget: SceneBudget
+    variant: str = ""
     _read: dict[Path, SceneFile] = field(default_factory=dict)
 
     def get(self, path: Path) -> SceneFile:
@@ -76,21 +94,21 @@ class SceneFiles:
             _check_path(path)
             real = path.resolve()
             if real not in self._read:
-                self._read[real] = _read_file(real, self.budget)
+                self._read[real] = _read_file(real, self.budget, self.variant)
             return self._read[real]
         except SceneFileError as fault:
             raise UserError(f"cannot open the scene {path}: {fault}") from fault
 
 
-def _read_file(real: Path, budget: SceneBudget) -> SceneFile:
+def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
     notices = Notices()
     if real.suffix.lower() == ".obj":
         file = SceneFile(read_obj_scene(real, budget, notices), [], notices, Placement())
     elif real.suffix.lower() in usd_scene.SUFFIXES:
         file = SceneFile(*_usd(real, budget, notices))
     else:
-        gltf = GltfScene(read_gltf_file(real, budget, notices))
-        file = SceneFile(gltf.posed(None), gltf.cameras, notices, _GLTF, gltf)
+        gltf = GltfScene(read_gltf_file(real, budget, notices, variant))
+        file = SceneFile(gltf.posed(None), gltf.cameras(None), notices, _GLTF, gltf)
     if not any(len(place.mesh.faces) for place in file.placed):
         raise SceneFileError("it has no triangles; export the scene with its meshes")
     return file

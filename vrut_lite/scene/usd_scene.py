@@ -7,7 +7,7 @@ from the arrays that are taken, and every layer and picture must lie in the scen
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,24 @@ def _check_layers(stage: Any, path: Path, budget: SceneBudget) -> None:
             )
         if real != path:
             budget.take(_STAGE_BYTES * real.stat().st_size, f"the layer {real.name!a}")
+
+
+class _Corners(NamedTuple):
+    """A mesh's corners: their vertices (n,), and triangles (F, 3) of them, each of a face (F,)."""
+
+    vertices: NDArray[np.int64]
+    triangles: NDArray[np.int64]
+    face: NDArray[np.int64]
+
+    def spread(self, values: Matrix, how: str, width: int) -> Matrix | None:
+        """Values at the triangles' corners (F, 3, width); None if they are too few."""
+        at = {
+            "constant": np.zeros_like(self.triangles),
+            "uniform": np.repeat(self.face[:, None], 3, axis=1),
+            "faceVarying": self.triangles,
+        }.get(how, self.vertices[self.triangles])
+        fits = values.ndim == 2 and values.shape[1] == width and len(values) > at.max(initial=0)
+        return np.asarray(values[at]) if fits else None
 
 
 class _Reader:
@@ -183,12 +201,12 @@ class _Reader:
             self._notices.tell("USD subdivision surface", "its cage is drawn")
         if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:
             corners = corners[:, ::-1]
-        normals = self._corner_values(mesh, "normals", indices, face, corners, 3)
-        uv = self._corner_values(mesh, "st", indices, face, corners, 2)
+        spread = _Corners(indices, corners, face)
+        normals = self._corner_values(mesh, "normals", spread, 3)
+        uv = self._corner_values(mesh, "st", spread, 2)
         if normals is None and mesh.GetNormalsAttr().HasAuthoredValue():
             values = np.array(mesh.GetNormalsAttr().Get(self._time), np.float64)
-            how = mesh.GetNormalsInterpolation()
-            normals = _spread(values, how, indices, face, corners, 3)
+            normals = spread.spread(values, mesh.GetNormalsInterpolation(), 3)
         made = []
         for faces, material in self._materials.parts(prim, len(counts)):
             chosen = np.isin(face, faces) if faces is not None else slice(None)
@@ -214,15 +232,7 @@ class _Reader:
             made.append(make_mesh(geometry, material))
         return made
 
-    def _corner_values(
-        self,
-        mesh: Any,
-        name: str,
-        indices: NDArray[np.int64],
-        face: NDArray[np.int64],
-        corners: NDArray[np.int64],
-        width: int,
-    ) -> Matrix | None:
+    def _corner_values(self, mesh: Any, name: str, corners: _Corners, width: int) -> Matrix | None:
         """A primvar at the triangles' corners (F, 3, width)."""
         from pxr import UsdGeom
 
@@ -230,7 +240,7 @@ class _Reader:
         if not primvar or not primvar.HasValue():
             return None
         values = np.array(primvar.ComputeFlattened(self._time), np.float64)
-        return _spread(values, primvar.GetInterpolation(), indices, face, corners, width)
+        return corners.spread(values, primvar.GetInterpolation(), width)
 
     def _camera(self, prim: Any) -> SceneCamera:
         from pxr import Gf, UsdGeom
@@ -260,22 +270,3 @@ def fans(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64
     within = np.arange(triangles.sum()) - np.repeat(np.cumsum(triangles) - triangles, triangles)
     first = starts[face]
     return np.stack([first, first + within + 1, first + within + 2], axis=1), face
-
-
-def _spread(
-    values: Matrix,
-    how: str,
-    indices: NDArray[np.int64],
-    face: NDArray[np.int64],
-    corners: NDArray[np.int64],
-    width: int,
-) -> Matrix | None:
-    """Values at the triangles' corners (F, 3, width); None if they are too few."""
-    at = {
-        "constant": np.zeros_like(corners),
-        "uniform": np.repeat(face[:, None], 3, axis=1),
-        "faceVarying": corners,
-    }.get(how, indices[corners])
-    if values.ndim != 2 or values.shape[1] != width or not len(values) or at.max() >= len(values):
-        return None
-    return np.asarray(values[at])

@@ -70,7 +70,34 @@ def test_animations_run_at_their_own_pace(headless_window, tmp_path):
     assert not panel.play.isChecked()
 
 
-def sliding_glb(folder):
+def test_variants_are_offered_and_chosen(headless_window, tmp_path):
+    """The file's other materials stand by name in the panel, and are shown when chosen."""
+    driver = headless_window
+    panel = driver.panel("module scene")
+    name = "KHR_materials_variants"
+    materials = [
+        {"pbrMetallicRoughness": {"baseColorFactor": [*rgb, 1]}} for rgb in ([0, 0, 0], [1, 0, 0])
+    ]
+    dressed = {
+        "attributes": {"POSITION": 0},
+        "material": 0,
+        "extensions": {name: {"mappings": [{"material": 1, "variants": [0]}]}},
+    }
+    more = {
+        "materials": materials,
+        "meshes": [{"primitives": [dressed]}],
+        "extensions": {name: {"variants": [{"name": "red"}]}},
+    }
+    driver.open(Project(scene=str(sliding_glb(tmp_path, **more))))
+    driver.until(lambda: panel.variant.count() == 2)
+    assert panel.variant.currentData() == ""
+    choose(panel.variant, "red")
+    driver.until(lambda: driver.session.last(SceneOpened).opened.variant == "red")
+    colours = driver.session.last(SceneOpened).materials.base_colour_rgba.values
+    np.testing.assert_array_equal(colours, [[1, 0, 0, 1]])
+
+
+def sliding_glb(folder, **more):
     """A triangle that slides by 1 m a second for ten seconds."""
     numbers = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [10, 0, 0]], "<f4")
     data = numbers.tobytes() + np.array([0, 10], "<f4").tobytes()
@@ -96,5 +123,5 @@ def sliding_glb(folder):
     }
     (folder / "sliding.bin").write_bytes(data)
     path = folder / "sliding.gltf"
-    path.write_text(json.dumps(document))
+    path.write_text(json.dumps({**document, **more}))
     return path

@@ -1,4 +1,4 @@
-"""The scene's file: its size, axes, units and cameras, and what of it is not shown."""
+"""The scene's file: its size, axes, units, cameras, variants, and what of it is not shown."""
 
 from time import perf_counter
 
@@ -32,6 +32,7 @@ class ScenePanel(ModulePanel):
         self._opened: LoadScene | None = None
         self.extent = faint_label(wraps=True)
         self.up, self.unit, self.camera = QComboBox(), QComboBox(), QComboBox()
+        self.variant = QComboBox()
         self.play = QPushButton("Play")
         self.play.setCheckable(True)
         self.play.hide()
@@ -51,6 +52,7 @@ class ScenePanel(ModulePanel):
             ("Up", self.up, "The file's vertical axis"),
             ("Unit", self.unit, "The length of the file's unit"),
             ("Camera", self.camera, "The file's own cameras"),
+            ("Variant", self.variant, "Other materials that the file has"),
         ):
             box.setToolTip(tip)
             box.setAccessibleName(title)
@@ -65,6 +67,7 @@ class ScenePanel(ModulePanel):
         self.up.activated.connect(lambda _: self._place(up=self.up.currentData()))
         self.unit.activated.connect(lambda _: self._place(metres_per_unit=self.unit.currentData()))
         self.camera.activated.connect(lambda _: self._open(camera=self.camera.currentText()))
+        self.variant.activated.connect(lambda _: self._open(variant=self.variant.currentData()))
         self.play.toggled.connect(self._run)
         column = self.layout()
         assert isinstance(column, QVBoxLayout)
@@ -114,7 +117,13 @@ class ScenePanel(ModulePanel):
         self.camera.clear()
         self.camera.addItems(scene.cameras)
         self.camera.setCurrentText(scene.opened.camera)
-        for box in (self.up, self.unit, self.camera):
+        self.variant.clear()
+        if scene.variants:
+            self.variant.addItem("Default", "")
+        for name in scene.variants:
+            self.variant.addItem(name, name)
+        self.variant.setCurrentIndex(self.variant.findData(scene.opened.variant))
+        for box in (self.up, self.unit, self.camera, self.variant):
             box.setEnabled(box.count() > 0)
         self._form.setRowVisible(self.camera, self.camera.count() > 0)
         self.notices.setText("\n".join(scene.notices))

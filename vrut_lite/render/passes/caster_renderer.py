@@ -150,6 +150,6 @@ def _casters(scene: PyrenderScene, shadow: Shadow) -> list[PlacedPrimitive]:
     return [
         placed
         for placed in scene.placed
-        if not placed.is_ground
+        if placed.casts
         and reaches(shadow.matrix, placed.centre_m - shadow.centre_m, placed.radius_m)
     ]

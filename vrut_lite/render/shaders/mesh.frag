@@ -217,6 +217,10 @@ void main() {
     vec3 share = vec3(0.0), more = vec3(1.0);
     float through = 1.0;
 #else
+#ifdef IRIDESCENCE
+    f0 = under_film(f0, nv);
+    coat_peak = peak(under_film(coat_f0, nv));
+#endif
     vec3 share = shares(nv, roughness);
     vec3 more = bounces(f0, share.xy);
     // The coat transmits the rest to the paint below it (Kelemen and Szirmay-Kalos

@@ -43,6 +43,10 @@ float peak(vec3 v) {
     return max(v.r, max(v.g, v.b));
 }
 
+#ifdef IRIDESCENCE
+//!include thin_film.glsl
+#endif
+
 #ifdef SHEEN
 // Charlie's distribution of fibres (Estevez and Kulla 2017) with Neubelt's visibility:
 // KHR_materials_sheen.
@@ -156,9 +160,13 @@ vec3 seen_through(vec3 point, vec3 n, vec3 view, float roughness) {
     }
     vec4 clip = P * V * vec4(point + (terms.thickness_m > 0.0 ? d : vec3(0.0)), 1.0);
     vec2 at = clamp(0.5 + 0.5 * clip.xy / clip.w, 0.0, 1.0);
-    // A body of ior 1 blurs nothing, however rough it is.
-    float blur = roughness * clamp(2.0 * terms.ior - 2.0, 0.0, 1.0);
-    vec3 behind = textureLod(backdrop, at, blur * log2(float(textureSize(backdrop, 0).x))).rgb;
+    // Facets tilt by alpha (GGX's median) and turn light by twice as much; of that angle the eye
+    // sees a half at most where things stand nearer behind than it stands before. A body of ior 1
+    // blurs nothing, however rough it is.
+    float spread_rad = roughness * roughness * clamp(2.0 * terms.ior - 2.0, 0.0, 1.0);
+    float pixel_rad = 2.0 / (P[1][1] * float(textureSize(backdrop, 0).y));
+    float level = log2(max(spread_rad / pixel_rad, 1.0));
+    vec3 behind = textureLod(backdrop, at, level).rgb;
     return behind * exp(-terms.extinction_per_m * length(d) * (terms.thickness_m > 0.0 ? 1.0 : 0.0));
 }
 #endif
