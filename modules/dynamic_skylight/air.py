@@ -21,7 +21,6 @@ from vrut_lite.daylight.aerosol import (
     ASYMMETRY,
     SCALE_HEIGHT_M,
     SINGLE_SCATTERING_ALBEDO,
-    cornette_shanks_factor,
     cornette_shanks_phase,
     optical_depth_of_turbidity,
 )
@@ -86,7 +85,8 @@ def air_volume(
         columns=COLUMNS,
         extinction=Array(np.ascontiguousarray(np.moveaxis(depth, 0, 1), dtype=np.float32)),
         radiance_scale=scale,
-        aerosol_phase=(ASYMMETRY, cornette_shanks_factor(ASYMMETRY), 1.0),
+        # There is no light that it would be multiplied by.
+        aerosol_phase=Array(np.full((2, 3), 0.25 / np.pi, dtype=np.float32)),
         sun_direction=sun_direction,
         **grid._asdict(),
     )

@@ -11,14 +11,11 @@ lower at T >= 2 and within 0.009 below T = 2.
 Hosek and Wilkie's model needs another turbidity for equal haze: `hosek_wilkie_turbidity`.
 """
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# One scatterer with one phase function at all wavelengths, Cornette and Shanks'; its albedo,
-# asymmetry and scale height are those of Bruneton's 2017 demonstration.
-AerosolType = Literal["one-lobe"]
+# Of an aerosol with one phase function at all wavelengths, Cornette and Shanks': those of
+# Bruneton's 2017 demonstration.
 ANGSTROM_EXPONENT = 1.3
 SINGLE_SCATTERING_ALBEDO = 0.9
 ASYMMETRY = 0.8
