@@ -238,6 +238,6 @@ def test_a_journal_keeps_the_shader():
     around = surroundings(field(), 4e5, direction(30.0))
     background = background_message(around, 8)
     kept = {array.digest: array for array in arrays_of(background)}
-    assert len(kept) == 3
+    assert len(kept) == 4
     plain = msgspec.json.decode(msgspec.json.encode(to_plain(background)))
     assert decode(BackgroundChanged, plain, lambda handle: kept[handle["$array"]]) == background
