@@ -9,7 +9,6 @@ import msgspec
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm, raise_ground
-from bruneton_sky.gases import ozone_absorption
 from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.daylight.aerosol import (
@@ -19,6 +18,7 @@ from vrut_lite.daylight.aerosol import (
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
+from vrut_lite.daylight.gases import ozone_absorption
 from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting

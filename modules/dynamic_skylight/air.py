@@ -75,7 +75,7 @@ def air_volume(
     """The air around an observer; the sun's direction is the apparent one, in world axes."""
     grid = Grid(altitude_m, GROUND_RADIUS_M, TOP_ALTITUDE_M, reach_m, ROWS_ABOVE, ROWS_BELOW)
     rays = node_rays(grid, COLUMNS, float(np.clip(sun_direction[1], -1.0, 1.0)))
-    coefficients = extinction(daylight.turbidity)
+    coefficients = extinction(daylight.air_haze.turbidity)
     depth = _depths(rays, coefficients, _distances(rays.span_m, altitude_m))
     light = _mean_light(daylight, grid, rays, coefficients)
     values, scale = encode_float16(light.astype(np.float32))
