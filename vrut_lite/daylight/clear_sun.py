@@ -2,8 +2,8 @@
 
 The air is that of Bruneton's 2017 demonstration with the haze asked for: molecules, 300 Dobson
 units of ozone, aerosol. Slant paths are those of exponential layers on a sphere, by the leading
-term of Chapman's function: sqrt(pi x / 2) erfcx(sqrt(x / 2) sin h) with x the planet's radius in scale
-heights, within 0.3 % of the integral down to the horizon.
+term of Chapman's function: sqrt(pi x / 2) erfcx(sqrt(x / 2) sin h) with x the planet's radius in
+scale heights.
 """
 
 from functools import lru_cache
