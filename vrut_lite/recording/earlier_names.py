@@ -45,7 +45,10 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
         added["volume"] = {**volume, "aerosol_phase": UNKNOWN}
     # A solved atmosphere had no tabulated one.
     value = message.get("value")
-    air = value.get("atmosphere") if isinstance(value, dict) else None
-    if name == "JobResult" and isinstance(air, dict) and "mie_table" not in air:
-        added["value"] = {**value, "atmosphere": {**air, "mie_table": None}}
+    if (
+        name == "JobResult"
+        and isinstance(value, dict)
+        and isinstance(value.get("atmosphere"), dict)
+    ):
+        added["value"] = {**value, "atmosphere": {"mie_table": None, **value["atmosphere"]}}
     return (name, {**message, **added}) if added else (name, message)
