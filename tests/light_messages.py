@@ -1,6 +1,7 @@
 """Light as messages, for tests that need no sky model."""
 
 import numpy as np
+from air_phases import lobe
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged, AirVolume
@@ -49,7 +50,7 @@ def small_air(light, **changes):
         "columns": 2,
         "extinction": Array(np.full((*light.shape[1:3], 3), 1e-5, np.float32)),
         "radiance_scale": 0.25,
-        "aerosol_phase": (0.8, 0.1, 1.0),
+        "aerosol_phase": lobe(0.8, 0.1, 1.0, angles=64),
         "rows_above": 2,
         "rows_below": 2,
         "reach_m": 1e5,

@@ -14,6 +14,7 @@ from vrut_lite.daylight.aerosol import (
     SCALE_HEIGHT_M,
     SINGLE_SCATTERING_ALBEDO,
 )
+from vrut_lite.daylight.aerosols import AerosolOptics, PhaseTable
 
 # Fields of an atmosphere with a number for each wavelength; those of fog may be left out.
 SPECTRAL_FIELDS = (
@@ -41,6 +42,7 @@ _SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
+_NO_NUMBERS = ("mie_phase", "mie_table")
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
@@ -67,6 +69,8 @@ class Atmosphere:
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
+        mie_table: the aerosol's phase function as a table, a row for each wavelength, in place of
+            that form; `mie_g` is then its mean cosine at 550 nm.
         fog_scattering, fog_extinction, fog_scale_height_m: fog, a second, shallow layer with the
             aerosol's phase function; no fog where the extinction is zero.
 
@@ -91,6 +95,7 @@ class Atmosphere:
     sun_angular_radius_rad: float
     mu_s_min: float
     mie_phase: MiePhaseForm = "cornette-shanks"
+    mie_table: PhaseTable | None = None
     fog_scattering: tuple[float, ...] = (0.0,)
     fog_extinction: tuple[float, ...] = (0.0,)
     fog_scale_height_m: float = 100.0
@@ -164,6 +169,34 @@ class Atmosphere:
             mie_extinction=tuple(extinction),
             mie_scattering=tuple(extinction * albedo),
             mie_g=self.mie_g if mie_g is None else mie_g,
+            mie_table=self.mie_table if mie_g is None else None,
+        )
+
+    def with_optics(self, optics: AerosolOptics, optical_depth_550: float | None = None) -> Self:
+        """This atmosphere with a measured or tabulated aerosol, in place of its own.
+
+        Its layer thins out exponentially, and has the column and the extinction at the ground of
+        the aerosol's layers together.
+
+        Args:
+            optics: of the aerosol.
+            optical_depth_550: another vertical depth at 550 nm than the aerosol's own.
+
+        Raises:
+            ValueError: the optical depth is not from 0 to 1000.
+        """
+        own = optics.optical_depth_550
+        depth = own if optical_depth_550 is None else optical_depth_550
+        depth = as_number("optical_depth_550", depth, 0.0, 1000.0)
+        layer_m = optics.scale_height_m
+        extinction = optics.depth_at(self.wavelength_nm) * depth / own / layer_m
+        return replace(
+            self,
+            mie_extinction=tuple(extinction),
+            mie_scattering=tuple(extinction * optics.albedo_at(self.wavelength_nm)),
+            mie_scale_height_m=layer_m,
+            mie_g=float(optics.phase_at([_ANGSTROM_WAVELENGTH_NM]).mean_cosine()[0]),
+            mie_table=optics.phase_at(self.wavelength_nm),
         )
 
     def with_fog(self, visibility_m: float, scale_height_m: float) -> Self:
@@ -214,10 +247,15 @@ class Atmosphere:
 
     @classmethod
     def _numeric(cls) -> list[str]:
-        return [field.name for field in fields(cls) if field.name != "mie_phase"]
+        return [field.name for field in fields(cls) if field.name not in _NO_NUMBERS]
 
     def _check(self) -> None:
         check_choice("mie_phase of the atmosphere", self.mie_phase, get_args(MiePhaseForm))
+        if self.mie_table is not None:
+            rows = len(self.wavelength_nm)
+            _require(isinstance(self.mie_table, PhaseTable), "mie_table", "must be a PhaseTable")
+            fits = len(self.mie_table.values) == rows
+            _require(fits, "mie_table", f"needs {rows} rows, one per wavelength")
         for name in _SCALAR:
             _require(isinstance(getattr(self, name), float), name, "must be a single number")
         for name in _POSITIVE:

@@ -22,7 +22,13 @@ class MiePhase(NamedTuple):
 
 
 def mie_phase_parameters(atmosphere: Atmosphere) -> MiePhase:
-    """The numbers of the atmosphere's aerosol."""
+    """The numbers of the atmosphere's aerosol.
+
+    Raises:
+        ValueError: its phase function is a table.
+    """
+    if atmosphere.mie_table is not None:
+        raise ValueError("a tabulated phase function has no closed form; use `solve`")
     g = atmosphere.mie_g
     if atmosphere.mie_phase == "henyey-greenstein":
         return MiePhase(g, henyey_greenstein_factor(g), 0.0)
@@ -34,6 +40,14 @@ def mie_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
     cosine = np.asarray(nu, dtype=float)
     g, factor, form = mie_phase_parameters(atmosphere)
     return np.asarray(factor * (1.0 + form * cosine * cosine) / _spread(cosine, g) ** 1.5)
+
+
+def aerosol_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
+    """Phase function (..., C) in sr^-1 of the atmosphere's aerosol, table or closed form."""
+    if atmosphere.mie_table is not None:
+        return atmosphere.mie_table(nu)
+    one = mie_phase(atmosphere, nu)[..., None]
+    return np.broadcast_to(one, (*one.shape[:-1], len(atmosphere.wavelength_nm)))
 
 
 def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:

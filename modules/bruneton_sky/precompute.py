@@ -22,7 +22,7 @@ from bruneton_sky.tables.parametrisations import (
     parametrisation_of,
     transmittance_state,
 )
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog, table_shapes
+from bruneton_sky.tables.sizes import TableSizes, refuse_untabled, table_shapes
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.arguments import as_count, check_choice, check_type, shown
 from vrut_lite.array_cache import ArrayCache
@@ -69,7 +69,7 @@ def precompute(
     check_type("atmosphere", atmosphere, Atmosphere)
     orders = as_count("orders", orders, 1, _MOST_ORDERS)
     check_choice("backend", backend, get_args(Backend))
-    refuse_fog(atmosphere)
+    refuse_untabled(atmosphere)
     size = TableSizes() if sizes is None else sizes
     check_type("sizes", size, TableSizes)
     if progress is not None and not callable(progress):
@@ -157,7 +157,7 @@ def march_tables(
     """
     from bruneton_sky.solver.view_kernels import march_rays
 
-    refuse_fog(field.atmosphere)
+    refuse_untabled(field.atmosphere)
     size = sizes or TableSizes()
     axes = np.ix_(*(node_coordinates(count) for count in size.scattering_shape))
     at = parametrisation_of(year).to_state(field.atmosphere, size, Coordinates(*axes))
@@ -182,7 +182,7 @@ def irradiance_table(field: SourceField, sizes: TableSizes | None = None) -> Flo
     Raises:
         ValueError: the atmosphere has fog.
     """
-    refuse_fog(field.atmosphere)
+    refuse_untabled(field.atmosphere)
     size = sizes or TableSizes()
     shape = size.irradiance_altitude, size.irradiance_mu_s
     axes = np.ix_(*(node_coordinates(count) for count in shape))

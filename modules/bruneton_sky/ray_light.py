@@ -21,10 +21,11 @@ from bruneton_sky.geometry import (
     make_ray,
     y_along,
 )
-from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.phase import aerosol_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.delta_m import forward_share
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
 from vrut_lite.numeric_types import FloatArray
@@ -57,7 +58,7 @@ def light_along(
     Returns:
         Radiance in W m^-2 sr^-1 nm^-1, without that of the ground, and transmittance.
     """
-    air = field.atmosphere
+    air = field.thinned
     ray = make_ray(air.ground_radius_m, altitude_m, mu)
     end = _ends(air, ray, distance_m)
     transmittance = np.exp(-optical_depth(air, ray, *end))
@@ -72,7 +73,8 @@ def light_along(
     cosine = np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0)
     molecules, aerosol = scattering_at(air, altitude)
     once = molecules * rayleigh_phase(cosine_to_sun)[:, None]
-    once += aerosol * mie_phase(air, cosine_to_sun)[:, None]
+    whole = 1.0 - forward_share(field.atmosphere, field.sizes.degree)
+    once += aerosol * aerosol_phase(air, cosine_to_sun) / whole
     once *= np.exp(-optical_depth_to_top(air, altitude, sun)) * np.asarray(air.solar_irradiance)
     by_molecules, by_aerosol = source_at(field, altitude, cosine, sun, cosine_to_sun)
     # The harmonics' sum may fall below zero by a trace where there is almost no light.

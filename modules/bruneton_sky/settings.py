@@ -9,7 +9,6 @@ import msgspec
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm, raise_ground
-from bruneton_sky.gases import ozone_absorption
 from bruneton_sky.presets import earth_spectral, preset
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.daylight.aerosol import (
@@ -19,6 +18,7 @@ from vrut_lite.daylight.aerosol import (
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
+from vrut_lite.daylight.gases import ozone_absorption
 from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
@@ -162,9 +162,12 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
 
 def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
     """The place's haze where the settings follow it; elsewhere the default, so that airs are equal
-    whatever haze they do not have."""
-    follows = settings.preset == "earth" and settings.turbidity is None
-    return haze if follows else DEFAULT_HAZE
+    whatever haze they do not have. An own turbidity is that of the place's type."""
+    if settings.preset != "earth":
+        return DEFAULT_HAZE
+    if settings.turbidity is None:
+        return haze
+    return msgspec.structs.replace(haze, optical_depth_550=DEFAULT_HAZE.optical_depth_550)
 
 
 def atmosphere_of(
@@ -210,8 +213,10 @@ def _atmosphere(
 
 def _preset(name: PresetName, haze: SetHaze, wavelength_nm: tuple[float, ...]) -> Atmosphere:
     if name == "earth":
-        earth = earth_spectral(wavelength_nm)
-        return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
+        earth, optics = earth_spectral(wavelength_nm), haze.optics
+        if optics is None:
+            return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
+        return earth.with_optics(optics, haze.optical_depth_550)
     return preset(name, wavelength_nm)
 
 
@@ -236,7 +241,7 @@ def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
 def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     if settings.turbidity is not None:
         depth = float(optical_depth_of_turbidity(settings.turbidity))
-        air = air.with_aerosol(depth, ANGSTROM_EXPONENT)
+        air = _with_depth(air, depth)
     extinction = np.asarray(air.mie_extinction)
     scattering = np.asarray(air.mie_scattering)
     if settings.mie_albedo is not None:
@@ -250,6 +255,21 @@ def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
         mie_scale_height_m=height_m,
         mie_g=air.mie_g if settings.mie_g is None else settings.mie_g,
         mie_phase=settings.mie_phase or air.mie_phase,
+        mie_table=None if settings.mie_g is not None or settings.mie_phase else air.mie_table,
+    )
+
+
+def _with_depth(air: Atmosphere, optical_depth_550: float) -> Atmosphere:
+    """The air with another amount of its aerosol; a tabulated one keeps its own colour."""
+    if air.mie_table is None:
+        return air.with_aerosol(optical_depth_550, ANGSTROM_EXPONENT)
+    order = np.argsort(air.wavelength_nm)
+    known = np.take(air.wavelength_nm, order), np.take(air.mie_extinction, order)
+    more = optical_depth_550 / (float(np.interp(550.0, *known)) * air.mie_scale_height_m)
+    return replace(
+        air,
+        mie_extinction=tuple(more * np.asarray(air.mie_extinction)),
+        mie_scattering=tuple(more * np.asarray(air.mie_scattering)),
     )
 
 

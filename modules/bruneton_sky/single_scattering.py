@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
-from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.phase import aerosol_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 from vrut_lite.numeric_types import FloatArray
@@ -56,8 +56,8 @@ def single_scattering(
     rayleigh, mie = scattered_without_phase(
         atmosphere, altitude_m, mu, mu_s, nu, rule=rule, samples=samples
     )
-    cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)[..., None]
-    return rayleigh * rayleigh_phase(cosine) + mie * mie_phase(atmosphere, cosine)
+    cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
+    return rayleigh * rayleigh_phase(cosine)[..., None] + mie * aerosol_phase(atmosphere, cosine)
 
 
 def scattered_without_phase(

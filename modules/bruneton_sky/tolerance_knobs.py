@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.phase import aerosol_phase, rayleigh_phase
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import SkyView, fill_cube, sky_view
@@ -121,7 +121,7 @@ def evaluated(field: SourceField, air: Air, view: View) -> FloatArray:
     rayleigh, mie = fast_scattered_without_phase(
         atmosphere, view.height_m, mu, mu_s, nu, _TRUE_NODES
     )
-    once = rayleigh * rayleigh_phase(nu)[:, None] + mie * mie_phase(atmosphere, nu)[:, None]
+    once = rayleigh * rayleigh_phase(nu)[:, None] + mie * aerosol_phase(atmosphere, nu)
     more = multiple_scattering(field, view.height_m, mu, mu_s, nu)
     sky = np.empty((len(mu), 3))
     sky[order] = rgb_from_spectrum(once + more, atmosphere.wavelength_nm, 3.0)

@@ -21,7 +21,6 @@ from vrut_lite.daylight.aerosol import (
     ASYMMETRY,
     SCALE_HEIGHT_M,
     SINGLE_SCATTERING_ALBEDO,
-    cornette_shanks_factor,
     cornette_shanks_phase,
     optical_depth_of_turbidity,
 )
@@ -76,7 +75,7 @@ def air_volume(
     """The air around an observer; the sun's direction is the apparent one, in world axes."""
     grid = Grid(altitude_m, GROUND_RADIUS_M, TOP_ALTITUDE_M, reach_m, ROWS_ABOVE, ROWS_BELOW)
     rays = node_rays(grid, COLUMNS, float(np.clip(sun_direction[1], -1.0, 1.0)))
-    coefficients = extinction(daylight.turbidity)
+    coefficients = extinction(daylight.air_haze.turbidity)
     depth = _depths(rays, coefficients, _distances(rays.span_m, altitude_m))
     light = _mean_light(daylight, grid, rays, coefficients)
     values, scale = encode_float16(light.astype(np.float32))
@@ -86,7 +85,8 @@ def air_volume(
         columns=COLUMNS,
         extinction=Array(np.ascontiguousarray(np.moveaxis(depth, 0, 1), dtype=np.float32)),
         radiance_scale=scale,
-        aerosol_phase=(ASYMMETRY, cornette_shanks_factor(ASYMMETRY), 1.0),
+        # There is no light that it would be multiplied by.
+        aerosol_phase=Array(np.full((2, 3), 0.25 / np.pi, dtype=np.float32)),
         sun_direction=sun_direction,
         **grid._asdict(),
     )

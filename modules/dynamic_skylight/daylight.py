@@ -7,9 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dynamic_skylight.background import fill_ground, ground_radiance, sphere
+from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.hosek_wilkie.sky import HosekWilkieSky, half_scale
-from dynamic_skylight.sun_light import SunColour, SunLight, sun_light
+from dynamic_skylight.sun_light import SunColour, SunLight, sun_behind_air, sun_light
 from dynamic_skylight.twilight import BLEND_APPARENT_RAD, HourSky, sky_of_hour
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import FloatArray
@@ -23,7 +26,9 @@ class Daylight:
     """Sky, ground and sun for one place of the sun; equal inputs make equal light.
 
     `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above; `light_size` is the
-    edge of the cube that light on ground and scene is made from.
+    edge of the cube that light on ground and scene is made from. `turbidity` and `level` are the
+    model's, `haze` is that of the air before the scene and of a sun behind it; without one it has
+    the model's turbidity.
     """
 
     turbidity: float
@@ -33,22 +38,35 @@ class Daylight:
     sun_azimuth_rad: float
     visible_disc_fraction: float
     light_size: int = LIGHT_SIZE
+    level: float = 1.0
+    haze: SetHaze | None = None
+
+    @cached_property
+    def air_haze(self) -> SetHaze:
+        """The haze of the air."""
+        if self.haze is not None:
+            return self.haze
+        return SetHaze(optical_depth_550=float(optical_depth_of_turbidity(self.turbidity)))
 
     @cached_property
     def sky(self) -> HourSky:
         """The sky above the horizon."""
-        return sky_of_hour(self.turbidity, self.albedo, self.apparent_elevation_rad)
+        return sky_of_hour(self.turbidity, self.albedo, self.apparent_elevation_rad, self.level)
 
     @cached_property
     def model(self) -> HosekWilkieSky | None:
         """The exact model, while the sun is so high that no twilight is blended in."""
         if self.apparent_elevation_rad < BLEND_APPARENT_RAD:
             return None
-        return HosekWilkieSky(self.turbidity, self.albedo, self.apparent_elevation_rad)
+        return LevelledSky(self.turbidity, self.albedo, self.apparent_elevation_rad, self.level)
 
     @cached_property
     def sun(self) -> SunLight:
         """The direct light of the sun."""
+        if self.sun_colour == "air":
+            return sun_behind_air(
+                self.air_haze, self.apparent_elevation_rad, self.visible_disc_fraction
+            )
         return sun_light(
             self.turbidity,
             self.albedo,

@@ -7,12 +7,20 @@ All six faces are made also when the camera sees two: glossy surfaces mirror the
 message has other readers than the camera. Half of the sphere is ground and costs a fill.
 """
 
+import msgspec
+
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.light import NAME, HosekWilkieLight
 from dynamic_skylight.settings import DynamicSkyLightSettings
 from dynamic_skylight.sun.position import position_at
 from dynamic_skylight.tolerance import Quality, quality_for
-from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
+from vrut_lite.daylight.aerosol import (
+    LEAST_TURBIDITY,
+    MOST_TURBIDITY,
+    optical_depth_of_turbidity,
+)
+from vrut_lite.daylight.equal_haze import equal_sky
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour
@@ -47,11 +55,17 @@ class DynamicSkyLight(SkyModule):
 
     def light(self, hour: Hour, quality: Quality, prepared: None) -> HosekWilkieLight:
         """Formula and twilight table; neither knows how high the place lies."""
+        haze, elevation_rad = self._haze, hour.sun.apparent_elevation_rad
+        turbidity, level = min(max(haze.turbidity, LEAST_TURBIDITY), MOST_TURBIDITY), 1.0
+        if self.settings.sky_level == "equal-haze":
+            turbidity, level = equal_sky(haze.optical_depth_550, elevation_rad)
         daylight = Daylight(
-            turbidity=self._turbidity,
+            turbidity=turbidity,
+            level=level,
+            haze=haze,
             albedo=self.settings.albedo,
             sun_colour=self.settings.sun_colour,
-            apparent_elevation_rad=hour.sun.apparent_elevation_rad,
+            apparent_elevation_rad=elevation_rad,
             sun_azimuth_rad=hour.sun_azimuth_rad,
             visible_disc_fraction=hour.sun.visible_disc_fraction,
             light_size=quality.light_size,
@@ -59,15 +73,12 @@ class DynamicSkyLight(SkyModule):
         return HosekWilkieLight(daylight, hour.sun.direction)
 
     @property
-    def _turbidity(self) -> float:
-        """Its own, or that of the place's haze as far as the model knows it.
-
-        On Preetham's scale: at equal haze the model's sky would have another
-        (`aerosol.hosek_wilkie_turbidity`) and another level, and so another picture than before.
-        """
-        if self.settings.turbidity is not None:
-            return self.settings.turbidity
-        return min(max(self.haze.turbidity, LEAST_TURBIDITY), MOST_TURBIDITY)
+    def _haze(self) -> SetHaze:
+        """The place's haze, or as much of it as its own turbidity says on Preetham's scale."""
+        if self.settings.turbidity is None:
+            return self.haze
+        depth = float(optical_depth_of_turbidity(self.settings.turbidity))
+        return msgspec.structs.replace(self.haze, optical_depth_550=depth)
 
     def settings_changed(self, name: str) -> None:
         """Work out again what depends on the setting."""

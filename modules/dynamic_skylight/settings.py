@@ -10,6 +10,7 @@ from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
 from vrut_lite.kernel.settings import setting
 
 Device = Literal["cpu", "gpu"]
+SkyLevel = Literal["equal-haze", "published"]
 
 
 class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
@@ -41,11 +42,22 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
             source="Hosek and Wilkie 2012, equations 8 and 9",
         ),
     ] = 0.1
+    sky_level: Annotated[
+        SkyLevel,
+        setting(
+            "equal-haze: turbidity and level at which this sky is most like the solved sky of the "
+            "same optical depth, for continental haze up to a depth of 0.5, beyond which it cannot "
+            "follow; published: the model as its authors give it, at Preetham's turbidity, 1.1 to "
+            "2 times too bright",
+            source="Hosek and Wilkie 2012; tools/hosek_wilkie_fit",
+        ),
+    ] = "published"
     sun_colour: Annotated[
         SunColour,
         setting(
-            "Where the sun's light takes its colour from: its disc, the sky's "
-            "formula at the sun, or none",
+            "Where the sun's light comes from: through the same air as the sky's haze, the "
+            "model's own disc (25 % weaker), the disc in the colour of the sky's formula at the "
+            "sun, or the disc in white",
             source="Hosek and Wilkie 2013, the solar radiance function",
         ),
     ] = "disc"

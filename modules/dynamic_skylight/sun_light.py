@@ -1,7 +1,7 @@
 """The direct light of the sun: irradiance in colour, and limb darkening.
 
-The irradiance is `HosekWilkieSky.solar_radiance`, integrated over the disc that it was fitted
-with. Two properties:
+`sun_behind_air` is the sun behind the haze that is asked for. `sun_light` is the model's own:
+`HosekWilkieSky.solar_radiance`, integrated over the disc that it was fitted with. Two properties:
 
 * The eleven wavelengths end at 720 nm. For ASTM G-173 this loses 6e-4 of linear red and 8e-5 of
   luminance; sampling at 40 nm instead of 5 nm loses 1.4 % of luminance (red 0.4 %, green 1.7 %,
@@ -21,6 +21,8 @@ from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM
 from dynamic_skylight.hosek_wilkie.sky import SOLAR_DISC_RADIUS_RAD
 from dynamic_skylight.twilight import sky_of_hour
+from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.colour import (
     LUMINANCE_WEIGHTS,
     integration_matrix,
@@ -30,7 +32,7 @@ from vrut_lite.geometry.colour import (
 )
 from vrut_lite.numeric_types import FloatArray
 
-SunColour = Literal["disc", "sky_formula", "white"]
+SunColour = Literal["air", "disc", "sky_formula", "white"]
 Polynomial = tuple[float, ...]
 
 _DISC_NODES = (6, 8)
@@ -75,6 +77,14 @@ def sun_light(
         return SunLight(visible * _with_luminance_of(disc, hue), limb_darkening_rgb())
     white = _with_luminance_of(disc, np.ones(3))
     return SunLight(visible * white, (_white_limb(),) * 3)
+
+
+def sun_behind_air(
+    haze: SetHaze, apparent_elevation_rad: float, visible_disc_fraction: float
+) -> SunLight:
+    """The sun behind the air that the sky has, not the model's own disc."""
+    irradiance = in_gamut(sun_irradiance_rgb(haze, apparent_elevation_rad))
+    return SunLight(float(visible_disc_fraction) * irradiance, limb_darkening_rgb())
 
 
 def disc_irradiance(turbidity: float, apparent_elevation_rad: float) -> FloatArray:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
+from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
 from dynamic_skylight.hosek_wilkie.sky import ALL_FACES, HosekWilkieSky
 from dynamic_skylight.sun.refraction import geometric_elevation, refraction_rad
 from dynamic_skylight.twilight_blend import BLEND_DEG, BLEND_ENDS_DEG, blend, model_on_map
@@ -109,8 +110,12 @@ class HourSky:
         return cube
 
 
-def sky_of_hour(turbidity: float, albedo: float, apparent_elevation_rad: float) -> HourSky:
+def sky_of_hour(
+    turbidity: float, albedo: float, apparent_elevation_rad: float, level: float = 1.0
+) -> HourSky:
     """The sky for a sun at any apparent elevation from -pi/2 to pi/2.
+
+    `level` multiplies the model's sky; late twilight is the published one whatever that is.
 
     Raises:
         ValueError: for a value out of range, in one sentence (see `HosekWilkieSky`).
@@ -120,7 +125,7 @@ def sky_of_hour(turbidity: float, albedo: float, apparent_elevation_rad: float) 
         raise ValueError(f"the sun's elevation must lie within +-pi/2 rad, not {elevation}")
     # Held below the blend: the model is a function of the cube root of elevation, with an infinite
     # slope at 0.
-    model = HosekWilkieSky(turbidity, albedo, max(elevation, BLEND_APPARENT_RAD))
+    model = LevelledSky(turbidity, albedo, max(elevation, BLEND_APPARENT_RAD), level)
     if elevation >= BLEND_APPARENT_RAD:
         return HourSky(model.rgb_distribution, model.rgb_mean_radiance, elevation, 0.0)
     return _twilight(model, elevation)

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 from bruneton_sky import Atmosphere, single_scattering
-from bruneton_sky.gases import ozone_absorption, rayleigh_scattering
 from bruneton_sky.presets import PRESETS, earth_spectral, preset
 
+from vrut_lite.daylight.gases import ozone_absorption, rayleigh_scattering
 from vrut_lite.geometry.colour import solar_irradiance
 
 

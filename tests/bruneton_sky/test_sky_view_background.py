@@ -71,10 +71,13 @@ def looked_up(view: SkyView, d: NDArray[np.float64]) -> NDArray[np.float64]:
     near = nodes[i, k] * (1.0 - v) + nodes[i, k + 1] * v
     far = nodes[i + 1, k] * (1.0 - v) + nodes[i + 1, k + 1] * v
     light = (near * (1.0 - u) + far * u) ** 4
-    g, factor, form = view.phase
-    nu = d @ view.sun_direction
-    phase = factor * (1.0 + form * nu * nu) / ((1.0 - g) ** 2 + 2.0 * g * (1.0 - nu)) ** 1.5
-    return light[..., :3] + phase[..., None] * light[..., 4:7]
+    nodes, place = (
+        np.linspace(0.0, 1.0, len(view.bands.phase)),
+        np.sqrt(0.5 - 0.5 * np.clip(d @ view.sun_direction, -1.0, 1.0)),
+    )
+    phase = np.stack([np.interp(place, nodes, band) for band in view.bands.phase.T], axis=-1)
+    colour = view.bands.colour.astype(float)[:, :3]
+    return np.maximum(light[..., :3] + (phase * light[..., 4:]) @ colour, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -235,6 +238,6 @@ def test_a_journal_keeps_the_shader():
     around = surroundings(field(), 4e5, direction(30.0))
     background = background_message(around, 8)
     kept = {array.digest: array for array in arrays_of(background)}
-    assert len(kept) == 3
+    assert len(kept) == 4
     plain = msgspec.json.decode(msgspec.json.encode(to_plain(background)))
     assert decode(BackgroundChanged, plain, lambda handle: kept[handle["$array"]]) == background

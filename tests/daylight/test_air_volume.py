@@ -3,6 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
+from air_phases import lobe
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -38,7 +39,7 @@ def volume_of(grid: Grid, light: np.ndarray, extinction: np.ndarray) -> AirVolum
         columns=COLUMNS,
         extinction=Array(extinction.astype(np.float32)),
         radiance_scale=2.0,
-        aerosol_phase=(0.0, 1.0 / (4.0 * np.pi), 0.0),
+        aerosol_phase=lobe(factor=1.0 / (4.0 * np.pi), angles=2),
         sun_direction=SUN,
         **grid._asdict(),
     )

@@ -9,7 +9,6 @@ from dynamic_skylight.module import DynamicSkyLight
 from vrut_lite.array import Array
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.daylight.aerosol import (
-    hosek_wilkie_turbidity,
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
@@ -112,13 +111,6 @@ def test_a_preset_brings_its_own_haze():
     assert sky.taken() == []
     sky.set("turbidity", 6.0)
     assert sky.held == ["solve"]
-
-
-def test_equal_haze_of_hosek_and_wilkies_model():
-    """The points of the table, and None outside its range."""
-    assert hosek_wilkie_turbidity(0.20) == pytest.approx(7.9)
-    assert hosek_wilkie_turbidity(0.08) == pytest.approx(4.95)
-    assert hosek_wilkie_turbidity(0.02) is hosek_wilkie_turbidity(0.5) is None
 
 
 # --- command line and project ------------------------------------------------------------

@@ -1,12 +1,13 @@
 """Air made by hand: volumes whose light can be worked out on paper."""
 
 import numpy as np
+from air_phases import lobe
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirChanged, AirVolume
 
 EARTH_M, TOP_M = 6.36e6, 6e4
-ISOTROPIC = (0.0, 1.0, 0.0)
+ISOTROPIC = lobe(angles=2)
 
 
 def volume_of(extinction, shaded, direct=0.0, aerosol=0.0, **changes):

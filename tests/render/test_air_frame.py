@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
+from air_phases import lobe
 from air_stage import EARTH_M, volume_of
 from light_messages import light_messages
 from scene_stage import look, square
@@ -93,7 +94,7 @@ def test_sunlit_air_has_its_phase_functions(backend, tmp_path):
             30.0,
             8.0,
             sun_direction=tuple(direction),
-            aerosol_phase=(g, factor, form),
+            aerosol_phase=lobe(g, factor, form),
         )
         backend.change(air=volume)
         target = np.add(EYE, (0.0, 1e3, -1e4))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from air_phases import lobe
 from air_stage import EARTH_M, volume_of
 
 from vrut_lite.daylight.air_volume import look_up_air
@@ -56,7 +57,7 @@ def random_volume(random, altitude_m):
         **parts,
         **nodes,
         radiance_scale=0.25,
-        aerosol_phase=(0.8, 0.01, 0.4),
+        aerosol_phase=lobe(0.8, 0.01, 0.4, angles=1024),
         observer_altitude_m=altitude_m,
         reach_m=3e5,
         sun_direction=tuple(sun / np.linalg.norm(sun)),

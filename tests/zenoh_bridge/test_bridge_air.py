@@ -3,6 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
+from air_phases import lobe
 from bridge_samples import BACKGROUND
 from light_messages import small_air
 from zenoh_bridge.frames import encode_frame, read_frame, remote_message
@@ -63,7 +64,7 @@ def test_a_stranger_s_shader_does_not_cross():
         ({"sun_direction": (0.0, 0.6, 0.0)}, "sun_direction of AirVolume must be a unit vector"),
         ({"reach_m": 0.0}, "reach_m of AirVolume"),
         ({"observer_altitude_m": -1000.0}, "observer_altitude_m of AirVolume"),
-        ({"aerosol_phase": (1.0, 0.1, 1.0)}, "begin with a g between -1 and 1"),
+        ({"aerosol_phase": lobe(angles=1)}, "aerosol_phase of AirVolume must have two angles"),
         ({"rows_above": 1, "rows_below": 3}, "rows_above of AirVolume must be a whole number"),
         ({"rows_above": 3}, r"extinction of AirVolume must be an array \(up to 682, 5, 3\)"),
         ({"columns": 3}, r"light of AirVolume must be an array \(3, 3, 4, 3, 3\) of float16"),

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.gases import ozone_absorption
 from bruneton_sky.geometry import horizon_mu
 from bruneton_sky.phase import rayleigh_phase
 from bruneton_sky.presets import earth_spectral
@@ -16,6 +15,7 @@ from bruneton_sky.solver import SourceField, ground_irradiance, multiple_scatter
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.aerosol import ANGSTROM_EXPONENT, optical_depth_of_turbidity
+from vrut_lite.daylight.gases import ozone_absorption
 from vrut_lite.geometry.colour import (
     colour_table,
     luminance,

@@ -1,7 +1,9 @@
 """The control of the haze, with its value on other scales."""
 
+import numpy as np
+
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.daylight.aerosol import hosek_wilkie_turbidity
+from vrut_lite.daylight.equal_haze import DEPTHS, MOST_DEPTH, TURBIDITIES
 from vrut_lite.daylight.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, SetHaze
 
 
@@ -31,10 +33,10 @@ def depth_text(haze: SetHaze) -> str:
         f"Aerosol optical depth {depth:.3f} at 550 nm: turbidity {haze.turbidity:.2f} on "
         "Preetham's scale (1999, A.1)."
     )
-    equal = hosek_wilkie_turbidity(depth)
-    if equal is None:
-        return said
+    if depth > MOST_DEPTH:
+        return f"{said} Hosek and Wilkie's sky cannot follow beyond {MOST_DEPTH:g}."
+    equal = float(np.interp(depth, DEPTHS, TURBIDITIES))
     return (
-        f"{said} Hosek and Wilkie's sky has the shape of this haze at turbidity {equal:.1f}, and "
-        "is then 1.3 to 1.7 times as bright."
+        f"{said} Hosek and Wilkie's sky has the shape of continental haze of this depth at "
+        f"turbidity {equal:.1f}, and is then 1.1 to 2 times too bright as published."
     )

@@ -13,7 +13,15 @@ from vrut_lite.daylight.aerosol import (
     MOST_TURBIDITY,
     optical_depth_of_turbidity,
 )
-from vrut_lite.daylight.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, OWN_HAZE
+from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
+from vrut_lite.daylight.haze import (
+    AEROSOL_TYPES,
+    DEFAULT_HAZE,
+    MOST_OPTICAL_DEPTH,
+    OWN_HAZE,
+    AerosolType,
+)
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
@@ -28,8 +36,8 @@ _PREFIX = "setting_"
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --haze, --turbidity, --sky, --tolerance, --set and an
-    option per setting.
+    """Add --at, --place, --north-offset, --haze, --turbidity, --aerosol, --humidity, --sky,
+    --tolerance, --set and an option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
     name is that of another option is reached by --set alone.
@@ -49,6 +57,12 @@ def daylight_options(command: Command) -> Command:
         click.option("--turbidity", type=FiniteRange(LEAST_TURBIDITY, MOST_TURBIDITY),
                      metavar="T", help="The same on Preetham's scale: 2 is clear, 6 is hazy, "
                      f"{DEFAULT_HAZE.turbidity:g} is the default haze."),
+        click.option("--aerosol", type=click.Choice(AEROSOL_TYPES), metavar="TYPE",
+                     help="What that haze is made of: a type of OPAC, as continental-average or "
+                     "desert, or one-lobe. Without --haze the type's published depth."),
+        click.option("--humidity", "humidity_percent", type=FiniteRange(0.0, MOST_HUMIDITY),
+                     metavar="%", help="Of the lower air, in which particles grow. Default "
+                     f"{USUAL_HUMIDITY:g}."),
         click.option("--sky", "sky_module", metavar="MODULE",
                      help="The module that holds the sky; `vrut-lite modules` lists them."),
         click.option("--tolerance", metavar="SHARE",
@@ -90,7 +104,8 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
     sky = options.pop("sky_module")
     if sky is not None:
         changes["slots"] = {**project.slots, "sky": sky}
-    haze = _haze(options.pop("optical_depth_550"), options.pop("turbidity"))
+    named = (options.pop(key) for key in ("turbidity", "aerosol", "humidity_percent"))
+    haze = _haze(project.haze, options.pop("optical_depth_550"), *named)
     if haze is not None:
         changes["haze"] = haze
         project = _without_own_haze(project)
@@ -110,13 +125,26 @@ def _tolerance(text: str) -> float:
     return share
 
 
-def _haze(optical_depth_550: float | None, turbidity: float | None) -> Haze | None:
-    """The haze of --haze or --turbidity."""
-    if turbidity is None:
-        return None if optical_depth_550 is None else Haze(optical_depth_550)
-    if optical_depth_550 is not None:
+def _haze(
+    haze: Haze | None,
+    optical_depth_550: float | None,
+    turbidity: float | None,
+    aerosol: AerosolType | None,
+    humidity_percent: float | None,
+) -> Haze | None:
+    """The haze of the options, each of which changes its part of the project's."""
+    if optical_depth_550 is not None and turbidity is not None:
         raise UserError("--haze and --turbidity name the same thing: say one of them")
-    return Haze(float(optical_depth_of_turbidity(turbidity)))
+    if turbidity is not None:
+        optical_depth_550 = float(optical_depth_of_turbidity(turbidity))
+    if optical_depth_550 is None and aerosol is None and humidity_percent is None:
+        return None
+    known = haze or Haze(DEFAULT_HAZE.optical_depth_550, DEFAULT_HAZE.aerosol)
+    depth = known.optical_depth_550 if optical_depth_550 is None else optical_depth_550
+    humidity = known.humidity_percent if humidity_percent is None else humidity_percent
+    if aerosol is not None and aerosol != "one-lobe" and optical_depth_550 is None:
+        depth = type_optics(aerosol, humidity).optical_depth_550
+    return Haze(depth, aerosol or known.aerosol, humidity)
 
 
 def _without_own_haze(project: Project) -> Project:

@@ -32,6 +32,7 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         "utc": instant.isoformat(),
         "tolerance": tolerance_of(kernel),
         "hazeOpticalDepth550": haze_of(kernel).optical_depth_550,
+        "aerosol": haze_of(kernel).aerosol,
         "unit": "linear sRGB radiance, W m^-2 sr^-1 (times 683 lm/W: cd m^-2)",
         "northOffsetDeg": project.north_offset_deg,
         "axes": "metres; +Y up, -Z lies northOffsetDeg clockwise of true north",

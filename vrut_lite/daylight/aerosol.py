@@ -8,17 +8,14 @@ Residual: turbidity is *defined* as the optical depth of air and haze over that 
 At 550 nm, with 0.1085 for the air, the definition gives 0.1085 (T - 1); the formula is 7 to 8 %
 lower at T >= 2 and within 0.009 below T = 2.
 
-Hosek and Wilkie's model needs another turbidity for equal haze: `hosek_wilkie_turbidity`.
+Hosek and Wilkie's model needs another turbidity for equal haze: `equal_haze`.
 """
-
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# One scatterer with one phase function at all wavelengths, Cornette and Shanks'; its albedo,
-# asymmetry and scale height are those of Bruneton's 2017 demonstration.
-AerosolType = Literal["one-lobe"]
+# Of an aerosol with one phase function at all wavelengths, Cornette and Shanks': those of
+# Bruneton's 2017 demonstration.
 ANGSTROM_EXPONENT = 1.3
 SINGLE_SCATTERING_ALBEDO = 0.9
 ASYMMETRY = 0.8
@@ -29,16 +26,6 @@ _SLOPE, _OFFSET = 0.04608, -0.04586
 _550_NM_IN_UM = 0.55
 # Tolerance of a turbidity, so that a conversion from optical depth and back is exact.
 _DECIMALS = 9
-# Optical depth at 550 nm, and the turbidity at which Hosek and Wilkie's sky has the shape of the
-# solved sky's: Angstrom exponent 1.3, g = 0.63, suns at 60, 30 and 10 degrees, farther than 10
-# degrees from the sun; +- 0.25, rms 0.02 to 0.06 in log10 of luminance. Fitted to skies of this
-# project's solver: no measurement enters.
-_EQUAL_HAZE = np.array(
-    [
-        (0.03, 0.06, 0.10, 0.15, 0.20, 0.30, 0.45),
-        (3.1, 4.2, 5.7, 7.1, 7.9, 8.8, 9.6),
-    ]
-)
 
 
 def optical_depth_of_turbidity(
@@ -54,18 +41,6 @@ def turbidity_of_optical_depth(optical_depth_550: float) -> float:
     """Turbidity of a vertical aerosol optical depth at 550 nm; 0.9952 where there is no aerosol."""
     at_one_micrometre = optical_depth_550 * _550_NM_IN_UM**ANGSTROM_EXPONENT
     return round((at_one_micrometre - _OFFSET) / _SLOPE, _DECIMALS)
-
-
-def hosek_wilkie_turbidity(optical_depth_550: float) -> float | None:
-    """The turbidity at which Hosek and Wilkie's sky has the shape of so much haze.
-
-    None outside 0.03 to 0.45, where it is not known. At it their sky is 1.3 to 1.7 times as bright
-    as the solved one.
-    """
-    depth, turbidity = _EQUAL_HAZE
-    if not depth[0] <= optical_depth_550 <= depth[-1]:
-        return None
-    return float(np.interp(optical_depth_550, depth, turbidity))
 
 
 def cornette_shanks_phase(nu: ArrayLike, g: float) -> NDArray[np.float64]:

@@ -13,6 +13,8 @@ from vrut_lite.numeric_types import Vector
 
 _LARGEST_M = 1e10
 _MOST_EXTINCTION_PER_M = 1e3
+# Angles of a phase function, and its largest value: a texture holds them in single precision.
+_MOST_ANGLES, _MOST_PHASE = 8192, 1e9
 
 
 class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -31,7 +33,8 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             of the other.
         extinction: (slices, rows, 3) float32, m^-1, mean along the ray: transmittance is
             exp(-extinction * distance).
-        aerosol_phase: g, factor and form: factor (1 + form nu^2) / (1 + g^2 - 2 g nu)^1.5.
+        aerosol_phase: (n, 3) float32, the aerosol's phase function in each channel, sr^-1, at n
+            angles uniform in sin(angle / 2).
         rows_above, rows_below: of the rows, how many lie above and below the horizon.
         reach_m: how much of a ray's air the slices span at most, from where it enters the air.
     """
@@ -40,7 +43,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     extinction: Array
     columns: int
     radiance_scale: float
-    aerosol_phase: tuple[float, float, float]
+    aerosol_phase: Array
     rows_above: int
     rows_below: int
     reach_m: float
@@ -68,9 +71,10 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         if not isinstance(self.light, GpuTexture):
             checks.array(self, "light", (3, slices, rows, self.columns, 3), ("<f2",))
         check_scale(self)
-        checks.numbers(self, "aerosol_phase", 3)
-        if not abs(self.aerosol_phase[0]) < 1.0:
-            checks.refuse(self, "aerosol_phase", "begin with a g between -1 and 1")
+        checks.instance(self, "aerosol_phase", Array)
+        checks.array(self, "aerosol_phase", (-_MOST_ANGLES, 3), ("<f4",))
+        if self.aerosol_phase.shape[0] < 2:
+            checks.refuse(self, "aerosol_phase", "have two angles or more")
         checks.number(self, "reach_m", 1e-3, _LARGEST_M)
         checks.number(self, "observer_altitude_m", 0.0, _LARGEST_M)
         checks.number(self, "ground_radius_m", 1.0, _LARGEST_M)
@@ -87,6 +91,7 @@ class AirVolume(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             most = MOST_LIGHT / self.radiance_scale
             checks.contents(self, "light", -most, most)
         checks.contents(self, "extinction", 0.0, _MOST_EXTINCTION_PER_M)
+        checks.contents(self, "aerosol_phase", 0.0, _MOST_PHASE)
 
 
 class AirChanged(Derived, frozen=True, kw_only=True):

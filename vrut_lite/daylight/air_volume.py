@@ -151,7 +151,7 @@ def look_up_air(volume: AirVolume, direction: ArrayLike, distance_m: ArrayLike) 
     )
     nu = view @ np.asarray(volume.sun_direction)
     sunlit = direct * molecules_phase(nu)[..., None]
-    sunlit += aerosol * aerosol_phase(volume, nu)[..., None]
+    sunlit += aerosol * aerosol_phase(volume, nu)
     return AirLight(np.exp(-optical_depth), shaded, sunlit)
 
 
@@ -167,11 +167,11 @@ def molecules_phase(nu: ArrayLike) -> FloatArray:
 
 
 def aerosol_phase(volume: AirVolume, nu: ArrayLike) -> FloatArray:
-    """The aerosol's phase function (...,) in sr^-1, of the cosine of the angle to the sun."""
-    cosine = np.asarray(nu, dtype=float)
-    g, factor, form = volume.aerosol_phase
-    spread = (1.0 - g) ** 2 + 2.0 * g * (1.0 - cosine)
-    return np.asarray(factor * (1.0 + form * cosine * cosine) / spread**1.5)
+    """The aerosol's phase function (..., 3) in sr^-1, of the cosine of the angle to the sun."""
+    table = volume.aerosol_phase.values.astype(float)
+    place = np.sqrt(np.clip(0.5 - 0.5 * np.asarray(nu, dtype=float), 0.0, 1.0))
+    nodes = np.linspace(0.0, 1.0, len(table))
+    return np.stack([np.interp(place, nodes, channel) for channel in table.T], axis=-1)
 
 
 class _Entry(NamedTuple):

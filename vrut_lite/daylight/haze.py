@@ -4,19 +4,35 @@ A sky may have a setting `turbidity` that is none or a number: none follows the 
 number on Preetham's scale is that sky's own.
 """
 
-from typing import get_args
+from typing import Literal, get_args
 
 from vrut_lite import checks
 from vrut_lite.daylight.aerosol import (
     MOST_TURBIDITY,
-    AerosolType,
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
+from vrut_lite.daylight.aerosols import AerosolOptics, type_optics
+from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.daylight.tolerance import Remembers
 from vrut_lite.kernel.messages import Input
 
 OWN_HAZE = "turbidity"
+# The types of OPAC, and "one-lobe": one phase function at all wavelengths, Cornette and Shanks',
+# with the albedo, asymmetry and scale height of Bruneton's 2017 demonstration.
+AerosolType = Literal[
+    "one-lobe",
+    "continental-clean",
+    "continental-average",
+    "continental-polluted",
+    "urban",
+    "maritime-clean",
+    "maritime-polluted",
+    "maritime-tropical",
+    "desert",
+    "arctic",
+]
+AEROSOL_TYPES: tuple[str, ...] = get_args(AerosolType)
 # A dust storm has more, but no sky here reaches beyond turbidity 10.
 MOST_OPTICAL_DEPTH = float(optical_depth_of_turbidity(MOST_TURBIDITY))
 DEFAULT_TURBIDITY = 3.0
@@ -26,21 +42,31 @@ class SetHaze(Input, frozen=True, kw_only=True):
     """How much aerosol is above the place, and of which type.
 
     `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
-    (`turbidity_of_optical_depth`).
+    (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
+    of a type of OPAC grow.
     """
 
     optical_depth_550: float
     aerosol: AerosolType = "one-lobe"
+    humidity_percent: float = USUAL_HUMIDITY
 
     @property
     def turbidity(self) -> float:
         """The same on Preetham's scale."""
         return turbidity_of_optical_depth(self.optical_depth_550)
 
+    @property
+    def optics(self) -> AerosolOptics | None:
+        """What the aerosol does to light, at a depth of its own; none for one lobe."""
+        if self.aerosol == "one-lobe":
+            return None
+        return type_optics(self.aerosol, self.humidity_percent)
+
     def check(self) -> None:
         """A depth that every sky can show, of a known type."""
         checks.number(self, "optical_depth_550", 0.0, MOST_OPTICAL_DEPTH, of="haze")
-        checks.choice(self, "aerosol", get_args(AerosolType))
+        checks.choice(self, "aerosol", AEROSOL_TYPES)
+        checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
 
 
 # The default.

@@ -39,4 +39,16 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     # A sky's own haze had to be a number.
     if name == "Fault" and "error" in message:
         added["error"] = _HAZE_REFUSED.sub(r"\1, or none, not ", str(message["error"]))
+    # The aerosol's phase function was three numbers.
+    volume = message.get("volume")
+    if name == "AirChanged" and volume and isinstance(volume["aerosol_phase"], list):
+        added["volume"] = {**volume, "aerosol_phase": UNKNOWN}
+    # A solved atmosphere had no tabulated one.
+    value = message.get("value")
+    if (
+        name == "JobResult"
+        and isinstance(value, dict)
+        and isinstance(value.get("atmosphere"), dict)
+    ):
+        added["value"] = {**value, "atmosphere": {"mie_table": None, **value["atmosphere"]}}
     return (name, {**message, **added}) if added else (name, message)

@@ -19,7 +19,7 @@ from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.uniform_blocks import AIR
 
 # As air.glsl binds them.
-_RADIANCE_UNIT, _EXTINCTION_UNIT = 12, 13
+_RADIANCE_UNIT, _EXTINCTION_UNIT, _PHASE_UNIT = 12, 13, 26
 
 
 class AirSurroundings(NamedTuple):
@@ -60,6 +60,7 @@ class AirOnGpu:
         self._uploaded: Any = None
         self._radiance: Any = None
         self._extinction: Any = None
+        self._phase: Any = None
         self.volume: AirVolume | None = None
 
     def show(self, volume: AirVolume | None) -> None:
@@ -72,6 +73,8 @@ class AirOnGpu:
             return
         extinction = _padded(log_extinction(volume), np.float32)
         self._extinction = self._written(self._extinction, extinction, extinction.shape[1::-1])
+        phase = volume.aerosol_phase.values
+        self._phase = self._written(self._phase, phase, (len(phase), 1))
         if isinstance(volume.light, GpuTexture):
             # The texture is valid while the kept volume refers to it.
             self._radiance = _between_nodes(self._context, volume.light.opaque)
@@ -88,12 +91,14 @@ class AirOnGpu:
         self._block.bind_to_uniform_block(AIR.binding)
         self._radiance.use(location=_RADIANCE_UNIT)
         self._extinction.use(location=_EXTINCTION_UNIT)
+        self._phase.use(location=_PHASE_UNIT)
 
     def release(self) -> None:
         """Free the GL objects."""
         self._release(self._uploaded)
         self._release(self._extinction)
-        self._uploaded = self._extinction = self._radiance = None
+        self._release(self._phase)
+        self._uploaded = self._extinction = self._phase = self._radiance = None
         self._block.release()
 
     def _written(self, texture: Any, values: NDArray[Any], size: tuple[int, ...]) -> Any:
@@ -147,7 +152,6 @@ def _packed(volume: AirVolume, around: AirSurroundings) -> bytes:
         rows_above=volume.rows_above,
         rows_below=volume.rows_below,
         columns=volume.columns,
-        aerosol_phase=volume.aerosol_phase,
         radiance_scale=volume.radiance_scale,
         observer_radius_m=radius + altitude,
         top_radius_m=radius + volume.top_altitude_m,

@@ -88,7 +88,6 @@ AIR = UniformBlock(
         "rows_above": ("float", "above the horizon"),
         "rows_below": ("float", "below it"),
         "columns": ("float", "by azimuth"),
-        "aerosol_phase": ("vec3", "g, factor, form"),
         "radiance_scale": ("float", "from texels to W m^-2 sr^-1"),
         "observer_radius_m": ("float", "from the planet's middle"),
         "top_radius_m": ("float", "of the edge of the air"),

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.air_volume.volume import AirSizes, Matter, matter_before, volume_of
-from bruneton_sky.phase import mie_phase_parameters
 from bruneton_sky.shader_source import floats, shader_source
+from bruneton_sky.sky_view.table import channel_phases
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air
@@ -69,14 +69,14 @@ def air_volume_job(
         read_back=read_back,
     )
     awaited = GpuTexture(size=size, format=made.format, recipe=made.recipe)
-    return made, volume_of(field.atmosphere, matter, sun_direction, awaited, 1.0)
+    return made, volume_of(field, matter, sun_direction, awaited, 1.0)
 
 
 def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], ...]:
     """The buffers that change with sun and observer, by binding."""
     from bruneton_sky.air_volume.kernels import SLICE_FLOATS, pack_slices
 
-    (air,), rays = groups_of_air(field.atmosphere), matter.rays
+    (air,), rays = groups_of_air(field.thinned), matter.rays
     slices = np.zeros((*matter.centre.shape[1:3], SLICE_FLOATS), dtype=np.float32)
     pack_slices(
         air, matter.distance_m, matter.centre[0], matter.weight[0], matter.colours[0], slices
@@ -93,12 +93,13 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
 def _on_gpu(field: SourceField) -> _FieldOnGpu:
     source, transmittance = source_of_group(field, 0), field.transmittance[0]
     suns = source.rayleigh.shape[2] // LANES
-    (air,) = groups_of_air(field.atmosphere)
+    (air,) = groups_of_air(field.thinned)
     return _FieldOnGpu(
         buffers=(
             (4, Array(transmittance.view())),
             (5, Array(_or_one(source.rayleigh).view())),
             (6, Array(_or_one(source.mie).view())),
+            (7, Array(np.pad(channel_phases(field), ((0, 0), (0, 1))))),
         ),
         uniforms={
             "transmittances": (transmittance.shape[0], transmittance.shape[1] // LANES),
@@ -106,7 +107,6 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             "directions": (suns, source.azimuth_cosine.size, source.mie.shape[1]),
             "sun_grid": floats(source.grid),
             "solar_irradiance": floats(air.solar_irradiance),
-            "aerosol_phase": floats(mie_phase_parameters(field.atmosphere)),
         },
     )
 

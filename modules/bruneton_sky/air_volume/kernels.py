@@ -158,20 +158,25 @@ def _add_colours(light, colour, out):  # type: ignore[no-untyped-def]
 
 
 @fast
-def settle_colours(light, molecules, phase):  # type: ignore[no-untyped-def]
+def settle_colours(light, molecules, turn, phase):  # type: ignore[no-untyped-def]
     """Make colours (3, slices, rows, columns, 3) no less than zero.
 
     A low sun's light off aerosol lies outside the gamut: what it lacks the molecules' makes up
-    for, as in the sky, and what that lacks light scattered again. `molecules`, `phase` (rows,
-    columns): the phase functions of molecules and aerosol.
+    for, as in the sky, and what that lacks light scattered again. `molecules` (rows,
+    columns): their phase function, `turn` the sine of half the angle to the sun, where `phase` (n,
+    3) is that of aerosol.
     """
     for k in range(light.shape[1]):
         for i in range(light.shape[2]):
             for n in range(light.shape[3]):
+                place = turn[i, n] * _f4(len(phase) - 1)
+                a = min(int(place), len(phase) - 2)
+                far = place - _f4(a)
                 for c in range(3):
                     shaded, direct = light[0, k, i, n, c], light[1, k, i, n, c]
                     aerosol = light[2, k, i, n, c]
-                    direct += min(aerosol, ZERO) * phase[i, n] / molecules[i, n]
+                    here = phase[a, c] + far * (phase[a + 1, c] - phase[a, c])
+                    direct += min(aerosol, ZERO) * here / molecules[i, n]
                     shaded = max(shaded + min(direct, ZERO) * molecules[i, n], ZERO)
                     direct, aerosol = max(direct, ZERO), max(aerosol, ZERO)
                     light[0, k, i, n, c], light[1, k, i, n, c] = shaded, direct

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
-from bruneton_sky.phase import mie_phase, mie_phase_parameters, rayleigh_phase
+from bruneton_sky.phase import rayleigh_phase
+from bruneton_sky.sky_view.table import channel_phases
 from bruneton_sky.solver import SourceField
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
@@ -83,11 +84,11 @@ def air_volume(
     """
     matter = matter_before(field, altitude_m, sun_direction, reach_m, sizes or AirSizes())
     values, scale = encode_float16(_light(field, matter))
-    return volume_of(field.atmosphere, matter, sun_direction, Array(values), scale)
+    return volume_of(field, matter, sun_direction, Array(values), scale)
 
 
 def volume_of(
-    atmosphere: Atmosphere,
+    field: SourceField,
     matter: Matter,
     sun_direction: ArrayLike,
     light: Array | GpuTexture,
@@ -100,7 +101,7 @@ def volume_of(
         extinction=Array(matter.extinction),
         columns=matter.rays.nu.shape[1],
         radiance_scale=radiance_scale,
-        aerosol_phase=mie_phase_parameters(atmosphere),
+        aerosol_phase=Array(channel_phases(field).view()),
         sun_direction=(x, y, z),
         **matter.grid._asdict(),
     )
@@ -129,7 +130,7 @@ def matter_before(
     """The matter along the rays of a volume; arguments as for `air_volume`."""
     from bruneton_sky.air_volume.kernels import slice_rows
 
-    air, height = field.atmosphere, float(np.asarray(sun_direction, dtype=float)[1])
+    air, height = field.thinned, float(np.asarray(sun_direction, dtype=float)[1])
     grid = Grid(
         float(altitude_m), air.ground_radius_m, air.top_altitude_m, float(reach_m),
         sizes.rows_above, sizes.rows_below,
@@ -157,14 +158,14 @@ def _light(field: SourceField, matter: Matter) -> NDArray[np.float32]:
     rays = matter.rays
     light = np.zeros((3, matter.distance_m.shape[1] - 1, *rays.nu.shape, 3), dtype=np.float32)
     mu_s, nu = rays.mu_s.astype(np.float32), rays.nu.astype(np.float32)
-    for k, air in enumerate(groups_of_air(field.atmosphere)):
+    for k, air in enumerate(groups_of_air(field.thinned)):
         light_rows(
             air, rays.altitude_m, rays.mu, mu_s, nu, matter.distance_m, matter.centre[k],
             matter.weight[k], field.transmittance[k], source_of_group(field, k),
             matter.colours[k], light,
         )  # fmt: skip
-    phases = rayleigh_phase(rays.nu), mie_phase(field.atmosphere, rays.nu)
-    settle_colours(light, *(phase.astype(np.float32) for phase in phases))
+    molecules = rayleigh_phase(rays.nu).astype(np.float32)
+    settle_colours(light, molecules, np.sqrt(0.5 - 0.5 * nu), channel_phases(field))
     return light
 
 

@@ -57,7 +57,7 @@ def light_before(
     Past the edge of the air nothing is added. `pieces`: least number of intervals between two of
     the distances.
     """
-    air = field.atmosphere
+    air = field.thinned
     planet = air.ground_radius_m, air.top_altitude_m
     inside_m = distance_m
     if not make_ray(planet[0], altitude_m, mu).hits_ground():

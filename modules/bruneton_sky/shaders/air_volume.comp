@@ -20,6 +20,8 @@ layout(std430, binding = 3) restrict readonly buffer Suns { vec2 suns[]; };  // 
 layout(std430, binding = 4) restrict readonly buffer Transmittance { vec4 transmittance[]; };
 layout(std430, binding = 5) restrict readonly buffer Rayleigh { vec4 rayleigh[]; };
 layout(std430, binding = 6) restrict readonly buffer Mie { vec4 mie[]; };
+// Red, green and blue, uniform in the sine of half the angle to the sun.
+layout(std430, binding = 7) restrict readonly buffer Phases { vec4 phases[]; };
 
 uniform ivec3 shape;            // slices, rows, columns
 uniform ivec2 transmittances;   // altitudes, columns
@@ -27,7 +29,6 @@ uniform ivec2 altitudes;        // of both source functions; 0: it is none
 uniform ivec3 directions;       // of the source function: suns, azimuths, mu
 uniform vec4 sun_grid;          // see SunGrid.constants
 uniform vec4 solar_irradiance;
-uniform vec3 aerosol_phase;     // g, factor, form
 
 const float PI = 3.14159265;
 
@@ -137,9 +138,9 @@ vec3 coloured(Slice s, vec4 spectral) {
     return vec3(dot(s.colour[0], spectral), dot(s.colour[1], spectral), dot(s.colour[2], spectral));
 }
 
-float aerosol_phase_of(float nu) {
-    float g = aerosol_phase.x, spread = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - nu);
-    return aerosol_phase.y * (1.0 + aerosol_phase.z * nu * nu) / (spread * sqrt(spread));
+vec3 aerosol_phase_of(float nu) {
+    Place angle = place_on(sqrt(max(0.5 - 0.5 * nu, 0.0)), phases.length());
+    return mix(phases[angle.low], phases[angle.low + 1], angle.far).rgb;
 }
 
 void store(int part, int slice, ivec2 at, vec3 rgb) {
@@ -153,7 +154,8 @@ void main() {
     }
     vec4 row = rows[at.y];
     float mu_s = suns[at.y * shape.z + at.x].x, nu = suns[at.y * shape.z + at.x].y;
-    float molecules_phase = 3.0 / (16.0 * PI) * (1.0 + nu * nu), phase = aerosol_phase_of(nu);
+    float molecules_phase = 3.0 / (16.0 * PI) * (1.0 + nu * nu);
+    vec3 phase = aerosol_phase_of(nu);
     vec2 shadow = shadow_of(row, mu_s, nu);
     vec4 again = vec4(0.0), off_molecules = vec4(0.0), off_aerosol = vec4(0.0);
     for (int k = 0; k < shape.x; ++k) {

@@ -1,17 +1,22 @@
 // Looking up a sky-view table: the twin of sky_view_fill.py, where the formulas are explained.
 
-// Two of each node, fourth roots of radiance: that with its phase function, that without.
+// Two of each node, fourth roots of radiance: that with its phase function, and four bands of
+// aerosol's without.
 layout(std430, binding = 1) restrict readonly buffer BackgroundNodes { vec4 background_nodes[]; };
+
+// The colours of the four bands, then their phase functions, uniform in the sine of half the angle.
+layout(std430, binding = 3) restrict readonly buffer BackgroundBands { vec4 background_bands[]; };
 
 uniform ivec3 background_shape;      // rows above the horizon, rows below it, columns
 uniform vec2 background_horizon;     // 1 + mu of the ground's horizon and of the air's end
 uniform vec3 background_sun;         // unit vector
 uniform vec2 background_sun_azimuth; // its level part, a unit vector
-uniform vec4 background_phase;       // factor, form, (1 - g)^2 and 2 g
 
-float background_mie_phase(float nu) {
-    float spread = background_phase.z + background_phase.w * (1.0 - nu);
-    return background_phase.x * (1.0 + background_phase.y * nu * nu) / (spread * sqrt(spread));
+vec4 background_phases(vec3 direction) {
+    int last = background_bands.length() - 5;
+    float place = min(0.5 * distance(direction, background_sun), 1.0) * float(last);
+    int i = min(int(place), last - 1);
+    return mix(background_bands[4 + i], background_bands[5 + i], place - float(i));
 }
 
 vec4 background_blended(int node, vec2 far, int kind) {
@@ -24,6 +29,13 @@ vec4 background_blended(int node, vec2 far, int kind) {
 vec3 background_fourth_power(vec3 root) {
     vec3 square = root * root;
     return square * square;
+}
+
+vec3 background_aerosol(vec3 direction, vec4 root) {
+    vec4 square = root * root, light = background_phases(direction) * square * square;
+    mat4 colours = mat4(background_bands[0], background_bands[1], background_bands[2],
+                        background_bands[3]);
+    return (colours * light).rgb;
 }
 
 // 1 + mu above that of the ground's horizon, without cancellation at the nadir, where a far
@@ -52,6 +64,5 @@ vec3 background_on_side(vec3 direction, float height, bool up) {
     int node = (up ? i : i + background_shape.x) * background_shape.z + k;
     vec2 far = vec2(column - float(k), row - float(i));
     vec3 phased = background_fourth_power(background_blended(node, far, 0).rgb);
-    vec3 mie = background_fourth_power(background_blended(node, far, 1).rgb);
-    return phased + background_mie_phase(dot(direction, background_sun)) * mie;
+    return max(phased + background_aerosol(direction, background_blended(node, far, 1)), 0.0);
 }

@@ -1,10 +1,10 @@
 """Compiled look-up of a sky-view table for every texel of a cube map, in single precision.
 
-A row of texels is worked in two passes over short buffers: coordinates in the table and the phase
-function (a loop that vectorises over texels), and the bilinear look-up of a node's eight numbers,
-one SIMD register. That is straight-line code, which numba does not vectorise: `shade_texel` says it
-to LLVM directly. From above the air the limb may be as thin as a texel: there the mean of a few
-samples is taken.
+A row of texels is worked in two passes over short buffers: coordinates in the table and in the
+phase functions (a loop that vectorises over texels), and the bilinear look-up of a node's eight
+numbers, one SIMD register. That is straight-line code, which numba does not vectorise:
+`shade_texel` says it to LLVM directly. From above the air the limb may be as thin as a texel: there
+the mean of a few samples is taken.
 
 Importing this module imports numba: do it only where the first cube is filled.
 """
@@ -20,7 +20,7 @@ from numba.extending import intrinsic
 from bruneton_sky.sky_view.rays import TURN_INSIDE, TURN_OUTSIDE
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 
-# Numbers of one node: three of the light with its phase applied and a pad, three without, a pad.
+# Numbers of one node: three of the light with its phase applied and a pad, four bands without.
 NODE = 8
 _f4 = np.float32
 _ZERO, _ONE, _HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
@@ -33,26 +33,26 @@ THIN_SAMPLES, THIN_STRIDE = 13, 5
 LIMB_TEXELS = 6.0
 _compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS_IN_ORDER)
 _FLOAT, _INT = ir.FloatType(), ir.IntType(32)
-_NODE = ir.VectorType(_FLOAT, 8)
+_NODE, _FOUR = ir.VectorType(_FLOAT, 8), ir.VectorType(_FLOAT, 4)
 _FLAGS = tuple(sorted(SUMS_IN_ORDER))
 _Value = Any
 
 
 @_compiled
 def fill_faces(  # type: ignore[no-untyped-def]
-    nodes, shape, horizon, sun, phase, axes, centres, ground, cube
+    nodes, shape, horizon, sun, phase, colour, axes, centres, ground, cube
 ):
     """Fill `cube` (6, n, n, 3) from `nodes` (rows * columns, 8); all float32.
 
     `shape` is (rows above the horizon, rows below, columns); without rows below, what lies
     below the level is `ground` (3,). `horizon` holds 1 + mu of the ground's horizon and of the
-    air's end; `sun` the direction (3,) and its level part's direction (2,); `phase` what
-    `mie_phase_parameters` gives. `axes` (6, 3, 3): normal, s and t axis of each face.
+    air's end; `sun` the direction (3,) and its level part's direction (2,); `phase` and
+    `colour` are those of `AerosolBands`, flat. `axes` (6, 3, 3): normal, s and t axis of each face.
     """
     size = centres.size
     first_node = np.empty(size, dtype=np.int32)
-    fraction = np.empty((2, size), dtype=np.float32)
-    mie_phase, level = np.empty(size, dtype=np.float32), np.empty(size, dtype=np.float32)
+    fraction, turned = np.empty((3, size), dtype=np.float32), np.empty(size, dtype=np.int32)
+    level = np.empty(size, dtype=np.float32)
     flat_nodes, rows = nodes.reshape(-1), cube.reshape(6, size, 3 * size)
     for face in range(6):
         for i in range(size):
@@ -68,16 +68,18 @@ def fill_faces(  # type: ignore[no-untyped-def]
                 continue
             level[:] = centres[i]
             _place(
-                axes[face], centres, level, shape, horizon, sun, phase,
-                first_node, fraction, mie_phase,
+                axes[face], centres, level, shape, horizon, sun, phase.size,
+                first_node, turned, fraction,
             )  # fmt: skip
-            _shade(flat_nodes, shape[2], first_node, fraction, mie_phase, rows[face, i])
+            _shade(flat_nodes, shape[2], phase, colour, first_node, turned, fraction, rows[face, i])
     if horizon[1] <= _ONE:
-        _refine_limb(flat_nodes, shape, horizon, sun, phase, axes, centres, cube)
+        _refine_limb(flat_nodes, shape, horizon, sun, phase, colour, axes, centres, cube)
 
 
 @_compiled
-def _refine_limb(nodes, shape, horizon, sun, phase, axes, centres, cube):  # type: ignore[no-untyped-def]
+def _refine_limb(  # type: ignore[no-untyped-def]
+    nodes, shape, horizon, sun, phase, colour, axes, centres, cube
+):
     """Put the mean of some samples into each texel that the limb crosses."""
     size = centres.size
     least, most = _limb_reach(horizon, size)
@@ -85,8 +87,8 @@ def _refine_limb(nodes, shape, horizon, sun, phase, axes, centres, cube):  # typ
     samples, stride = (THIN_SAMPLES, THIN_STRIDE) if thin else (SAMPLES, STRIDE)
     s, t = np.empty(samples * size, np.float32), np.empty(samples * size, np.float32)
     first_node = np.empty(s.size, dtype=np.int32)
-    fraction = np.empty((2, s.size), dtype=np.float32)
-    mie_phase, light = np.empty(s.size, np.float32), np.empty(3 * s.size, np.float32)
+    fraction, turned = np.empty((3, s.size), dtype=np.float32), np.empty(s.size, np.int32)
+    light = np.empty(3 * s.size, np.float32)
     chosen = np.empty(size, np.int64)
     for face in range(6):
         for i in range(size):
@@ -101,10 +103,13 @@ def _refine_limb(nodes, shape, horizon, sun, phase, axes, centres, cube):  # typ
                     t[samples * n + k] = centres[i] + _f4(down - samples) / offset
             few = samples * count
             _place(
-                axes[face], s[:few], t[:few], shape, horizon, sun, phase,
-                first_node[:few], fraction[:, :few], mie_phase[:few],
+                axes[face], s[:few], t[:few], shape, horizon, sun, phase.size,
+                first_node[:few], turned[:few], fraction[:, :few],
             )  # fmt: skip
-            _shade(nodes, shape[2], first_node[:few], fraction[:, :few], mie_phase[:few], light)
+            _shade(
+                nodes, shape[2], phase, colour,
+                first_node[:few], turned[:few], fraction[:, :few], light,
+            )  # fmt: skip
             for n in range(count):
                 for c in range(3):
                     total = _ZERO
@@ -154,16 +159,17 @@ def _depth(axes, s, t):  # type: ignore[no-untyped-def]
 
 @_compiled
 def _place(  # type: ignore[no-untyped-def]
-    axes, s_at, t_at, shape, horizon, sun, phase, first_node, fraction, mie_phase
+    axes, s_at, t_at, shape, horizon, sun, phase_size, first_node, turned, fraction
 ):
-    """Node and fractions of points of a face, and the phase function of their angle from the sun.
+    """Nodes of points of a face in the table and in the phase functions, and shares of the next.
 
-    `s_at`, `t_at` (n,): where on the face, along its s and t axes.
+    `s_at`, `t_at` (n,): where on the face, along its s and t axes. `phase_size`: of four numbers a
+    node.
     """
+    turns = np.int32(phase_size // 4 - 1)
     above, below, columns = shape
     rise, fall = _ONE / (horizon[1] - horizon[0]), _ONE / horizon[0]
     turn = _f4(TURN_OUTSIDE if horizon[1] <= _ONE else TURN_INSIDE)
-    factor, bend, near, forward = phase
     for j in range(s_at.size):
         s, t = s_at[j], t_at[j]
         x = axes[0, 0] + s * axes[1, 0] + t * axes[2, 0]
@@ -197,32 +203,38 @@ def _place(  # type: ignore[no-untyped-def]
         first_node[j] = (i if height >= 0 else i + above) * columns + k
         fraction[0, j] = row - np.float32(i)
         fraction[1, j] = column - np.float32(k)
-        nu = (x * sun[0] + y * sun[1] + z * sun[2]) * inverse
-        spread = near + forward * (_ONE - nu)
-        mie_phase[j] = factor * (_ONE + bend * nu * nu) / (spread * math.sqrt(spread))
+        # Half the chord to the sun is the sine of half the angle: exact beside it.
+        dx, dy, dz = x * inverse - sun[0], y * inverse - sun[1], z * inverse - sun[2]
+        turn_at = min(_HALF * math.sqrt(dx * dx + dy * dy + dz * dz), _ONE) * np.float32(turns)
+        first = min(np.int32(turn_at), turns - np.int32(1))
+        turned[j] = first
+        fraction[2, j] = turn_at - np.float32(first)
 
 
 @_compiled
-def _shade(nodes, columns, first_node, fraction, mie_phase, row):  # type: ignore[no-untyped-def]
+def _shade(nodes, columns, phase, colour, first_node, turned, fraction, row):  # type: ignore[no-untyped-def]
     """Radiance (n * 3,) of the texels; the table holds fourth roots: see `table`."""
-    node, three = np.uintp(NODE), np.uintp(3)
+    node, three, four = np.uintp(NODE), np.uintp(3), np.uintp(4)
     below = np.uintp(columns) * node
-    for j in range(mie_phase.size):
+    for j in range(first_node.size):
         near = np.uintp(first_node[j]) * node
         shade_texel(
-            row, np.uintp(j) * three, mie_phase[j], nodes, near, near + below,
-            fraction[1, j], fraction[0, j],
+            row, np.uintp(j) * three, nodes, near, near + below, fraction[1, j], fraction[0, j],
+            phase, np.uintp(turned[j]) * four, fraction[2, j], colour,
         )  # fmt: skip
 
 
 @intrinsic
-def shade_texel(typingctx, out, place, mie_phase, nodes, near, far, across, along):  # type: ignore[no-untyped-def]
+def shade_texel(  # type: ignore[no-untyped-def]
+    typingctx, out, place, nodes, near, far, across, along, phase, turned, turn, colour
+):
     """out[place:+3] = the radiance between four nodes of fourth roots.
 
     `nodes` is flat; the nodes are those that begin at `near`, `near` + 8, `far` and `far` + 8,
     `across` the share of the second of each pair, `along` that of the second pair. The first four
-    numbers of a node are light with its phase, the others aerosol's, to be multiplied by
-    `mie_phase`. Indices are the caller's to keep inside.
+    numbers of a node are light with its phase, the others bands of aerosol's, to be multiplied by
+    the phase functions between `turned` and the next node, `turn` its share, and by the bands'
+    colours. `phase` and `colour` are flat. Indices are the caller's to keep inside.
     """
 
     def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
@@ -231,32 +243,50 @@ def shade_texel(typingctx, out, place, mie_phase, nodes, near, far, across, alon
             return builder.gep(array.data, [index])
 
         def node(index: _Value) -> _Value:
-            return builder.load(builder.bitcast(pointer(3, index), _NODE.as_pointer()), align=4)
+            return builder.load(builder.bitcast(pointer(2, index), _NODE.as_pointer()), align=4)
+
+        def four(argument: int, index: _Value) -> _Value:
+            at = builder.bitcast(pointer(argument, index), _FOUR.as_pointer())
+            return builder.load(at, align=4)
+
+        def half(light: _Value, first: int) -> _Value:
+            mask = ir.Constant(ir.VectorType(_INT, 4), [_INT(first + k) for k in range(4)])
+            return builder.shuffle_vector(light, ir.Constant(_NODE, ir.Undefined), mask)
 
         def between(first: _Value, second: _Value, share: _Value) -> _Value:
             change = builder.fsub(second, first, flags=_FLAGS)
             return builder.fadd(first, builder.fmul(share, change, flags=_FLAGS), flags=_FLAGS)
 
-        next_node = args[4].type(8)
-        share = _splat(builder, args[6])
-        rows = [between(node(at), node(builder.add(at, next_node)), share) for at in args[4:6]]
-        light = between(*rows, _splat(builder, args[7]))
+        size = args[3].type
+        share = _splat(builder, args[5])
+        rows = [between(node(at), node(builder.add(at, size(8))), share) for at in args[3:5]]
+        light = between(*rows, _splat(builder, args[6]))
         for _ in range(2):
             light = builder.fmul(light, light, flags=_FLAGS)
+        phases = between(
+            four(7, args[8]), four(7, builder.add(args[8], size(4))), _splat(builder, args[9], 4)
+        )
+        bands = builder.fmul(half(light, 4), phases, flags=_FLAGS)
+        total = half(light, 0)
+        for band in range(4):
+            one = _splat(builder, builder.extract_element(bands, _INT(band)), 4)
+            coloured = builder.fmul(one, four(10, size(4 * band)), flags=_FLAGS)
+            total = builder.fadd(total, coloured, flags=_FLAGS)
+        # Between the nodes a colour may leave the gamut by a trace.
+        none = ir.Constant(_FOUR, [0.0] * 4)
+        total = builder.select(builder.fcmp_ordered(">", total, none), total, none)
         for lane in range(3):
-            phased, aerosol = (builder.extract_element(light, _INT(k)) for k in (lane, lane + 4))
-            aerosol = builder.fmul(args[2], aerosol, flags=_FLAGS)
-            total = builder.fadd(phased, aerosol, flags=_FLAGS)
-            builder.store(total, pointer(0, builder.add(args[1], args[1].type(lane))))
+            channel = builder.extract_element(total, _INT(lane))
+            builder.store(channel, pointer(0, builder.add(args[1], size(lane))))
         return context.get_dummy_value()
 
     index, real = types.uintp, types.float32
-    return types.void(out, index, real, nodes, index, index, real, real), codegen
+    arguments = out, index, nodes, index, index, real, real, phase, index, real, colour
+    return types.void(*arguments), codegen
 
 
-def _splat(builder: _Value, scalar: _Value) -> _Value:
-    undefined = ir.Constant(_NODE, ir.Undefined)
+def _splat(builder: _Value, scalar: _Value, lanes: int = 8) -> _Value:
+    undefined = ir.Constant(ir.VectorType(_FLOAT, lanes), ir.Undefined)
     first = builder.insert_element(undefined, scalar, _INT(0))
-    return builder.shuffle_vector(
-        first, undefined, ir.Constant(ir.VectorType(_INT, 8), [_INT(0)] * 8)
-    )
+    everywhere = ir.Constant(ir.VectorType(_INT, lanes), [_INT(0)] * lanes)
+    return builder.shuffle_vector(first, undefined, everywhere)

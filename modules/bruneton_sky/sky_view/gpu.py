@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bruneton_sky.phase import MiePhase
 from bruneton_sky.shader_source import floats, shader_source
 from bruneton_sky.sky_view.table import SkyView, level_direction
 from bruneton_sky.sun_light import DiscLight
@@ -13,7 +12,7 @@ from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.encoding import float16_scale
 from vrut_lite.numeric_types import Number
 
-_NODES_BINDING, _SUNLIGHT_BINDING = 1, 2
+_NODES_BINDING, _SUNLIGHT_BINDING, _BANDS_BINDING = 1, 2, 3
 _GROUP = 8
 _ALL_FACES = (0, 1, 2, 3, 4, 5)
 
@@ -51,7 +50,7 @@ def sky_view_job(
             "inverse_scale": 1.0 / scale,
             "faces": (*wanted, *(0,) * (len(_ALL_FACES) - len(wanted))),
         },
-        buffers=(_nodes_buffer(view),),
+        buffers=_table_buffers(view),
         output="cube",
         size=size,
         groups=(groups, groups, len(wanted)),
@@ -65,17 +64,13 @@ def _brightest(view: SkyView, ground: ArrayLike) -> float:
 
     Where the table has no rows below the horizon, a sun below it is never looked at.
     """
-    phased, mie = view.nodes.reshape(-1, 2, 4)[..., :3].max(axis=0).astype(float) ** 4
+    phased, bands = view.nodes.reshape(-1, 2, 4).max(axis=0).astype(float) ** 4
     height = float(view.sun_direction[1])
     seen = view.shape[1] > 0 or height >= 0.0
     nearest = 1.0 if seen else np.sqrt((1.0 - height) * (1.0 + height))
-    phase = max(_phase_at(view.phase, nu) for nu in (nearest, -1.0))
-    return float(max(np.max(phased + phase * mie), np.max(np.asarray(ground, dtype=float))))
-
-
-def _phase_at(phase: MiePhase, nu: float) -> float:
-    g, factor, form = phase
-    return float(factor * (1.0 + form * nu * nu) / ((1.0 - g) ** 2 + 2.0 * g * (1.0 - nu)) ** 1.5)
+    first = int(np.sqrt(0.5 - 0.5 * nearest) * (len(view.bands.phase) - 1))
+    aerosol = bands * view.bands.phase[first:].max(axis=0) @ np.maximum(view.bands.colour, 0.0)
+    return float(max(np.max(phased[:3] + aerosol[:3]), np.max(np.asarray(ground, dtype=float))))
 
 
 def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
@@ -92,22 +87,21 @@ def view_shader(view: SkyView, disc: DiscLight) -> ViewShader:
             # Of the difference float32 keeps all digits, of 1 + mu it would not.
             "background_disc": floats(disc.depth[[0, -1]] - np.float32(view.depth[0])),
         },
-        buffers=(_nodes_buffer(view), (_SUNLIGHT_BINDING, Array(roots))),
+        buffers=(*_table_buffers(view), (_SUNLIGHT_BINDING, Array(roots))),
     )
 
 
 def _look_up_uniforms(view: SkyView) -> dict[str, Number | tuple[Number, ...]]:
     """The uniforms of sky_view.glsl."""
-    g, factor, form = view.phase
     return {
         "background_shape": view.shape,
         "background_horizon": floats(view.depth),
         "background_sun": floats(view.sun_direction),
         "background_sun_azimuth": floats(level_direction(view.sun_direction)),
-        "background_phase": floats((factor, form, (1.0 - g) ** 2, 2.0 * g)),
     }
 
 
-def _nodes_buffer(view: SkyView) -> tuple[int, Array]:
-    """The storage buffer of sky_view.glsl and its binding."""
-    return _NODES_BINDING, Array(view.nodes.view())
+def _table_buffers(view: SkyView) -> tuple[tuple[int, Array], ...]:
+    """The storage buffers of sky_view.glsl and their bindings."""
+    bands = np.concatenate([view.bands.colour, view.bands.phase])
+    return (_NODES_BINDING, Array(view.nodes.view())), (_BANDS_BINDING, Array(bands))

@@ -2,8 +2,8 @@
 
 The table serves an observer on the ground, inside the air or above it; `rays` says
 where its nodes lie. The sky is symmetric about the sun's vertical plane, so half of it is kept.
-The light that aerosol scatters once is kept without its phase function, which is applied per
-texel: the aureole stays sharp.
+The light that aerosol scatters once is kept without its phase functions, by wavelength; they are
+applied per texel: the aureole stays sharp.
 
 The table holds the fourth root of linear sRGB radiance: in twilight radiance falls by powers
 of ten between neighbouring rows, and linear interpolation of the roots follows that. A radiance
@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
-from bruneton_sky.phase import MiePhase, mie_phase_parameters
+from bruneton_sky.phase import aerosol_phase
 from bruneton_sky.sky_view.rays import Rows, table_rows
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.delta_m import forward_share
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, is_hazy
+from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
 
@@ -67,18 +69,32 @@ class SkyView(NamedTuple):
 
     Attributes:
         nodes: (rows * columns, 8) float32: fourth roots of linear sRGB radiance in
-            W m^-2 sr^-1, three of the light with its phase and three of aerosol without.
+            W m^-2 sr^-1 of the light with its phase, one unused, and of aerosol's light in four
+            bands without.
         shape: rows above the horizon, rows below it (0 for an observer on the ground), columns.
         depth: (2,) 1 + mu of the ground's horizon and of the air's end.
         sun_direction: (3,) in world axes.
-        phase: the phase function of the aerosol.
+        bands: the colours and phase functions of aerosol's light.
     """
 
     nodes: NDArray[np.float32]
     shape: tuple[int, int, int]
     depth: NDArray[np.float64]
     sun_direction: NDArray[np.float64]
-    phase: MiePhase
+    bands: "AerosolBands"
+
+
+class AerosolBands(NamedTuple):
+    """Four bands of the light that aerosol scatters once.
+
+    `colour` (4, 4) float32: linear sRGB of each band and a pad. `phase` (n, 4) float32: their phase
+    functions in sr^-1, uniform in sqrt((1 - nu) / 2). `matrix` (C, 4): what of each wavelength's
+    light is in each band.
+    """
+
+    colour: NDArray[np.float32]
+    phase: NDArray[np.float32]
+    matrix: NDArray[np.float64]
 
 
 def sky_view(
@@ -134,7 +150,7 @@ def _table(
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
-        mie_phase_parameters(field.atmosphere),
+        aerosol_bands(field),
     )
 
 
@@ -164,16 +180,18 @@ def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDAr
     from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
+    bands = aerosol_bands(field)
+    matrix = _in_groups(bands.matrix)
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
     colours, ground = _colours(field)
-    for k, air in enumerate(groups_of_air(field.atmosphere)):
+    for k, air in enumerate(groups_of_air(field.thinned)):
         for part, own in _parts(rows, counts):
             add_rows(
                 air, rows.altitude_m[part], rows.mu[part], rows.hits[part], mu_s[part], nu[part],
                 field.transmittance[k], source_of_group(field, k), own,
-                colours[k], ground[k], nodes[part],
+                colours[k], matrix[k], ground[k], nodes[part],
             )  # fmt: skip
-    finish_rows(nu, _phase_numbers(mie_phase_parameters(field.atmosphere)), nodes)
+    finish_rows(nu, bands.phase, bands.colour, nodes)
     return nodes.reshape(-1, _NODE)
 
 
@@ -192,10 +210,50 @@ def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[
     return [(slice(limb), limb_counts(counts)), (slice(limb, None), counts)]
 
 
-def _phase_numbers(phase: MiePhase) -> tuple[np.float32, ...]:
-    """The phase function as kernels and shaders take it: factor, form, (1 - g)^2 and 2 g."""
-    g, factor, form = phase
-    return tuple(np.float32(v) for v in (factor, form, (1.0 - g) ** 2, 2.0 * g))
+@lru_cache(maxsize=4)
+def aerosol_bands(field: SourceField) -> AerosolBands:
+    """Bands of a field's aerosol: its wavelengths, if there are four at most.
+
+    Of more wavelengths they are red, green and blue, whose phase functions are means by the
+    sunlight that aerosol scatters: exact where all wavelengths share one.
+    """
+    air = field.atmosphere
+    shown, count = _shown_phases(field), len(air.wavelength_nm)
+    skylight = rgb_from_spectrum(np.eye(count), air.wavelength_nm, SKYLIGHT_EXPONENT)
+    if count <= LANES:
+        matrix, colour, phase = np.eye(count, LANES), skylight, shown
+    else:
+        matrix, colour = np.pad(skylight, ((0, 0), (0, 1))), np.eye(3)
+        phase = shown @ channel_shares(air)
+    return AerosolBands(
+        np.pad(colour, ((0, LANES - len(colour)), (0, 1))).astype(np.float32),
+        np.pad(phase, ((0, 0), (0, LANES - phase.shape[1]))).astype(np.float32),
+        matrix,
+    )
+
+
+@lru_cache(maxsize=4)
+def channel_phases(field: SourceField) -> NDArray[np.float32]:
+    """Phase functions (n, 3) in sr^-1 of the aerosol's light in red, green and blue."""
+    return np.asarray(_shown_phases(field) @ channel_shares(field.atmosphere), dtype=np.float32)
+
+
+def _shown_phases(field: SourceField) -> NDArray[np.float64]:
+    """What light scattered once is shown with (n, C), uniform in sqrt((1 - nu) / 2)."""
+    nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
+    whole = 1.0 - forward_share(field.atmosphere, field.sizes.degree)
+    return np.asarray(aerosol_phase(field.atmosphere, nu) / whole)
+
+
+def channel_shares(atmosphere: Atmosphere) -> NDArray[np.float64]:
+    """Share (C, 3) of each wavelength in red, green and blue of sunlight off aerosol."""
+    light = np.asarray(atmosphere.solar_irradiance) * np.asarray(atmosphere.mie_scattering)
+    if not light.any():
+        light = np.asarray(atmosphere.solar_irradiance)
+    one_each = np.eye(len(atmosphere.wavelength_nm))
+    coloured = rgb_from_spectrum(one_each, atmosphere.wavelength_nm, SKYLIGHT_EXPONENT)
+    coloured = np.maximum(coloured * light[:, None], 0.0)
+    return np.asarray(coloured / coloured.sum(axis=0))
 
 
 @lru_cache(maxsize=4)
@@ -214,9 +272,9 @@ def _colours(field: SourceField) -> tuple[NDArray[np.float32], list[GroundColour
 
 
 def _in_groups(colours: NDArray[np.float64]) -> NDArray[np.float32]:
-    """(..., C, 3) as float32 (groups, ... * 4 * 4), filled up with black and with zeros."""
-    padding = -colours.shape[-2] % LANES
-    padded = np.pad(colours, [*[(0, 0)] * (colours.ndim - 2), (0, padding), (0, 1)])
+    """(..., C, n) as float32 (groups, ... * 4 * 4), filled up with black and with zeros."""
+    padding, pad = -colours.shape[-2] % LANES, 4 - colours.shape[-1]
+    padded = np.pad(colours, [*[(0, 0)] * (colours.ndim - 2), (0, padding), (0, pad)])
     groups = np.moveaxis(padded.reshape(*padded.shape[:-2], -1, LANES, 4), -3, 0)
     return np.ascontiguousarray(groups.reshape(len(groups), -1), dtype=np.float32)
 
@@ -233,12 +291,12 @@ def fill_cube(
     cube = np.empty((6, size, size, 3), dtype=np.float32)
     sun = np.concatenate([view.sun_direction, level_direction(view.sun_direction)])
     ground = np.asarray(ground_radiance_rgb, dtype=np.float32)
-    phase = _phase_numbers(view.phase)
     centres = texel_centres(size).astype(np.float32)
     horizon = view.depth.astype(np.float32)
     fill_faces(
-        view.nodes, view.shape, horizon, sun.astype(np.float32), phase, _AXES, centres, ground, cube
-    )
+        view.nodes, view.shape, horizon, sun.astype(np.float32), view.bands.phase.reshape(-1),
+        view.bands.colour.reshape(-1), _AXES, centres, ground, cube,
+    )  # fmt: skip
     return cube
 
 

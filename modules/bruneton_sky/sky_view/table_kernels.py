@@ -33,12 +33,13 @@ _RAYLEIGH = np.float32(3.0 / (16.0 * math.pi))
 
 @fast
 def add_rows(  # type: ignore[no-untyped-def]
-    air, altitude, mu, hits, mu_s, nu, transmittance, source, counts, colour, ground, nodes
+    air, altitude, mu, hits, mu_s, nu, transmittance, source, counts, colour, bands, ground, nodes
 ):
     """Add the colours of four wavelengths along rays (rows,), for cells (rows, columns) of suns.
 
     `transmittance`, `source`: of a group of wavelengths of a `SourceField`. `counts`: steps,
     bins for light scattered once, bins for more. `colour` (4 * 4,): linear sRGB of the wavelengths.
+    `bands` (4 * 4,): what of each is in each of the aerosol's bands.
     `ground`: `GroundColours` of the group. `nodes` (rows, columns * 8) takes what the table
     holds, not yet as roots.
     """
@@ -56,14 +57,15 @@ def add_rows(  # type: ignore[no-untyped-def]
         merge_steps(air, altitude[i], mu[i], steps, coarse)
         light[2] = ZERO
         gather_later(air, altitude[i], coarse, cells, source, slab, light[2])
-        _add_colours(light, nu[i], colour, nodes[i])
+        _add_colours(light, nu[i], colour, bands, nodes[i])
         if hits[i]:
             _add_ground(air, altitude[i], mu_s[i], nu[i], end, ground, nodes[i])
 
 
 @inner
-def _add_colours(light, nu, colour, nodes):  # type: ignore[no-untyped-def]
-    """Light (3, cells * 4) scattered once by molecules and by aerosol, and more, as colours."""
+def _add_colours(light, nu, colour, bands, nodes):  # type: ignore[no-untyped-def]
+    """Light (3, cells * 4) scattered once by molecules and by aerosol, and more, as colours and
+    bands."""
     none, far = np.uintp(0), np.uintp(8)
     for n in range(nu.size):
         phase = _RAYLEIGH * (ONE + nu[n] * nu[n])
@@ -76,7 +78,7 @@ def _add_colours(light, nu, colour, nodes):  # type: ignore[no-untyped-def]
             phase * r[p + 2] + max(light[2, p + 2], ZERO),
             phase * r[p + 3] + max(light[2, p + 3], ZERO),
         )  # fmt: skip
-        add_four(nodes, np.uintp(8 * n + 4), colour, none, far, m[p], m[p + 1], m[p + 2], m[p + 3])
+        add_four(nodes, np.uintp(8 * n + 4), bands, none, far, m[p], m[p + 1], m[p + 2], m[p + 3])
 
 
 @inner
@@ -99,18 +101,24 @@ def _add_ground(air, altitude, mu_s, nu, end, ground, nodes):  # type: ignore[no
 
 
 @fast
-def finish_rows(nu, phase, nodes):  # type: ignore[no-untyped-def]
-    """Turn the colours (rows, columns * 8) into fourth roots; `phase`: see `fill_faces`.
+def finish_rows(nu, phase, colour, nodes):  # type: ignore[no-untyped-def]
+    """Turn the light (rows, columns * 8) into fourth roots; `phase`, `colour`: `AerosolBands`.
 
-    A low sun's light off aerosol lies outside the gamut: what it lacks the rest makes up for.
+    A low sun's light off aerosol may lie outside the gamut, where bands are colours: what it lacks
+    the rest makes up for.
     """
-    factor, bend, near, forward = phase
+    scale, last = _f4(len(phase) - 1), len(phase) - 2
     for i in range(nu.shape[0]):
         for n in range(nu.shape[1]):
-            spread = near + forward * (ONE - nu[i, n])
-            mie_phase = factor * (ONE + bend * nu[i, n] * nu[i, n]) / (spread * math.sqrt(spread))
-            for k in range(3):
-                phased, aerosol = nodes[i, 8 * n + k], nodes[i, 8 * n + 4 + k]
-                phased = max(phased + mie_phase * min(aerosol, ZERO), ZERO)
-                nodes[i, 8 * n + k] = math.sqrt(math.sqrt(phased))
-                nodes[i, 8 * n + 4 + k] = math.sqrt(math.sqrt(max(aerosol, ZERO)))
+            node = nodes[i, 8 * n : 8 * n + 8]
+            place = math.sqrt(max((ONE - nu[i, n]) * _f4(0.5), ZERO)) * scale
+            k = min(int(place), last)
+            far = place - _f4(k)
+            for band in range(4):
+                lacking = min(node[4 + band], ZERO)
+                if lacking < ZERO:
+                    here = phase[k, band] + far * (phase[k + 1, band] - phase[k, band])
+                    for c in range(3):
+                        node[c] += here * lacking * colour[band, c]
+            for c in range(8):
+                node[c] = math.sqrt(math.sqrt(max(node[c], ZERO)))

@@ -171,7 +171,7 @@ def _add_suns(row, weight, cells, rayleigh, mie):  # type: ignore[no-untyped-def
 
 @inner
 def apply_phases(cells, phase, rayleigh, mie, out):  # type: ignore[no-untyped-def]
-    """Both kinds of light times their phase function, a table (n, 2) over sqrt((1 - nu) / 2)."""
+    """Both kinds of light times their phase functions, a table (n, 5) over sqrt((1 - nu) / 2)."""
     scale, last = _f4(phase.shape[0] - 1), _f4(phase.shape[0] - 1.001)
     one = np.uintp(1)
     for n in range(cells.nu.size):
@@ -179,6 +179,6 @@ def apply_phases(cells, phase, rayleigh, mie, out):  # type: ignore[no-untyped-d
         i = np.uintp(place)
         far = place - _f4(i)
         molecules = phase[i, 0] + far * (phase[i + one, 0] - phase[i, 0])
-        aerosol = phase[i, 1] + far * (phase[i + one, 1] - phase[i, 1])
         for c in range(4):
+            aerosol = phase[i, c + 1] + far * (phase[i + one, c + 1] - phase[i, c + 1])
             out[4 * n + c] = rayleigh[4 * n + c] * molecules + mie[4 * n + c] * aerosol

@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.phase import mie_phase, rayleigh_phase
+from bruneton_sky.phase import aerosol_phase, rayleigh_phase
+from bruneton_sky.solver.delta_m import forward_share, kept_coefficients
 from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
 from bruneton_sky.solver.scattering_operator import (
     ScatteringOperator,
-    phase_coefficients,
     scattering_operator,
 )
 from bruneton_sky.solver.sizes import HIGHER, SolverSizes
 from bruneton_sky.solver.source_field import make_source
-from bruneton_sky.solver.wavelength_groups import LANES, Air
+from bruneton_sky.solver.wavelength_groups import LANES, Air, in_lanes
 from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
     `higher_bins` are for the light of orders four and up; `bins_left_out` counts the bins that rays
-    through little air do not need.
+    through little air do not need. `mie_chi` (degrees, 4): of the aerosol's phase functions.
     """
 
     air: Air
@@ -43,7 +43,7 @@ class Nodes(NamedTuple):
     bins: "Bins"
     higher_bins: "Bins"
     bins_left_out: int
-    mie_chi: FloatArray
+    mie_chi: Lanes
 
     def first_radiance(self, transmittance: Lanes, phase: Lanes) -> Lanes:
         """Light that arrives at the nodes after one scattering or reflection.
@@ -118,8 +118,8 @@ class Nodes(NamedTuple):
         return np.asarray(light.reshape(-1, LANES), dtype=np.float32)
 
 
-def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
-    """The nodes of an atmosphere for a group of wavelengths."""
+def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes, group: int = 0) -> Nodes:
+    """The nodes of an atmosphere for a group of its wavelengths, whose air is `air`."""
     from bruneton_sky.solver.node_kernels import bin_nodes
     from bruneton_sky.solver.ray_kernels import layer_nodes, nodes_of_axis
 
@@ -132,7 +132,7 @@ def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes) -> Nodes:
         _empty_bins(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(HIGHER))
     )
     left_out = bin_nodes(air, altitude, mu, downward, sizes.steps, bins, higher)
-    chi = phase_coefficients(lambda nu: mie_phase(atmosphere, nu), sizes.degree)
+    chi = in_lanes(kept_coefficients(atmosphere, sizes.degree).T)[group].astype(np.float32)
     suns = SunGrid(atmosphere, sizes.mu_s)
     return Nodes(air, sizes, altitude, suns, operator, bins, higher, left_out, chi)
 
@@ -160,8 +160,31 @@ def make_transmittance(air: Air) -> Lanes:
     return table.reshape(rows, -1)
 
 
-def phase_table(atmosphere: Atmosphere) -> Lanes:
-    """Both phase functions (n, 2), uniform in sqrt((1 - nu) / 2)."""
-    nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, _PHASE_NODES) ** 2
-    both = np.stack([rayleigh_phase(nu), mie_phase(atmosphere, nu)], axis=-1)
-    return both.astype(np.float32)
+def shown_phase_tables(atmosphere: Atmosphere, degree: int) -> Lanes:
+    """The phase functions (groups, n, 5) that light scattered once is shown with.
+
+    Of molecules and of the aerosol at four wavelengths, uniform in sqrt((1 - nu) / 2). The
+    aerosol's is per unit of what `delta_m.thinned` air scatters.
+    """
+    nu = _phase_cosines()
+    return _phase_tables(aerosol_phase(atmosphere, nu) / (1.0 - forward_share(atmosphere, degree)))
+
+
+def fed_phase_tables(atmosphere: Atmosphere, degree: int) -> Lanes:
+    """The same, as light scattered once feeds the orders beyond: without the peak of a table."""
+    if atmosphere.mie_table is None:
+        return shown_phase_tables(atmosphere, degree)
+    chi = kept_coefficients(atmosphere, degree)
+    legendre = np.polynomial.legendre.legvander(_phase_cosines(), degree)
+    return _phase_tables(legendre * (2.0 * np.arange(degree + 1) + 1.0) @ chi.T / (4.0 * np.pi))
+
+
+def _phase_cosines() -> FloatArray:
+    return np.asarray(1.0 - 2.0 * np.linspace(0.0, 1.0, _PHASE_NODES) ** 2)
+
+
+def _phase_tables(aerosol: FloatArray) -> Lanes:
+    """(groups, n, 5) of the aerosol's phase function (n, C)."""
+    lanes = in_lanes(aerosol)
+    molecules = np.broadcast_to(rayleigh_phase(_phase_cosines())[:, None], (*lanes.shape[:2], 1))
+    return np.concatenate([molecules, lanes], axis=-1).astype(np.float32)

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.solver.nodes import Nodes, make_nodes, make_transmittance, phase_table
+from bruneton_sky.solver.delta_m import thinned
+from bruneton_sky.solver.nodes import Nodes, fed_phase_tables, make_nodes, make_transmittance
 from bruneton_sky.solver.sizes import SolverSizes
 from bruneton_sky.solver.source_field import SourceField
 from bruneton_sky.solver.wavelength_groups import (
@@ -79,12 +80,13 @@ def solve(
     orders = as_count("orders of scattering", orders, 1, 1000)
     tolerance = as_number("tolerance of the orders", tolerance, 0.0, 1.0)
     size = sizes or real_time_sizes(atmosphere)
-    phase, groups = phase_table(atmosphere), groups_of_air(atmosphere)
+    phase = fed_phase_tables(atmosphere, size.degree)
+    groups = groups_of_air(thinned(atmosphere, size.degree))
     transmittance = [make_transmittance(air) for air in groups]
     sums, sources = [], []
     for index, air in enumerate(groups):
-        nodes = make_nodes(atmosphere, air, size)
-        done = _sum_orders(nodes, transmittance[index], phase, orders, tolerance, all_orders)
+        nodes = make_nodes(atmosphere, air, size, index)
+        done = _sum_orders(nodes, transmittance[index], phase[index], orders, tolerance, all_orders)
         sums.append(done)
         sources.append(nodes.source(done.coefficients))
         if progress is not None:

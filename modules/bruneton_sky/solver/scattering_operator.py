@@ -75,17 +75,19 @@ class ScatteringOperator(NamedTuple):
             np.matmul(self.polar_in[:, part], turned[:, :, m], out=coefficients[:, part])
         return coefficients
 
-    def scatter(self, coefficients: SingleArray, chi: FloatArray) -> SingleArray:
-        """Source function (altitudes, mu, azimuths, n) of a phase function's chi (degrees,).
+    def scatter(self, coefficients: SingleArray, chi: SingleArray) -> SingleArray:
+        """Source function (altitudes, mu, azimuths, n * 4) of phase functions' chi (degrees, 4).
 
-        The coefficients may be only the first ones.
+        Four wavelengths lie side by side. The coefficients may be only the first ones.
         """
-        weighted = self.polar_out * chi[self.degree].astype(np.float32)
-        parts = self._parts(coefficients.shape[1])
-        shape = len(coefficients), len(weighted), len(parts), coefficients.shape[2]
+        harmonics, columns = coefficients.shape[1:]
+        by_column = np.tile(chi[self.degree[:harmonics]], columns // chi.shape[1])
+        scattered = coefficients * by_column
+        parts = self._parts(harmonics)
+        shape = len(coefficients), len(self.polar_out), len(parts), columns
         turned = np.empty(shape, dtype=np.float32)
         for m, part in enumerate(parts):
-            np.matmul(weighted[:, part], coefficients[:, part], out=turned[:, :, m])
+            np.matmul(self.polar_out[:, part], scattered[:, part], out=turned[:, :, m])
         return np.matmul(self.turn_out[:, : len(parts)], turned)
 
     def scatter_by_molecules(self, coefficients: SingleArray) -> SingleArray:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.solver.delta_m import thinned
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.sizes import SolverSizes
 from vrut_lite.numeric_types import FloatArray
@@ -44,6 +45,11 @@ class SourceField:
     orders_done: int
     tail_ratio: FloatArray
     skipped: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def thinned(self) -> Atmosphere:
+        """The air for all light but the sun's disc: see `delta_m`."""
+        return thinned(self.atmosphere, self.sizes.degree)
 
 
 def source_of_group(field: SourceField, group: int) -> "Source":

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bruneton_sky.solver.delta_m import forward_share
 from bruneton_sky.solver.grid import azimuths, clustered_nodes
-from bruneton_sky.solver.nodes import phase_table
+from bruneton_sky.solver.nodes import shown_phase_tables
 from bruneton_sky.solver.source_field import SourceField, source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
 from vrut_lite.arguments import ROUNDING, as_numbers
@@ -44,7 +45,7 @@ def multiple_scattering(
     sizes = field.sizes
     rays = _checked_rays(field, altitude_m, mu, mu_s, nu)
     out = np.empty((len(field.rayleigh), rays[1].size, LANES), dtype=np.float32)
-    for group, air in enumerate(groups_of_air(field.atmosphere)):
+    for group, air in enumerate(groups_of_air(field.thinned)):
         trace_view(
             air, *rays, source_of_group(field, group),
             (sizes.steps, sizes.multiple_bins), out[group].reshape(-1),
@@ -71,12 +72,13 @@ def single_scattering_fast(
     finer = 2 if mu_s < _LOW_SUN else 1
     counts = finer * sizes.steps, finer * sizes.single_bins
     out = np.empty((2, len(field.rayleigh), rays[1].size, LANES), dtype=np.float32)
-    for group, air in enumerate(groups_of_air(field.atmosphere)):
+    for group, air in enumerate(groups_of_air(field.thinned)):
         trace_first(
             air, *rays, field.transmittance[group], counts,
             out[0, group].reshape(-1), out[1, group].reshape(-1),
         )  # fmt: skip
-    return wavelengths_of_groups(out[0], count), wavelengths_of_groups(out[1], count)
+    whole = 1.0 - forward_share(field.atmosphere, sizes.degree)
+    return wavelengths_of_groups(out[0], count), wavelengths_of_groups(out[1], count) / whole
 
 
 def _checked_rays(
@@ -117,11 +119,11 @@ def sky_irradiance(
     turn = np.cos(azimuths(sizes.irradiance_azimuth))
     weight = weight * mu * 2.0 * np.pi / turn.size
     suns = np.clip(mu_s, -1.0, 1.0)
-    phase = phase_table(field.atmosphere)
+    phase = shown_phase_tables(field.atmosphere, sizes.degree)
     out = np.empty((len(field.rayleigh), altitude_m.size, suns.size, LANES))
-    for group, air in enumerate(groups_of_air(field.atmosphere)):
+    for group, air in enumerate(groups_of_air(field.thinned)):
         fill_irradiance(
-            air, altitude_m, mu, weight, suns, turn, phase, field.transmittance[group],
+            air, altitude_m, mu, weight, suns, turn, phase[group], field.transmittance[group],
             source_of_group(field, group), (sizes.steps, bins), out[group],
         )  # fmt: skip
     return np.maximum(wavelengths_of_groups(out, len(field.atmosphere.wavelength_nm)), 0.0)

@@ -105,6 +105,14 @@ def wavelengths_of_groups(groups: ArrayLike, count: int) -> NDArray[np.float64]:
     return np.ascontiguousarray(array.reshape(*array.shape[:-2], -1)[..., :count], dtype=float)
 
 
+def in_lanes(values: ArrayLike) -> NDArray[np.float64]:
+    """(..., C) as (groups, ..., 4), padded with zeros."""
+    array = np.asarray(values, dtype=float)
+    padded = np.pad(array, [*[(0, 0)] * (array.ndim - 1), (0, -array.shape[-1] % LANES)])
+    split = padded.reshape(*array.shape[:-1], -1, LANES)
+    return np.ascontiguousarray(np.moveaxis(split, -2, 0))
+
+
 def _in_fours(rows: list[tuple[float, ...]]) -> NDArray[np.float64]:
     """(groups, rows, 4) of rows (rows, wavelengths)."""
     values = np.array(rows)

@@ -22,7 +22,7 @@ from bruneton_sky.tables.parametrisations import (
     transmittance_coordinates,
 )
 from bruneton_sky.tables.rays import View, after, dot, level, moved, to_edge, view_from
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog, table_shapes
+from bruneton_sky.tables.sizes import TableSizes, refuse_untabled, table_shapes
 from vrut_lite.arguments import check_type
 from vrut_lite.numeric_types import FloatArray
 
@@ -55,7 +55,7 @@ class TableArrays:
 
     def __post_init__(self) -> None:
         parametrisation_of(self.parametrisation)
-        refuse_fog(self.atmosphere)
+        refuse_untabled(self.atmosphere)
         for name, shape in table_shapes(self.atmosphere, self.sizes).items():
             check_type(f"{name} of the tables", getattr(self, name), np.ndarray)
             if getattr(self, name).shape != shape:

@@ -54,12 +54,19 @@ def table_shapes(atmosphere: Atmosphere, sizes: TableSizes) -> dict[str, tuple[i
     }
 
 
-def refuse_fog(atmosphere: Atmosphere) -> None:
+def refuse_untabled(atmosphere: Atmosphere) -> None:
     """Refuse an atmosphere with fog, whose layer lies between a table's two lowest altitudes.
 
+    And one with a tabulated phase function, whose light the published method cannot scatter.
+
     Raises:
-        ValueError: the atmosphere has fog.
+        ValueError: the atmosphere has either.
     """
+    if atmosphere.mie_table is not None:
+        raise ValueError(
+            "the published tables scatter by phase functions in closed form: "
+            "use bruneton_sky.solve for an aerosol with a phase table"
+        )
     if atmosphere.foggy:
         raise ValueError(
             "tables of 32 altitudes from the ground to space cannot hold ground fog: "

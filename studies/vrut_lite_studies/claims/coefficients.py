@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-from bruneton_sky.gases import rayleigh_scattering
 
+from vrut_lite.daylight.gases import rayleigh_scattering
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 from bruneton_sky import Atmosphere
-from bruneton_sky.gases import ozone_absorption
 
+from vrut_lite.daylight.gases import ozone_absorption
 from vrut_lite_studies.framework.atmosphere import STUDY
 from vrut_lite_studies.models.bruneton import Bruneton
 from vrut_lite_studies.models.model import SkyModel

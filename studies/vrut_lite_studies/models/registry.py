@@ -9,6 +9,7 @@ from vrut_lite_studies.models.converged import Converged
 from vrut_lite_studies.models.elek import Elek
 from vrut_lite_studies.models.haber import Haber
 from vrut_lite_studies.models.hosek_wilkie import HosekWilkie
+from vrut_lite_studies.models.measured_aerosol import MeasuredAerosol
 from vrut_lite_studies.models.model import SkyModel
 from vrut_lite_studies.models.nishita93 import Nishita93
 from vrut_lite_studies.models.nishita96 import Nishita96
@@ -30,5 +31,6 @@ MODELS: MappingProxyType[str, Callable[[], SkyModel]] = MappingProxyType(
         "bruneton": Bruneton,
         "single-scattering": converged,
         "converged": Converged,
+        "measured-aerosol": MeasuredAerosol,
     }
 )

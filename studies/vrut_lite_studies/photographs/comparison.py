@@ -14,6 +14,7 @@ from vrut_lite_studies.photographs.fit import (
     Model,
     Pixels,
     best_fit,
+    bruneton_in,
     bruneton_with,
     contrast,
     fit,
@@ -36,6 +37,10 @@ HEADER = (
 # Changes of the air of Bruneton's model, one at a time, that may explain the residual.
 OTHER_AIR: dict[str, Model] = {
     "as the module has it": bruneton_with(),
+    "continental average": bruneton_in("continental-average"),
+    "continental polluted": bruneton_in("continental-polluted"),
+    "urban": bruneton_in("urban"),
+    "maritime clean": bruneton_in("maritime-clean"),
     "haze, g = 0.9": bruneton_with(mie_g=0.9),
     "haze, g = 0.7": bruneton_with(mie_g=0.7),
     "haze, g = 0.6": bruneton_with(mie_g=0.6),

@@ -19,6 +19,8 @@ from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.sun.disc import visible_fraction
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
+from vrut_lite.daylight.haze import AerosolType, SetHaze
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, SRGB_FROM_XYZ, luminance
 from vrut_lite.geometry.panorama import lat_long_directions, sample_sky
 from vrut_lite.numeric_types import FloatArray
@@ -90,17 +92,27 @@ def bruneton_with(**changes: float) -> Model:
     return partial(_bruneton_of, msgspec.structs.replace(_SETTINGS, **changes))
 
 
+def bruneton_in(aerosol: AerosolType) -> Model:
+    """The same in air of a type of OPAC, with nothing else changed."""
+    return partial(_bruneton_of, _SETTINGS, aerosol=aerosol)
+
+
 def _bruneton_of(
-    settings: BrunetonSkySettings, turbidity: float, sun: Sun, direction: FloatArray
+    settings: BrunetonSkySettings,
+    turbidity: float,
+    sun: Sun,
+    direction: FloatArray,
+    aerosol: AerosolType = "one-lobe",
 ) -> FloatArray:
-    field = _field(msgspec.structs.replace(settings, turbidity=turbidity))
+    depth = float(optical_depth_of_turbidity(turbidity))
+    field = _field(settings, SetHaze(optical_depth_550=depth, aerosol=aerosol))
     around = surroundings(field, 0.0, sun.direction())
     return sample_sky(background_cube(around, _CUBE_SIZE), direction)
 
 
 @lru_cache(maxsize=32)
-def _field(settings: BrunetonSkySettings) -> SourceField:
-    return solve(atmosphere_of(settings), all_orders=True)
+def _field(settings: BrunetonSkySettings, haze: SetHaze) -> SourceField:
+    return solve(atmosphere_of(settings, 0.0, haze), all_orders=True)
 
 
 MODELS: dict[str, Model] = {"Hosek-Wilkie": hosek_wilkie, "Bruneton": bruneton}

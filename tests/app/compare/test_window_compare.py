@@ -66,7 +66,10 @@ def test_two_models_are_shown_at_equal_haze(driver):
     assert two.wish.shared == {"albedo": pytest.approx(0.1)}
     assert [label.text() for label in driver.compare.hazes] == ["optical depth 0.201 at 550 nm"] * 2
     # What the model calls equal haze, from the table that was fitted to it.
-    assert "has the shape of this haze at turbidity 7.9" in driver.compare.aerosol.text()
+    assert (
+        "has the shape of continental haze of this depth at turbidity 7.6"
+        in driver.compare.aerosol.text()
+    )
     # Nothing was pointed at: no axes without a curve.
     assert driver.compare.plots.spectrum.isHidden()
     low, middle, high = driver.comparisons[0].ratios

@@ -54,6 +54,11 @@ def test_phase_coefficients_of_known_functions() -> None:
     assert ours == pytest.approx([1.0, 0.0, 0.1, 0.0, 0.0], abs=1e-14)
 
 
+def in_one_lane(chi: np.ndarray) -> np.ndarray:
+    """A phase function's coefficients for light of one wavelength."""
+    return chi[:, None].astype(np.float32)
+
+
 @pytest.mark.parametrize(
     ("degree", "light"),
     [
@@ -70,7 +75,7 @@ def test_harmonic_fields_are_scattered_exactly(degree: int, light: object) -> No
     """A harmonic of degree l leaves as itself times chi_l (Funk-Hecke), to float32's 1e-5."""
     chi = phase_coefficients(lambda nu: cornette_shanks_phase(nu, 0.7), SIZES.degree)
     coefficients = operator().project(field_of(light))
-    ours = operator().scatter(coefficients, chi)[..., 0]
+    ours = operator().scatter(coefficients, in_one_lane(chi))[..., 0]
     exact = chi[degree] * in_lines(light)
     scale = np.abs(exact).max()
     assert ours == pytest.approx(np.broadcast_to(exact, ours.shape), abs=2e-5 * scale)
@@ -82,7 +87,7 @@ def test_molecules_scatter_by_four_coefficients() -> None:
     coefficients = operator().project(light)
     chi = np.zeros(SIZES.degree + 1)
     chi[[0, 2]] = 1.0, 0.1
-    exact = operator().scatter(coefficients, chi)[..., 0]
+    exact = operator().scatter(coefficients, in_one_lane(chi))[..., 0]
     for i, c in enumerate(operator().scatter_by_molecules(coefficients)[:, :, 0]):
         ours = in_lines(
             lambda x, y, z, c=c: (

@@ -3,6 +3,7 @@
 from functools import partial
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Signal
@@ -99,7 +100,7 @@ class SkyComparison(QObject):
         specs = shared_settings(left, right)
         self.shared = {spec.name: _value_of(spec, left, right) for spec in specs}
         own = (module.values.get(OWN_HAZE) for module in (left, right))
-        said = (_haze(turbidity) for turbidity in own if isinstance(turbidity, float))
+        said = (self._haze(turbidity) for turbidity in own if isinstance(turbidity, float))
         self.haze = next(said, self._set)
         self._look()
         return specs
@@ -107,7 +108,7 @@ class SkyComparison(QObject):
     def share(self, name: str, value: float) -> None:
         """Set a setting of both skies, or their haze by its optical depth."""
         if name == HAZE:
-            self.haze = SetHaze(optical_depth_550=value)
+            self.haze = msgspec.structs.replace(self.haze, optical_depth_550=value)
         else:
             self.shared[name] = value
         self._look()
@@ -126,6 +127,11 @@ class SkyComparison(QObject):
         """The window's haze."""
         return self._session.last(SetHaze) or DEFAULT_HAZE
 
+    def _haze(self, turbidity: float) -> SetHaze:
+        """The window's haze, of this turbidity."""
+        depth = float(optical_depth_of_turbidity(turbidity))
+        return msgspec.structs.replace(self._set, optical_depth_550=depth)
+
     def _follow_haze(self, haze: SetHaze) -> None:
         self.haze = haze
         self.shared_changed.emit(HAZE, haze.optical_depth_550)
@@ -134,7 +140,7 @@ class SkyComparison(QObject):
     def _setting_changed(self, message: SettingChanged) -> None:
         ours = message.module in (self._modules or ())
         if ours and message.name == OWN_HAZE:
-            self._follow_haze(self._set if message.value is None else _haze(message.value))
+            self._follow_haze(self._set if message.value is None else self._haze(message.value))
             return
         if ours and message.name in self.shared:
             value = message.value
@@ -202,10 +208,6 @@ class SkyComparison(QObject):
     def _refuse(self, asked: tuple[SkyWish, Vector], line: str) -> None:
         if asked is self._asked:
             self.refused.emit(line)
-
-
-def _haze(turbidity: float) -> SetHaze:
-    return SetHaze(optical_depth_550=float(optical_depth_of_turbidity(turbidity)))
 
 
 def _value_of(spec: SettingSpec, *modules: ModuleInfo) -> float:

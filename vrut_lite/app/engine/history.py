@@ -182,7 +182,7 @@ def title_of(message: Input) -> str:
         case SetTolerance():
             return f"tolerance {message.tolerance:.4g}"
         case SetHaze():
-            return f"haze {message.optical_depth_550:.4g}"
+            return f"haze {message.optical_depth_550:.4g}, {message.aerosol}"
     return type(message).__name__
 
 

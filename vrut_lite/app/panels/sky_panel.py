@@ -1,5 +1,6 @@
 """The holders of the slots, and the settings of the holder of the sky."""
 
+import msgspec
 from PySide6.QtWidgets import (
     QComboBox,
     QLabel,
@@ -16,7 +17,7 @@ from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.widgets import aligned_form
-from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.haze import AEROSOL_TYPES, DEFAULT_HAZE, SetHaze
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
 
@@ -38,6 +39,15 @@ class SkyPanel(QWidget):
             "its own"
         )
         self.haze.setAccessibleName("haze")
+        self.aerosol = QComboBox()
+        self.aerosol.setAccessibleName("aerosol")
+        for name in AEROSOL_TYPES:
+            self.aerosol.addItem(name.replace("-", " ").capitalize(), name)
+        self.aerosol.setToolTip(
+            "What the haze is made of: a type of OPAC (Hess, Koepke and Schult 1998), or one lobe "
+            "for all colours. The Bruneton sky shows it; the Hosek-Wilkie sky knows continental "
+            "haze up to a depth of 0.5 only"
+        )
         self.tolerance = NumberField(_LOWEST_PERCENT, 100.0, "%", decimals=2)
         self.tolerance.show_value(100.0 * DEFAULT_TOLERANCE)
         self.tolerance.setAccessibleName("tolerance")
@@ -58,8 +68,10 @@ class SkyPanel(QWidget):
         column.addLayout(self._choices)
         column.addWidget(self.lack)
         column.addWidget(self._stack, 1)
-        self.haze.edited.connect(lambda depth: session.send(SetHaze(optical_depth_550=depth)))
-        session.listen(SetHaze, lambda m: self.haze.show_value(m.optical_depth_550))
+        self.haze.edited.connect(lambda depth: self._change_haze(optical_depth_550=depth))
+        self.aerosol.activated.connect(lambda _: self._change_aerosol())
+        session.listen(SetHaze, self._show_haze)
+        self._show_haze(DEFAULT_HAZE)
         self.tolerance.edited.connect(
             lambda percent: session.send(SetTolerance(tolerance=percent / 100.0))
         )
@@ -81,12 +93,25 @@ class SkyPanel(QWidget):
             self.choosers[slot] = chooser
             self._choices.addRow(QLabel(slot.capitalize()), chooser)
         self._choices.addRow("Haze", self.haze)
+        self._choices.addRow("Aerosol", self.aerosol)
         self._choices.addRow("Tolerance", self.tolerance)
         for module in roster.providers(SHOWN_SLOT):
             panel = ModulePanel(self._session, module.name, self._presets)
             self.panels[module.name] = panel
             self._stack.addWidget(panel)
         self._show_holders()
+
+    def _change_haze(self, **changes: object) -> None:
+        """Set a part of the haze, and leave the rest."""
+        known = self._session.last(SetHaze) or DEFAULT_HAZE
+        self._session.send(msgspec.structs.replace(known, **changes))
+
+    def _change_aerosol(self) -> None:
+        self._change_haze(aerosol=self.aerosol.currentData())
+
+    def _show_haze(self, haze: SetHaze) -> None:
+        self.haze.show_value(haze.optical_depth_550)
+        self.aerosol.setCurrentIndex(self.aerosol.findData(haze.aerosol))
 
     def _choose(self, slot: str) -> None:
         module = self.choosers[slot].currentData()

@@ -4,6 +4,7 @@
 //!include air_block.glsl
 layout(binding = 12) uniform sampler3D air_radiance;    // shaded, direct, aerosol: slice on slice
 layout(binding = 13) uniform sampler2D air_extinction;  // its logarithm; rows by slices
+layout(binding = 26) uniform sampler2D air_phase;       // of aerosol, by the sine of half the angle
 
 const float MISSES_AIR = 1e30;
 const float AIR_PI = 3.14159265;
@@ -11,7 +12,8 @@ const float AIR_PI = 3.14159265;
 struct AirRay {
     float row;
     float column;
-    vec2 phase;     // of molecules and aerosol, sr^-1
+    float phase;    // of molecules, sr^-1
+    vec3 aerosol;   // that of aerosol
     float entry_m;  // distance from the eye to the air
     float span_m;   // length of the ray that the slices cover
 };
@@ -66,12 +68,13 @@ AirRay air_ray(vec3 d) {
     float column = min(0.5 * distance(azimuth, air.sun_azimuth), 1.0) * (air.columns - 1.0);
     // 1 - nu as half the squared chord keeps its precision beside the sun.
     vec3 chord = d - air.sun_direction;
-    float beside = 0.5 * dot(chord, chord), nu = 1.0 - beside, g = air.aerosol_phase.x;
-    vec2 phase = vec2(3.0 / (16.0 * AIR_PI), air.aerosol_phase.y)
-                 * (1.0 + vec2(1.0, air.aerosol_phase.z) * nu * nu);
-    phase.y /= pow((1.0 - g) * (1.0 - g) + 2.0 * g * beside, 1.5);
+    float squared = dot(chord, chord), nu = 1.0 - 0.5 * squared;
+    float phase = 3.0 / (16.0 * AIR_PI) * (1.0 + nu * nu);
+    float angles = float(textureSize(air_phase, 0).x);
+    float place = min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5;
+    vec3 aerosol = textureLod(air_phase, vec2(place / angles, 0.5), 0.0).rgb;
     vec2 entry = air_entry(d);
-    return AirRay(row, column, phase, entry.x, air_span_m(entry.y, above < 0.0));
+    return AirRay(row, column, phase, aerosol, entry.x, air_span_m(entry.y, above < 0.0));
 }
 
 // 1 - exp(-x) that keeps its relative precision for thin air.
@@ -102,7 +105,7 @@ vec3 optical_depth_of(AirRay ray, float inside_m) {
 }
 
 vec3 sunlit_mean(AirRay ray, float slice) {
-    return air_part(1.0, slice, ray) * ray.phase.x + air_part(2.0, slice, ray) * ray.phase.y;
+    return air_part(1.0, slice, ray) * ray.phase + air_part(2.0, slice, ray) * ray.aerosol;
 }
 
 vec3 sunlit_before(AirRay ray, float metres) {

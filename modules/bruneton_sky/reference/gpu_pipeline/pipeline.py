@@ -10,7 +10,7 @@ from bruneton_sky.reference.gpu_pipeline.air_buffer import LANES, buffers_of_air
 from bruneton_sky.reference.gpu_pipeline.passes import Pass, Workspace, passes
 from bruneton_sky.reference.gpu_pipeline.programs import check_sizes, compile_programs
 from bruneton_sky.reference.gpu_pipeline.tables import GpuTables, read_flat, read_scattering
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog
+from bruneton_sky.tables.sizes import TableSizes, refuse_untabled
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.errors import UserError
 from vrut_lite.numeric_types import FloatArray
@@ -92,7 +92,7 @@ class GpuPipeline:
         """
         if orders < 1:
             raise ValueError(f"orders must be 1 or more, not {orders}")
-        refuse_fog(atmosphere)
+        refuse_untabled(atmosphere)
         airs = list(buffers_of_air(atmosphere))
         made: list[GpuTables] = []
         try:

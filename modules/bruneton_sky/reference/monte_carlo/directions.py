@@ -1,12 +1,14 @@
 """Directions of a traced path after a scatterer or the ground.
 
-A scattered path's direction is drawn from a mixture: the aerosol's Henyey-Greenstein lobe about
-the old direction, uniform directions for the molecules, and two lobes toward the sun or, after
+A scattered path's direction is drawn from a mixture: the aerosol's phase function about the old
+direction, uniform directions for the molecules, and two lobes toward the sun or, after
 sunset, toward the horizon below which it is. The mixture's density is exact, so that it
 changes the noise alone.
 """
 
 import math
+
+import numpy as np
 
 from bruneton_sky.reference.monte_carlo.medium import compiled, dot
 
@@ -23,17 +25,21 @@ def set_scattering(medium, thin, haze, fog, cosine, factor):  # type: ignore[no-
     """Scattering coefficients (C,) in 1/(m sr) at a cosine from the old direction."""
     squared = cosine * cosine
     rayleigh = 3.0 / (16.0 * math.pi) * (1.0 + squared) * thin
-    g, scale, form = medium.mie_phase
-    mie = scale * (1.0 + form * squared) * _peak(cosine, g)
-    by_haze, by_fog = mie * haze, mie * fog
+    place = _turn_of(cosine) * (len(medium.phase) - 1)
+    k = min(int(place), len(medium.phase) - 2)
+    far = place - k
     for c in range(factor.size):
-        factor[c] = medium.scattering[0, c] * rayleigh + medium.scattering[1, c] * by_haze
-        factor[c] += medium.scattering[2, c] * by_fog
+        mie = medium.phase[k, c] + far * (medium.phase[k + 1, c] - medium.phase[k, c])
+        aerosol = medium.scattering[1, c] * haze + medium.scattering[2, c] * fog
+        factor[c] = medium.scattering[0, c] * rayleigh + mie * aerosol
 
 
 @compiled
-def draw_direction(g, aerosol_share, lobes, lobe, u, v, direction):  # type: ignore[no-untyped-def]
-    """Turn a direction by two uniform numbers; the cosine of the turn, the density in 1/sr."""
+def draw_direction(cumulated, aerosol_share, lobes, lobe, u, v, direction):  # type: ignore[no-untyped-def]
+    """Turn a direction by two uniform numbers; the cosine of the turn, the density in 1/sr.
+
+    `cumulated`: see `Medium.turn`.
+    """
     aerosol = (1.0 - lobes) * aerosol_share
     old = (direction[0], direction[1], direction[2])
     if u < lobes:
@@ -41,12 +47,12 @@ def draw_direction(g, aerosol_share, lobes, lobe, u, v, direction):  # type: ign
         asymmetry = LOBE_G_WIDE if u < 0.5 else LOBE_G_NARROW
         turn(lobe, _draw_cosine(asymmetry, (2.0 * u) % 1.0), v, direction)
     elif u < lobes + aerosol:
-        turn(old, _draw_cosine(g, (u - lobes) / aerosol), v, direction)
+        turn(old, _draw_tabulated(cumulated, (u - lobes) / aerosol), v, direction)
     else:
         even = (u - lobes - aerosol) / (1.0 - lobes - aerosol)
         turn(old, 1.0 - 2.0 * even, v, direction)
     cosine, toward = dot(old, direction), dot(lobe, direction)
-    density = aerosol * _henyey_greenstein(cosine, g)
+    density = aerosol * _tabulated_density(cumulated, cosine)
     density += (1.0 - lobes - aerosol) / (4.0 * math.pi)
     density += 0.5 * lobes * _henyey_greenstein(toward, LOBE_G_WIDE)
     density += 0.5 * lobes * _henyey_greenstein(toward, LOBE_G_NARROW)
@@ -97,6 +103,31 @@ def turn(axis, cosine, v, direction):  # type: ignore[no-untyped-def]
     direction[1] = cosine * y + a * sign * d + b * (sign + y * y * c)
     direction[2] = cosine * z - a * sign * x - b * y
     direction /= math.sqrt(dot(direction, direction))
+
+
+@compiled
+def _turn_of(cosine):  # type: ignore[no-untyped-def]
+    """sin(theta / 2) of a cosine."""
+    return math.sqrt(min(max(0.5 - 0.5 * cosine, 0.0), 1.0))
+
+
+@compiled
+def _draw_tabulated(cumulated, u):  # type: ignore[no-untyped-def]
+    """A cosine of a tabulated phase function, even over the sphere between two nodes."""
+    k = min(np.searchsorted(cumulated, u, side="right"), cumulated.size - 1)
+    below = cumulated[k - 1] if k > 0 else 0.0
+    share = min(max((u - below) / max(cumulated[k] - below, 1e-300), 0.0), 1.0)
+    near, far = k / cumulated.size, (k + 1) / cumulated.size
+    return 1.0 - 2.0 * (near * near + share * (far - near) * (far + near))
+
+
+@compiled
+def _tabulated_density(cumulated, cosine):  # type: ignore[no-untyped-def]
+    """The density in 1/sr of such a cosine."""
+    k = min(int(_turn_of(cosine) * cumulated.size), cumulated.size - 1)
+    chance = cumulated[k] - (cumulated[k - 1] if k > 0 else 0.0)
+    near, far = k / cumulated.size, (k + 1) / cumulated.size
+    return chance / (4.0 * math.pi * (far - near) * (far + near))
 
 
 @compiled

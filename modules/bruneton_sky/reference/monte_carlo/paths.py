@@ -166,7 +166,7 @@ def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out)
     foggy = droplets / (aerosol + molecules) if droplets > 0.0 else 0.0
     lobes = lobe_share(cosine_at(point, sun, medium.radius + altitude), foggy)
     cosine, density = draw_direction(
-        medium.mie_phase.g, share, lobes, lobe_axis(point, sun), v, w, direction
+        medium.turn, share, lobes, lobe_axis(point, sun), v, w, direction
     )
     set_scattering(medium, thin, haze, fog, cosine, factor)
     for c in range(weight.size):

@@ -19,7 +19,7 @@ from bruneton_sky.reference.pipeline.setting import (
     light_scattered_once,
 )
 from bruneton_sky.tables.parametrisations import Year
-from bruneton_sky.tables.sizes import TableSizes, refuse_fog
+from bruneton_sky.tables.sizes import TableSizes, refuse_untabled
 from bruneton_sky.tables.tables import Tables
 from vrut_lite.numeric_types import FloatArray
 
@@ -47,7 +47,7 @@ def run_pipeline(
     """
     if orders < 1:
         raise ValueError(f"orders must be 1 or more, not {orders}")
-    refuse_fog(atmosphere)
+    refuse_untabled(atmosphere)
     setting = Setting(atmosphere, sizes or TableSizes(), parametrisation)
     clear = transmittance(setting)
     observe("transmittance", 0, clear)

@@ -1,0 +1,96 @@
+"""Delta-M: a sharp forward peak counts as light that goes straight on, and no energy is lost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bruneton_sky import solve as solve_sky
+from bruneton_sky.presets import earth_spectral
+from bruneton_sky.single_scattering import optical_depth_to_top
+from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
+from bruneton_sky.solver import SolverSizes, multiple_scattering, solve
+from bruneton_sky.solver.delta_m import forward_share, kept_coefficients, thinned
+from bruneton_sky.solver.grid import SunGrid, azimuths
+
+from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.geometry.colour import SKYLIGHT_NM
+
+
+def air_of(aerosol, depth):
+    return earth_spectral(SKYLIGHT_NM).with_optics(type_optics(aerosol), depth)
+
+
+def test_fluxes_sum_to_one():
+    """Where nothing absorbs, on a planet that is nearly flat, what comes in leaves: upward
+    through the top or into the black ground, to 1e-3, dust of depth 0.3 and molecules together.
+    """
+    air = air_of("desert", 0.3)
+    none = (0.0,) * len(SKYLIGHT_NM)
+    air = replace(
+        air,
+        ground_radius_m=1e8,
+        mie_extinction=air.mie_scattering,
+        absorption_extinction=none,
+        ground_albedo=none,
+    )
+    sizes = replace(
+        SolverSizes.in_haze(),
+        altitude=24,
+        direction_azimuth=24,
+        steps=96,
+        node_bins=28,
+        multiple_bins=40,
+    )
+    field = solve(air, sizes=sizes, all_orders=True, tolerance=1e-4)
+    thin, chi = thinned(air, sizes.degree), kept_coefficients(air, sizes.degree)
+    assert min(forward_share(air, sizes.degree)) > 0.08
+    x, weight = np.polynomial.legendre.leggauss(24)
+    up, turn = 0.5 + 0.5 * x, np.cos(azimuths(32))
+    ring = np.repeat(0.5 * weight * up, turn.size) * 2.0 * np.pi / turn.size
+    # At the solver's own suns, between which light is interpolated.
+    suns = SunGrid(air, sizes.mu_s).mu_s
+    for mu_s in suns[[int(np.abs(suns - cosine).argmin()) for cosine in (0.9, 0.5)]]:
+        total = np.zeros(len(SKYLIGHT_NM))
+        for altitude, side in ((0.0, 1.0), (air.top_altitude_m, -1.0)):
+            mu = np.repeat(side * up, turn.size)
+            nu = mu * mu_s + np.sqrt((1 - mu**2) * (1 - mu_s**2)) * np.tile(turn, up.size)
+            molecules, dust = fast_scattered_without_phase(thin, altitude, mu, mu_s, nu, 24)
+            legendre = np.polynomial.legendre.legvander(nu, sizes.degree)
+            phase = legendre * (2.0 * np.arange(sizes.degree + 1) + 1.0) @ chi.T / (4.0 * np.pi)
+            light = molecules * 3.0 / (16.0 * np.pi) * (1.0 + nu * nu)[:, None] + dust * phase
+            total += ring @ (light + multiple_scattering(field, altitude, mu, mu_s, nu))
+        direct = np.exp(-optical_depth_to_top(thin, 0.0, mu_s)) * air.solar_irradiance
+        entered = mu_s * np.asarray(air.solar_irradiance)
+        assert (total + mu_s * direct) / entered == pytest.approx(np.ones(4), abs=1e-3)
+
+
+def test_closed_forms_stay_as_they_are():
+    """Published atmospheres have no such peak: their light is what it was."""
+    air = earth_spectral(SKYLIGHT_NM)
+    assert not forward_share(air, 16).any()
+    assert thinned(air, 16) is air
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aerosol", ["continental-average", "desert"])
+def test_the_solved_sky_is_monte_carlos(aerosol):
+    """By day, on the ground, with the same table: within noise and 2 %."""
+    from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
+
+    air = air_of(aerosol, type_optics(aerosol).optical_depth_550)
+    mu = np.sin(np.radians([6.0, 20.0, 60.0, 6.0, 20.0, 60.0]))
+    turn = np.cos(np.radians([10.0, 10.0, 10.0, 150.0, 150.0, 150.0]))
+    nu = 0.5 * mu + np.sqrt((1 - mu**2) * 0.75) * turn
+    chance = monte_carlo_radiance(air, 0.0, mu, 0.5, nu, paths=4096)
+    off = np.abs(solve_sky(air).radiance(0.0, mu, 0.5, nu) - chance.total())
+    assert (off <= 3.0 * chance.total_error() + 0.01 * chance.total()).all()
+
+
+def test_light_scattered_once_keeps_its_peak():
+    """Beside the sun the dusty sky is brighter than harmonics could draw it."""
+    air = air_of("desert", 0.2)
+    sky, nu = solve_sky(air), np.cos(np.radians([1.0, 3.0, 10.0]))
+    mu_s = np.sin(np.radians(40.0))
+    mu = np.sin(np.radians(40.0) + np.arccos(nu))
+    beside = sky.radiance(0.0, mu, mu_s, nu)[:, 1]
+    assert beside[0] > 1.5 * beside[1] > 2.0 * beside[2]

@@ -1,0 +1,88 @@
+"""OPAC's components: what a particle of each kind does to light (Hess, Koepke and Schult 1998).
+
+The data were computed by Mie's theory (data/NOTICE.opac_components). Names: waso water-soluble,
+inso insoluble, soot; ssam and sscm sea salt, fine and coarse; minm, miam and micm mineral dust,
+fine, accumulated and coarse. Humidity makes waso and sea salt grow.
+"""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vrut_lite.numeric_types import FloatArray
+
+_FILE = Path(__file__).parents[1] / "data" / "opac_components.npz"
+HUMIDITIES = (0.0, 50.0, 70.0, 80.0, 90.0, 95.0)
+HYGROSCOPIC = ("waso", "ssam", "sscm")
+COMPONENTS = (*HYGROSCOPIC, "inso", "soot", "minm", "miam", "micm")
+
+
+class Particles(NamedTuple):
+    """What particles do to light at `wavelength_nm` (C,), for one particle in a cubic centimetre.
+
+    `extinction`, `scattering` (C,) in 1/km; `phase` (C, angles) in sr^-1 at `angle_rad` (angles,).
+    """
+
+    wavelength_nm: FloatArray
+    angle_rad: FloatArray
+    extinction: FloatArray
+    scattering: FloatArray
+    phase: FloatArray
+
+    def times(self, count: float) -> "Particles":
+        """So many particles."""
+        return self._replace(extinction=self.extinction * count, scattering=self.scattering * count)
+
+    def with_others(self, others: "Particles") -> "Particles":
+        """Both together: phase functions are averaged by what each scatters."""
+        scattering = self.scattering + others.scattering
+        own = np.divide(
+            self.scattering, scattering, out=np.ones_like(scattering), where=scattering > 0.0
+        )[:, None]
+        return self._replace(
+            extinction=self.extinction + others.extinction,
+            scattering=scattering,
+            phase=own * self.phase + (1.0 - own) * others.phase,
+        )
+
+
+def component(name: str, humidity_percent: float = 80.0) -> Particles:
+    """Particles of a component at a relative humidity, linear between the tabulated ones.
+
+    Raises:
+        ValueError: there is no such component.
+    """
+    if name not in COMPONENTS:
+        raise ValueError(f"no component {name!r}; there are {', '.join(COMPONENTS)}")
+    if name not in HYGROSCOPIC:
+        return _tabulated(name)
+    above = int(np.searchsorted(HUMIDITIES, humidity_percent))
+    if above == 0 or above == len(HUMIDITIES):
+        return _tabulated(f"{name}{HUMIDITIES[max(above - 1, 0)]:02.0f}")
+    dry, wet = HUMIDITIES[above - 1], HUMIDITIES[above]
+    share = (humidity_percent - dry) / (wet - dry)
+    drier, wetter = (_tabulated(f"{name}{humidity:02.0f}") for humidity in (dry, wet))
+    return drier.times(1.0 - share).with_others(wetter.times(share))
+
+
+def _tabulated(name: str) -> Particles:
+    names, tables = _tables()
+    k = names.index(name)
+    return tables._replace(
+        extinction=tables.extinction[k], scattering=tables.scattering[k], phase=tables.phase[k]
+    )
+
+
+@lru_cache(maxsize=1)
+def _tables() -> tuple[list[str], Particles]:
+    """Names of the rows, and all rows."""
+    with np.load(_FILE) as data:
+        return [str(name) for name in data["name"]], Particles(
+            data["wavelength_nm"],
+            np.radians(data["angle_deg"]),
+            data["extinction_per_km"].astype(float),
+            data["scattering_per_km"].astype(float),
+            data["phase_per_sr"].astype(float),
+        )
