@@ -135,17 +135,15 @@ def _share_from_middle(
     Random rays begin anywhere on the part; `trace` tells how near what is seen from the middle is.
     """
     own = part_of == parts.part[n]
-    corners, normals = geometry.corners[own], geometry.faces[own]
-    edges = corners[:, 1:] - corners[:, :1]
-    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    corner, edge, other_edge = np.split(geometry.triangle[geometry.leaf[own]], 3, axis=1)
+    area = np.linalg.norm(np.cross(edge, other_edge), axis=1)
     random = np.random.default_rng(0)
     chosen = random.choice(len(area), _TRIED, p=area / area.sum(dtype=float))
     across, along = random.random((2, _TRIED, 1))
     folded = across + along > 1.0
     across, along = np.where(folded, 1.0 - across, across), np.where(folded, 1.0 - along, along)
-    first, second, third = np.moveaxis(corners[chosen], 1, 0)
-    normal = normals[chosen]
-    place = first + across * (second - first) + along * (third - first) + _STEP * normal
+    normal = geometry.faces[own][chosen]
+    place = corner[chosen] + across * edge[chosen] + along * other_edge[chosen] + _STEP * normal
     spread = random.normal(size=(_TRIED, 3))
     ray = normal + spread / np.linalg.norm(spread, axis=1, keepdims=True)
     ray /= np.linalg.norm(ray, axis=1, keepdims=True)
