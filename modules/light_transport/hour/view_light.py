@@ -28,7 +28,9 @@ _LEAST_FREE = 0.4
 # Noise is smoothed over so many points to each side, then over so many that lie farther apart
 # (Dammertz et al. 2010, "Edge-avoiding A-trous wavelet transform"); light changes slowly where
 # there is room.
-_REACH, _APART, _SHARE_OF_ROOM = 2, (1, 2, 4), 0.3
+_REACH, _APART = 2, (1, 2, 4)
+# Mean room tells little of what is near: farther points count within less of it.
+_SHARE_OF_ROOM = (0.3, 0.03, 0.03)
 
 
 class ViewLight(NamedTuple):
@@ -84,9 +86,9 @@ def view_light(
     shape = (rows, columns)
     smoothed, planes = light.reshape(*shape, 4), plane.reshape(*shape, 4)
     places = (place - eye).astype(np.float32).reshape(*shape, 3)
-    for apart in _APART:
+    for apart, share in zip(_APART, _SHARE_OF_ROOM, strict=True):
         go_on()
-        smoothed = _smoothed(smoothed, planes, places, room.reshape(shape), apart)
+        smoothed = _smoothed(smoothed, planes, places, room.reshape(shape), apart, share)
     return ViewLight(smoothed, planes)
 
 
@@ -122,7 +124,7 @@ def _seen(tree, geometry, eye, towards):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _smoothed(light, plane, place, room, apart):  # type: ignore[no-untyped-def]
+def _smoothed(light, plane, place, room, apart, share):  # type: ignore[no-untyped-def]
     """Means of light (H, W, 4) over neighbours on one plane, by how much room both have."""
     height, width = room.shape
     out = np.zeros_like(light)
@@ -143,7 +145,7 @@ def _smoothed(light, plane, place, room, apart):  # type: ignore[no-untyped-def]
                     away = np.sqrt(away2)
                     if alike < np.float32(0.9) or abs(off) > np.float32(0.1) * away:
                         continue
-                    reach = np.float32(_SHARE_OF_ROOM) * min(room[y, x], room[r, c])
+                    reach = np.float32(share) * min(room[y, x], room[r, c])
                     weight = min(np.float32(1.0), reach / max(away, np.float32(1e-9)))
                     weight *= weight
                     total += weight
