@@ -9,7 +9,7 @@ import pytest
 
 from vrut_lite import cli
 
-STREET = Path(__file__).parents[1] / "scenes" / "street.toml"
+SUNDIAL = Path(__file__).parents[1] / "scenes" / "sundial.toml"
 HEAVY = ("numba", "OpenGL", "pyrender", "PySide6", "scipy", "trimesh", "networkx", "rich")
 
 
@@ -40,8 +40,8 @@ def test_modules_are_listed_without_their_libraries():
 @pytest.mark.gl
 def test_a_picture_needs_neither_scipy_nor_trimesh(tmp_path):
     """They take most of a second to import; scenes are read and drawn without them."""
-    picture = str(tmp_path / "street.png")
-    found = imported_by("render", str(STREET), "-o", picture, "--size", "64x36")
+    picture = str(tmp_path / "sundial.png")
+    found = imported_by("render", str(SUNDIAL), "-o", picture, "--size", "64x36")
     assert {"numba", "OpenGL", "pyrender"} <= found
     assert not found & {"PySide6", "scipy.linalg", "scipy.sparse", "trimesh", "networkx", "rich"}
 

@@ -73,7 +73,7 @@ class AirOnGpu:
             return
         extinction = _padded(log_extinction(volume), np.float32)
         self._extinction = self._written(self._extinction, extinction, extinction.shape[1::-1])
-        phase = volume.aerosol_phase.values
+        phase = _padded(volume.aerosol_phase.values, np.float32)
         self._phase = self._written(self._phase, phase, (len(phase), 1))
         if isinstance(volume.light, GpuTexture):
             # The texture is valid while the kept volume refers to it.
