@@ -94,7 +94,7 @@ def test_a_plain_scene_pays_for_nothing_that_it_has_not(backend, boxes):
     backend.change(scene=opened(boxes, GROUND))
     light(backend, gradient_sky(), **SUN)
     _, done, _ = counts(backend, lambda: look(backend, (0, 1.7, 0), (5, 1.5, 1)))
-    plain = {"sky sample", "mesh", "shadow map", "upload", "reflection slice"}
+    plain = {"picture", "sky sample", "mesh", "shadow map", "upload", "reflection slice"}
     assert {name for name, times in done.items() if times} <= plain
     assert "SECTION" not in compiled(backend)
     others = {"LAMPS", "TERMS", "GLASS", "GLASS_SHADOW", "BACKDROP", "SHEEN", "CLEARCOAT", "UNLIT"}

@@ -68,6 +68,23 @@ def test_a_rough_pane_blurs_by_an_angle(shared_gl_backend, tmp_path):
     assert shares[1] == pytest.approx(shares[0], rel=0.4)
 
 
+def test_a_body_that_does_not_bend_shows_what_is_behind_in_its_place(shared_gl_backend, tmp_path):
+    """Through glass of index 1, however thick, the horizon lies where it lies without the glass."""
+    backend = shared_gl_backend(size_px=(48, 48))
+    backend.change(ground_albedo_rgb=(ALBEDO,) * 3)
+    glass = {"transmission": {"transmissionFactor": 1.0}, "ior": {"ior": 1.0}}
+    corners = 4.0 * CORNERS[:, [0, 2, 1]] * [1, -1, 1]
+    columns = []
+    for thickness in ({}, {"volume": {"thicknessFactor": 0.5}}):
+        pane = material((1, 1, 1), 0.0, **glass, **thickness)
+        backend.change(scene=opened(square(tmp_path, pane, corners=corners), GROUND))
+        light(backend, np.full((6, 16, 16, 3), 1.0))
+        columns.append(look(backend, (0.0, 0.4, 3.0), (0.0, 0.0, 0.0), 0.8).radiance[:, 24, 0])
+    thin, thick = columns
+    assert np.ptp(thin) > 0.5 * thin.max()
+    np.testing.assert_allclose(thick, thin, rtol=0.1)
+
+
 def test_half_of_a_pane_is_paint(backend, tmp_path):
     """A transmission of a half: half of the paint, half of what is behind, one coat."""
     paint = material((0.6, 0.6, 0.6), transmission={"transmissionFactor": 0.5})

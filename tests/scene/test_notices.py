@@ -121,7 +121,7 @@ def test_a_face_without_coordinates_leaves_the_others_theirs(write_obj: WriteSce
     path = write_obj("newmtl paint\nmap_Kd paint.png\n", faces="f 1/1 2/2 3/3 4/4\nf 3 2 1")
     (path.parent / "paint.png").write_bytes(png_bytes())
     (place,) = load_scene(path).meshes
-    uv = np.asarray(place.mesh.visual.uv)[np.asarray(place.mesh.faces)]  # type: ignore[union-attr]
+    uv = np.asarray(place.mesh.uv)[place.mesh.faces]
     np.testing.assert_allclose(uv[0], [[0, 0], [1, 0], [1, 1]])
     np.testing.assert_allclose(uv[2], 0.0)
     assert load_scene(path).notices == (

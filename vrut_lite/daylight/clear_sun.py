@@ -9,7 +9,6 @@ scale heights.
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import erfcx
 
 from vrut_lite.daylight.aerosol import SCALE_HEIGHT_M, optical_depth_of_turbidity
 from vrut_lite.daylight.gases import ozone_absorption
@@ -55,6 +54,9 @@ def slant_depth(
 
 
 def _air_mass(sine: float, scale_height_m: float) -> float:
+    # Imported when used: whoever lists modules needs none of it.
+    from scipy.special import erfcx
+
     half = 0.5 * _RADIUS_M / scale_height_m
     return float(np.sqrt(np.pi * half) * erfcx(np.sqrt(half) * sine))
 

@@ -175,6 +175,7 @@ def _strokes(found: PointsAndLines | None) -> list[_Cut]:
             material=surface,
             mode=mode,
         )
+        primitive.wound_as_normals = True
         made.append(_Cut(primitive, middle))
     return made
 

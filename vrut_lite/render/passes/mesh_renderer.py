@@ -98,6 +98,8 @@ class MeshRenderer(CasterRenderer):
         eye_from_model = translation(-view.eye_m) @ placed.world_from_model
         program.set_uniform("clip_from_model", view.clip_from_eye @ eye_from_model)
         program.set_uniform("eye_from_model", eye_from_model)
+        if program.place("clip_from_eye") >= 0:
+            program.set_uniform("clip_from_eye", view.clip_from_eye)
         if program.place("normal_matrix") >= 0:
             program.set_uniform("normal_matrix", normal_matrix(eye_from_model))
         if self._cuts(placed):

@@ -148,8 +148,7 @@ vec3 bent_normal(vec3 n, vec3 v, float roughness) {
 
 #ifdef BACKDROP
 layout(binding = 22) uniform sampler2D backdrop;  // what was drawn before, smaller and smaller
-uniform mat4 V;
-uniform mat4 P;
+uniform mat4 clip_from_eye;
 
 // What is seen through the side of a body, or blurred by a rough one, before it is tinted.
 vec3 seen_through(vec3 point, vec3 n, vec3 view, float roughness) {
@@ -158,13 +157,14 @@ vec3 seen_through(vec3 point, vec3 n, vec3 view, float roughness) {
         d = refract(-view, n, 1.0 / max(terms.ior, 1.0 + 1e-6));
         d *= terms.thickness_m;
     }
-    vec4 clip = P * V * vec4(point + (terms.thickness_m > 0.0 ? d : vec3(0.0)), 1.0);
+    vec4 clip = clip_from_eye * vec4(point + (terms.thickness_m > 0.0 ? d : vec3(0.0)), 1.0);
     vec2 at = clamp(0.5 + 0.5 * clip.xy / clip.w, 0.0, 1.0);
     // Facets tilt by alpha (GGX's median) and turn light by twice as much; of that angle the eye
     // sees a half at most where things stand nearer behind than it stands before. A body of ior 1
     // blurs nothing, however rough it is.
     float spread_rad = roughness * roughness * clamp(2.0 * terms.ior - 2.0, 0.0, 1.0);
-    float pixel_rad = 2.0 / (P[1][1] * float(textureSize(backdrop, 0).y));
+    float focal = length(vec3(clip_from_eye[0][1], clip_from_eye[1][1], clip_from_eye[2][1]));
+    float pixel_rad = 2.0 / (focal * float(textureSize(backdrop, 0).y));
     float level = log2(max(spread_rad / pixel_rad, 1.0));
     vec3 behind = textureLod(backdrop, at, level).rgb;
     return behind * exp(-terms.extinction_per_m * length(d) * (terms.thickness_m > 0.0 ? 1.0 : 0.0));
