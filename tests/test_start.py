@@ -37,6 +37,7 @@ def test_modules_are_listed_without_their_libraries():
     assert not imported_by("modules") & {*HEAVY, "mitsuba", "zenoh"}
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_a_picture_needs_neither_scipy_nor_trimesh(tmp_path):
     """They take most of a second to import; scenes are read and drawn without them."""

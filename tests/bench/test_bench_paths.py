@@ -116,6 +116,7 @@ def test_air() -> None:
     assert max(each.p99 for each in found.values()) < 0.02
 
 
+@pytest.mark.long
 def test_light_map() -> None:
     """Four times the rays: less error under both suns, and a tenth of the light at most."""
     groups = light_map.groups(True)
@@ -151,6 +152,7 @@ def test_a_figure_of_the_window_is_used_once(monkeypatch) -> None:
     assert told == [0.2, 0.2, 0.1, 0.1]
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_shaders() -> None:
     """A half has eleven bits; single scattering in float32 errs by 1e-4 at most by day."""
@@ -169,6 +171,7 @@ def test_frame() -> None:
     assert 0.0 < spent.seconds < 2 * spent.wall_s + 1.0
 
 
+@pytest.mark.long
 def test_first_light(monkeypatch) -> None:
     """It comes after its scene, in less CPU time than all rays take."""
     # Tests elsewhere switch it off.

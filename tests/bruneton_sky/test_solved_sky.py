@@ -103,6 +103,7 @@ def test_radiance_in_haze_is_that_of_monte_carlo(
     assert np.all(np.abs(error) < most + 3.0 * noise)
 
 
+@pytest.mark.long
 def test_radiance_in_fog_is_that_of_monte_carlo() -> None:
     """Visibility 200 m, in the fog and above it: 6 % and three standard errors, 3 % rms. A slowly
     sinking ray, black at its end, has all the light that it has half-way."""

@@ -97,6 +97,7 @@ def test_horizon_moves_less_than_can_be_seen(height_m: float, radius_m: float) -
     assert np.sin(dip[1]) == pytest.approx(-float(horizon_mu(radius_m, height_m)), abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", mostly_long([*SKIES, "fog"], "fog".__eq__))
 def test_light_about_the_horizon_changes_little_over_a_step(name: str) -> None:
     """Each table's nodes lie about its own horizon, which moves unseen: over a step they change by

@@ -38,6 +38,7 @@ def places(stress, count):
     return np.stack([level[:, 0], height, level[:, 1]], axis=-1)
 
 
+@pytest.mark.long
 def test_cloud_density_is_a_share(stress):
     """In [0, 1] everywhere, zero outside the layer, continuous except at its faces.
 

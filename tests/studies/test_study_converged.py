@@ -22,6 +22,7 @@ VIEW_RAD = np.radians([0.0, 30.0, 60.0, 78.0, 85.0])
 AZIMUTH_RAD = np.radians([0.0, 10.0, 180.0, 90.0, 40.0])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sun_deg", mostly_long([23.0, 57.0, 84.0], (57.0).__eq__))
 def test_sky_of_all_orders_is_that_of_paths_of_light(sun_deg):
     """Five directions, each to 3.5 standard errors, which are below 1 %, and all in the mean.

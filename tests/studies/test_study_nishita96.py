@@ -89,6 +89,7 @@ def test_quirk_leaves_zenith_and_nadir():
     assert np.all(published > 0.0)
 
 
+@pytest.mark.long
 def test_error_against_the_measured_sky(measured_skies):
     """18.2 as published, where the search for the nearest direction does not work; ours is 17.9."""
     assert error_mw(Nishita96(quirks=True), measured_skies) == pytest.approx(18.2, abs=0.5)

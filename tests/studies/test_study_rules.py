@@ -197,6 +197,7 @@ def test_run_times_hold_the_error_of_what_was_timed() -> None:
     assert lines[-1].rms < 1.2e-6
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_shader_errs_like_its_twin() -> None:
     """On the upper face Simpson 16 x 8 errs by its rule, 12 nodes by single precision only."""

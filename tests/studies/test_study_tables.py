@@ -27,6 +27,7 @@ def bruneton():
     return skies(Bruneton())
 
 
+@pytest.mark.long
 def test_tables_hold_what_was_solved(bruneton):
     """Four orders, looked up and not: the tables' eight angles to the sun cost 3 % at a high
     sun, where much of the second order lies around it, and less at a low one."""

@@ -62,6 +62,7 @@ def test_the_milliseconds_of_a_module_and_what_it_leaves_out_are_shown(driver):
     assert driver.window.actions_by_name["profiler"].isChecked()
 
 
+@pytest.mark.long
 def test_the_longest_wait_of_the_window_is_shown(driver):
     """Something that holds the window's own thread for 80 ms is told as such."""
     overlay = open_profiler(driver)

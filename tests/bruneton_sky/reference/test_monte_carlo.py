@@ -80,6 +80,7 @@ def test_each_order_agrees_with_another_program(ground_truth):
     assert np.sqrt(np.mean(deviation**2, axis=(0, 2))).max() < 1.6
 
 
+@pytest.mark.long
 def test_first_order_is_the_exact_one(ground_truth):
     """The estimate of what is known exactly must err as its standard errors say: rms 1.07."""
     light, truth = ground_truth
@@ -163,6 +164,7 @@ def test_ozone_only_darkens():
     assert (ratio[:3, 1] < 0.9).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sun_zenith_deg", mostly_long([90.0, 93.0, 96.0], (93.0).__eq__))
 def test_noise_in_twilight_falls_with_the_root_of_the_paths(sun_zenith_deg):
     """Eight times the paths leave the error over the square root of 8: 0.35.

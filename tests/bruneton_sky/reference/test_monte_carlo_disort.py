@@ -106,6 +106,7 @@ def agree(ours, error, theirs):
     assert np.abs((ours / theirs - 1.0).mean(axis=(0, 1))).max() < 2e-3
 
 
+@pytest.mark.long
 def test_sky_at_the_ground(flat, ordinates):
     """Down to 1 degree above the horizon, sun 24 degrees up, the ground's light in."""
     mu, sky, _, _ = ordinates

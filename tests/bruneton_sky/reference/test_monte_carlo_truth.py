@@ -57,6 +57,7 @@ def test_first_order_is_exact_where_the_rays_enter(truth):
         np.testing.assert_allclose(ours, truth["first"][some], rtol=2e-3, atol=1e-9 * largest.max())
 
 
+@pytest.mark.long
 def test_irradiance_is_traced_again(truth):
     """All suns, clear air and haze, with other random numbers: 16 x 3 deviations of chance."""
     mu_s = np.cos(np.radians(truth["irradiance_sun_zenith_deg"]))

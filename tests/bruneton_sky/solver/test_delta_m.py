@@ -20,6 +20,7 @@ def air_of(aerosol, depth):
     return earth_spectral(SKYLIGHT_NM).with_optics(type_optics(aerosol), depth)
 
 
+@pytest.mark.long
 def test_fluxes_sum_to_one():
     """Where nothing absorbs, on a planet that is nearly flat, what comes in leaves: upward
     through the top or into the black ground, to 1e-3, dust of depth 0.3 and molecules together.
