@@ -122,7 +122,7 @@ def test_coefficients_of_a_table_are_the_phase_functions():
 
 def test_spheres_by_mies_theory_are_the_tabulated_component():
     """A lognormal distribution of OPAC's size and refractive index gives OPAC's particles."""
-    pytest.importorskip("miepython")
+    pytest.importorskip("miepython", reason="the package miepython is not installed")
     from vrut_lite.daylight.aerosols.mie import lognormal_volume, optics_of_sizes
 
     radius = np.geomspace(0.0067, 1.5, 60)
