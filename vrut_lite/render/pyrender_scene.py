@@ -175,7 +175,8 @@ def _strokes(found: PointsAndLines | None) -> list[_Cut]:
             material=surface,
             mode=mode,
         )
-        primitive.wound_as_normals = True
+        # They have no sides: drawn once, not front and back.
+        primitive.wound_as_normals = False
         made.append(_Cut(primitive, middle))
     return made
 

@@ -57,6 +57,18 @@ def view_light(
 ) -> ViewLight:
     """Light of an hour on what the middles of squares of `edge_px` pixels see.
 
+    Args:
+        bake: the scene's rays, whose patches the new rays end on.
+        hour: the light of the sky and the patches.
+        camera: metres, in the scene's axes; `size_px` is its picture's (width, height).
+        rays: of each point.
+        threads: that trace them; the result does not depend on it.
+
+    Returns:
+        Light as a light map's texel has it (irradiance without the sun's own in W m^-2, and the
+        share of the open sky's), and each point's plane: its face normal and its distance from the
+        eye in metres. Where no surface is seen both are 0.
+
     Raises:
         GivenUp: by `go_on`.
     """
