@@ -78,8 +78,8 @@ def pytest_runtest_setup():
 
 
 def pytest_configure(config):
-    """How many examples a property is tried with, unless its test says."""
-    hypothesis.settings.register_profile("short", deadline=None, max_examples=10)
+    """How many examples a property is tried with, unless its test says; only long runs try new."""
+    hypothesis.settings.register_profile("short", deadline=None, max_examples=10, derandomize=True)
     hypothesis.settings.register_profile("long", deadline=None, max_examples=200)
     hypothesis.settings.load_profile("long" if config.getoption("--long") else "short")
 

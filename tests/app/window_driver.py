@@ -85,7 +85,6 @@ class WindowDriver:
         self.window = MainWindow(
             self.session, PresetStore(folder / "presets"), Kept(folder / "kept")
         )
-        qtbot.addWidget(self.window)
         self.window.resize(*size)
         self.problems = []
         self.session.problem.connect(self.problems.append)
@@ -159,5 +158,10 @@ class WindowDriver:
         return self.session.last(ClockMoved).instant.astimezone(zone)
 
     def close(self):
+        import shiboken6
+
         self.window.close()
         assert self.session.join(PATIENCE_MS / 1000)
+        # Qt keeps what is connected to a window until it is deleted, which closing does not do.
+        shiboken6.delete(self.window)
+        shiboken6.delete(self.session)

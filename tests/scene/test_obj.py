@@ -133,6 +133,9 @@ def _obj_texts(draw: st.DrawFn) -> str:
     alike = draw(st.none() | form)
     for _ in range(draw(st.integers(1, 12))):
         corners = draw(st.lists(st.integers(1, count), min_size=3, max_size=7, unique=True))
+        if alike is None:
+            # trimesh takes "f 1 2 3 4 5 6" after "f 1/1 2/2 3/3" for a triangle: six numbers both.
+            corners = corners[: (len(corners) - 1) // 2 * 2 + 1]
         way = alike or draw(form)
         gap = draw(st.sampled_from([" ", "  ", "\t", " \\\n"]))
         lines.append("f " + gap.join(way.format(*[at] * way.count("{}")) for at in corners))

@@ -191,7 +191,7 @@ def rows(*numbers):
 
 def test_the_oldest_messages_make_place(qtbot):
     """A window that is open for days holds no more than so many."""
-    model = MessageModel()
+    model = MessageModel(None)
     for first in range(0, 3 * MOST_LIVE, 100):
         model.append(rows(*range(first, first + 100)))
         assert model.rowCount() <= MOST_LIVE

@@ -3,7 +3,14 @@
 from bisect import bisect_left
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import (
+    QAbstractTableModel,
+    QModelIndex,
+    QObject,
+    QPersistentModelIndex,
+    Qt,
+    Signal,
+)
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHeaderView, QTreeView
 
@@ -22,8 +29,8 @@ _ROOT = QModelIndex()
 class MessageModel(QAbstractTableModel):
     """Rows in order of their numbers; of these, those that hold the words of a filter."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, parent: QObject | None) -> None:
+        super().__init__(parent)
         self._rows: list[MessageRow] = []
         self._shown: list[MessageRow] = []
         self._words: list[str] = []
@@ -118,7 +125,7 @@ class MessageTable(QTreeView):
 
     def __init__(self) -> None:
         super().__init__()
-        self.messages = MessageModel()
+        self.messages = MessageModel(self)
         self.setModel(self.messages)
         self.setAccessibleName("messages")
         self.setRootIsDecorated(False)

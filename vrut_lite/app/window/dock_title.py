@@ -22,6 +22,8 @@ class DockTitle(QWidget):
         self.close_button.setAccessibleName(f"close {dock.windowTitle()}")
         self.close_button.clicked.connect(dock.hide)
         if beside:
+            self.name.setParent(self)
+            self.name.hide()
             column = QVBoxLayout(self)
             column.setContentsMargins(2, 4, 0, 0)
             column.addWidget(self.close_button)
