@@ -1,6 +1,7 @@
 # make run        set up, then open a scene in a window; without a display, render every scene at
 #                 four hours into out/
 # make test       set up, then run the tests
+# make docs       set up, then build the documentation as a site, out/site/index.html
 # make lint       set up, then ruff and mypy, of the versions that pyproject.toml pins
 # make test-long  set up, then the tests that take long: the stability suite at 1.2e8 inputs, 1,000
 #                 random sessions, an hour of play
@@ -14,7 +15,7 @@ WITH_SYSTEM := if [ -f .system/env ]; then . ./.system/env; fi;
 # The tests run side by side, so each keeps to one core (LP: Mesa's llvmpipe).
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 
-.PHONY: run test lint test-long clean
+.PHONY: run test lint docs test-long clean
 
 run:
 	@sh tools/bootstrap.sh run
@@ -32,6 +33,11 @@ lint:
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+
+docs:
+	@sh tools/bootstrap.sh docs
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@echo 'built out/site/index.html'
 
 test-long:
 	@sh tools/bootstrap.sh long

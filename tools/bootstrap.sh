@@ -3,7 +3,7 @@
 # packages, then the system's libraries for GL, windows and mitsuba (bootstrap_system.sh). Quick
 # when there is nothing to do.
 #
-#   tools/bootstrap.sh run|test|lint|long
+#   tools/bootstrap.sh run|test|lint|long|docs
 #
 # PYTHON names the interpreter to make .venv with; without it the first Python 3.11 or newer.
 # VRUT_LITE_SYSTEM is explained in bootstrap_system.sh.
@@ -109,12 +109,13 @@ run) extras='[app]' ;;
 test) extras='[app,test,ref]' ;;
 lint) extras='[app,test,ref,lint]' ;;
 long) extras='[app,test,ref,radiance,usd,film]' ;;
+docs) extras='[app,docs]' ;;
 *)
-    say "usage: tools/bootstrap.sh run|test|lint|long"
+    say "usage: tools/bootstrap.sh run|test|lint|long|docs"
     exit 2
     ;;
 esac
 make_venv
 install_packages "$1" "$extras"
-# Linters load no library of the system's.
-[ "$1" = lint ] || provide_system "$root" "$1"
+# Linters load no library of the system's, nor does the documentation.
+[ "$1" = lint ] || [ "$1" = docs ] || provide_system "$root" "$1"

@@ -69,8 +69,9 @@ def sun_events(
 
     Args:
         day: of the years 1600 to 2600.
-        latitude_deg, longitude_deg, altitude_m, method: see `sun_position`.
         time_zone: whose midnights begin and end the day.
+
+    The place and `method` are those of `sun_position`.
 
     Raises:
         ValueError: for a day or a place out of range, in one sentence.
