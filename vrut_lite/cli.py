@@ -111,24 +111,32 @@ def main() -> None:
             sys.stdout.flush()
     except click.exceptions.NoArgsIsHelpError as error:
         print(error.format_message())
-    except click.ClickException as error:
-        _end(error.format_message(), 2)
-    except UserError as error:
-        _end(str(error), 2)
-    except ModuleFailed as error:
-        _end(str(error), 1)
-    except MemoryError:
-        _end("there is not enough memory for this: ask for a smaller size", 1)
     except BrokenPipeError:
         # The reader of the output has closed it, as `head` does: not an error.
         _drop_output()
-    except OSError as error:
-        _drop_output()
-        _end(f"{error.strerror or error}", 1)
+    except EXPECTED as error:
+        if isinstance(error, OSError):
+            _drop_output()
+        _end(*sentence_and_code(error))
     except (click.Abort, KeyboardInterrupt) as error:
         _end(f"interrupted {interrupted_during(error)}", 130)
     except Terminated as error:
         _end(f"terminated {interrupted_during(error)}", 143)
+
+
+# What a command may raise that is no fault of the program.
+EXPECTED = (click.ClickException, UserError, ModuleFailed, MemoryError, OSError)
+
+
+def sentence_and_code(error: BaseException) -> tuple[str, int]:
+    """What is said of one of the `EXPECTED`, and the exit code: 2 for bad input."""
+    if isinstance(error, click.ClickException):
+        return error.format_message(), 2
+    if isinstance(error, MemoryError):
+        return "there is not enough memory for this: ask for a smaller size", 1
+    if isinstance(error, OSError):
+        return error.strerror or str(error), 1
+    return str(error), 2 if isinstance(error, UserError) else 1
 
 
 def _drop_output() -> None:

@@ -1,0 +1,112 @@
+"""What tests/integrations/test_blender_addon.py has Blender do: run by a Python that has bpy.
+
+    python in_blender.py ADDON.zip VRUT_LITE FOLDER
+
+Prints one line of JSON.
+"""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import bpy
+
+ADDON = "bl_ext.user_default.vrut_lite_daylight"
+REFLECTANCE = 0.5
+
+
+def plane_irradiance(path):
+    """The irradiance of a level plane, by Cycles, in linear sRGB."""
+    scene = bpy.context.scene
+    for thing in [o for o in bpy.data.objects if o.type != "LIGHT"]:
+        bpy.data.objects.remove(thing)
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    material = bpy.data.materials.new("grey")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (*3 * [REFLECTANCE], 1.0)
+    output = nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(diffuse.outputs[0], output.inputs[0])
+    bpy.context.object.data.materials.append(material)
+    camera = bpy.data.objects.new("above", bpy.data.cameras.new("above"))
+    scene.collection.objects.link(camera)
+    camera.location, camera.data.type, camera.data.ortho_scale = (0.0, 0.0, 5.0), "ORTHO", 0.5
+    scene.camera, scene.render.engine = camera, "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = 64, False
+    scene.render.resolution_x = scene.render.resolution_y = 16
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+    pixels = bpy.data.images.load(path).pixels[:]
+    mean = [sum(pixels[k::4]) / (len(pixels) / 4) for k in range(3)]
+    return [value * math.pi / REFLECTANCE for value in mean]
+
+
+def daylight_map():
+    """The panorama that the add-on has loaded."""
+    return next(image for image in bpy.data.images if image.get("vrut_lite"))
+
+
+def lights():
+    """What lights the scene: the map's file and source, and the lamp's numbers."""
+    lamp = bpy.data.objects["vrut_lite sun"]
+    picture = daylight_map()
+    return [
+        Path(picture.filepath).name,
+        picture.source,
+        *(round(v, 5) for v in (*lamp.rotation_euler, lamp.data.energy, *lamp.data.color)),
+    ]
+
+
+archive, program, folder = sys.argv[1:]
+bpy.ops.wm.read_factory_settings()
+bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default")
+bpy.context.preferences.addons[ADDON].preferences.program = program
+bpy.data.objects.remove(bpy.data.objects["Light"])
+blend_path = str(Path(folder) / "scene.blend")
+bpy.ops.wm.save_as_mainfile(filepath=blend_path)
+scene, told = bpy.context.scene, {}
+scene.vrut_lite.rows = 256
+scene.vrut_lite.hour = 15.0
+facts = json.loads(Path(bpy.path.abspath(daylight_map().filepath) + ".json").read_text())
+told["irradiance"] = plane_irradiance(str(Path(folder) / "plane.exr"))
+told["wanted"] = [
+    sky + sun * facts["sunDirection"][1]
+    for sky, sun in zip(facts["skyHorizontalIrradianceRgb"], facts["sunIrradianceRgb"], strict=True)
+]
+told["at 15"] = lights()
+bpy.ops.ed.undo_push(message="at 15")
+scene.vrut_lite.live = False
+scene.vrut_lite.hour = 18.0
+bpy.ops.vrut_lite.update()
+told["at 18"] = lights()
+bpy.ops.ed.undo_push(message="at 18")
+bpy.ops.ed.undo()
+told["undone"] = lights()
+bpy.ops.ed.redo()
+scene = bpy.context.scene
+scene.vrut_lite.latitude = 50.0
+scene.vrut_lite.sky = "bruneton_sky"
+bpy.context.preferences.addons[ADDON].preferences.program = "no-such-program"
+try:
+    bpy.ops.vrut_lite.update()
+except RuntimeError as error:
+    told["refused"] = str(error)
+bpy.context.preferences.addons[ADDON].preferences.program = program
+scene.frame_start, scene.frame_end = 1, 3
+scene.vrut_lite.from_hour, scene.vrut_lite.to_hour = 11.0, 15.0
+bpy.ops.vrut_lite.key_day()
+told["day"] = []
+for frame in (1, 2, 3):
+    scene.frame_set(frame)
+    told["day"].append(lights())
+bpy.ops.wm.save_mainfile()
+bpy.ops.wm.open_mainfile(filepath=blend_path)
+bpy.context.scene.frame_set(3)
+told["reopened"] = [lights(), round(bpy.context.scene.vrut_lite.latitude, 3)]
+bpy.ops.preferences.addon_disable(module=ADDON)
+told["disabled"] = lights()
+print("TOLD " + json.dumps(told))
