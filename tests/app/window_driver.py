@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+from PySide6.QtCore import QCoreApplication, QEvent
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
@@ -85,7 +86,6 @@ class WindowDriver:
         self.window = MainWindow(
             self.session, PresetStore(folder / "presets"), Kept(folder / "kept")
         )
-        qtbot.addWidget(self.window)
         self.window.resize(*size)
         self.problems = []
         self.session.problem.connect(self.problems.append)
@@ -161,3 +161,7 @@ class WindowDriver:
     def close(self):
         self.window.close()
         assert self.session.join(PATIENCE_MS / 1000)
+        # Connections hold what they call, unseen by Python: only Qt can end window and session.
+        self.window.deleteLater()
+        self.session.deleteLater()
+        QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
