@@ -53,9 +53,18 @@ def test_pieces_make_the_same_picture_bit_for_bit(backend):
     assert np.unique(whole.display.reshape(-1, 3), axis=0).shape[0] > 1000
 
 
+def test_a_picture_that_is_given_up_leaves_the_next_as_it_would_have_been(backend):
+    """Before its first pixel, and within passes: each is counted."""
+    whole = backend.draw()
+    for times, after in enumerate((0, 2, 5), 1):
+        assert given_up(backend, after)
+        assert backend.ledger.skipped["picture: given up"] == times
+    assert np.array_equal(backend.draw().display, whole.display)
+
+
+@pytest.mark.long
 def test_a_picture_ends_wherever_it_is_given_up(backend):
-    """Before its first pixel, in the middle of each pass, and before its last: each is counted,
-    and leaves the next picture as it would have been."""
+    """Before its first pixel, in the middle of each pass, and before its last."""
     whole = backend.draw()
     times = 0
     while given_up(backend, times):

@@ -104,7 +104,7 @@ def test_first_order_from_everywhere_on_another_planet(other_planet):
         assert (np.abs(deviation) <= 4 * light.standard_error[:, 0] + 1e-5 * exact).all()
 
 
-@pytest.mark.parametrize("kind", mostly_long(["earth", "haze", "small"], "earth".__ne__))
+@pytest.mark.parametrize("kind", mostly_long(["earth", "haze", "small"], "small".__eq__))
 def test_energy_is_conserved(kind):
     """Nothing absorbs, the ground is white: what leaves the planet is what entered, to 0.4 %.
 
