@@ -40,7 +40,7 @@ def pytest_collection_finish():
 def pytest_addoption(parser):
     """The long versions of tests that CI runs short."""
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
-    parser.addoption("--live-runs", type=int, default=25, help="random sessions to replay")
+    parser.addoption("--live-runs", type=int, default=15, help="random sessions to replay")
     parser.addoption("--scene-cycles", type=int, default=8, help="scenes to load and unload")
     parser.addoption("--soak-minutes", type=float, default=0.05, help="minutes of play at 60 Hz")
     parser.addoption("--stress-scale", type=float, default=0.08, help="times more inputs")
@@ -134,6 +134,15 @@ def compute(gl_owner):
         return results[-1].value.values[..., :3].astype(float)
 
     return run
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _forgets_what_a_file_computed(request):
+    """What a file's own caches hold, such as solved atmospheres, takes memory to the end."""
+    yield
+    for cached in vars(request.module).values():
+        if hasattr(cached, "cache_clear") and cached.__module__ == request.module.__name__:
+            cached.cache_clear()
 
 
 @pytest.fixture(autouse=True, scope="module")

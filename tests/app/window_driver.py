@@ -49,7 +49,8 @@ class HeadlessStage:
         self.sizes.append((size, still))
         radiance = np.full((size[1], size[0], 3), self.radiance(), np.float32)
         display = np.zeros(radiance.shape, np.uint8)
-        return Picture(radiance, display, ev100_of(exposure, radiance))
+        # All pixels are alike: one is metered.
+        return Picture(radiance, display, ev100_of(exposure, radiance[:1, :1]))
 
     def radiance(self):
         """Of the whole picture, in W m^-2 sr^-1."""

@@ -78,7 +78,7 @@ def test_a_sunlit_plane_shows_the_sun_irradiance(any_backend, box_file, elevatio
     ("azimuth_deg", "side"),
     [
         (0, (0, 3)),
-        (90, (-3, 0)),
+        pytest.param(90, (-3, 0), marks=pytest.mark.long),
         pytest.param(180, (0, -3), marks=pytest.mark.long),
         pytest.param(270, (3, 0), marks=pytest.mark.long),
     ],
