@@ -53,7 +53,7 @@ class HeadlessStage:
         return Picture(radiance, display, ev100_of(exposure, radiance[:1, :1]))
 
     def radiance(self):
-        """Of the whole picture, in W m^-2 sr^-1."""
+        """Radiance of the whole picture, in W m^-2 sr^-1."""
         return 0.0
 
     @property

@@ -122,7 +122,8 @@ def test_radiance_in_fog_is_that_of_monte_carlo() -> None:
 
 @pytest.mark.parametrize("aerosol", [1.0, 10.0])
 def test_sky_irradiance_is_that_of_monte_carlo(aerosol: float) -> None:
-    """By day within 0.4 % and three standard errors of the truth, to 6 degrees of twilight 2 %."""
+    """It is within 0.4 % and three standard errors of the truth by day, within 2 % to 6 degrees of
+    twilight."""
     row = list(TRUTH["irradiance_aerosol_factor"]).index(aerosol)
     zenith_deg = TRUTH["irradiance_sun_zenith_deg"]
     _, ours = sky(aerosol).irradiance(0.0, np.cos(np.radians(zenith_deg)))
@@ -231,8 +232,8 @@ def test_irradiance_is_the_integral_of_radiance() -> None:
 
 @pytest.mark.parametrize("altitude_m", [0.0, 3000.0, 250_000.0])
 def test_cube_map_is_that_of_single_rays(altitude_m: float) -> None:
-    """By day: 0.3 % in the mean, 1 % for 99 % of texels; below the horizon the ground is lit by sun
-    and sky, bare for who stands on it, else behind the air."""
+    """They agree by day to 0.3 % in the mean, 1 % for 99 % of texels; below the horizon ground is
+    lit by sun and sky, bare for who stands on it, else behind the air."""
     sun = np.array([0.0, 0.6, -0.8])
     cube = sky().cube_map(24, 3.0 * sun, altitude_m)
     assert cube.shape == (6, 24, 24, 3)
@@ -361,7 +362,7 @@ def test_arguments_broadcast_and_empty_ones_stay_empty() -> None:
     ],
 )  # fmt: skip
 def test_bad_arguments_are_refused(call, sentence: str) -> None:  # type: ignore[no-untyped-def]
-    """By name, value and range."""
+    """The sentence says name, value and range."""
     with pytest.raises(ValueError, match=sentence):
         call(sky())
 

@@ -69,7 +69,7 @@ def test_matte_ground_under_a_lamp_has_the_radiance_of_its_irradiance(backend, f
 
 
 def test_lamps_add_up_and_the_brightest_are_drawn(backend, far_box):
-    """Of twelve, eight; the light map has the light of the others."""
+    """Eight of twelve are drawn; the light map has the light of the others."""
     lamps = [{"position_m": (0.2 * k, 2.0, 0.0)} for k in range(MOST_DRAWN + 4)]
     night(backend, far_box, *lamps)
     found = look(backend, EYE, TARGET).radiance

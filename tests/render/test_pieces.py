@@ -97,7 +97,7 @@ def given_up(backend, after):
     ],
 )
 def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, expected):
-    """By what the last one took; placing triangles never takes longer than shading."""
+    """The last one's time decides; placing triangles never takes longer than shading."""
     from vrut_lite.render.pieces import next_tiles
 
     assert next_tiles(asked, drawn, placed_s, shaded_s) == expected
@@ -105,7 +105,7 @@ def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, exp
 
 @pytest.mark.parametrize("size", [(960, 540), (1024, 576), (1367, 769), (2561, 1441)])
 def test_what_is_quick_is_soon_one_piece(size):
-    """Of any size: what the edge leaves of a piece must not make the next ones small."""
+    """What the edge leaves of a piece must not make the next ones small, whatever the size."""
     from vrut_lite.render.pieces import next_tiles, piece_at
 
     tiles, counts = 2, []
@@ -124,7 +124,7 @@ def test_what_is_quick_is_soon_one_piece(size):
 
 @pytest.mark.parametrize("tiles", [1, 4, 9, 10, 25, 1000])
 def test_pieces_cover_every_pixel_once(tiles):
-    """Of a picture whose sides are no multiples of a tile's."""
+    """The picture's sides are no multiples of a tile's."""
     from vrut_lite.render.pieces import piece_at
 
     size = (150, 333)
