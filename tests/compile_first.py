@@ -26,14 +26,12 @@ OTHERS = """
 import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
-from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
 from clouds.layer import cloud_layer
 from clouds.settings import CloudSettings
 from dynamic_skylight import HosekWilkieSky
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 half = np.array([0.5])
-monte_carlo_radiance(Atmosphere.earth(), 0.0, half, half, half, paths=2, max_order=2)
 fast_scattered_without_phase(Atmosphere.earth(), 0.0, half, 0.5, half, 4)
 layer = cloud_layer(CloudSettings(coverage=0.5))
 up = np.array([0.0, 1.0, 0.0])

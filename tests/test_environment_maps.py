@@ -75,7 +75,7 @@ def test_the_header_says_which_pixel_the_sun_is_in(sky, projection):
 
 
 def test_turning_moves_the_map_and_nothing_else(sky):
-    """By 90 degrees: a quarter of the columns; a fisheye's quarter turn; a cube's next face."""
+    """Turned by 90 degrees: a quarter of the columns, a fisheye's quarter turn, another face."""
     for projection, turn in (
         ("lat-long", lambda map_: np.roll(map_, -32, axis=1)),
         ("fisheye", lambda map_: np.rot90(map_, -1)),

@@ -39,7 +39,7 @@ def shadow_azimuth_rad(radiance):
 
 
 @pytest.mark.parametrize("north_offset_deg", [0.0, 35.0])
-@pytest.mark.parametrize("hour", mostly_long(HOURS, ("10:00", "18:45").__contains__))
+@pytest.mark.parametrize("hour", mostly_long(HOURS, "18:45".__eq__))
 def test_the_shadow_points_away_from_the_sun(host, hour, north_offset_deg):
     """A vertical gnomon's shadow lies at the sun's azimuth plus 180 degrees, within 1 degree.
 

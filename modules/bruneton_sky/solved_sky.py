@@ -29,6 +29,8 @@ from vrut_lite.numeric_types import FloatArray
 _FARTHEST_M = 1e15
 # Tolerance of cosines beyond 1: they may come from single precision.
 _SINGLE_ROUNDING = 1e-6
+# What rounding of mu to single precision changes the range of nu by.
+_ANGLE_SLACK = 1e-3
 _LARGEST_CUBE = 8192
 # Directions over which irradiance is summed: twice as many each way as for a picture, whose light
 # errs by 0.4 % in haze (these: 0.1 %).
@@ -62,7 +64,8 @@ class SolvedSky:
 
     * `altitude_m`: of the observer above the ground, from 0; above the atmosphere too.
     * `mu`, `mu_s`: cosines of the zenith angles of the view and of the sun, at the observer.
-    * `nu`: cosine of the angle between view and sun.
+    * `nu`: cosine of the angle between view and sun, between the cosines of the sum and of the
+      difference of the zenith angles.
 
     Spectral results are (..., C), one value per wavelength of the atmosphere. The sun is a point
     for the air that it lights, the ground a Lambertian sphere of the atmosphere's albedo.
@@ -94,7 +97,7 @@ class SolvedSky:
         is not part of it, the light that it has sent into the air is (as in `single_scattering`
         and `Tables.sky_radiance`). 0 where a ray from space misses the atmosphere.
         """
-        return self._light(altitude_m, mu, mu_s, nu, np.inf)[0]
+        return self._light(altitude_m, mu, mu_s, nu)[0]
 
     def radiance_rgb(
         self, altitude_m: ArrayLike, mu: ArrayLike, mu_s: ArrayLike, nu: ArrayLike
@@ -180,17 +183,19 @@ class SolvedSky:
         mu: ArrayLike,
         mu_s: ArrayLike,
         nu: ArrayLike,
-        distance_m: ArrayLike,
+        distance_m: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         air = self.atmosphere
-        cosines = {
+        arguments = {"altitude_m": _altitudes(altitude_m)}
+        arguments |= {
             name: _cosines(name, value) for name, value in (("mu", mu), ("mu_s", mu_s), ("nu", nu))
         }
-        rays = broadcast(
-            altitude_m=_altitudes(altitude_m), **cosines, distance_m=np.asarray(distance_m)
-        )
+        if distance_m is not None:
+            arguments["distance_m"] = distance_m
+        rays = broadcast(**arguments)
         shape = (*rays[0].shape, len(air.wavelength_nm))
-        *starts, distance = (part.ravel() for part in rays)
+        *starts, distance = (part.ravel() for part in (*rays, np.full(rays[0].shape, np.inf))[:5])
+        _check_angles(*starts[1:])
         inside = rays_in_air(air.ground_radius_m, air.top_altitude_m, *starts)
         within = np.maximum(distance - inside.entry_m, 0.0)
         ways = inside.altitude_m, inside.mu, inside.mu_s, starts[3], within
@@ -212,6 +217,18 @@ class SolvedSky:
 
 def _altitudes(altitude_m: ArrayLike) -> FloatArray:
     return as_numbers("altitude_m", altitude_m, 0.0, _FARTHEST_M, "m")
+
+
+def _check_angles(mu: FloatArray, mu_s: FloatArray, nu: FloatArray) -> None:
+    """Refuse angles (n,) between view and sun that no azimuth makes."""
+    most = np.sqrt((1.0 - mu**2).clip(0.0) * (1.0 - mu_s**2).clip(0.0))
+    impossible = np.flatnonzero(np.abs(nu - mu * mu_s) > most + _ANGLE_SLACK)
+    if impossible.size:
+        n = impossible[0]
+        raise ValueError(
+            f"nu must lie within mu * mu_s +- sqrt((1 - mu^2) (1 - mu_s^2)), which no view of a "
+            f"sun can leave: not {nu[n]:.6g} at mu {mu[n]:.6g} and mu_s {mu_s[n]:.6g}"
+        )
 
 
 def _cosines(name: str, value: ArrayLike) -> FloatArray:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+from PySide6.QtCore import QCoreApplication, QEvent
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.session_project import project_of
@@ -48,10 +49,11 @@ class HeadlessStage:
         self.sizes.append((size, still))
         radiance = np.full((size[1], size[0], 3), self.radiance(), np.float32)
         display = np.zeros(radiance.shape, np.uint8)
-        return Picture(radiance, display, ev100_of(exposure, radiance))
+        # All pixels are alike: one is metered.
+        return Picture(radiance, display, ev100_of(exposure, radiance[:1, :1]))
 
     def radiance(self):
-        """Of the whole picture, in W m^-2 sr^-1."""
+        """Radiance of the whole picture, in W m^-2 sr^-1."""
         return 0.0
 
     @property
@@ -158,10 +160,9 @@ class WindowDriver:
         return self.session.last(ClockMoved).instant.astimezone(zone)
 
     def close(self):
-        import shiboken6
-
         self.window.close()
         assert self.session.join(PATIENCE_MS / 1000)
-        # Qt keeps what is connected to a window until it is deleted, which closing does not do.
-        shiboken6.delete(self.window)
-        shiboken6.delete(self.session)
+        # Connections hold what they call, unseen by Python: only Qt can end window and session.
+        self.window.deleteLater()
+        self.session.deleteLater()
+        QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)

@@ -99,7 +99,7 @@ POINTS = st.lists(st.tuples(st.floats(0.1, 9.0), st.floats(0.1, 9.0)), min_size=
 @given(POINTS)
 @settings(deadline=None)
 def test_the_front_holds_unbeaten_paths(points: list[tuple[float, float]]) -> None:
-    """By definition: no point is at least as good in both and better in one than one of the front,
+    """The definition: no point is at least as good in both and better in one than one of the front,
     and every other point is beaten, or equalled, by one of the front."""
     seconds, errors = (list(axis) for axis in zip(*points, strict=True))
     front = pareto_front(seconds, errors)

@@ -15,6 +15,7 @@ from bruneton_sky.single_scattering import scattered_without_phase
 from bruneton_sky.sky_view import fill_cube, sky_view
 from bruneton_sky.solver import SourceField, solve
 from bruneton_sky.solver.view import multiple_scattering
+from long_parameters import mostly_long
 
 from vrut_lite.daylight.air_volume import light_of, look_up_air
 from vrut_lite.geometry.colour import SKYLIGHT_NM, rgb_from_spectrum, solar_irradiance
@@ -69,7 +70,7 @@ def test_volume_along_any_ray(altitude_m: float, reach_m: float, mean: float, mo
     assert errors.max() < most
 
 
-@pytest.mark.parametrize("altitude_m", [50.0, 4000.0])
+@pytest.mark.parametrize("altitude_m", mostly_long([50.0, 4000.0], (4000.0).__eq__))
 def test_volume_on_another_planet(other_field: SourceField, altitude_m: float) -> None:
     """A small hazy planet whose absorber lies at the ground too must have air as exact: radius,
     scale heights and layers come from the atmosphere alone."""
@@ -114,6 +115,7 @@ def _errors(
     return np.concatenate(out)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("height", "azimuth"), [(5.0, 60.0), (20.0, 90.0)])
 def test_volume_agrees_with_monte_carlo(height: float, azimuth: float) -> None:
     """Light before a point 10 km off is the whole ray's less what comes from beyond it, times T;

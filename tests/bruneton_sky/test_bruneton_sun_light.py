@@ -82,7 +82,7 @@ def test_from_space_the_sun_is_whole_until_the_planet_hides_it(height_m: float) 
 
 
 def test_without_air_the_sun_sets_evenly() -> None:
-    """Of what is seen only the horizon decides: the share of a round disc over it, to 2e-3.
+    """The light is the share of a round disc above the horizon, to 2e-3.
 
     A sun that lost 64 strips one by one would jump by up to 2 % of its light.
     """

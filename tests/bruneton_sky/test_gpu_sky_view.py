@@ -66,7 +66,7 @@ def test_sizes_that_are_no_multiple_of_a_work_group(compute, field, size):
 
 @pytest.mark.gl
 def test_level_texels_show_the_sky(compute, field):
-    """Of an odd size the middle row is level, but for rounding: it shows no ground."""
+    """The middle row of an odd size is level, but for rounding: it shows no ground."""
     gpu, _, _ = both(compute, seen(field, 0.0, LOW), 33)
     sides = gpu[[0, 1, 4, 5]]
     level, above = sides[:, 16], sides[:, 15]

@@ -66,7 +66,7 @@ def as_in_a_table(
 @pytest.mark.parametrize("altitude_m", [0.0, 2000.0, 12_000.0, 50_000.0, 300_000.0])
 @pytest.mark.parametrize("zenith_deg", [0.0, 30.0, 60.0, 80.0, 87.0])
 def test_total_radiance_by_day(altitude_m: float, zenith_deg: float) -> None:
-    """By day the mean error of the total is below 0.25 %, that of 99 % of the rays below 0.5 %
+    """The mean error of the total by day is below 0.25 %, that of 99 % of the rays below 0.5 %
     (issue's number) beyond the truth's own noise, views from space with the limb included; 3
     degrees above the horizon, where the limb lies in the planet's shadow, below 0.7 %."""
     chosen = (TRUTH["altitude_m"] == altitude_m) & (TRUTH["sun_zenith_deg"] == zenith_deg)

@@ -11,6 +11,7 @@ from bruneton_sky.optical_path import exponential_path
 from bruneton_sky.phase import rayleigh_phase
 from hypothesis import given
 from hypothesis import strategies as st
+from long_parameters import mostly_long
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.aerosol import cornette_shanks_phase
@@ -45,7 +46,7 @@ def test_first_order_truth(samples: int, tolerance: float) -> None:
     assert ours == pytest.approx(truth["order1"], rel=tolerance)
 
 
-@pytest.mark.parametrize("height_m", [0.0, 4000.0])
+@pytest.mark.parametrize("height_m", mostly_long([0.0, 4000.0], (4000.0).__eq__))
 def test_simpson_agrees_on_another_planet(other_planet: Atmosphere, height_m: float) -> None:
     """Simpson with many even intervals shares nothing with the other rule but the physics."""
     mu, phi = np.meshgrid([0.9, 0.3, -0.3], [0.2, 2.0])

@@ -92,7 +92,7 @@ def errors_percent(name: str, wavelength_nm: tuple[float, ...], sun_deg: float) 
 
 
 @pytest.mark.parametrize("sun_deg", mostly_long(SUNS_DEG, set(SUNS_DEG[::3]).__contains__))
-@pytest.mark.parametrize("name", mostly_long(AIRS, "earth-hazy".__ne__))
+@pytest.mark.parametrize("name", mostly_long(AIRS, "mars-like".__eq__))
 def test_four_wavelengths_make_the_colour_of_all(name: str, sun_deg: float) -> None:
     """Day and twilight, clear, hazy and on Mars, which the fit never saw: per channel 1.0 % in
     the mean and 3 % at most; the part that aerosol scatters once adds 0.6 %."""
@@ -116,7 +116,7 @@ def test_three_wavelengths_make_twilight_purple_and_four_blue() -> None:
     assert red_over_blue[RGB_NM] > 0.9
 
 
-@pytest.mark.parametrize("name", mostly_long(AIRS, "earth-hazy".__ne__))
+@pytest.mark.parametrize("name", mostly_long(AIRS, "mars-like".__eq__))
 def test_sunlit_ground_has_its_colour_from_four_wavelengths_too(name: str) -> None:
     """Suns from 90 to -6 degrees: each channel within 1 % of luminance, on rust within 2.5 %."""
     mu_s = np.sin(np.radians([90.0, 40.0, 15.0, 6.0, 3.0, 1.0, 0.0, -3.0, -6.0]))

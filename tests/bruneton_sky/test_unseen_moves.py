@@ -47,7 +47,7 @@ def change(before: NDArray[np.float32], after: NDArray[np.float32]) -> float:
     return float((np.abs(before - after) / np.maximum(larger, 0.01 * larger.max())).max())
 
 
-@pytest.mark.parametrize("name", mostly_long(SKIES, ("clear", "narrow").__contains__))
+@pytest.mark.parametrize("name", mostly_long(SKIES, "narrow".__eq__))
 @pytest.mark.parametrize(
     "height_m", mostly_long([0.0, 2000.0, 12_000.0, 300_000.0], (12_000.0).__eq__)
 )

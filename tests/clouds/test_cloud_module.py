@@ -51,7 +51,7 @@ def ledger(kernel):
 
 
 def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
-    """By default there is no message, no job and no import of compiled noise."""
+    """There is no message by default, no job and no import of compiled noise."""
     monkeypatch.setattr(clouds_module, "make_layer", None)
     tell(kernel, WANTED, SetClock(instant=NOON), SetClock(instant=NOON + timedelta(hours=1)))
     assert heard == []

@@ -78,7 +78,7 @@ def test_mirrors_of_a_light_map_name_its_parts(changes, says):
 
 
 def test_light_fits_a_layout_with_as_many_mirrors():
-    """Of two layouts of one name the light is of the one whose cubes have its sizes."""
+    """Light belongs to that one of two layouts of a name whose cubes have its sizes."""
     assert SURFACE_LIGHT.fits(LAID)
     assert not msgspec.structs.replace(SURFACE_LIGHT, mirrors=None).fits(LAID)
     assert not SURFACE_LIGHT.fits(msgspec.structs.replace(LAID, mirrors=None))

@@ -65,7 +65,7 @@ def test_invalid_tolerances_are_refused_in_one_sentence(kernel, tolerance):
 
 
 def test_of_waiting_tolerances_the_latest_counts(kernel):
-    """Of many waiting tolerances, as from a dragged slider, the kernel delivers the latest."""
+    """The kernel delivers the latest of many waiting tolerances, as from a dragged slider."""
     for tolerance in (0.1, 0.05, 0.02):
         kernel.inject(SetTolerance(tolerance=tolerance))
     kernel.pump()

@@ -120,7 +120,7 @@ def test_turbidity_is_preetham_s():
 
 @pytest.mark.parametrize("elevation_deg", [50.0, 5.0, -4.0])
 def test_shadows_take_away_what_the_sun_adds(elevation_deg):
-    """By day a shadow takes away part of the light, never all of it; with the sun down none."""
+    """A shadow takes away part of the light by day, never all of it; with the sun down none."""
     views = np.array([towards(1.0, a) for a in (0.0, 90.0, 180.0)])
     light = look_up_air(volume_at(elevation_deg), views, np.full(3, 1e4))
     share = light.sunlit / (light.sunlit + light.shaded)

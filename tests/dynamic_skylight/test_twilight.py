@@ -165,7 +165,7 @@ def test_night_is_the_published_starlight_and_does_not_change():
 
 
 def largest_change(turbidity: float, albedo: float, geometric_deg: float, top_deg: float) -> float:
-    """Of luminance over illuminance, in 0.05 deg of sun, down to 0.15 deg of height.
+    """The change of luminance over illuminance in 0.05 deg of sun, down to 0.15 deg of height.
 
     Relative to the larger of the value and 1 % of the brightest; `top_deg`: of the heights seen.
     """

@@ -41,7 +41,7 @@ def test_a_clock_that_does_not_play_stands():
     assert kernel.last(ClockMoved).instant == NOON
 
 
-@pytest.mark.parametrize("rate", mostly_long([1.0, 60.0, -1.0, 0.1], (60.0, -1.0).__contains__))
+@pytest.mark.parametrize("rate", mostly_long([1.0, 60.0, -1.0, 0.1], (-1.0).__eq__))
 def test_six_minutes_in_sixtieths_of_a_second_are_six_minutes(rate):
     """21,600 ticks of 1/60 s: rounding each to whole microseconds would gain 7.2 ms."""
     kernel = Kernel()

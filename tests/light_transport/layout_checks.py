@@ -31,7 +31,7 @@ def middles(layout):
 
 
 def check_each_texel_lies_in_one_triangle(layout):
-    """By barycentric coordinates of all middles about each triangle."""
+    """The check: barycentric coordinates of all middles about each triangle."""
     claims = np.zeros(layout.owner.shape, int)
     middle = middles(layout)
     for number, corners in enumerate(layout.uv_px):

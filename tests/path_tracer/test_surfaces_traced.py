@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 from light_messages import light_messages
+from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer.textures import scaled_normals
@@ -141,7 +142,7 @@ def test_vertex_colours_multiply_the_base_colour(backend, tmp_path):
 @pytest.mark.parametrize(
     ("model", "metallic"),
     [
-        ("bare", 0.0),
+        pytest.param("bare", 0.0, marks=pytest.mark.long),
         ("principled", 1.0),
         pytest.param("bare", 1.0, marks=pytest.mark.long),
         pytest.param("principled", 0.0, marks=pytest.mark.long),
@@ -170,7 +171,7 @@ def test_vertex_colours_and_a_map_multiply(backend, tmp_path, model, metallic):
     np.testing.assert_allclose(seen([1, 1, 0, 0]), expected, atol=0.02 * white.max())
 
 
-@pytest.mark.parametrize("model", ["bare", "gltf"])
+@pytest.mark.parametrize("model", mostly_long(["bare", "gltf"], "gltf".__eq__))
 def test_shades_of_vertices_keep_a_maps_hues(backend, tmp_path, model):
     """White and red halves under baked grey, 1 in the south to 0.5 in the north, in a furnace.
 
@@ -310,7 +311,11 @@ def sun_at(azimuth_deg, elevation_deg):
 
 @pytest.mark.parametrize(
     ("scale", "offset_m"),
-    [(1e-3, 0.0), pytest.param(2e3, 0.0, marks=pytest.mark.long), (1.0, 2e6)],
+    [
+        pytest.param(1e-3, 0.0, marks=pytest.mark.long),
+        pytest.param(2e3, 0.0, marks=pytest.mark.long),
+        (1.0, 2e6),
+    ],
 )
 def test_watches_cities_and_far_places_are_traced_alike(backend, tmp_path, scale, offset_m):
     """The same picture at any scale, and 2,000 km from the origin: same samples, to 1 %.

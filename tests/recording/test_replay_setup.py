@@ -28,7 +28,7 @@ from vrut_lite.recording.replay import rerecord
 
 
 class Knock(Input, frozen=True, kw_only=True):
-    """Of no key, so that the kernel does not remember it."""
+    """It has no key, so that the kernel does not remember it."""
 
     number: int = 0
 

@@ -75,7 +75,7 @@ def sun_at(elevation_deg, azimuth=0.4):
 def test_walls_have_the_light_of_the_air_before_them(
     backend, field, tmp_path, albedo, elevation_deg
 ):
-    """By day, white and black, at 1, 10 and 100 km, three azimuths from the sun: within 1 % of
+    """White and black walls by day, at 1, 10 and 100 km, three azimuths from the sun: within 1 % of
     the integral. The white ones give back the light of an even sky, the sun's over pi."""
     sun = sun_at(elevation_deg)
     sky = 1360.0 / 6.0 / np.pi * sun[1]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from long_parameters import mostly_long
 from scene_stage import CORNERS, ORDER, light, look, square
 from stateful_backend import opened
 
@@ -65,9 +66,9 @@ def test_backs_of_a_closed_body_are_blended_before_its_fronts(backend, tmp_path)
     np.testing.assert_allclose(shown, [0.4 + 0.36, 0.24 + 0.36, 0.36], rtol=0.02)
 
 
-@pytest.mark.parametrize("alpha", [51, 204])
+@pytest.mark.parametrize("alpha", mostly_long([51, 204], (51).__eq__))
 def test_a_blended_sheet_leaves_the_sun_what_it_lets_through(backend, tmp_path, alpha):
-    """Of alpha a, from a texture, 1 - a of the sun reaches the ground below: not none, not all."""
+    """A texture's alpha of a leaves 1 - a of the sun to the ground below: not none, not all."""
     image = np.zeros((2, 2, 4), np.uint8)
     image[..., 3] = alpha
     pbr = {"metallicFactor": 1.0, "baseColorTexture": {"index": 0}}

@@ -32,7 +32,7 @@ def stage(backend, tmp_path):
     return backend
 
 
-@pytest.mark.parametrize("extinction_per_m", [2e-4, 1e-3, 5e-3])
+@pytest.mark.parametrize("extinction_per_m", mostly_long([2e-4, 1e-3, 5e-3], (1e-3).__ne__))
 @pytest.mark.parametrize(
     "towards", mostly_long([(0.3, 1.0, 0.2), (-0.8, 0.9, 0.0)], (-0.8, 0.9, 0.0).__eq__)
 )
@@ -122,7 +122,7 @@ EYES = [
     "sun",
     mostly_long(
         [(0.6, 0.8, 0.0), (1.0, 0.01, 0.0), (1.0, -0.02, 0.0), (0, 1, 0)],
-        lambda sun: abs(sun[1]) < 0.5,
+        (1.0, 0.01, 0.0).__eq__,
     ),
 )
 def test_clouds_are_finite_and_not_negative_for_every_eye(stage, sun):

@@ -11,7 +11,7 @@ from vrut_lite.pictures.display import display_picture, dither
 
 @pytest.mark.parametrize("luminance_cd_m2", [500.0, 4000.0, 30000.0])
 def test_a_grey_wall_by_day_lands_on_middle_grey(luminance_cd_m2):
-    """By day the meter puts a uniform picture at 0.18, whatever its luminance."""
+    """The meter puts a uniform picture by day at 0.18, whatever its luminance."""
     radiance = np.full((20, 30, 3), luminance_cd_m2 / 683.0)
     ev100 = exposure.automatic_ev100(radiance)
     assert radiance.mean() * exposure.scale_of(ev100) == pytest.approx(0.18, rel=1e-3)

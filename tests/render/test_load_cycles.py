@@ -33,7 +33,7 @@ def resident_bytes():
 def test_scenes_leave_nothing_behind(gl_owner, tmp_path, request):
     """Load, render, unload, always another scene: no GL object more, memory within 8 MB.
 
-    12 cycles, or as many as --scene-cycles says; the first few fill the caches of programs.
+    Eight cycles, or as many as --scene-cycles says; the first few fill the caches of programs.
     """
     from vrut_lite.render.pyrender_backend import PyrenderBackend
 

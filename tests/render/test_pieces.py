@@ -53,9 +53,18 @@ def test_pieces_make_the_same_picture_bit_for_bit(backend):
     assert np.unique(whole.display.reshape(-1, 3), axis=0).shape[0] > 1000
 
 
+def test_a_picture_that_is_given_up_leaves_the_next_as_it_would_have_been(backend):
+    """Before its first pixel, and within passes: each is counted."""
+    whole = backend.draw()
+    for times, after in enumerate((0, 2, 5), 1):
+        assert given_up(backend, after)
+        assert backend.ledger.skipped["picture: given up"] == times
+    assert np.array_equal(backend.draw().display, whole.display)
+
+
+@pytest.mark.long
 def test_a_picture_ends_wherever_it_is_given_up(backend):
-    """Before its first pixel, in the middle of each pass, and before its last: each is counted,
-    and leaves the next picture as it would have been."""
+    """Before its first pixel, in the middle of each pass, and before its last."""
     whole = backend.draw()
     times = 0
     while given_up(backend, times):
@@ -88,7 +97,7 @@ def given_up(backend, after):
     ],
 )
 def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, expected):
-    """By what the last one took; placing triangles never takes longer than shading."""
+    """The last one's time decides; placing triangles never takes longer than shading."""
     from vrut_lite.render.pieces import next_tiles
 
     assert next_tiles(asked, drawn, placed_s, shaded_s) == expected
@@ -96,7 +105,7 @@ def test_a_piece_takes_a_sixth_of_a_second(asked, drawn, placed_s, shaded_s, exp
 
 @pytest.mark.parametrize("size", [(960, 540), (1024, 576), (1367, 769), (2561, 1441)])
 def test_what_is_quick_is_soon_one_piece(size):
-    """Of any size: what the edge leaves of a piece must not make the next ones small."""
+    """What the edge leaves of a piece must not make the next ones small, whatever the size."""
     from vrut_lite.render.pieces import next_tiles, piece_at
 
     tiles, counts = 2, []
@@ -115,7 +124,7 @@ def test_what_is_quick_is_soon_one_piece(size):
 
 @pytest.mark.parametrize("tiles", [1, 4, 9, 10, 25, 1000])
 def test_pieces_cover_every_pixel_once(tiles):
-    """Of a picture whose sides are no multiples of a tile's."""
+    """The picture's sides are no multiples of a tile's."""
     from vrut_lite.render.pieces import piece_at
 
     size = (150, 333)

@@ -44,7 +44,7 @@ def read_16(path):
 
 
 def test_every_value_comes_back(tmp_path):
-    """By the standard's rules, by hand; the text and the sRGB chunk are there."""
+    """The file is read by the standard's rules, by hand; the text and the sRGB chunk are there."""
     write_png(tmp_path / "a.png", RGB16, {"place": "Plzeň", "turbidity": 3.25})
     np.testing.assert_array_equal(read_16(tmp_path / "a.png"), RGB16)
     assert (b"sRGB", b"\0") in list(chunks((tmp_path / "a.png").read_bytes()))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from box_stage import SIZE, show_box, sun_at, uniform_sky
 from light_messages import light_messages
+from long_parameters import mostly_long
 from path_tracer.backend import PathTracedBackend
 from path_tracer.settings import PathTracerSettings
 from path_tracer_here import mitsuba_or_skip
@@ -59,7 +60,9 @@ def test_a_matte_plane_under_a_uniform_sky_has_albedo_times_its_radiance(any_bac
     even(any_backend, picture.radiance[80:], 0.4 * 3.0, rtol=5e-3)
 
 
-@pytest.mark.parametrize("elevation_deg", [2.0, 15.0, 50.0, 89.0])
+@pytest.mark.parametrize(
+    "elevation_deg", mostly_long([2.0, 15.0, 50.0, 89.0], (2.0, 50.0).__contains__)
+)
 def test_a_sunlit_plane_shows_the_sun_irradiance(any_backend, box_file, elevation_deg):
     """L = a / pi E sin(elevation) for the sun alone, within 0.5 %, for any channel."""
     show_box(any_backend, box_file, albedo=0.3)
@@ -75,7 +78,7 @@ def test_a_sunlit_plane_shows_the_sun_irradiance(any_backend, box_file, elevatio
     ("azimuth_deg", "side"),
     [
         (0, (0, 3)),
-        (90, (-3, 0)),
+        pytest.param(90, (-3, 0), marks=pytest.mark.long),
         pytest.param(180, (0, -3), marks=pytest.mark.long),
         pytest.param(270, (3, 0), marks=pytest.mark.long),
     ],
@@ -113,7 +116,7 @@ def test_each_face_of_the_cube_is_seen_where_it_belongs(any_backend, box_file, f
 
 def test_the_sky_is_not_mirrored(any_backend, box_file):
     """A pixel shows the sky of its own direction: right of north is east, up is the zenith."""
-    cube = 2.0 + texel_directions(256)
+    cube = 2.0 + texel_directions(64)
     show_box(any_backend, box_file)
     light(any_backend, cube)
     picture = look(any_backend, (0.0, 50.0, 0.0), (0.0, 70.0, -20.0), 1.0)
@@ -129,7 +132,8 @@ def test_the_horizon_is_one_sharp_line(any_backend, box_file):
 
     The path tracer's map has a row for a quarter of a texel: it meets within that.
     """
-    directions = texel_directions(256)
+    size = 128
+    directions = texel_directions(size)
     cube = np.where(directions[..., 1:2] > 0.0, 4.0, 1.0) * np.ones(3)
     show_box(any_backend, box_file)
     light(any_backend, cube)
@@ -137,7 +141,7 @@ def test_the_horizon_is_one_sharp_line(any_backend, box_file):
     picture = look(any_backend, (0.0, 5000.0, 0.0), (0.0, 5000.0, -1.0), 0.1)
     column = picture.radiance[:, 80, 0]
     between = (column > 1.01) & (column < 3.99)
-    row_px = 0.0 if is_gl(any_backend) else np.pi / (4 * 256) * 120 / 0.1
+    row_px = 0.0 if is_gl(any_backend) else np.pi / (4 * size) * 120 / 0.1
     assert between.sum() <= 1 + np.ceil(row_px)
     assert column[0] == pytest.approx(4.0)
     assert column[-1] == pytest.approx(1.0)

@@ -163,7 +163,7 @@ def test_culling_is_the_same_at_any_scale(backend, tmp_path, scale):
 
 @pytest.mark.gl
 def test_only_what_changed_is_uploaded(backend, boxes):
-    """By identity of the parts: a picture again and a moved camera upload nothing."""
+    """Parts are told apart by identity: a picture again and a moved camera upload nothing."""
     backend.change(scene=opened(boxes, GROUND))
     light(backend, gradient_sky(), **SUN)
     view = (2.0, 3.0, 2.0), (2.2, 0.0, 2.1)

@@ -300,7 +300,7 @@ def test_a_mirror_in_the_shade_does_not_shine(backend, tmp_path):
 
 
 def test_where_no_sky_arrives_none_is_filtered(backend, tmp_path):
-    """Of a closed room whose texels see no sky the picture is the same without the filter."""
+    """The picture of a closed room whose texels see no sky is the same without the filter."""
     path = square(tmp_path, surface(1.0, 0.3))
     shown = []
     for skips in (FrameSkips(), FrameSkips(unlit=False)):

@@ -25,7 +25,7 @@ BY_VALUE = ("bruneton_sky",)
 
 @pytest.mark.parametrize("name", journal_scripts.SCRIPTS)
 def test_the_modules_say_what_they_said(replay_journal, name):
-    """By digest on the machine of the recording, by value elsewhere: no message differs."""
+    """No message differs: by digest on the machine of the recording, by value elsewhere."""
     path = journal_scripts.journal_path(name)
     outcome = replay_journal(path, journal_scripts.modules(name))
     assert outcome.inputs >= len(journal_scripts.SCRIPTS[name])

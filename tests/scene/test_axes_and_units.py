@@ -136,7 +136,7 @@ def test_scenes_beside_each_other(tmp_path: Path) -> None:
 
 
 def test_a_broken_file_beside_is_named(tmp_path: Path) -> None:
-    """Of several files the sentence names the one that cannot be opened."""
+    """The sentence names that one of several files which cannot be opened."""
     house = _write(tmp_path / "house.obj", *_house())
     with pytest.raises(UserError, match=r"cannot open the scene .*tree\.glb: there is no such"):
         load_scene(house, beside=(PlacedFile(scene=str(tmp_path / "tree.glb")),))

@@ -120,7 +120,7 @@ def test_light_of_another_scene_or_layout_is_dropped(stage):
 
 
 def test_another_scene_drops_the_light_and_the_same_again_keeps_it(stage):
-    """By its content, whatever its file is called."""
+    """A scene is known by its content, whatever its file is called."""
     _, view, post, load = stage
     layout = laid(load(0))
     light = lit(layout)

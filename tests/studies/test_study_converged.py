@@ -53,7 +53,7 @@ def test_no_sun_below_the_horizon():
 
 
 def test_a_farther_sun_dims_all():
-    """By the square of 1.0133 au: 2.6 %."""
+    """The square of 1.0133 au takes 2.6 %."""
     np.testing.assert_allclose(scattered_share(with_sun_of_the_day), 1.0133**-2, rtol=1e-12)
 
 
@@ -66,7 +66,7 @@ def test_ozone_takes_orange():
 
 
 def test_whiter_aerosol_scatters_more():
-    """By 0.975 over 0.8 in the aureole, which is aerosol's: at 800 nm almost all of it."""
+    """It scatters 0.975 over 0.8 in the aureole, which is aerosol's: at 800 nm almost all of it."""
     assert 1.19 < scattered_share(with_whiter_aerosol, nu=0.999)[38] < 0.975 / 0.8
 
 

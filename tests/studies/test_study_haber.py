@@ -53,7 +53,7 @@ def test_the_ground_stands_in_the_way():
 
 @pytest.mark.long
 def test_light_between_rings_by_harmonics_is_the_sum_over_cells():
-    """Of sources even in azimuth about the sun, against cell by cell; float32."""
+    """Sources are even in azimuth about the sun; the sum goes cell by cell; float32."""
     transfer = transfer_through(STUDY)
     cells, active = transfer.cells, transfer.cells.active
     random = np.random.default_rng(7)

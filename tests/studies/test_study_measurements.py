@@ -53,7 +53,7 @@ def write_npz(path, **changed):
 
 
 def test_every_direction_gets_the_sample_taken_there():
-    """By the angles: the file's azimuth runs against the usual one."""
+    """The angles tell: the file's azimuth runs against the usual one."""
     zenith, azimuth = directions()
     samples = sample_of_direction()
     assert sorted(samples) == list(range(81))
@@ -150,7 +150,7 @@ def scan_refusal(files):
 
 
 def test_a_missing_direction_is_refused(files):
-    """By its sample and direction."""
+    """The sentence names its sample and direction."""
     del files[file_name(33)]
     assert scan_refusal(files).startswith(
         "here: sample 33 of 0 to 80 (file azimuth 330.0, elevation 33.749 deg) is missing"
@@ -212,7 +212,7 @@ def test_files_of_different_wavelengths_are_refused(files):
     ],
 )
 def test_a_damaged_npz_is_refused(tmp_path, changed, word):
-    """By file and array."""
+    """The sentence names file and array."""
     path = write_npz(tmp_path / "sky.npz", **changed)
     sentence = refusal(path)
     assert sentence.startswith(f"{path}: ")

@@ -6,7 +6,7 @@ from vrut_lite_studies.framework import colour_scales, fisheye
 
 
 def test_north_is_at_the_bottom_and_east_on_the_right():
-    """Of the outermost pixels; the zenith is in the middle."""
+    """The outermost pixels are there; the zenith is in the middle."""
     at = fisheye.pixels(256)
     azimuth = np.full((256, 256), np.nan)
     azimuth[at.rows, at.columns] = np.degrees(at.azimuth_rad)

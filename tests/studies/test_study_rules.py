@@ -126,7 +126,7 @@ def test_kernel_is_the_twin_on_another_planet() -> None:
 
 
 def test_the_other_simpson_gives_odd_nodes_the_trapezoids_depth() -> None:
-    """By plain sums over one ray: even nodes by Simpson's rule, odd ones half a step further."""
+    """Plain sums over one ray: even nodes by Simpson's rule, odd ones half a step further."""
     air, rays = rgb_airs()["A"], Rays(np.array([1.0]), 1.0, np.array([1.0]))
     # Toward the zenith with the sun there, all light passes the same column: numbers for one.
     nodes, step = np.linspace(0.0, 60_000.0, 5), 15_000.0

@@ -184,7 +184,7 @@ def test_an_array_larger_than_the_store_is_kept_alone():
 
 
 def test_the_input_is_one_per_type():
-    """Of waiting messages of one type only the latest is delivered, from any sender."""
+    """Only the latest of the waiting messages of a type is delivered, from any sender."""
     assert RemoteMessage(type_name="SunMoved", fields={}).key() == "SunMoved"
     assert set(ARRAYS) == {CUBE.digest, SAMPLES[3].irradiance_sh_rgb.digest}
     assert BackgroundChanged.slot == "sky"

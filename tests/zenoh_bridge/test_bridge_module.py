@@ -70,7 +70,7 @@ def from_afar(message):
 
 
 def test_a_bridge_that_is_off_does_nothing():
-    """By default there is no session, no thread and no fault."""
+    """There is no session by default, no thread and no fault."""
     kernel = Kernel()
     kernel.add_module(ZenohBridge, inject=kernel.inject)
     tell(kernel, SetSetting(module=NAME, name="share", value="SunMoved"))

@@ -1,5 +1,6 @@
 """Signs of buttons, drawn: a font may lack them."""
 
+import atexit
 from collections.abc import Callable, Iterable
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
@@ -58,12 +59,23 @@ _SIGNS: dict[str, Callable[[QPainter], None]] = {
 }  # fmt: skip
 
 
+# A window has some 80 of them: each is drawn once, and freed before Qt ends.
+_DRAWN: dict[str, QIcon] = {}
+atexit.register(_DRAWN.clear)
+
+
 def sign(name: str) -> QIcon:
     """The icon of a sign: play, pause, before, after, close, reset."""
+    if name not in _DRAWN:
+        _DRAWN[name] = _drawn(_SIGNS[name])
+    return _DRAWN[name]
+
+
+def _drawn(draw: Callable[[QPainter], None]) -> QIcon:
     icon = QIcon()
     for (mode, state), colour in _COLOURS.items():
         for scale in _SCALES:
-            icon.addPixmap(_pixmap(_SIGNS[name], QColor(colour), scale), mode, state)
+            icon.addPixmap(_pixmap(draw, QColor(colour), scale), mode, state)
     return icon
 
 

@@ -12,7 +12,7 @@ from vrut_lite.app.engine.history import GESTURE_S
 from vrut_lite.array import Array
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.light_map import SurfaceLightChanged
-from vrut_lite.daylight.picture import SetExposure
+from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import SceneState
@@ -200,6 +200,7 @@ class RunningEngine:
         self.engine = Engine(DoorStage, self._told, now_s=lambda: self.now_s)
         self.engine.start()
         self.send(
+            Resize(width_px=64, height_px=36),
             SetPlace(latitude_deg=50.0, longitude_deg=14.4),
             SetClock(instant=NOON),
             LoadScene(path=str(SCENES / "sundial.glb")),

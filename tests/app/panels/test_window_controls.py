@@ -22,7 +22,8 @@ PANELS = (
     "place", "sun", "picture", "export", "sky", "time", "modules", "messages", "compare",
     "module clouds", "module scene", "module path_tracer",
 )  # fmt: skip
-SHORT = ("picture", "sky", "modules")
+# Of the skies' rows test_window_sky holds a sample.
+SHORT = ("picture", "modules")
 
 
 @pytest.fixture
@@ -116,8 +117,9 @@ def test_a_control_without_effect_is_found(driver, walk):
         assert not walk.has_effect(control)
 
 
-def test_every_control_is_reached_by_tab_and_has_a_name(driver):
+def test_every_control_is_reached_by_tab_and_has_a_name(shared_headless_window):
     """Who cannot use a mouse, or cannot see, works all that others do."""
+    driver = shared_headless_window
     controls = [control for name in PANELS for control in usable(shown(driver, name))]
     assert len(controls) > 80
     for control in controls:
@@ -128,8 +130,9 @@ def test_every_control_is_reached_by_tab_and_has_a_name(driver):
         assert name_of(control), control
 
 
-def test_every_setting_can_be_changed_by_its_row_and_taken_back(driver):
+def test_every_setting_can_be_changed_by_its_row_and_taken_back(shared_headless_window):
     """Each module accepts the value of each row, and a reset restores the default."""
+    driver = shared_headless_window
     from vrut_lite.app.panels.module_panel import ModulePanel
 
     driver.session.send(EnableModule(module="clouds", enabled=False))
@@ -168,8 +171,9 @@ def another(spec):
     return spec.type(next(end for end in ends if end != spec.default))
 
 
-def test_tooltips_tell_the_source_of_a_formula(driver):
+def test_tooltips_tell_the_source_of_a_formula(shared_headless_window):
     """The panel takes its tooltips from the settings' descriptions."""
+    driver = shared_headless_window
     rows = {
         (module, name): row
         for module, panel in driver.panel("sky").panels.items()

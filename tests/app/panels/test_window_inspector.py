@@ -19,16 +19,32 @@ class Failing(Module):
         raise ZeroDivisionError("on purpose")
 
 
-@pytest.fixture
-def driver(headless_window):
-    headless_window.window.docks["messages"].show()
-    headless_window.settled()
-    return headless_window
+def watching(window):
+    """The window, with its messages in sight."""
+    window.window.docks["messages"].show()
+    window.settled()
+    return window
 
 
 @pytest.fixture
-def inspector(driver):
-    return driver.panel("messages")
+def driver(shared_headless_window):
+    window = watching(shared_headless_window)
+    inspector = window.panel("messages")
+    inspector.filter.clear()
+    click(window, inspector.clear)
+    return window
+
+
+@pytest.fixture
+def new_driver(headless_window):
+    """A window whose journal begins with the test."""
+    return watching(headless_window)
+
+
+@pytest.fixture
+def inspector(request):
+    name = "new_driver" if "new_driver" in request.fixturenames else "driver"
+    return request.getfixturevalue(name).panel("messages")
 
 
 def types(inspector):
@@ -116,8 +132,9 @@ def test_what_caused_a_message_is_drawn_from_its_input_on(driver, inspector):
     assert inspector.content.topLevelItem(0).text(0) == "instant"
 
 
-def test_a_faults_cause_is_found(driver, inspector):
+def test_a_faults_cause_is_found(new_driver, inspector):
     """The cause is the user's input whose transaction contains the fault."""
+    driver = new_driver
     driver.asked(lambda stage: stage.kernel.add_module(Failing))
     set_clock(driver, 7)
     # The first comes with its welcome, before any input.
@@ -128,8 +145,11 @@ def test_a_faults_cause_is_found(driver, inspector):
     assert {"Fault": []} in clock["ClockMoved"]
 
 
-def test_a_journal_is_saved_opened_and_stepped_through(driver, inspector, monkeypatch, tmp_path):
+def test_a_journal_is_saved_opened_and_stepped_through(
+    new_driver, inspector, monkeypatch, tmp_path
+):
     """Each step goes to the next input and what came of it; closed, live messages are back."""
+    driver = new_driver
     path = str(tmp_path / "session.mcap")
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (path, ""))
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (path, ""))
@@ -159,8 +179,9 @@ def test_a_journal_is_saved_opened_and_stepped_through(driver, inspector, monkey
     assert not bar.next.isVisible()
 
 
-def test_a_step_is_done_in_the_window_if_wished(driver, inspector, tmp_path):
+def test_a_step_is_done_in_the_window_if_wished(new_driver, inspector, tmp_path):
     """A journal played by hand moves the clock of the window itself."""
+    driver = new_driver
     path = str(tmp_path / "session.mcap")
     set_clock(driver, 9)
     driver.session.save_journal(path, lambda _: inspector.journal.open_from(path))

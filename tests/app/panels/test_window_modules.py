@@ -64,6 +64,11 @@ def driver(headless_window):
 
 @pytest.fixture
 def manager(driver):
+    return manager_of(driver)
+
+
+def manager_of(driver):
+    driver.window.docks["modules"].show()
     panel = driver.panel("modules")
     driver.until(lambda: panel.list.topLevelItemCount() > 0)
     return panel
@@ -104,8 +109,9 @@ def test_a_key_shows_the_tools_and_hides_them(driver):
     assert not messages.isHidden()
 
 
-def test_every_module_has_a_row_with_its_state_and_its_slots(driver, manager):
+def test_every_module_has_a_row_with_its_state_and_its_slots(shared_headless_window):
     """Each row shows the kernel's state of the module and the slots that it holds."""
+    driver, manager = shared_headless_window, manager_of(shared_headless_window)
     seats = driver.asked(
         lambda stage: {name: seat.state for name, seat in stage.kernel.seats.items()}
     )
@@ -139,8 +145,9 @@ def test_a_module_is_switched_off_and_on_by_its_box(driver, manager):
     driver.until(lambda: state(manager, "dynamic_skylight") == "running")
 
 
-def test_the_hosts_own_modules_have_no_box(driver, manager):
+def test_the_hosts_own_modules_have_no_box(shared_headless_window):
     """Without its scene manager the window would show nothing, with no way back."""
+    driver, manager = shared_headless_window, manager_of(shared_headless_window)
     manager.choose("scene")
     driver.qtbot.keyClick(manager.list, Qt.Key.Key_Space)
     driver.settled()

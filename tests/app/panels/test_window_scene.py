@@ -26,9 +26,9 @@ def choose(box, data):
     box.activated.emit(box.currentIndex())
 
 
-def test_axis_and_unit_are_shown_and_changed(headless_window, lying):
+def test_axis_and_unit_are_shown_and_changed(shared_headless_window, lying):
     """Panel and status line show the guess; another choice opens the file again."""
-    driver = headless_window
+    driver = shared_headless_window
     panel = driver.panel("module scene")
     driver.open(Project(scene=str(lying)))
     driver.until(lambda: panel.unit.currentData() == 0.01)
@@ -48,18 +48,18 @@ def test_axis_and_unit_are_shown_and_changed(headless_window, lying):
     assert panel.camera.isHidden()
 
 
-def test_the_first_scene_has_nothing_to_note(headless_window):
+def test_the_first_scene_has_nothing_to_note(shared_headless_window):
     """A scene that is shown as it is says nothing."""
-    driver = headless_window
+    driver = shared_headless_window
     panel = driver.panel("module scene")
     driver.open(Project(scene=str(SCENES / "street.obj")))
     driver.until(lambda: "25.5" in panel.extent.text())
     assert panel.notices.text() == ""
 
 
-def test_animations_run_at_their_own_pace(headless_window, tmp_path):
+def test_animations_run_at_their_own_pace(shared_headless_window, tmp_path):
     """The button lets a clip run and holds it; a scene without animations has no button."""
-    driver = headless_window
+    driver = shared_headless_window
     panel = driver.panel("module scene")
     assert panel.play.isHidden()
     driver.open(Project(scene=str(sliding_glb(tmp_path))))
@@ -70,9 +70,9 @@ def test_animations_run_at_their_own_pace(headless_window, tmp_path):
     assert not panel.play.isChecked()
 
 
-def test_variants_are_offered_and_chosen(headless_window, tmp_path):
+def test_variants_are_offered_and_chosen(shared_headless_window, tmp_path):
     """The file's other materials stand by name in the panel, and are shown when chosen."""
-    driver = headless_window
+    driver = shared_headless_window
     panel = driver.panel("module scene")
     name = "KHR_materials_variants"
     materials = [

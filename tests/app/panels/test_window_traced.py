@@ -30,7 +30,7 @@ def coarse(pixels):
 @pytest.mark.long
 @pytest.mark.gl
 def test_the_path_traced_picture_grows_while_it_is_seen(driver):
-    """By its key it is shown beside the frame, with the samples that it has; a moved camera and
+    """Its key shows it beside the frame, with the samples that it has; a moved camera and
     other settings begin it anew, and hidden it costs nothing."""
     driver.session.send(SetSetting(module="path_tracer", name="spp", value=3))
     panel = driver.panel("panel path_tracer")

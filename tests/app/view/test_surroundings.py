@@ -39,7 +39,7 @@ def test_surfaces_fill_their_cells(pavilion, around):
 
 
 def test_who_stands_before_a_building_turns_around_it_and_who_stands_in_it_looks(pavilion, around):
-    """By the roof above, and by what closes the horizon nearer than the target."""
+    """The roof above decides, and what closes the horizon nearer than the target."""
     middle = 0.5 * (np.array(pavilion.lower_m) + pavilion.upper_m)
     outside = np.array(pavilion.camera.eye_m)
     assert not around.encloses(outside, middle)

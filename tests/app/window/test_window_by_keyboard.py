@@ -37,7 +37,7 @@ def write(driver, text):
 
 
 def find(driver, text):
-    """By the command palette."""
+    """Find and press an entry of the command palette."""
     press(driver, Qt.Key.Key_K, CONTROL)
     driver.until(lambda: QApplication.activePopupWidget() is not None)
     palette = QApplication.activePopupWidget()

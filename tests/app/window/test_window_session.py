@@ -44,8 +44,10 @@ def kept(tmp_path):
 
 
 def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
-    """Scene, place, hour, settings, camera: a second window has all of it."""
+    """Scene, place, hour, settings, camera, docks: a second window has all of it."""
     first = open_window()
+    first.window.docks["modules"].show()
+    first.window.docks["export"].hide()
     first.window.files.open_path(str(SCENES / "spheres.glb"))
     first.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     first.session.send(
@@ -60,6 +62,8 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     project = kept.session()
     assert project is not None
     second = open_window()
+    assert second.window.docks["modules"].isVisible()
+    assert second.window.docks["export"].isHidden()
     second.window.files.open_project(project)
     second.until_heard(SceneOpened, lambda m: m.path.endswith("spheres.glb"))
     second.settled()
@@ -70,17 +74,6 @@ def test_what_was_open_when_the_window_closed_comes_back(open_window, kept):
     assert second.project.camera.eye_m == (5.0, 6.0, 7.0)
     second.window.files.open_path(str(SCENES / "sundial.toml"))
     second.until_heard(SetTolerance, lambda m: m.tolerance == DEFAULT_TOLERANCE)
-
-
-def test_docks_lie_as_they_did(open_window):
-    """One that was opened is open again, one that was closed stays closed."""
-    first = open_window()
-    first.window.docks["modules"].show()
-    first.window.docks["export"].hide()
-    first.window.close()
-    second = open_window()
-    assert second.window.docks["modules"].isVisible()
-    assert second.window.docks["export"].isHidden()
 
 
 def test_a_window_that_cannot_keep_anything_closes_all_the_same(open_window, tmp_path):
@@ -253,20 +246,13 @@ def test_of_presets_the_bad_one_alone_is_dropped(tmp_path):
 
 
 def test_a_window_opens_on_a_damaged_store(open_window, tmp_path):
-    """The menu of recent files works, and the session is kept when the window closes."""
+    """The menu of recent files works, with names that are any bytes, and the docks are kept when
+    the window closes."""
     (tmp_path / "kept").mkdir()
     (tmp_path / "kept" / "window.json").write_text("[" * 100_000)
-    first = open_window()
-    first.window.menus.fill_recent()
-    assert len(first.window.menus.recent.actions()) == 1
-    first.window.docks["modules"].show()
-    first.window.close()
-    assert open_window().window.docks["modules"].isVisible()
-
-
-def test_a_recent_file_whose_name_is_no_text_is_offered(open_window, tmp_path):
-    """Names of files are any bytes."""
     driver = open_window()
+    driver.window.menus.fill_recent()
+    assert len(driver.window.menus.recent.actions()) == 1
     odd = tmp_path / os.fsdecode(b"\xff.glb")
     odd.write_text("")
     driver.window.files.kept.add_recent(str(odd))
@@ -274,6 +260,8 @@ def test_a_recent_file_whose_name_is_no_text_is_offered(open_window, tmp_path):
     assert len(driver.window.menus.recent.actions()) >= 1
     assert str(odd) in driver.window.files.kept.recent
     driver.window.show_palette()
+    driver.window.close()
+    assert Kept(tmp_path / "kept").shape() is not None
 
 
 def test_a_session_whose_scene_has_gone_is_not_restored(kept, tmp_path):

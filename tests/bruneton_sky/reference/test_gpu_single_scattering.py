@@ -83,7 +83,7 @@ def twin(air: Atmosphere, rays: NDArray[np.float32], rule: str) -> NDArray[np.fl
 
 
 def relative_error(ours: NDArray[np.float64], truth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of radiances above a millionth of the largest; the others must be right to that."""
+    """Errors of radiances above a millionth of the largest; the others must be right to that."""
     lit = truth > 1e-6 * truth.max()
     assert np.abs(ours - truth)[~lit].max(initial=0.0) < 1e-8 * truth.max()
     return np.abs(ours[lit] / truth[lit] - 1.0)
@@ -108,7 +108,7 @@ def test_shader_agrees_with_the_cpu(probe, alien: Atmosphere, name: str, rule: s
 def test_shader_is_right_close_to_ground_top_horizon_and_sunset(
     probe, alien: Atmosphere, name: str, rule: str
 ) -> None:
-    """Of 6000 rays, half beside an edge, 99.9 % err by less than 1e-4 and none by 1e-3.
+    """Among 6000 rays, half beside an edge, 99.9 % err by less than 1e-4 and none by 1e-3.
 
     The rest graze the planet's shadow, where the last digit of the input changes as much.
     """

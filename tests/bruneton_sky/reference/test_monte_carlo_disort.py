@@ -120,6 +120,7 @@ def test_planet_from_outside(flat, ordinates):
     agree(*traced(flat, 90e3, -mu, 8192, True), planet)
 
 
+@pytest.mark.long
 def test_sky_irradiance(flat, ordinates):
     """On level ground, within four standard errors of at most 0.3 %."""
     light = monte_carlo_irradiance(flat, MU_S, paths=2**15)

@@ -75,7 +75,7 @@ def test_closed_forms_stay_as_they_are():
 @pytest.mark.long
 @pytest.mark.parametrize("aerosol", ["continental-average", "desert"])
 def test_the_solved_sky_is_monte_carlos(aerosol):
-    """By day, on the ground, with the same table: within noise and 2 %."""
+    """They agree by day, on the ground, with the same table, within noise and 2 %."""
     from bruneton_sky.reference.monte_carlo import monte_carlo_radiance
 
     air = air_of(aerosol, type_optics(aerosol).optical_depth_550)

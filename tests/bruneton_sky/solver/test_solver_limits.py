@@ -186,7 +186,7 @@ def test_a_substance_without_matter_is_left_out(other_planet: Atmosphere, gone: 
 
 
 def test_one_order_is_dark_above_the_first() -> None:
-    """Of one order of scattering nothing is left for the orders from two on."""
+    """One order of scattering leaves nothing for the orders from two on."""
     field = solve(Atmosphere.earth(), orders=1, sizes=SMALL)
     assert field.orders_done == 1
     assert np.all(look(field, 0.0, 0.5) == 0.0)
