@@ -60,9 +60,7 @@ def _all_maps(shadows: Shadows, view: View) -> tuple[Defines, dict[str, Any]]:
     return (*defines, "NEAR_SHADOW"), uniforms | near
 
 
-def _uniforms(
-    name: str, shadow: Shadow, view: View, unit: int, ranges_unit: int
-) -> dict[str, Any]:
+def _uniforms(name: str, shadow: Shadow, view: View, unit: int, ranges_unit: int) -> dict[str, Any]:
     return {
         f"{name}_matrix": shadow_from_eye(shadow, view),
         f"{name}_texel_m": float(shadow.texel_m),

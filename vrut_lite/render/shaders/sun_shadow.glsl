@@ -16,26 +16,29 @@ uniform float near_shadow_aspect;
 const float NEAR_RIM = 0.25;         // of its half width, where it goes over into the other
 #endif
 
-const float FIRST_CELL = 8.0;        // texels, of the first level of ranges
-const float LAST_LEVEL = 5.0;
+const float FIRST_CELL = 8.0;        // texels along cells of ranges
+const float LAST_CELL = 256.0;
 const float HARD_RADIUS = 1.83;      // texels: a disc's, of the same variance as the least filter
 const float TAP_VARIANCE = 0.67;     // texels^2: what linear filtering adds to a disc's radius^2
 const int SOFT_TAPS = 32;
-const float GOLDEN_ANGLE = 2.399963;
-// Of the sun's cone: what lies lower is the surface's own.
-const float OWN_SHARE = 0.05;
+const mat2 GOLDEN_TURN = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
+const float OWN_SLOPE = 1.0;         // off its plane, what rises less is the surface's own
 
 // Radius in texels of the disc through which a place is lit, 0 where all of it is shaded. Ranges
 // bound how far a caster in the sun's cone can be, and so the cone: three times, closer and closer.
 float sun_radius(sampler2D ranges, vec3 at, float spread, vec2 steep, float texel) {
-    float cells = float(textureSize(ranges, 0).x), radius = spread * at.z;
+    float cells = float(textureSize(ranges, 0).y), radius = spread * at.z;
     vec2 found;
     for (int i = 0; i < 3; ++i) {
-        float level = clamp(ceil(log2(max(radius, 1.0) * (2.0 / FIRST_CELL))), 0.0, LAST_LEVEL);
-        vec2 cell = min(at.xy * cells, cells - 0.5) * exp2(-level);
-        found = texelFetch(ranges, ivec2(cell), int(level)).rg;
-        radius = min(spread * max(at.z - found.x, 0.0), FIRST_CELL * 0.5 * exp2(LAST_LEVEL));
+        // The next power of two.
+        float wide = clamp(2.0 * radius, FIRST_CELL, LAST_CELL);
+        wide = intBitsToFloat((floatBitsToInt(wide) + 0x7fffff) & 0x7f800000);
+        float across = cells * FIRST_CELL / wide;
+        vec2 corner = min(at.xy * across + 0.5, across - 0.5);
+        found = texelFetch(ranges, ivec2(corner.x + 2.0 * (cells - across), corner.y), 0).rg;
+        radius = spread * max(at.z - found.x, 0.0);
     }
+    radius = min(radius, 0.5 * LAST_CELL);
     float reach = (abs(steep.x) + abs(steep.y)) * (max(radius, 2.0) + 1.0) * texel;
     return found.y < at.z - reach - texel ? 0.0 : max(radius, HARD_RADIUS);
 }
@@ -61,16 +64,18 @@ float lit_share(sampler2DShadow map, sampler2D ranges, vec3 at, vec2 steep, floa
     vec2 place = at.xy * size - 0.5, f = fract(place);
     float depth = at.z - 0.5 * texel.x * (abs(steep.x) + abs(steep.y) + aspect);
     float lit = 0.0;
+    vec2 turned = vec2(1.0, 0.0);
     for (int i = 0; i < taps; ++i) {
         float far = disc * sqrt((float(i) + 0.5) / float(SOFT_TAPS));
-        vec2 spiral = place + far * vec2(cos(GOLDEN_ANGLE * float(i)), sin(GOLDEN_ANGLE * float(i)));
+        vec2 spiral = place + far * turned;
+        turned = GOLDEN_TURN * turned;
         vec2 within = fract(spiral);
         vec2 square = vec2(i & 1, i >> 1);
         vec2 middle = soft ? spiral - within + 1.0 : place - f + 2.0 * square;
         vec2 first = soft ? 1.0 - within : mix(1.0 - f, vec2(1.0), square);
         vec2 second = soft ? within : mix(vec2(1.0), f, square);
         vec2 off = (middle - place - 0.5) * texel;
-        float below = depth + dot(steep, off) - (soft ? OWN_SHARE * far / spread : 0.0);
+        float below = depth + dot(steep, off) - (soft ? OWN_SLOPE * far * texel.x * aspect : 0.0);
         vec4 hit = textureGather(map, middle * texel, clamp(below, 0.0, 1.0));
         // Components are left and right of the upper row, right and left of the lower: w z / x y.
         vec2 rows = hit.wx * first.x + hit.zy * second.x;
