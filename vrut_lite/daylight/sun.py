@@ -53,6 +53,21 @@ class KeyLightChanged(Derived, frozen=True, kw_only=True):
     source: str
     body: Body = "sun"
 
+    @property
+    def even_radius_rad(self) -> float:
+        """Radius of an evenly bright disc whose penumbras are as wide as this one's.
+
+        Both discs have the same mean square of the distance from the middle, x: the mean over the
+        disc of cos^n psi is 2 / (n + 2), with psi's sine x; that of x^2 cos^n psi is
+        2 / (n + 2) - 2 / (n + 4).
+        """
+        light = squared = 0.0
+        for terms in self.limb_darkening_rgb:
+            for n, term in enumerate(terms):
+                light += term * 2.0 / (n + 2)
+                squared += term * (2.0 / (n + 2) - 2.0 / (n + 4))
+        return self.angular_radius_rad * math.sqrt(max(2.0 * squared / light, 0.0))
+
     def check(self) -> None:
         """A disc in the sky, and polynomials of as many terms as are drawn."""
         checks.direction(self, "direction")

@@ -24,7 +24,7 @@ class Light:
 
     `sun_irradiance` is that of a plane that faces the sun, before clouds; `irradiance_sh` (25, 3)
     is that of sky and clouds together, `clear_sh` of the clear sky. `sky` is seen behind the scene,
-    before clouds are drawn; `mirrored` has them in it.
+    before clouds are drawn; `mirrored` has them in it. `sun_radius_rad` is that of an even disc.
     """
 
     sun_direction: tuple[float, float, float]
@@ -33,13 +33,16 @@ class Light:
     clear_sh: NDArray
     sky: Sky
     mirrored: Sky
+    sun_radius_rad: float
 
 
 class Shadow(NamedTuple):
     """A depth texture from the sun, the width of its texels, and the matrix (4, 4) into it.
 
     The matrix maps positions that count from a centre (3,) in the world to clip space. `tint` is
-    what glass leaves of the light, and the depth of the glass, None where there is none.
+    what glass leaves of the light, and the depth of the glass, None where there is none. `ranges`
+    are those of `ShadowRanges`; `spread` is the radius of a penumbra, in texels, of what is the
+    whole map's depth away; `aspect` the map's width over its depth.
     """
 
     texture: Any
@@ -47,6 +50,9 @@ class Shadow(NamedTuple):
     texel_m: float
     centre_m: NDArray
     tint: Any = None
+    ranges: Any = None
+    spread: float = 0.0
+    aspect: float = 1.0
 
 
 class Shadows(NamedTuple):

@@ -231,7 +231,8 @@ class PyrenderBackend:
         if state.sky_light is not None:
             summed = state.sky_light.ambient.irradiance_sh_rgb.values
         mirrored = self._mirrored or sky
-        return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored)
+        radius_rad = sun.even_radius_rad
+        return Light(sun.direction, sun.irradiance_rgb, summed, clear, sky, mirrored, radius_rad)
 
 
 def _lit_scene(state: SceneState, ambient: AmbientChanged) -> LitScene | None:

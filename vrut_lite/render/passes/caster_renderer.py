@@ -111,6 +111,7 @@ class CasterRenderer(pyrender.Renderer):  # type: ignore[name-defined]
             self._terms.bind(material, scale_of(placed.world_from_model))
         if defines:
             program.set_uniform("blended", float(material.alphaMode == "BLEND"))
+            program.set_uniform("map_aspect", float(shadow.aspect))
             if "GLASS" in defines:
                 program.set_uniform("map_texels", texels)
                 program.set_uniform("base_tint", np.asarray(material.baseColorFactor[:3]))

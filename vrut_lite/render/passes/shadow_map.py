@@ -1,10 +1,13 @@
 """The sun's shadow maps: orthographic depth from the sun, of the scene and of the eye's vicinity.
 
+Each holds all the scene's depth, so that penumbras are as wide as their casters are far away.
+
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
 A second map then covers the eye's surroundings. Each is drawn when scene, sun
 or place have changed.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Light, Shadow, Shadows
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
+from vrut_lite.render.passes.shadow_ranges import ShadowRanges
 from vrut_lite.render.pyrender_scene import PyrenderScene
 
 SHADOW_SIZE = 4096
@@ -38,6 +42,7 @@ class ShadowMap:
         self._texture.compare_func = "<="
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._buffer = context.framebuffer(depth_attachment=self._texture)
+        self._ranges = ShadowRanges(context, SHADOW_SIZE)
         self._context = context
         self._tint: Any = None
         self._tint_buffer: Any = None
@@ -54,12 +59,17 @@ class ShadowMap:
         always: bool,
     ) -> Shadow:
         """The shadows in a sphere of the scene; `always` draws them also when nothing changed."""
+        depth_m = scene.radius_m + float(np.linalg.norm(centre_m - scene.centre_m))
+        texel_m = 2.0 * radius_m / SHADOW_SIZE
         shadow = Shadow(
             texture=self._texture,
-            matrix=light_matrix(light.sun_direction, radius_m),
-            texel_m=2 * radius_m / SHADOW_SIZE,
+            matrix=light_matrix(light.sun_direction, radius_m, depth_m),
+            texel_m=texel_m,
             centre_m=centre_m,
             tint=self._tint_of(scene),
+            ranges=self._ranges.texture,
+            spread=math.tan(light.sun_radius_rad) * 2.0 * depth_m / texel_m,
+            aspect=radius_m / depth_m,
         )
         now = (scene, light.sun_direction, tuple(centre_m))
         if not always and not any(light.sun_irradiance):
@@ -75,13 +85,15 @@ class ShadowMap:
                 # With the depth: what is behind solid things tints nothing.
                 self._tint_buffer.use()
                 meshes.draw_tint(scene, shadow, SHADOW_SIZE)
+            self._ranges.update(self._texture)
             self._drawn = now
             self._ledger.did(self._name)
         return shadow
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        for thing in (self._tint_buffer, self._tint_alone, self._tint, self._buffer, self._texture):
+        for thing in (self._tint_buffer, self._tint_alone, self._tint, self._buffer, self._texture,
+                      self._ranges):  # fmt: skip
             if thing is not None:
                 thing.release()
 
@@ -133,16 +145,16 @@ class ShadowMaps:
             self._near.release()
 
 
-def light_matrix(direction: ArrayLike, radius_m: float) -> NDArray[np.float64]:
-    """Clip matrix (4, 4), a sphere to [-1, 1]^3, of a sun in world `direction` (3,).
+def light_matrix(direction: ArrayLike, radius_m: float, depth_m: float) -> NDArray[np.float64]:
+    """Clip matrix (4, 4), a cylinder to [-1, 1]^3, of a sun in world `direction` (3,).
 
-    Positions count from the sphere's centre, in world axes. Shadows fall along the view
-    direction, so what lies outside the scene's sphere is covered in x and y by whatever casts on
-    it; only its depth exceeds 1, which the look-up clamps.
+    Positions count from the cylinder's centre, in world axes; it reaches `depth_m` towards the sun
+    and away. Shadows fall along the view direction, so what lies outside is covered in x and y by
+    whatever casts on it; only its depth exceeds 1, which the look-up clamps.
     """
     view = np.eye(4)
     view[:3, :3] = _light_axes(direction)
-    return np.diag([1.0 / radius_m, 1.0 / radius_m, -1.0 / radius_m, 1.0]) @ view
+    return np.diag([1.0 / radius_m, 1.0 / radius_m, -1.0 / depth_m, 1.0]) @ view
 
 
 def near_centre_m(

@@ -15,6 +15,7 @@ from vrut_lite.render.pyrender_scene import PlacedPrimitive
 from vrut_lite.render.shader_files import Defines
 
 SHADOW_UNIT, _NEAR_SHADOW_UNIT, _GLASS_SHADOW_UNIT = 9, 15, 23
+_RANGES_UNIT, _NEAR_RANGES_UNIT = 29, 30
 # As sun_shadow.glsl has it: of the near map's half width, where it goes over into the other.
 _NEAR_RIM = 0.25
 
@@ -22,8 +23,10 @@ _NEAR_RIM = 0.25
 def bind_shadows(shadows: Shadows) -> None:
     """Bind the textures for all meshes."""
     shadows.scene.texture.use(location=SHADOW_UNIT)
+    shadows.scene.ranges.use(location=_RANGES_UNIT)
     if shadows.near is not None:
         shadows.near.texture.use(location=_NEAR_SHADOW_UNIT)
+        shadows.near.ranges.use(location=_NEAR_RANGES_UNIT)
     nearest = shadows.near or shadows.scene
     if nearest.tint is not None:
         nearest.tint.use(location=_GLASS_SHADOW_UNIT)
@@ -37,31 +40,34 @@ def shadows_on(
     if shadows.scene.tint is not None:
         return _all_maps(shadows, view)
     if near is not None:
-        off = near.matrix[:3, :3] @ (placed.centre_m - near.centre_m)
+        off = near.matrix[:2, :3] @ (placed.centre_m - near.centre_m)
         radius = placed.radius_m * float(np.linalg.norm(near.matrix[0, :3]))
         # The receiver is moved off its surface by a few texels.
         radius += 5.0 * near.texel_m * float(np.linalg.norm(near.matrix[0, :3]))
         if np.max(np.abs(off)) + radius <= 1.0 - _NEAR_RIM:
-            return (), _uniforms("shadow", near, view, _NEAR_SHADOW_UNIT)
+            return (), _uniforms("shadow", near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
         if np.max(np.abs(off)) - radius <= 1.0:
             return _all_maps(shadows, view)
-    return (), _uniforms("shadow", shadows.scene, view, SHADOW_UNIT)
+    return (), _uniforms("shadow", shadows.scene, view, SHADOW_UNIT, _RANGES_UNIT)
 
 
 def _all_maps(shadows: Shadows, view: View) -> tuple[Defines, dict[str, Any]]:
     defines: Defines = ("GLASS_SHADOW",) if shadows.scene.tint is not None else ()
-    uniforms = _uniforms("shadow", shadows.scene, view, SHADOW_UNIT)
+    uniforms = _uniforms("shadow", shadows.scene, view, SHADOW_UNIT, _RANGES_UNIT)
     if shadows.near is None:
         return defines, uniforms
-    near = _uniforms("near_shadow", shadows.near, view, _NEAR_SHADOW_UNIT)
+    near = _uniforms("near_shadow", shadows.near, view, _NEAR_SHADOW_UNIT, _NEAR_RANGES_UNIT)
     return (*defines, "NEAR_SHADOW"), uniforms | near
 
 
-def _uniforms(name: str, shadow: Shadow, view: View, unit: int) -> dict[str, Any]:
+def _uniforms(name: str, shadow: Shadow, view: View, unit: int, ranges_unit: int) -> dict[str, Any]:
     return {
         f"{name}_matrix": shadow_from_eye(shadow, view),
         f"{name}_texel_m": float(shadow.texel_m),
         f"{name}_map": unit,
+        f"{name}_ranges": ranges_unit,
+        f"{name}_spread": float(shadow.spread),
+        f"{name}_aspect": float(shadow.aspect),
     }
 
 

@@ -17,6 +17,7 @@ in vec2 uv;
 
 #ifdef TINT
 uniform float blended;     // 1: alpha says how much of the surface is there
+uniform float map_aspect;  // of the shadow map, its width over its depth
 out vec4 left;
 #ifdef GLASS
 //!include surface_terms_block.glsl
@@ -24,8 +25,7 @@ uniform vec3 base_tint;
 uniform float map_texels;  // along a side of the shadow map
 
 vec3 left_by_glass(vec3 texel) {
-    // Sides of the sun's box are as long as it is deep.
-    vec2 slope = map_texels * vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
+    vec2 slope = map_texels / map_aspect * vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
     float nl = inversesqrt(1.0 + dot(slope, slope));
     float f0 = max(terms.f0.r, max(terms.f0.g, terms.f0.b));
     float through = 1.0 - mix(f0, terms.f90, pow(1.0 - nl, 5.0));
@@ -60,7 +60,9 @@ void main() {
 #ifdef GLASS
     tint = left_by_glass(texel.rgb);
 #endif
-    left = vec4(mix(vec3(1.0), tint, mix(1.0, base_alpha * texel.a, blended)), gl_FragCoord.z);
+    // Depth within what is as deep as the map is wide, of which half floats tell enough apart.
+    float depth = clamp((gl_FragCoord.z - 0.5) / map_aspect + 0.5, 0.0, 1.0);
+    left = vec4(mix(vec3(1.0), tint, mix(1.0, base_alpha * texel.a, blended)), depth);
     return;
 #endif
 #if defined(CUT_OUT) && defined(TEXCOORD_0_LOC)
