@@ -1,0 +1,117 @@
+"""Pictures while something moves take over from the picture before what still holds there.
+
+Radiance does not depend on the camera but for highlights. Of each picture a quarter is drawn anew
+in turns, and what was not seen before; all else moves to where the camera sees it now.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from OpenGL import GL
+
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.numeric_types import FloatArray
+from vrut_lite.render.moving_targets import Drawn, MovingTargets
+from vrut_lite.render.passes.full_screen import FullScreen
+from vrut_lite.render.passes.view import View, translation
+
+_TURNS = 4
+# Parts of a state that must be the very same for a picture to be taken over.
+_KEPT = ("scene", "light_map", "section", "shows", "clouds", "tolerance")
+# Parts that the hour changes; without another hour they have been set by hand.
+_LIGHT = ("key_light", "background", "ambient", "sky_light", "surface_light", "air")
+# As far as the sun may have moved, and light may have become brighter or darker.
+_LARGEST_MOVE_RAD, _LARGEST_RATIO = 0.026, 1.1
+_UP = (0.0, 1.0, 0.0)
+
+
+class _Before(NamedTuple):
+    drawn: Drawn
+    view: View
+    state: SceneState
+
+
+class Reuse:
+    """Made and used on the GL thread only."""
+
+    def __init__(self, context: Any):
+        self._context = context
+        self._screen: FullScreen | None = None
+        self._before: _Before | None = None
+        self._turn = 0
+
+    def begin(self, targets: MovingTargets, view: View, state: SceneState) -> None:
+        """Fill a target with what is taken over; `front` is drawn already.
+
+        Depth is then such that surfaces and sky are drawn elsewhere alone. Of what is not solid
+        nothing is taken over.
+        """
+        if self._screen is None:
+            self._screen = FullScreen(self._context, "reuse.frag")
+        before, drawn = self._before, targets.begin()
+        brighter = None if before is None else change_of_light(before.state, state)
+        if before is None or brighter is None:
+            before, brighter = _Before(drawn, view, state), np.ones(3)
+            self._screen.set("turn", -1.0)
+        else:
+            self._turn = (self._turn + 1) % _TURNS
+            self._screen.set("turn", float(self._turn))
+        self._screen.set("brighter", brighter)
+        self._screen.set("old_from_clip", _old_from_clip(before.view, view).T.ravel())
+        targets.front.use(0)
+        before.drawn.radiance.use(location=1)
+        before.drawn.depth.use(2)
+        for unit, name in enumerate(("front", "old_radiance", "old_depth")):
+            self._screen.program[name].value = unit
+        drawn.buffer.use()
+        self._context.enable(self._context.DEPTH_TEST)
+        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
+        GL.glDepthMask(GL.GL_TRUE)
+        GL.glDepthFunc(GL.GL_ALWAYS)
+        self._screen.draw()
+        GL.glDepthFunc(GL.GL_GREATER)
+        self._before = _Before(drawn, view, state)
+
+    def forget(self) -> None:
+        """Take nothing over into the next picture."""
+        self._before = None
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        self._before = None
+        if self._screen is not None:
+            self._screen.release()
+
+
+def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
+    """The light (3,) now of that before, by which a picture may be taken over; None: not at all.
+
+    While time plays both suns stand side by side; light that is set otherwise is seen at once.
+    """
+    if any(getattr(before, name) is not getattr(now, name) for name in _KEPT):
+        return None
+    if all(getattr(before, name) is getattr(now, name) for name in _LIGHT):
+        return np.ones(3)
+    old, new = before.key_light, now.key_light
+    assert old is not None
+    assert new is not None
+    moved = float(np.linalg.norm(np.subtract(new.direction, old.direction)))
+    if not 0.0 < moved < _LARGEST_MOVE_RAD:
+        return None
+    ratio = _level(now) / np.maximum(_level(before), 1e-20)
+    bounded = np.all((ratio < _LARGEST_RATIO) & (ratio > 1.0 / _LARGEST_RATIO))
+    return ratio if bounded else None
+
+
+def _level(state: SceneState) -> FloatArray:
+    """Irradiance (3,) of the sky on level ground in the open."""
+    light = state.ambient if state.sky_light is None else state.sky_light.ambient
+    assert light is not None
+    return np.asarray(evaluate_irradiance(light.irradiance_sh_rgb.values, _UP))
+
+
+def _old_from_clip(old: View, now: View) -> FloatArray:
+    """Matrix (4, 4) from the clip coordinates of one view to those of another."""
+    eye_from_clip = np.linalg.inv(now.clip_from_eye)
+    return np.asarray(old.clip_from_eye @ translation(now.eye_m - old.eye_m) @ eye_from_clip)
