@@ -16,6 +16,8 @@ class Drawn:
     def __init__(self, context: Any, size: tuple[int, int]):
         self.size = size
         self.radiance = context.texture(size, 4, dtype="f4")
+        self.radiance.filter = (context.LINEAR, context.LINEAR)
+        self.radiance.repeat_x = self.radiance.repeat_y = False
         self.depth = DepthTexture(size)
         self.buffer = context.framebuffer([self.radiance])
         self.buffer.use()

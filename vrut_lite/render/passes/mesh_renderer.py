@@ -214,11 +214,12 @@ class MeshRenderer(CasterRenderer):
 
 
 def _lobe_defines(material: Any) -> Defines:
-    """What of reflections a surface has none of, by its roughness."""
+    """What a surface has none of: reflections, by its roughness, and holes."""
+    solid: Defines = ("SOLID",) if is_all_solid(material) else ()
     if material.matte:
-        return ("MATTE",)
+        return ("MATTE", *solid)
     is_rough = material.least_roughness >= _NO_MIRROR and material.terms.clearcoat <= 0.0
-    return ("BLURRED",) if is_rough else ()
+    return ("BLURRED", *solid) if is_rough else solid
 
 
 def _textures(material: Any) -> Iterable[tuple[str, Any]]:

@@ -1,6 +1,6 @@
 """Pictures while something moves take over from the picture before what still holds there.
 
-Radiance does not depend on the camera but for highlights. Of each picture a quarter is drawn anew
+Radiance does not depend on the camera but for highlights. Of each picture an eighth is drawn anew
 in turns, and what was not seen before; all else moves to where the camera sees it now.
 """
 
@@ -16,7 +16,8 @@ from vrut_lite.render.moving_targets import Drawn, MovingTargets
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View, translation
 
-_TURNS = 4
+# As reuse.frag has them.
+_TURNS, _STEP = 8, 3
 # Parts of a state that must be the very same for a picture to be taken over.
 _KEPT = ("scene", "light_map", "section", "shows", "clouds", "tolerance")
 # Parts that the hour changes; without another hour they have been set by hand.
@@ -55,7 +56,7 @@ class Reuse:
             before, brighter = _Before(drawn, view, state), np.ones(3)
             self._screen.set("turn", -1.0)
         else:
-            self._turn = (self._turn + 1) % _TURNS
+            self._turn = (self._turn + _STEP) % _TURNS
             self._screen.set("turn", float(self._turn))
         self._screen.set("brighter", brighter)
         self._screen.set("old_from_clip", _old_from_clip(before.view, view).T.ravel())

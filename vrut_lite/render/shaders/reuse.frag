@@ -15,41 +15,42 @@ const float BEFORE_SKY = 1e-25;  // nearer than infinity, farther than anything
 in vec2 at;
 out vec4 frag_radiance;
 
-// Four turns, so that neighbours follow each other crosswise.
+// Eight turns, by a lattice in which neighbours are far apart in time.
 bool has_its_turn(ivec2 pixel) {
-    ivec2 block = (pixel / BLOCK) & 1;
-    int number = 2 * (block.x ^ block.y) + block.y;
-    return turn < 0.0 || number == int(turn);
+    ivec2 block = pixel / BLOCK;
+    return turn < 0.0 || ((block.x + 3 * block.y) & 7) == int(turn);
+}
+
+float smaller(float one, float other) {
+    return abs(one) < abs(other) ? one : other;
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float depth = texelFetch(front, pixel, 0).r;
+    vec2 size = vec2(textureSize(old_radiance, 0)), pixel = 1.0 / vec2(textureSize(front, 0));
+    // Left, here and below; above and right.
+    vec4 lower = textureGather(front, at - 0.5 * pixel), upper = textureGather(front, at + 0.5 * pixel);
+    float depth = lower.y;
     vec4 old = old_from_clip * vec4(2.0 * at - 1.0, depth, 1.0);
     old.xyz /= old.w;
-    vec2 size = vec2(textureSize(old_radiance, 0)), place = (0.5 + 0.5 * old.xy) * size - 0.5;
-    vec2 first = floor(place), share = place - first;
-    // Depth is linear across a plane; where it jumps little may pass.
-    float slope = min(abs(dFdx(old.z)) + abs(dFdy(old.z)), 0.1 * old.z);
-    float near_enough = 0.005 * old.z + slope + BEFORE_SKY;
+    vec2 place = (0.5 + 0.5 * old.xy) * size - 0.5, first = floor(place), share = place - first;
+    // Depth is linear across a plane; of two neighbours one is on the same.
+    vec2 slope = vec2(smaller(depth - lower.x, upper.z - depth),
+                      smaller(depth - lower.z, upper.x - depth));
+    float at_first = old.z - dot(slope, share);
+    vec4 expected = at_first + vec4(slope.y, slope.x + slope.y, slope.x, 0.0);
+    vec4 off = abs(textureGather(old_depth, (first + 1.0) / size) - expected);
+    float near_enough = 2e-4 * old.z + min(0.2 * (abs(slope.x) + abs(slope.y)), 0.03 * old.z);
+    near_enough += BEFORE_SKY;
+    bool alike = max(max(off.x, off.y), max(off.z, off.w)) <= near_enough;
     // Steeper than linear: blurs less where a picture is moved again and again.
-    share *= share * (3.0 - 2.0 * share);
-    vec4 weights = vec4((1.0 - share.x) * (1.0 - share.y), share.x * (1.0 - share.y),
-                        (1.0 - share.x) * share.y, share.x * share.y);
-    vec3 sum = vec3(0.0);
-    float found = 0.0;
-    ivec2 most = ivec2(size) - 1, corner = ivec2(first);
-    for (int k = 0; k < 4; ++k) {
-        ivec2 texel = clamp(corner + ivec2(k & 1, k >> 1), ivec2(0), most);
-        float there = texelFetch(old_depth, texel, 0).r;
-        float weight = abs(there - old.z) <= near_enough ? weights[k] : 0.0;
-        sum += weight * texelFetch(old_radiance, texel, 0).rgb;
-        found += weight;
-    }
-    bool inside = old.w > 0.0 && all(greaterThan(place, vec2(-0.5)))
-        && all(lessThan(place, size - 0.5));
-    if (inside && found > 0.4 && !has_its_turn(pixel)) {
-        frag_radiance = vec4(brighter * sum / found, 1.0);
+    vec2 nearest = step(0.5, share);
+    float off_nearest = mix(mix(off.w, off.z, nearest.x), mix(off.x, off.y, nearest.x), nearest.y);
+    share = alike ? share * share * (3.0 - 2.0 * share) : nearest;
+    vec3 moved = textureLod(old_radiance, (first + share + 0.5) / size, 0.0).rgb;
+    bool inside = old.w > 0.0 && all(greaterThan(place, vec2(0.0)))
+        && all(lessThan(place, size - 1.0));
+    if (inside && off_nearest <= near_enough && !has_its_turn(ivec2(gl_FragCoord.xy))) {
+        frag_radiance = vec4(brighter * moved, 1.0);
         gl_FragDepth = depth > 0.0 ? uintBitsToFloat(floatBitsToUint(depth) + 1u) : BEFORE_SKY;
     } else {
         frag_radiance = vec4(0.0, 0.0, 0.0, 1.0);
