@@ -24,6 +24,7 @@ from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS, FrameClouds
 from vrut_lite.render.culling import in_view, part_of
+from vrut_lite.render.device import Choices
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
@@ -70,8 +71,9 @@ class Frame:
     what was skipped.
     """
 
-    def __init__(self, context: Any):
+    def __init__(self, context: Any, choices: Choices):
         self._context = context
+        self._choices = choices
         self.ledger = Ledger()
         self._skips = FrameSkips()
         self.measure: Measure = lambda name: nullcontext()
@@ -158,7 +160,7 @@ class Frame:
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
             air = self._clouds.prepare(scene, view, light, air, state.size_px)
-        if not still and state.shows == "picture":
+        if not still and state.shows == "picture" and self._choices.takes_over:
             return self._draw_moving(
                 scene, seen, view, light, disc, shadows, reflection, air, state
             )
