@@ -35,6 +35,7 @@ class HeadlessStage:
     """A host without OpenGL: the scene is opened and lit, and drawn black."""
 
     renderer = "none"
+    device = None
 
     def __init__(self):
         self.kernel, self.failures = daylight_kernel()

@@ -24,11 +24,15 @@ from vrut_lite.render.air import AirOnGpu, AirSurroundings, FrameAir
 from vrut_lite.render.backdrop import Backdrop
 from vrut_lite.render.clouds.frame_clouds import CLOUD_SHADOWS, FrameClouds
 from vrut_lite.render.culling import in_view, part_of
+from vrut_lite.render.device import Choices
 from vrut_lite.render.gl_owner import bind_permanent_framebuffer
 from vrut_lite.render.lamps import LampsOnGpu
 from vrut_lite.render.light import Light, Reflection, Shadow, Shadows
+from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
+from vrut_lite.render.passes.edge_filter import EdgeFilter
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
+from vrut_lite.render.passes.reuse import Reuse
 from vrut_lite.render.passes.shadow_map import ShadowMaps
 from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
 from vrut_lite.render.passes.sky_pass import SkyPass, SunDisc
@@ -67,8 +71,9 @@ class Frame:
     what was skipped.
     """
 
-    def __init__(self, context: Any):
+    def __init__(self, context: Any, choices: Choices):
         self._context = context
+        self._choices = choices
         self.ledger = Ledger()
         self._skips = FrameSkips()
         self.measure: Measure = lambda name: nullcontext()
@@ -87,6 +92,9 @@ class Frame:
         self._clouds = FrameClouds(context, self.ledger, self._patience)
         self._reflectance = _table_texture(context)
         self._targets = SizeCache(context, lambda size: Targets(context, size))
+        self._moving = SizeCache(context, lambda size: MovingTargets(context, size))
+        self._reuse = Reuse(context)
+        self._edges = EdgeFilter(context)
 
     def show_view(self, view: ViewShader | None) -> None:
         """Set the background's shader; with None or after an error the cube map is drawn (see
@@ -138,7 +146,6 @@ class Frame:
             state.key_light.angular_radius_rad,
             state.key_light.limb_darkening_rgb,
         )
-        targets = self._targets.get(state.size_px)
         self._meshes.update(scene)
         self._meshes.section = state.section
         seen = self._seen(scene, view)
@@ -153,6 +160,11 @@ class Frame:
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
             air = self._clouds.prepare(scene, view, light, air, state.size_px)
+        if not still and state.shows == "picture" and self._choices.takes_over:
+            return self._draw_moving(
+                scene, seen, view, light, disc, shadows, reflection, air, state
+            )
+        targets = self._targets.get(state.size_px)
         finished = still and state.light_of_view is not None
         shifts = _SHIFTS_PX if finished else _SHIFTS_PX[:1]
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
@@ -188,7 +200,7 @@ class Frame:
                 targets.write_resolved(resolved)
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
-            self._tone.draw(targets, ev100, state.exposure)
+            self._tone.draw(targets.radiance, targets.display, ev100, state.exposure)
         return Picture(radiance, targets.read_display(), ev100)
 
     def release(self) -> None:
@@ -197,7 +209,7 @@ class Frame:
         self._meshes.delete()
         for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
                       self._air, self._surface_light, self._lamps, self._clouds, self._backdrop,
-                      self._targets):  # fmt: skip
+                      self._targets, self._moving, self._reuse, self._edges):  # fmt: skip
             thing.release()
 
     def _draw_seen(
@@ -270,6 +282,60 @@ class Frame:
             self.ledger.did("backdrop")
         with self.measure("blended mesh"):
             draw_meshes(blended, blended=True)
+
+    def _draw_moving(
+        self,
+        scene: PyrenderScene,
+        seen: list[PlacedPrimitive],
+        view: View,
+        light: Light,
+        disc: SunDisc,
+        shadows: Shadows,
+        reflection: Reflection,
+        air: FrameAir,
+        state: SceneState,
+    ) -> Picture:
+        """A picture of one sample a pixel, of which much is taken over from the one before."""
+        targets = self._moving.get(state.size_px)
+        solid, blended = in_order(seen, view.eye_m)
+        self._meshes.read_finer(scene, 0.0)
+        self.ledger.did("picture")
+        defines: Defines = (*air.mesh, *self._lamps.defines)
+
+        def draw_meshes(placed: list[PlacedPrimitive], blended: bool) -> None:
+            self._meshes.draw(
+                scene, placed, view, light, shadows, reflection, self._surface_light, defines,
+                blended,
+            )  # fmt: skip
+
+        # For the viewport.
+        targets.multisampled.use()
+        targets.front.bind()
+        with reversed_depth():
+            with self.measure("depth"):
+                self._meshes.draw_depth_of_solid(solid, view)
+            with self.measure("reuse"):
+                self._reuse.begin(targets, view, state)
+            with self.measure("mesh"):
+                draw_meshes(solid[::-1], blended=False)
+            with self.measure("sky"):
+                self._sky.draw_remaining(targets.size, view, light, disc, air.sky)
+            if blended or self._clouds.are_drawn:
+                targets.draw_over()
+                with self.measure("clouds"):
+                    self._clouds.draw(scene, targets, view, air, still=False)
+                with self.measure("blended mesh"):
+                    if any(needs_backdrop(placed.primitive.material) for placed in blended):
+                        self._backdrop.take(targets.multisampled, targets.size)
+                    draw_meshes(blended, blended=True)
+        with self.measure("copy and meter"):
+            radiance = targets.read_radiance()
+            ev100 = exposure.ev100_of(state.exposure, radiance)
+        with self.measure("tone map"):
+            self._tone.draw(targets.radiance, targets.toned, ev100, state.exposure)
+        with self.measure("edges"):
+            self._edges.draw(targets)
+        return Picture(radiance, targets.read_display(), ev100)
 
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool

@@ -5,6 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from vrut_lite.errors import UserError
+from vrut_lite.render.device import Device, device_of
 from vrut_lite.render.gl_environment import prepare_environment, probe_gl
 
 T = TypeVar("T")
@@ -30,6 +31,7 @@ class GlOwner:
         self.renderer = renderer
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gl-owner")
         self._context: Any = self._thread.submit(_create_context).result()
+        self.device: Device = self.call(device_of)
 
     def submit(self, work: Callable[[Any], T]) -> "Future[T]":
         """Queue work for the GL thread."""

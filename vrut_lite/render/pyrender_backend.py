@@ -42,7 +42,7 @@ class PyrenderBackend:
 
     def __init__(self, owner: GlOwner):
         self._owner = owner
-        self._frame: Frame = owner.call(Frame)
+        self._frame: Frame = owner.call(lambda context: Frame(context, owner.device.choices))
         # The background last: only its shader may be refused.
         self._uploads: dict[str, Callable[[Any, Any], None]] = {
             "scene": self._upload_scene,

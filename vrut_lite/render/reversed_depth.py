@@ -43,6 +43,51 @@ def reversed_depth() -> Iterator[None]:
         _clip_control()(GL.GL_LOWER_LEFT, _NEGATIVE_ONE_TO_ONE)
 
 
+class DepthTexture:
+    """32-bit float depth, one sample a pixel, that shaders read; moderngl has none.
+
+    Its own framebuffer `glo` holds nothing else.
+    """
+
+    def __init__(self, size: tuple[int, int]):
+        self.size = size
+        self._texture = int(GL.glGenTextures(1))
+        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
+        GL.glTexStorage2D(GL.GL_TEXTURE_2D, 1, GL.GL_DEPTH_COMPONENT32F, *size)
+        for name in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_NEAREST)
+        self.glo = int(GL.glGenFramebuffers(1))
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self.glo)
+        self.attach()
+
+    def attach(self) -> None:
+        """Be the depth of the framebuffer that is bound."""
+        GL.glFramebufferTexture2D(
+            GL.GL_DRAW_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self._texture, 0
+        )
+
+    def bind(self) -> None:
+        """Draw into it alone; the viewport stays."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.glo)
+
+    def copy(self, framebuffer: Any) -> None:
+        """Take the depth of a moderngl framebuffer as it is now."""
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, framebuffer.glo)
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self.glo)
+        box = (0, 0, *self.size)
+        GL.glBlitFramebuffer(*box, *box, GL.GL_DEPTH_BUFFER_BIT, GL.GL_NEAREST)
+
+    def use(self, location: int) -> None:
+        """Bind it to a texture unit."""
+        GL.glActiveTexture(GL.GL_TEXTURE0 + location)
+        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
+
+    def release(self) -> None:
+        """Free texture and framebuffer."""
+        GL.glDeleteFramebuffers(1, [self.glo])
+        GL.glDeleteTextures([self._texture])
+
+
 class FloatDepth:
     """A multisampled 32-bit depth attachment of a moderngl framebuffer, which has none yet."""
 

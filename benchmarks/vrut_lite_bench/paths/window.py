@@ -18,13 +18,20 @@ PARTS = ("kernel", "draw", "paint", "whole")
 # What goes on meanwhile; of a gap, all of it, what lies outside drawing, the window's own CPU time.
 ACTS = ("nothing", "atmosphere solved anew", "scene loaded", "clouds made", "module sleeps 0.4 s")
 GAPS = ("longest gap", "outside drawing", "own work")
-# Of time that plays, from one to the next: pictures, how long one is drawn, light on surfaces.
-PACES, PACE_PARTS = ("light transport off", "light transport on"), ("picture", "drawing", "light")
+# Pictures while the camera turns and while time plays: from one to the next, CPU of all threads
+# for one, and how long it is drawn. The process also says the mean share of the window's width.
+PACE_SCENES, PACES = ("street.toml", "pavilion.gltf"), ("orbiting", "time playing")
+PACE_PARTS = ("picture", "CPU", "drawing")
 _LATENCY = tuple(
     f"{renderer}, {sky}: {part}" for renderer in RENDERERS for sky in SKIES for part in PARTS
 )
 _GAPS = tuple(f"{act}: {gap}" for act in ACTS for gap in GAPS)
-_PACE = tuple(f"{pace}: {part}" for pace in PACES for part in PACE_PARTS)
+_PACE = tuple(
+    f"{scene.partition('.')[0]}, {pace}: {part}"
+    for scene in PACE_SCENES
+    for pace in PACES
+    for part in PACE_PARTS
+)
 _UNITS = {
     "window-latency": "a move of the slider",
     "window-gaps": "the longest gap",
@@ -43,7 +50,7 @@ def groups(quick: bool) -> list[Group]:
     return [
         _group("window-latency", "From the turbidity's slider to the picture", _LATENCY, left_out),
         _group("window-gaps", "Gaps of the window's event loop", _GAPS, left_out),
-        _group("window-pace", "The street while time plays", _PACE, left_out),
+        _group("window-pace", "Pictures while something moves", _PACE, left_out),
     ]
 
 
@@ -54,24 +61,24 @@ def _group(name: str, title: str, paths: tuple[str, ...], left_out: dict[str, st
         unit=_UNITS[name],
         norm="none: times alone",
         truth="none",
-        paths=() if left_out else tuple(map(_path, paths)),
+        paths=() if left_out else tuple(_path(name, each) for each in paths),
         left_out=left_out,
     )
 
 
-def _path(name: str) -> BenchPath:
+def _path(group: str, name: str) -> BenchPath:
     def seconds() -> float:
         if name not in _measured:
-            _measured.update(_measure())
+            _measured.update(_measure(group))
         return _measured.pop(name)
 
     clock = "wall time, or CPU time of the window's thread for its own work"
     return measured_path(name, name.partition(":")[0], "window", clock, seconds)
 
 
-def _measure() -> dict[str, float]:
-    """Seconds of every path, by a new process; ModuleFailed as `figures_of`."""
+def _measure(group: str) -> dict[str, float]:
+    """Seconds of a group's paths, by a new process; ModuleFailed as `figures_of`."""
     platform = os.environ.get("QT_QPA_PLATFORM", "offscreen")
     return figures_of(
-        "the window", "vrut_lite_bench.paths.window_process", QT_QPA_PLATFORM=platform
+        "the window", "vrut_lite_bench.paths.window_process", group, QT_QPA_PLATFORM=platform
     )

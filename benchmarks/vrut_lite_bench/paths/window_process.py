@@ -1,15 +1,16 @@
 """Measures the desktop application's window and prints seconds by path name as JSON.
 
-    python -m vrut_lite_bench.paths.window_process
+    python -m vrut_lite_bench.paths.window_process GROUP
 
 Latency: medians of some moves of the turbidity's slider. Gaps: a timer of 0 ms beats in the event
 loop, and the longest time between two beats is the gap; outside drawing is the part of it in which
-the engine drew no frame on any thread; own work is the window's CPU time in it. Pace: ten
-seconds in which time plays ten minutes a second, from 7 in the morning.
+the engine drew no frame on any thread; own work is the window's CPU time in it. Pace: six
+seconds in which a hand turns the camera, or time plays ten minutes a second from 7 in the morning.
 """
 
 import gc
 import json
+import sys
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -26,7 +27,6 @@ from vrut_lite.app.engine.stage import GlStage, Stage
 from vrut_lite.app.theme import apply_theme
 from vrut_lite.app.window.main_window import MainWindow
 from vrut_lite.daylight.clouds import CloudsChanged
-from vrut_lite.daylight.light_map import SurfaceLightChanged
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.sky import BackgroundChanged
 from vrut_lite.kernel.messages import ChooseSlot, ClockMoved, SetSetting
@@ -34,10 +34,13 @@ from vrut_lite.kernel.module import Manifest, Module, handles
 from vrut_lite.kernel.trace import Entry
 from vrut_lite.project import load_project
 from vrut_lite_bench.paths.frame import SCENES
-from vrut_lite_bench.paths.window import ACTS, GAPS, PACE_PARTS, PACES, PARTS, SKIES
+from vrut_lite_bench.paths.window import ACTS, GAPS, PACE_PARTS, PACE_SCENES, PACES, PARTS, SKIES
 
 SIZE = (1600, 1000)
-_MORNING, _RAYS = datetime(2026, 6, 21, 7, tzinfo=UTC), 256
+PACE_SIZE, _PACE_S, _SETTLING_S = (1280, 800), 6.0, 2.0
+# A hand's moves: how often, and how far in shares of the picture's height.
+_HAND_MS, _TURN = 16, 0.004
+_MORNING = datetime(2026, 6, 21, 7, tzinfo=UTC)
 _LIMIT_S, _REST_S, _MOVES = 300.0, 10.0, 5
 # Shorter gaps are not kept: to keep all of them would itself make longer ones.
 _SHORT_S = 1e-3
@@ -66,9 +69,14 @@ class Span(NamedTuple):
 
 
 class Window:
-    """The application's window with the street open, its event loop watched."""
+    """The application's window with a scene open, its event loop watched."""
 
-    def __init__(self, open_stage: Callable[[], Stage]) -> None:
+    def __init__(
+        self,
+        open_stage: Callable[[], Stage],
+        scene: str = "street.toml",
+        size: tuple[int, int] = SIZE,
+    ) -> None:
         known = QApplication.instance()
         self.app = known if isinstance(known, QApplication) else QApplication([])
         apply_theme(self.app)
@@ -78,10 +86,13 @@ class Window:
         self.stills = 0
         self.session = Session(lambda: self._timed(open_stage()))
         self.window = MainWindow(self.session)
-        self.window.resize(*SIZE)
+        self.window.resize(*size)
         self.window.show()
         self.session.start()
-        self.window.files.open_project(load_project(SCENES / "street.toml"))
+        if scene.endswith(".toml"):
+            self.window.files.open_project(load_project(SCENES / scene))
+        else:
+            self.session.send(LoadScene(path=str(SCENES / scene)))
         self.session.picture_shown.connect(self._count)
         self._beat = QTimer()
         self._beat.timeout.connect(self._note)
@@ -258,32 +269,36 @@ def acts(bench: Window) -> dict[str, Callable[[], None]]:
     return dict(zip(ACTS, (rest, solve, load, clouds, sleep), strict=True))
 
 
-def pace(bench: Window, on: bool) -> tuple[float, float, float]:
-    """Seconds of `PACE_PARTS` while time plays, with light transport or without it."""
-    drawn: list[float] = []
-    lights: list[SurfaceLightChanged] = []
-    bench.session.send(SetSetting(module="light_transport", name="on", value=on))
-    bench.still()
-    bench.session.picture_shown.connect(lambda shown: drawn.append(shown.seconds))
-    bench.session.listen(SurfaceLightChanged, lights.append)
-    bench.window.time.go_to(_MORNING)
-    bench.still()
-    if on:
-        bench.until(lambda: bool(lights) and lights[-1].rays >= _RAYS)
-    player = bench.window.time.player
-    player.play()
-    start_s = time.perf_counter()
+def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
+    """Seconds of `PACE_PARTS` and the share of the width, while time plays or the camera turns."""
+    drawn: list[Shown] = []
+    bench.session.picture_shown.connect(drawn.append)
+    player, view = bench.window.time.player, bench.window.desk.viewport
+    turning = QTimer()
+    turning.timeout.connect(lambda: (view._hand.drag(_TURN, 0.0, False), view.send_camera()))
+    if playing:
+        bench.window.time.go_to(_MORNING)
+        bench.still()
+        player.play()
+    else:
+        turning.start(_HAND_MS)
+    start_s, before = time.perf_counter(), time.process_time()
+    bench.until(lambda: time.perf_counter() > start_s + _SETTLING_S)
     drawn.clear()
-    lights.clear()
-    bench.until(lambda: time.perf_counter() > start_s + _REST_S)
-    spent_s, pictures, hours = time.perf_counter() - start_s, len(drawn), len(lights)
+    start_s, before = time.perf_counter(), time.process_time()
+    bench.until(lambda: time.perf_counter() > start_s + _PACE_S)
+    spent_s, cpu_s = time.perf_counter() - start_s, time.process_time() - before
     player.pause()
+    turning.stop()
+    shown, count = list(drawn), max(len(drawn), 1)
     bench.still()
-    return spent_s / max(pictures, 1), float(np.mean(drawn)), spent_s / max(hours, 1)
+    width = float(np.mean([each.picture.display.shape[1] for each in shown])) / view.pixels[0]
+    drawing_s = float(np.mean([each.seconds for each in shown]))
+    return spent_s / count, cpu_s / count, drawing_s, width
 
 
-def main() -> None:
-    """Print all figures as one line of JSON."""
+def latencies() -> dict[str, float]:
+    """Of `window-latency`."""
     found: dict[str, float] = {}
     stages: dict[str, Callable[[], Stage]] = {
         "OpenGL": GlStage,
@@ -295,6 +310,12 @@ def main() -> None:
             for part, seconds in zip(PARTS, latency(bench, sky), strict=True):
                 found[f"{renderer}, {sky}: {part}"] = seconds
         bench.close()
+    return found
+
+
+def gaps() -> dict[str, float]:
+    """Of `window-gaps`."""
+    found: dict[str, float] = {}
     bench = Window(GlStage)
     # As the application does.
     gc.freeze()
@@ -303,13 +324,24 @@ def main() -> None:
         for gap, seconds in zip(GAPS, bench.gaps_s(act), strict=True):
             found[f"{name}: {gap}"] = seconds
     bench.close()
-    bench = Window(GlStage)
-    for name in PACES:
-        for part, seconds in zip(PACE_PARTS, pace(bench, name == PACES[1]), strict=True):
-            found[f"{name}: {part}"] = seconds
-    bench.close()
-    print(json.dumps(found))
+    return found
 
+
+def paces() -> dict[str, float]:
+    """Of `window-pace`, and the share of the width."""
+    found: dict[str, float] = {}
+    for scene in PACE_SCENES:
+        bench = Window(GlStage, scene, PACE_SIZE)
+        gc.freeze()
+        for name in PACES:
+            figures = pace(bench, playing=name == PACES[1])
+            for part, figure in zip((*PACE_PARTS, "width"), figures, strict=True):
+                found[f"{scene.partition('.')[0]}, {name}: {part}"] = figure
+        bench.close()
+    return found
+
+
+_GROUPS = {"window-latency": latencies, "window-gaps": gaps, "window-pace": paces}
 
 if __name__ == "__main__":
-    main()
+    print(json.dumps(_GROUPS[sys.argv[1]]()))

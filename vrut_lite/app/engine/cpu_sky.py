@@ -22,6 +22,7 @@ from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Vector
 from vrut_lite.pictures.display import developed
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.device import Device
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp, SceneView
@@ -79,6 +80,7 @@ class CpuSkyStage:
         self._view = SceneView(self._backend)
         self.kernel.add_module(SceneManager, view=self._view, cube_size=_CUBE_SIZE, light_map=False)
         self.renderer = "CPU, sky alone"
+        self.device: Device | None = None
         self.pass_seconds: dict[str, float] = {}
         self.frame_ledger = Ledger()
 

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.app.engine.adaptation import Adaptation
-from vrut_lite.app.engine.pacing import Pacing, scaled
+from vrut_lite.app.engine.pacing import Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.picture import SetExposure
@@ -22,6 +22,7 @@ from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.foreign_errors import sentence_of
 from vrut_lite.kernel.messages import Input, Message
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.change_of_light import change_of_light
 from vrut_lite.scene.backend import GivenUp
 
 T = TypeVar("T")
@@ -75,6 +76,8 @@ class Engine:
         self._in_vain = False
         self._camera: Any = None
         self._drawn: SceneState | None = None
+        # The last picture that was not finished.
+        self._moved_from: SceneState | None = None
         self._numbers = count()
         self._thread = threading.Thread(target=self._run, name="vrut-lite engine", daemon=True)
 
@@ -149,7 +152,8 @@ class Engine:
         except BaseException as error:
             self._trouble(error)
             return None
-        self._pacing.expect(stage.renderer)
+        if stage.device is not None:
+            self._pacing.expect(stage.device.choices.expected_s)
         stage.kernel.tap(self._hear)
         stage.kernel.on_inject(self._awake.set)
         for failure in stage.failures:
@@ -217,7 +221,7 @@ class Engine:
             return
         if stage.state is not self._drawn or (wakes_at_s is not None and now_s >= wakes_at_s):
             self._drawn, self._in_vain = stage.state, False
-            self._draw_one(stage, self._pacing.quick_scale(), still=False)
+            self._draw_one(stage, self._kind_of(stage))
             # A finished picture waits until the exposure has settled.
             settled = self._adaptation.settled
             self._finish_at_s = self._now_s() + self._pacing.rest_s() if settled else None
@@ -226,9 +230,19 @@ class Engine:
             return
         elif self._finish_at_s is not None and now_s >= self._finish_at_s:
             self._finish_at_s = None
-            self._draw_one(stage, 1.0, still=True)
+            self._draw_one(stage, "still")
 
-    def _draw_one(self, stage: Stage, scale: float, still: bool) -> None:
+    def _kind_of(self, stage: Stage) -> Kind:
+        """What the next picture while something moves will be."""
+        before = self._moved_from
+        takes_over = stage.device is not None and stage.device.choices.takes_over
+        if before is None or not takes_over or change_of_light(before, stage.state) is None:
+            return "anew"
+        return "taken over"
+
+    def _draw_one(self, stage: Stage, kind: Kind) -> None:
+        still = kind == "still"
+        scale = 1.0 if still else self._pacing.quick_scale(kind)
         start_s = self._now_s()
         adaptation, state = self._adaptation, stage.state
         exposure = (
@@ -248,7 +262,9 @@ class Engine:
             return
         seconds = self._now_s() - start_s
         adaptation.drew(picture, exposure, self._now_s())
-        self._pacing.drew(scale, seconds)
+        self._pacing.drew(scale, seconds, kind)
+        if not still:
+            self._moved_from = state
         self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds, adaptation.held))
 
     def _hear(self, message: Message, sender: str) -> None:

@@ -1,44 +1,47 @@
-"""The size of the next picture, so that pictures keep up while the camera moves."""
+"""The size of the next picture, so that pictures keep up while something moves."""
 
-# At nine pictures a second motion still looks continuous.
-QUICK_S = 0.11
+from typing import Literal
+
+# At twenty pictures a second motion is smooth; the window's own work goes on beside.
+QUICK_S = 0.055
 # Few sizes: each needs framebuffers of its own.
-SCALES = (1.0, 0.7, 0.5, 0.35, 0.25)
+SCALES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)
 # Seconds without a change before the finished picture begins: more for slow pictures, since an
 # interruption costs the piece that is being drawn.
 _SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.5
 _REST_SHARE = 0.3
 _MEMORY = 0.5
-# Renderers of Mesa and Google without a graphics card, and seconds of a full picture by them.
-_ON_PROCESSORS, _ON_PROCESSORS_S = ("llvmpipe", "softpipe", "SwiftShader"), 2.0
+
+# A finished picture, one that is drawn anew, and one that takes much over from the one before.
+Kind = Literal["still", "anew", "taken over"]
 
 
 class Pacing:
-    """Estimates from each picture the time of one of full size."""
+    """Estimates from each picture the time of one of its kind and full size."""
 
     def __init__(self) -> None:
-        self._full_s = 0.0
-        self._is_known = False
+        self._full_s: dict[Kind, float] = {}
+        self._expected_s = 0.0
 
-    def expect(self, renderer: str) -> None:
-        """Guess from a renderer's name, until the first picture: a processor's are small."""
-        if any(name in renderer for name in _ON_PROCESSORS):
-            self._full_s = _ON_PROCESSORS_S
+    def expect(self, seconds: float) -> None:
+        """Guess the time of a full picture of a kind that was not drawn yet."""
+        self._expected_s = seconds
 
-    def quick_scale(self) -> float:
+    def quick_scale(self, kind: Kind = "anew") -> float:
         """The largest scale at which a picture is expected in time, or the smallest that is."""
-        return next((s for s in SCALES if self._full_s * s * s <= QUICK_S), SCALES[-1])
+        full_s = self._full_s.get(kind, self._expected_s)
+        return next((s for s in SCALES if full_s * s * s <= QUICK_S), SCALES[-1])
 
     def rest_s(self) -> float:
         """Seconds without a change before the finished picture begins."""
-        return min(max(_REST_SHARE * self._full_s, _SHORTEST_REST_S), _LONGEST_REST_S)
+        still_s = self._full_s.get("still", self._expected_s)
+        return min(max(_REST_SHARE * still_s, _SHORTEST_REST_S), _LONGEST_REST_S)
 
-    def drew(self, scale: float, seconds: float) -> None:
+    def drew(self, scale: float, seconds: float, kind: Kind = "anew") -> None:
         """Learn from the time of a picture of this scale."""
         full_s = seconds / scale**2
-        known_s = self._full_s if self._is_known else full_s
-        self._full_s = (1.0 - _MEMORY) * known_s + _MEMORY * full_s
-        self._is_known = True
+        known_s = self._full_s.get(kind, full_s)
+        self._full_s[kind] = (1.0 - _MEMORY) * known_s + _MEMORY * full_s
 
 
 def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:

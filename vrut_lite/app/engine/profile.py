@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.render.device import Device
 
 FRAME = "frame"
 
@@ -14,7 +15,8 @@ class Profile(NamedTuple):
     """A time span of `span_s`; milliseconds by name.
 
     `modules` and `jobs` are sums over that time, `passes` those of the last frame; `skipped`
-    counts skipped work by the module or frame that skipped it and the kind of work.
+    counts skipped work by the module or frame that skipped it and the kind of work. `device` is the
+    renderer, None without OpenGL.
     """
 
     span_s: float
@@ -22,6 +24,7 @@ class Profile(NamedTuple):
     jobs: dict[str, float]
     passes: dict[str, float]
     skipped: dict[tuple[str, str], int]
+    device: Device | None = None
 
 
 class Counts(NamedTuple):
@@ -50,6 +53,7 @@ class Profiler:
             jobs=self._jobs_ms(since_ns),
             passes={name: 1e3 * s for name, s in self._stage.pass_seconds.items()},
             skipped=_grown(before, self._ledgers),
+            device=self._stage.device,
         )
 
     def _modules_ms(self, since_ns: int) -> dict[str, float]:

@@ -11,6 +11,7 @@ from vrut_lite.host import Host
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.pictures.picture import Picture
+from vrut_lite.render.device import Device
 from vrut_lite.render.light_meter import Illuminance
 from vrut_lite.render.rays import Hit
 from vrut_lite.scene.backend import IsGivenUp
@@ -30,6 +31,10 @@ class Stage(Protocol):
     @property
     def renderer(self) -> str:
         """The renderer's name."""
+
+    @property
+    def device(self) -> Device | None:
+        """The renderer, tried out; None without OpenGL."""
 
     @property
     def failures(self) -> list[str]:
@@ -70,6 +75,7 @@ class GlStage:
         self._host.measure_passes(self._measured)
         self.pass_seconds: dict[str, float] = {}
         self.renderer: str = self._host.gl.renderer
+        self.device: Device | None = self._host.gl.device
         self.failures: list[str] = self._host.failures
 
     @property

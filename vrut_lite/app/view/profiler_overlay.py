@@ -147,6 +147,14 @@ def lines_of(profile: Profile, frame_ms: float, gap_ms: float, frame_gap_ms: flo
     ]
     if profile.jobs:
         lines += [Line("Jobs that ended", "ms", heading=True), *_measured(profile.jobs.items())]
+    if profile.device is not None:
+        choices, trial_ns = profile.device.choices, profile.device.trial_ns
+        taken = "one sample, taken over" if choices.takes_over else "finished samples"
+        lines += [
+            Line("Drawn by", choices.name, heading=True),
+            Line("trial, a pixel", f"{trial_ns:.2g} ns"),
+            Line("while something moves", taken),
+        ]
     skipped = sorted(profile.skipped.items(), key=lambda item: -item[1])[:_MOST_LINES]
     lines.append(Line("Work left out", "times" if skipped else "none", heading=True))
     lines += [Line(f"{owner}: {work}", f"{count:,}") for (owner, work), count in skipped]

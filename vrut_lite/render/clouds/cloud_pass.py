@@ -11,9 +11,11 @@ import numpy as np
 
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
 from vrut_lite.render.gl_environment import import_pyrender
+from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience, Pieces
+from vrut_lite.render.reversed_depth import DepthTexture
 from vrut_lite.render.shader_files import Defines
 from vrut_lite.render.size_cache import SizeCache
 from vrut_lite.render.targets import Targets
@@ -26,6 +28,7 @@ COARSER = 2
 # Pixels below the clouds take no time, pixels among them do: a piece of the former must not set the
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
+_BEFORE_SKY = 1e-20
 
 
 class CloudPass:
@@ -37,12 +40,12 @@ class CloudPass:
         self._marches: dict[Defines, FullScreen] = {}
         self._composite: FullScreen | None = None
         self._targets = SizeCache(context, lambda size: _CloudTarget(context, size))
-        self._depths = SizeCache(context, _MeshDepth)
+        self._depths = SizeCache(context, DepthTexture)
 
     def draw(
         self,
         clouds: CloudsOnGpu,
-        targets: Targets,
+        targets: Targets | MovingTargets,
         view: View,
         air: Defines,
         pixels: int,
@@ -60,7 +63,7 @@ class CloudPass:
         if before_meshes:
             defines = (*defines, "BEFORE_MESHES")
             depth = self._depths.get(targets.size)
-            depth.copy(targets)
+            depth.copy(targets.multisampled)
             depth.use(location=4)
         self._march(clouds, view, defines, target, pixels)
         targets.multisampled.use()
@@ -102,9 +105,12 @@ class CloudPass:
         context.enable(context.DEPTH_TEST | context.BLEND)
         GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_SRC_ALPHA, GL.GL_ZERO, GL.GL_ONE)
         GL.glDepthFunc(GL.GL_GEQUAL if only_sky else GL.GL_LESS)
+        # Before the depths that pictures of one sample give the sky, behind all else.
+        GL.glDepthRange(_BEFORE_SKY, 1.0)
         context.depth_mask = False
         self._composite.draw()
         context.depth_mask = True
+        GL.glDepthRange(0.0, 1.0)
         GL.glDepthFunc(GL.GL_GREATER)
         context.disable(context.BLEND)
 
@@ -124,37 +130,3 @@ class _CloudTarget:
         """Free everything; another framebuffer must be bound."""
         for thing in (self.buffer, self.before_sky, self.before_mesh):
             thing.release()
-
-
-class _MeshDepth:
-    """A copy of the frame's depth, one sample a pixel; moderngl has no 32-bit float depth."""
-
-    def __init__(self, size: tuple[int, int]):
-        self.size = size
-        self._texture = int(GL.glGenTextures(1))
-        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
-        GL.glTexStorage2D(GL.GL_TEXTURE_2D, 1, GL.GL_DEPTH_COMPONENT32F, *size)
-        for name in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_NEAREST)
-        self._buffer = int(GL.glGenFramebuffers(1))
-        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._buffer)
-        GL.glFramebufferTexture2D(
-            GL.GL_DRAW_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self._texture, 0
-        )
-
-    def copy(self, targets: Targets) -> None:
-        """Take the depth of the frame as it is now."""
-        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, targets.multisampled.glo)
-        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._buffer)
-        box = (0, 0, *self.size)
-        GL.glBlitFramebuffer(*box, *box, GL.GL_DEPTH_BUFFER_BIT, GL.GL_NEAREST)
-
-    def use(self, location: int) -> None:
-        """Bind it to a texture unit."""
-        GL.glActiveTexture(GL.GL_TEXTURE0 + location)
-        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
-
-    def release(self) -> None:
-        """Free texture and framebuffer."""
-        GL.glDeleteFramebuffers(1, [self._buffer])
-        GL.glDeleteTextures([self._texture])

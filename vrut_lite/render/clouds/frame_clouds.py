@@ -13,6 +13,7 @@ from vrut_lite.render.clouds.cloud_pass import COARSER, CloudPass
 from vrut_lite.render.clouds.cloud_shadow import CloudShadowMap
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings
 from vrut_lite.render.light import Light
+from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.pieces import Patience
 from vrut_lite.render.pyrender_scene import PyrenderScene
@@ -69,8 +70,18 @@ class FrameClouds:
         casts = self._shadow.bind(self._clouds, clear, beneath, around)
         return with_cloud_shadows(air) if casts else air
 
+    @property
+    def are_drawn(self) -> bool:
+        """Whether this frame has clouds."""
+        return self._drawn
+
     def draw(
-        self, scene: PyrenderScene, targets: Targets, view: View, air: FrameAir, still: bool
+        self,
+        scene: PyrenderScene,
+        targets: Targets | MovingTargets,
+        view: View,
+        air: FrameAir,
+        still: bool,
     ) -> None:
         """Clouds over the sky, and over meshes that stand behind them."""
         if not self._drawn:

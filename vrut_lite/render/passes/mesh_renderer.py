@@ -69,12 +69,8 @@ class MeshRenderer(CasterRenderer):
         A mesh drawn thereafter passes where it is as near as that depth. Software renderers shade
         hidden samples too where there are several a pixel: hidden sides are not to be drawn.
         """
-        solid = [p for p in placed_in_order if is_all_solid(p.primitive.material)]
-        GL.glEnable(GL.GL_DEPTH_TEST)
-        GL.glDepthMask(GL.GL_TRUE)
+        solid = self.draw_depth_of_solid(placed_in_order, view)
         GL.glColorMask(*4 * [GL.GL_FALSE])
-        for placed in solid:
-            self._draw_depth_of(placed, view, Side(0 if placed.is_two_sided else GL.GL_BACK))
         GL.glDepthMask(GL.GL_FALSE)
         GL.glDepthFunc(GL.GL_GEQUAL)
         shown = [(placed, side) for placed in solid for side in sides(placed, blended=False)]
@@ -84,6 +80,19 @@ class MeshRenderer(CasterRenderer):
         GL.glColorMask(*4 * [GL.GL_TRUE])
         GL.glUseProgram(0)
         return unseen
+
+    def draw_depth_of_solid(
+        self, placed_in_order: Iterable[PlacedPrimitive], view: View
+    ) -> list[PlacedPrimitive]:
+        """Draw the depth of what is all solid, and return that."""
+        solid = [p for p in placed_in_order if is_all_solid(p.primitive.material)]
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthMask(GL.GL_TRUE)
+        GL.glColorMask(*4 * [GL.GL_FALSE])
+        for placed in solid:
+            self._draw_depth_of(placed, view, Side(0 if placed.is_two_sided else GL.GL_BACK))
+        GL.glColorMask(*4 * [GL.GL_TRUE])
+        return solid
 
     def _draw_depth_of(self, placed: PlacedPrimitive, view: View, side: Side) -> None:
         self._set_place(self._depth_program(*self._cuts(placed)), placed, view)
@@ -205,11 +214,12 @@ class MeshRenderer(CasterRenderer):
 
 
 def _lobe_defines(material: Any) -> Defines:
-    """What of reflections a surface has none of, by its roughness."""
+    """What a surface has none of: reflections, by its roughness, and holes."""
+    solid: Defines = ("SOLID",) if is_all_solid(material) else ()
     if material.matte:
-        return ("MATTE",)
+        return ("MATTE", *solid)
     is_rough = material.least_roughness >= _NO_MIRROR and material.terms.clearcoat <= 0.0
-    return ("BLURRED",) if is_rough else ()
+    return ("BLURRED", *solid) if is_rough else solid
 
 
 def _textures(material: Any) -> Iterable[tuple[str, Any]]:

@@ -87,6 +87,18 @@ class SkyPass:
         GL.glDepthFunc(GL.GL_GREATER)
         return count
 
+    def draw_remaining(
+        self, size: tuple[int, int], view: View, light: Light, disc: SunDisc, defines: Defines
+    ) -> None:
+        """Draw the sky where nothing was drawn, with one sample a pixel."""
+        GL.glDepthFunc(GL.GL_GEQUAL)
+        self._context.enable(self._context.DEPTH_TEST)
+        self._context.disable(self._context.CULL_FACE | self._context.BLEND)
+        self._context.depth_mask = False
+        self._prepared(view, light, disc, defines).draw()
+        self._context.depth_mask = True
+        GL.glDepthFunc(GL.GL_GREATER)
+
     def _prepared(self, view: View, light: Light, disc: SunDisc, defines: Defines) -> FullScreen:
         """The program that draws the background, with its uniforms set."""
         seen = self._view.screen(defines)

@@ -7,41 +7,48 @@ from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.render.passes.full_screen import FullScreen
-from vrut_lite.render.targets import Targets
+from vrut_lite.render.shader_files import Defines
 
-# As tone_map.frag numbers them.
-_CURVES = {"none": 0, "exponential": 1, "agx": 2}
+_CURVES: dict[str, Defines] = {"none": (), "exponential": ("EXPONENTIAL",), "agx": ("AGX",)}
 
 
 class TonePass:
-    """Made and used on the GL thread only."""
+    """Made and used on the GL thread only; compiles the curves that are asked for."""
 
     def __init__(self, context: Any):
         self._context = context
-        self._screen = FullScreen(context, "tone_map.frag")
-        self._screen.set("inset", tone_map.INSET.T.ravel())
-        self._screen.set("outset", tone_map.OUTSET.T.ravel())
-        self._screen.set("darkest_log2", tone_map.DARKEST_LOG2)
-        self._screen.set("brightest_log2", tone_map.BRIGHTEST_LOG2)
-        self._screen.set("contrast", tone_map.CONTRAST)
-        self._screen.set("saturation", tone_map.SATURATION)
-        self._screen.set("exponential_rate", float(tone_map.EXPONENTIAL_RATE))
-        self._screen.set("luminance_weights", LUMINANCE_WEIGHTS)
-        self._screen.program["sigmoid"].value = list(tone_map.SIGMOID)
+        self._screens: dict[str, FullScreen] = {}
 
-    def draw(self, targets: Targets, ev100: float, wish: SetExposure) -> None:
-        """Turn the resolved radiance into the picture for display."""
-        targets.display.use()
-        targets.radiance.use(location=0)
+    def draw(self, radiance: Any, display: Any, ev100: float, wish: SetExposure) -> None:
+        """Turn a texture of radiance into a framebuffer for display, with luma as its alpha."""
+        if wish.tone_map not in self._screens:
+            self._screens[wish.tone_map] = self._screen(wish.tone_map)
+        screen = self._screens[wish.tone_map]
+        display.use()
+        radiance.use(location=0)
         matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-        self._screen.set("white_balance", matrix.T.ravel())
-        self._screen.set("exposure_scale", exposure.scale_of(ev100))
-        self._screen.set("curve", _CURVES[wish.tone_map])
+        screen.set("white_balance", matrix.T.ravel())
+        screen.set("exposure_scale", exposure.scale_of(ev100))
         self._context.disable(
             self._context.DEPTH_TEST | self._context.CULL_FACE | self._context.BLEND
         )
-        self._screen.draw()
+        screen.draw()
+
+    def _screen(self, curve: str) -> FullScreen:
+        screen = FullScreen(self._context, "tone_map.frag", _CURVES[curve])
+        screen.set("inset", tone_map.INSET.T.ravel())
+        screen.set("outset", tone_map.OUTSET.T.ravel())
+        screen.set("darkest_log2", tone_map.DARKEST_LOG2)
+        screen.set("brightest_log2", tone_map.BRIGHTEST_LOG2)
+        screen.set("contrast", tone_map.CONTRAST)
+        screen.set("saturation", tone_map.SATURATION)
+        screen.set("exponential_rate", float(tone_map.EXPONENTIAL_RATE))
+        screen.set("luminance_weights", LUMINANCE_WEIGHTS)
+        if "sigmoid" in screen.program:
+            screen.program["sigmoid"].value = list(tone_map.SIGMOID)
+        return screen
 
     def release(self) -> None:
         """Free the GL objects."""
-        self._screen.release()
+        for screen in self._screens.values():
+            screen.release()

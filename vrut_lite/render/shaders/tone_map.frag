@@ -1,12 +1,9 @@
 #version 430 core
 // Exposure, white balance, a tone curve and a dither: the twin of pictures/display.py.
 
-const int NONE = 0, EXPONENTIAL = 1, AGX = 2;
-
 uniform sampler2D radiance;
 uniform float exposure_scale;
 uniform mat3 white_balance;
-uniform int curve;
 uniform float exponential_rate;
 uniform mat3 inset;
 uniform mat3 outset;
@@ -47,9 +44,12 @@ vec3 agx(vec3 picture) {
 void main() {
     vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
     picture = white_balance * picture * exposure_scale;
-    vec3 encoded;
-    if (curve == AGX) encoded = agx(picture);
-    else if (curve == EXPONENTIAL) encoded = srgb_encode(1.0 - exp(-exponential_rate * max(picture, 0.0)));
-    else encoded = srgb_encode(picture);
-    display = vec4(encoded + dither(gl_FragCoord.xy), 1.0);
+#if defined(AGX)
+    vec3 encoded = agx(picture);
+#elif defined(EXPONENTIAL)
+    vec3 encoded = srgb_encode(1.0 - exp(-exponential_rate * max(picture, 0.0)));
+#else
+    vec3 encoded = srgb_encode(picture);
+#endif
+    display = vec4(encoded + dither(gl_FragCoord.xy), dot(encoded, luminance_weights));
 }

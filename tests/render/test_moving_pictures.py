@@ -1,0 +1,84 @@
+"""Pictures while something moves: of the same things, colours and light as the finished one."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from box_stage import show_box, sun_at, uniform_sky
+from scene_stage import light, look, square
+from stateful_backend import opened
+
+from vrut_lite.render import device
+from vrut_lite.render.change_of_light import change_of_light
+from vrut_lite.render.device import Device
+
+pytestmark = pytest.mark.gl
+SUN = {"sun_direction": sun_at(35.0, 40.0), "sun_irradiance": (10.0, 9.0, 8.0)}
+TARGET = (0.0, 1.0, 0.0)
+
+
+@pytest.fixture
+def backend(shared_gl_backend):
+    return shared_gl_backend(size_px=(160, 120))
+
+
+def around(angle_deg):
+    angle = np.radians(angle_deg)
+    return 7.0 * np.sin(angle), 3.0, 7.0 * np.cos(angle)
+
+
+def test_a_camera_that_went_on_for_a_while_sees_the_finished_picture(backend, box_file):
+    """What is taken over stays on its surface; what was hidden is drawn; colours are the same."""
+    backend.change(scene=opened(box_file))
+    light(backend, uniform_sky(1.0), **SUN)
+    for angle_deg in range(0, 60, 3):
+        moving = look(backend, around(angle_deg), TARGET, still=False).radiance
+    finished = look(backend, around(57), TARGET).radiance
+    off = np.abs(moving / finished - 1.0).max(axis=-1)
+    # Edges alone differ, where the finished picture has more samples.
+    assert np.median(off) < 1e-3
+    assert (off > 0.02).mean() < 0.03
+    np.testing.assert_allclose(moving.mean((0, 1)), finished.mean((0, 1)), rtol=5e-3)
+
+
+def test_what_is_seen_through_is_not_laid_over_itself(backend, tmp_path):
+    """Half of a blended pane and half of what is behind it, in the tenth picture too."""
+    pane = {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 0.5]}}
+    backend.change(scene=opened(square(tmp_path, pane)))
+    light(backend, uniform_sky(1.0), **SUN)
+    for _ in range(10):
+        moving = look(backend, (0.0, 3.0, 0.1), (0.0, 0.0, 0.0), still=False).radiance
+    finished = look(backend, (0.0, 3.0, 0.1), (0.0, 0.0, 0.0)).radiance
+    np.testing.assert_allclose(np.median(moving, (0, 1)), np.median(finished, (0, 1)), rtol=1e-3)
+
+
+def test_light_that_is_set_is_seen_at_once_and_that_of_the_hour_by_and_by(backend, box_file):
+    """A sun half as bright shows in all of the next picture; one that moves is scaled."""
+    show_box(backend, box_file)
+    light(backend, uniform_sky(1.0), **SUN)
+    bright = look(backend, around(0), TARGET, still=False).radiance
+    before = backend.state
+    light(backend, uniform_sky(0.5), **{**SUN, "sun_irradiance": (5.0, 4.5, 4.0)})
+    assert change_of_light(before, backend.state) is None
+    dark = look(backend, around(0), TARGET, still=False).radiance
+    np.testing.assert_allclose(dark, 0.5 * bright, rtol=2e-2)
+
+    before = backend.state
+    light(backend, uniform_sky(0.49), **{**SUN, "sun_direction": sun_at(35.5, 40.0)})
+    np.testing.assert_allclose(change_of_light(before, backend.state), 0.98, rtol=1e-3)
+    np.testing.assert_array_equal(change_of_light(before, replace(before, size_px=(9, 9))), 1.0)
+    assert change_of_light(before, replace(before, tolerance=0.1)) is None
+
+
+def test_a_renderer_is_tried_once_and_its_row_of_the_table_known(gl_owner, tmp_path, monkeypatch):
+    """Its time is kept by name and version; a damaged file is as none."""
+    kept = tmp_path / "devices.json"
+    monkeypatch.setattr(device, "_file", lambda: kept)
+    first = gl_owner.call(device.device_of)
+    kept.write_text(kept.read_text().replace(json.dumps(first.trial_ns), "2.5"))
+    assert gl_owner.call(device.device_of) == first._replace(trial_ns=2.5)
+    kept.write_text("{")
+    assert gl_owner.call(device.device_of).trial_ns > 0.0
+    assert not Device("a card", "1", 0.1).choices.takes_over
+    assert Device("llvmpipe", "1", 90.0).choices.takes_over

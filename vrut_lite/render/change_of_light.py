@@ -1,0 +1,42 @@
+"""Whether a picture may take over what the one before shows, and by how much brighter."""
+
+import numpy as np
+
+from vrut_lite.daylight.scene_state import SceneState
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.numeric_types import FloatArray
+
+# Parts of a state that must be the very same for a picture to be taken over.
+_KEPT = ("scene", "light_map", "section", "shows", "clouds", "tolerance")
+# Parts that the hour changes; without another hour they have been set by hand.
+_LIGHT = ("key_light", "background", "ambient", "sky_light", "surface_light", "air")
+# As far as the sun may have moved, and light may have become brighter or darker.
+_LARGEST_MOVE_RAD, _LARGEST_RATIO = 0.026, 1.1
+_UP = (0.0, 1.0, 0.0)
+
+
+def change_of_light(before: SceneState, now: SceneState) -> FloatArray | None:
+    """The light (3,) now of that before, by which a picture may be taken over; None: not at all.
+
+    While time plays both suns stand side by side; light that is set otherwise is seen at once.
+    """
+    if any(getattr(before, name) is not getattr(now, name) for name in _KEPT):
+        return None
+    if all(getattr(before, name) is getattr(now, name) for name in _LIGHT):
+        return np.ones(3)
+    old, new = before.key_light, now.key_light
+    assert old is not None
+    assert new is not None
+    moved = float(np.linalg.norm(np.subtract(new.direction, old.direction)))
+    if not 0.0 < moved < _LARGEST_MOVE_RAD:
+        return None
+    ratio = _level(now) / np.maximum(_level(before), 1e-20)
+    bounded = np.all((ratio < _LARGEST_RATIO) & (ratio > 1.0 / _LARGEST_RATIO))
+    return ratio if bounded else None
+
+
+def _level(state: SceneState) -> FloatArray:
+    """Irradiance (3,) of the sky on level ground in the open."""
+    light = state.ambient if state.sky_light is None else state.sky_light.ambient
+    assert light is not None
+    return np.asarray(evaluate_irradiance(light.irradiance_sh_rgb.values, _UP))

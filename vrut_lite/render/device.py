@@ -1,0 +1,117 @@
+"""What differs between renderers: one table, chosen by a trial of a second at most.
+
+The same shaders serve a graphics card and a processor (llvmpipe). The trial's time is kept in the
+user's cache, by the renderer's name and the driver's version.
+"""
+
+import json
+from contextlib import suppress
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from vrut_lite.errors import UserError
+from vrut_lite.render.shader_files import shader_source
+from vrut_lite.write_atomic import atomic_output
+
+_EDGE_PX, _ROUNDS = 256, 3
+_TRIAL = """#version 430 core
+in vec2 at;
+out vec4 colour;
+void main() {
+    float x = at.x;
+    for (int k = 0; k < 60; ++k) x = sin(x) + at.y;
+    colour = vec4(x);
+}
+"""
+
+
+class Choices(NamedTuple):
+    """A row of the table.
+
+    Attributes:
+        name: of the kind of renderer.
+        least_trial_ns: of a pixel of the trial; the last row that a renderer reaches is its own.
+        takes_over: moving pictures have one sample a pixel, smoothed edges, and what still holds of
+            the picture before; otherwise they have the finished picture's samples.
+        expected_s: of a picture in a window, before the first is drawn.
+    """
+
+    name: str
+    least_trial_ns: float
+    takes_over: bool
+    expected_s: float
+
+
+# A card has 0.1 ns, llvmpipe 50 to 200.
+TABLE = (
+    Choices("graphics card", 0.0, takes_over=False, expected_s=0.0),
+    Choices("processor", 10.0, takes_over=True, expected_s=1.0),
+)
+
+
+class Device(NamedTuple):
+    """A renderer, its driver's version, and the trial's nanoseconds a pixel."""
+
+    renderer: str
+    version: str
+    trial_ns: float
+
+    @property
+    def choices(self) -> Choices:
+        """The row of this renderer."""
+        return next(row for row in reversed(TABLE) if self.trial_ns >= row.least_trial_ns)
+
+
+def device_of(context: Any) -> Device:
+    """The context's renderer, tried out unless its time is known; on the GL thread."""
+    renderer, version = context.info["GL_RENDERER"], context.info["GL_VERSION"]
+    key = f"{renderer} | {version}"
+    known = _known()
+    trial_ns = known.get(key)
+    if not isinstance(trial_ns, float):
+        trial_ns = _trial_ns(context)
+        _keep({**known, key: trial_ns})
+    return Device(renderer, version, trial_ns)
+
+
+def _trial_ns(context: Any) -> float:
+    size = (_EDGE_PX, _EDGE_PX)
+    program = context.program(
+        vertex_shader=shader_source("full_screen.vert"), fragment_shader=_TRIAL
+    )
+    triangle = context.vertex_array(program, [])
+    target = context.simple_framebuffer(size)
+    target.use()
+    rounds_s = []
+    # The first round compiles.
+    for _ in range(1 + _ROUNDS):
+        start_s = perf_counter()
+        triangle.render(vertices=3)
+        context.finish()
+        rounds_s.append(perf_counter() - start_s)
+    context.extra.use()
+    for thing in (target, triangle, program):
+        thing.release()
+    return 1e9 * min(rounds_s[1:]) / (size[0] * size[1])
+
+
+def _file() -> Any:
+    from platformdirs import user_cache_path
+
+    return user_cache_path("vrut_lite") / "devices.json"
+
+
+def _known() -> dict[str, Any]:
+    """Times by renderer and version; none from a file that is missing or damaged."""
+    with suppress(OSError, ValueError):
+        content = json.loads(_file().read_text())
+        return content if isinstance(content, dict) else {}
+    return {}
+
+
+def _keep(times: dict[str, Any]) -> None:
+    """Without a folder to write to the trial is made at each start."""
+    with suppress(OSError, UserError):
+        _file().parent.mkdir(parents=True, exist_ok=True)
+        with atomic_output(_file()) as beside:
+            beside.write_text(json.dumps(times))
