@@ -44,6 +44,9 @@ class Tour:
     def see(self, name: str) -> None:
         """Keep what the screen shows."""
         self.posed.rest()
+        self._keep(name)
+
+    def _keep(self, name: str) -> None:
         screen = QApplication.primaryScreen()
         screen.grabWindow(0).save(str(self._folder / f"{name}.png"))
 
@@ -66,7 +69,7 @@ class Tour:
         self.posed.session.send(LoadScene(path=path))
         self.window.desk.viewport.loading.begin(path)
         self.posed.until(lambda: self.window.desk.viewport.loading.is_on)
-        self.see(name)
+        self._keep(name)
 
     def _street(self, name: str) -> None:
         self.posed.open(scene_project("street.toml", at=_NOON))
