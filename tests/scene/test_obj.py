@@ -216,6 +216,8 @@ def test_the_compiled_reading_is_the_reading_word_by_word(rows: list[str]) -> No
         slow.library,
         slow.unread,
     )
+    for one, other in zip(fast.strokes, slow.strokes, strict=True):
+        np.testing.assert_array_equal(one.vertices, other.vertices)
 
 
 def _read(block: bytes) -> obj_file.ObjFile | str:
