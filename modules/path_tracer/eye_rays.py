@@ -1,7 +1,9 @@
 """What the eye's rays pass: backs of single-sided surfaces, and what a section plane takes away.
 
 The frame leaves both out and lets them cast shadows all the same. Here rays from the eye go on
-behind what they pass until they meet what is seen; all that follows is another integrator's. In
+behind what they pass until they meet what is seen; all that follows is another integrator's. Where
+a section opens a body, whose inside no light reaches, its wall has the light of its outside, as in
+the frame: such a ray is turned round behind the wall. In
 scalar variants Python is called for each ray, so that backs are passed in llvm alone; what is cut
 off is passed in both.
 """
@@ -13,27 +15,31 @@ import numpy as np
 from path_tracer.plugins import register
 from path_tracer.subject import Subject
 
-PLUGIN, _BACK, _GROUND = "vrut_lite_eye_rays", "back_", "ground"
+PLUGIN, _BACK, _BODY, _GROUND = "vrut_lite_eye_rays", "back_", "body_", "ground"
 _NORMAL, _OFFSET = "cut_normal", "cut_offset"
 # A ray passes at most so many surfaces: the leaves of some trees.
 _MOST = 256
 
 
 class Cut(NamedTuple):
-    """A section plane in the tracer's units from the eye; `ground` is the BSDF that it spares."""
+    """A section plane in the tracer's units from the eye.
+
+    `ground` is the BSDF that it spares, `bodies` are those of what it opens.
+    """
 
     normal: tuple[float, float, float]
     offset_units: float
     ground: Any
+    bodies: list[Any]
 
 
-def cut_of(subject: Subject, ground: Any) -> Cut | None:
+def cut_of(subject: Subject, ground: Any, bodies: list[Any]) -> Cut | None:
     """The section plane of a subject."""
     section = subject.state.section
     if section is None:
         return None
     from_eye_m = section.offset_m - float(np.dot(section.normal, subject.camera.eye_m))
-    return Cut(section.normal, from_eye_m * subject.units_per_m, ground)
+    return Cut(section.normal, from_eye_m * subject.units_per_m, ground, bodies)
 
 
 def sees(mitsuba: Any, scene: Any, one_sided: list[Any]) -> bool:
@@ -58,6 +64,7 @@ def past_unseen(mitsuba: Any, inner: Any, one_sided: list[Any], cut: Cut | None)
     parts: dict[str, Any] = {f"{_BACK}{n}": bsdf for n, bsdf in enumerate(one_sided)}
     if cut is not None:
         parts |= {_NORMAL: mitsuba.ScalarVector3f(cut.normal), _OFFSET: cut.offset_units}
+        parts |= {f"{_BODY}{n}": bsdf for n, bsdf in enumerate(cut.bodies)}
         if cut.ground is not None:
             parts[_GROUND] = cut.ground
     return mitsuba.load_dict({"type": PLUGIN, "inner": inner, **parts})
@@ -88,6 +95,7 @@ def _eye_rays(mi: Any) -> Any:
             self.inner = properties["inner"]
             known = properties.keys()
             self.one_sided = [properties[name] for name in known if name.startswith(_BACK)]
+            self.bodies = [properties[name] for name in known if name.startswith(_BODY)]
             self.ground = [properties[_GROUND]] if _GROUND in known else []
             self.cut = (
                 (mi.Vector3f(properties[_NORMAL]), mi.Float(properties[_OFFSET]))
@@ -104,6 +112,17 @@ def _eye_rays(mi: Any) -> Any:
                 unseen |= (dr.dot(normal, si.p) > offset) & (is_spared == mi.Bool(False))
             return unseen
 
+        def _turn(self, scene: Any, ray: Any, place: Any, has_passed: Any, active: Any) -> None:
+            """Let rays begin at their places; in an opened body behind its wall, backwards."""
+            normal, offset = self.cut
+            in_opening = (dr.dot(normal, ray.o) > offset) | has_passed
+            ray.o = place
+            si = scene.ray_intersect(mi.Ray3f(ray), mi.RayFlags.Minimal, False, active)
+            inside = in_opening & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
+            inside &= _is_one_of(mi, si, self.bodies)
+            ray.o = dr.select(inside, si.spawn_ray(ray.d).o, place)
+            ray.d = dr.select(inside, -ray.d, ray.d)
+
         def sample(
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> Any:
@@ -119,8 +138,11 @@ def _eye_rays(mi: Any) -> Any:
                 return place, passed & (count < _MOST), count + 1
 
             start = (mi.Point3f(ray.o), mi.Bool(active), mi.UInt32(0))
-            place, _, _ = dr.while_loop(start, goes_on, past_one)
-            ray.o = place
+            place, _, met = dr.while_loop(start, goes_on, past_one)
+            if self.bodies:
+                self._turn(scene, ray, place, met > 1, active)
+            else:
+                ray.o = place
             return self.inner.sample(scene, sampler, ray, medium, active)
 
     return EyeRays

@@ -33,10 +33,14 @@ _NO_LAYER = -1
 
 
 class Matter(NamedTuple):
-    """Shapes by name, the BSDFs of those that are single-sided, and the ground disc's."""
+    """Shapes by name, the BSDFs of those that are single-sided, of bodies, and the ground disc's.
+
+    Bodies are known where a section may open them.
+    """
 
     shapes: dict[str, Any]
     one_sided: list[Any]
+    bodies: list[Any]
     ground: Any = None
 
 
@@ -46,7 +50,7 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
     skins = _skins(subject)
     times = Counter(geometry.part_mesh.values.tolist())
     groups: dict[int, Any] = {}
-    bsdfs = _Bsdfs(mitsuba, model, subject.units_per_m)
+    bsdfs = _Bsdfs(mitsuba, model, subject)
     result: dict[str, Any] = {}
     for part, (number, world_from_mesh) in enumerate(_places(subject)):
         matrix = subject.units_from_world() @ world_from_mesh
@@ -70,22 +74,22 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
             "group": groups[number],
         }
     if subject.scene.ground is None:
-        return Matter(result, bsdfs.one_sided)
+        return Matter(result, bsdfs.one_sided, bsdfs.bodies)
     soil = mitsuba.load_dict(matte(np.asarray(subject.state.ground_albedo_rgb)))
     result["ground"] = _ground(mitsuba, subject, subject.scene.ground, soil)
-    return Matter(result, bsdfs.one_sided, soil)
+    return Matter(result, bsdfs.one_sided, bsdfs.bodies, soil)
 
 
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
     """The shapes that shine, under the names that they have in `matter`."""
     units = subject.units_from_world()
-    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject.units_per_m)
+    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject)
     shining = {
         f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, bsdfs, glowing=True)
         for part, (number, matrix) in enumerate(_places(subject))
         if skins[number].glows
     }
-    return Matter(shining, bsdfs.one_sided)
+    return Matter(shining, bsdfs.one_sided, bsdfs.bodies)
 
 
 class _Skin(NamedTuple):
@@ -106,6 +110,12 @@ class _Skin(NamedTuple):
         return colours is not None and colours_vary(colours)
 
     @property
+    def is_body(self) -> bool:
+        """Whether it is opaque and closed, so that no light comes inside."""
+        opaque = self.material.alpha_mode == "OPAQUE" and not self.material.terms.transmits
+        return opaque and _is_closed(self.mesh)
+
+    @property
     def layer(self) -> int:
         """The layer of texture coordinates that its maps lie on; none of theirs if it has none."""
         base_colour = self.material.maps.get("base_colour")
@@ -116,10 +126,12 @@ class _Skin(NamedTuple):
 class _Bsdfs:
     """One BSDF for all meshes of a material, so that llvm kernels compile in seconds."""
 
-    def __init__(self, mitsuba: Any, model: SurfaceModel, units_per_m: float):
-        self._mitsuba, self._model, self._units_per_m = mitsuba, model, units_per_m
-        self._made: dict[tuple[int, int, bytes], Any] = {}
+    def __init__(self, mitsuba: Any, model: SurfaceModel, subject: Subject):
+        self._mitsuba, self._model, self._units_per_m = mitsuba, model, subject.units_per_m
+        self._is_cut = subject.state.section is not None
+        self._made: dict[tuple[int, int, bytes, bool], Any] = {}
         self.one_sided: list[Any] = []
+        self.bodies: list[Any] = []
 
     def of(self, skin: _Skin) -> Any:
         """The mesh's BSDF."""
@@ -128,7 +140,7 @@ class _Bsdfs:
         own = b"" if colours is None else colours[: None if skin.is_painted else 1].tobytes()
         if skin.is_painted and self._model == "layered":
             own = b"attribute"
-        key = (skin.mesh.material, skin.layer, own)
+        key = (skin.mesh.material, skin.layer, own, self._is_cut and skin.is_body)
         if key not in self._made:
             made = surface(
                 self._mitsuba,
@@ -141,6 +153,8 @@ class _Bsdfs:
             self._made[key] = self._mitsuba.load_dict(made)
             if not skin.material.double_sided:
                 self.one_sided.append(self._made[key])
+            if key[-1]:
+                self.bodies.append(self._made[key])
         return self._made[key]
 
 
@@ -245,6 +259,16 @@ def _moved_normals(normals: NDArray[Any], matrix: NDArray[np.float64]) -> NDArra
     moved = normals @ cofactors.T
     length = np.linalg.norm(moved, axis=1, keepdims=True)
     return np.asarray(moved / np.maximum(length, np.finfo(float).tiny))
+
+
+def _is_closed(mesh: Mesh) -> bool:
+    """Whether each edge has a triangle on either side: corners at one place are one."""
+    _, place = np.unique(mesh.positions_m, axis=0, return_inverse=True)
+    corners = place.reshape(-1)[mesh.triangles].astype(np.int64)
+    ends = corners, np.roll(corners, -1, axis=1)
+    count = np.int64(len(mesh.positions_m))
+    ways = [np.sort((one * count + other).ravel()) for one, other in (ends, ends[::-1])]
+    return np.array_equal(*ways)
 
 
 def _coordinates(mesh: Mesh, layer: int) -> NDArray[np.float64] | None:
