@@ -112,12 +112,10 @@ def _eye_rays(mi: Any) -> Any:
                 unseen |= (dr.dot(normal, si.p) > offset) & (is_spared == mi.Bool(False))
             return unseen
 
-        def _turn(self, scene: Any, ray: Any, place: Any, has_passed: Any, active: Any) -> None:
+        def _turn(self, scene: Any, ray: Any, place: Any, in_opening: Any) -> None:
             """Let rays begin at their places; in an opened body behind its wall, backwards."""
-            normal, offset = self.cut
-            in_opening = (dr.dot(normal, ray.o) > offset) | has_passed
             ray.o = place
-            si = scene.ray_intersect(mi.Ray3f(ray), mi.RayFlags.Minimal, False, active)
+            si = scene.ray_intersect(mi.Ray3f(ray), mi.RayFlags.Minimal, False, in_opening)
             inside = in_opening & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
             inside &= _is_one_of(mi, si, self.bodies)
             ray.o = dr.select(inside, si.spawn_ray(ray.d).o, place)
@@ -139,8 +137,9 @@ def _eye_rays(mi: Any) -> Any:
 
             start = (mi.Point3f(ray.o), mi.Bool(active), mi.UInt32(0))
             place, _, met = dr.while_loop(start, goes_on, past_one)
-            if self.bodies:
-                self._turn(scene, ray, place, met > 1, active)
+            if self.cut is not None and self.bodies:
+                in_opening = (dr.dot(self.cut[0], ray.o) > self.cut[1]) | (met > 1)
+                self._turn(scene, ray, place, active & in_opening)
             else:
                 ray.o = place
             return self.inner.sample(scene, sampler, ray, medium, active)

@@ -268,7 +268,7 @@ def _is_closed(mesh: Mesh) -> bool:
     ends = corners, np.roll(corners, -1, axis=1)
     count = np.int64(len(mesh.positions_m))
     ways = [np.sort((one * count + other).ravel()) for one, other in (ends, ends[::-1])]
-    return np.array_equal(*ways)
+    return np.array_equal(ways[0], ways[1])
 
 
 def _coordinates(mesh: Mesh, layer: int) -> NDArray[np.float64] | None:

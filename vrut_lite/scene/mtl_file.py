@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Hashable, Iterator
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
@@ -63,7 +64,8 @@ class MtlMaterials:
 
     def _made(self, name: str | None) -> SurfaceMaterial:
         if name not in self._statements:
-            return default_material()
+            # OBJ has no back faces.
+            return replace(default_material(), doubleSided=True)
         return from_mtl(name, self._statements[name], self._images.get(name))
 
     def _tell_unread(self, statements: Statements) -> None:
