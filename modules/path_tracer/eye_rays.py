@@ -12,34 +12,31 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from path_tracer.opened_bodies import IS_BODY
 from path_tracer.plugins import register
 from path_tracer.subject import Subject
 
-PLUGIN, _BACK, _BODY, _GROUND = "vrut_lite_eye_rays", "back_", "body_", "ground"
+PLUGIN, _BACK, _GROUND = "vrut_lite_eye_rays", "back_", "ground"
 _NORMAL, _OFFSET = "cut_normal", "cut_offset"
 # A ray passes at most so many surfaces: the leaves of some trees.
 _MOST = 256
 
 
 class Cut(NamedTuple):
-    """A section plane in the tracer's units from the eye.
-
-    `ground` is the BSDF that it spares, `bodies` are those of what it opens.
-    """
+    """A section plane in the tracer's units from the eye; `ground` is the BSDF that it spares."""
 
     normal: tuple[float, float, float]
     offset_units: float
     ground: Any
-    bodies: list[Any]
 
 
-def cut_of(subject: Subject, ground: Any, bodies: list[Any]) -> Cut | None:
+def cut_of(subject: Subject, ground: Any) -> Cut | None:
     """The section plane of a subject."""
     section = subject.state.section
     if section is None:
         return None
     from_eye_m = section.offset_m - float(np.dot(section.normal, subject.camera.eye_m))
-    return Cut(section.normal, from_eye_m * subject.units_per_m, ground, bodies)
+    return Cut(section.normal, from_eye_m * subject.units_per_m, ground)
 
 
 def sees(mitsuba: Any, scene: Any, one_sided: list[Any]) -> bool:
@@ -64,7 +61,6 @@ def past_unseen(mitsuba: Any, inner: Any, one_sided: list[Any], cut: Cut | None)
     parts: dict[str, Any] = {f"{_BACK}{n}": bsdf for n, bsdf in enumerate(one_sided)}
     if cut is not None:
         parts |= {_NORMAL: mitsuba.ScalarVector3f(cut.normal), _OFFSET: cut.offset_units}
-        parts |= {f"{_BODY}{n}": bsdf for n, bsdf in enumerate(cut.bodies)}
         if cut.ground is not None:
             parts[_GROUND] = cut.ground
     return mitsuba.load_dict({"type": PLUGIN, "inner": inner, **parts})
@@ -95,7 +91,6 @@ def _eye_rays(mi: Any) -> Any:
             self.inner = properties["inner"]
             known = properties.keys()
             self.one_sided = [properties[name] for name in known if name.startswith(_BACK)]
-            self.bodies = [properties[name] for name in known if name.startswith(_BODY)]
             self.ground = [properties[_GROUND]] if _GROUND in known else []
             self.cut = (
                 (mi.Vector3f(properties[_NORMAL]), mi.Float(properties[_OFFSET]))
@@ -112,12 +107,21 @@ def _eye_rays(mi: Any) -> Any:
                 unseen |= (dr.dot(normal, si.p) > offset) & (is_spared == mi.Bool(False))
             return unseen
 
+        def _is_body(self, si: Any, asked: Any) -> Any:
+            if mi.variant().startswith("scalar") and not asked:
+                return False
+            ground = _is_one_of(mi, si, self.ground)
+            asked = asked & (ground == mi.Bool(False))
+            if mi.variant().startswith("scalar") and not asked:
+                return False
+            return asked & (si.shape.eval_attribute_1(IS_BODY, si, asked) > 0.5)
+
         def _turn(self, scene: Any, ray: Any, place: Any, in_opening: Any) -> None:
             """Let rays begin at their places; in an opened body behind its wall, backwards."""
             ray.o = place
             si = scene.ray_intersect(mi.Ray3f(ray), mi.RayFlags.Minimal, False, in_opening)
             inside = in_opening & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
-            inside &= _is_one_of(mi, si, self.bodies)
+            inside &= self._is_body(si, inside)
             ray.o = dr.select(inside, si.spawn_ray(ray.d).o, place)
             ray.d = dr.select(inside, -ray.d, ray.d)
 
@@ -137,7 +141,7 @@ def _eye_rays(mi: Any) -> Any:
 
             start = (mi.Point3f(ray.o), mi.Bool(active), mi.UInt32(0))
             place, _, met = dr.while_loop(start, goes_on, past_one)
-            if self.cut is not None and self.bodies:
+            if self.cut is not None:
                 in_opening = (dr.dot(self.cut[0], ray.o) > self.cut[1]) | (met > 1)
                 self._turn(scene, ray, place, active & in_opening)
             else:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from path_tracer.opened_bodies import IS_BODY, in_bodies
 from path_tracer.settings import SurfaceModel
 from path_tracer.subject import Subject
 from path_tracer.surfaces import (
@@ -33,14 +34,10 @@ _NO_LAYER = -1
 
 
 class Matter(NamedTuple):
-    """Shapes by name, the BSDFs of those that are single-sided, of bodies, and the ground disc's.
-
-    Bodies are known where a section may open them.
-    """
+    """Shapes by name, the BSDFs of those that are single-sided, and the ground disc's."""
 
     shapes: dict[str, Any]
     one_sided: list[Any]
-    bodies: list[Any]
     ground: Any = None
 
 
@@ -74,10 +71,10 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
             "group": groups[number],
         }
     if subject.scene.ground is None:
-        return Matter(result, bsdfs.one_sided, bsdfs.bodies)
+        return Matter(result, bsdfs.one_sided)
     soil = mitsuba.load_dict(matte(np.asarray(subject.state.ground_albedo_rgb)))
     result["ground"] = _ground(mitsuba, subject, subject.scene.ground, soil)
-    return Matter(result, bsdfs.one_sided, bsdfs.bodies, soil)
+    return Matter(result, bsdfs.one_sided, soil)
 
 
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
@@ -89,7 +86,7 @@ def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf")
         for part, (number, matrix) in enumerate(_places(subject))
         if skins[number].glows
     }
-    return Matter(shining, bsdfs.one_sided, bsdfs.bodies)
+    return Matter(shining, bsdfs.one_sided)
 
 
 class _Skin(NamedTuple):
@@ -110,12 +107,6 @@ class _Skin(NamedTuple):
         return colours is not None and colours_vary(colours)
 
     @property
-    def is_body(self) -> bool:
-        """Whether it is opaque and closed, so that no light comes inside."""
-        opaque = self.material.alpha_mode == "OPAQUE" and not self.material.terms.transmits
-        return opaque and _is_closed(self.mesh)
-
-    @property
     def layer(self) -> int:
         """The layer of texture coordinates that its maps lie on; none of theirs if it has none."""
         base_colour = self.material.maps.get("base_colour")
@@ -128,10 +119,9 @@ class _Bsdfs:
 
     def __init__(self, mitsuba: Any, model: SurfaceModel, subject: Subject):
         self._mitsuba, self._model, self._units_per_m = mitsuba, model, subject.units_per_m
-        self._is_cut = subject.state.section is not None
-        self._made: dict[tuple[int, int, bytes, bool], Any] = {}
+        self.is_cut = subject.state.section is not None
+        self._made: dict[tuple[int, int, bytes], Any] = {}
         self.one_sided: list[Any] = []
-        self.bodies: list[Any] = []
 
     def of(self, skin: _Skin) -> Any:
         """The mesh's BSDF."""
@@ -140,7 +130,7 @@ class _Bsdfs:
         own = b"" if colours is None else colours[: None if skin.is_painted else 1].tobytes()
         if skin.is_painted and self._model == "layered":
             own = b"attribute"
-        key = (skin.mesh.material, skin.layer, own, self._is_cut and skin.is_body)
+        key = (skin.mesh.material, skin.layer, own)
         if key not in self._made:
             made = surface(
                 self._mitsuba,
@@ -153,8 +143,6 @@ class _Bsdfs:
             self._made[key] = self._mitsuba.load_dict(made)
             if not skin.material.double_sided:
                 self.one_sided.append(self._made[key])
-            if key[-1]:
-                self.bodies.append(self._made[key])
         return self._made[key]
 
 
@@ -193,6 +181,8 @@ def _mesh(
         bsdf=bsdfs.of(skin),
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
+    if bsdfs.is_cut:
+        made.add_attribute(IS_BODY, 1, in_bodies(mesh).astype(np.float32))
     if colours is not None:
         painted = painted_vertices(material, layer, colours, model)
         made.add_attribute(VERTEX_COLOUR, painted.shape[1], painted.ravel())
@@ -259,16 +249,6 @@ def _moved_normals(normals: NDArray[Any], matrix: NDArray[np.float64]) -> NDArra
     moved = normals @ cofactors.T
     length = np.linalg.norm(moved, axis=1, keepdims=True)
     return np.asarray(moved / np.maximum(length, np.finfo(float).tiny))
-
-
-def _is_closed(mesh: Mesh) -> bool:
-    """Whether each edge has a triangle on either side: corners at one place are one."""
-    _, place = np.unique(mesh.positions_m, axis=0, return_inverse=True)
-    corners = place.reshape(-1)[mesh.triangles].astype(np.int64)
-    ends = corners, np.roll(corners, -1, axis=1)
-    count = np.int64(len(mesh.positions_m))
-    ways = [np.sort((one * count + other).ravel()) for one, other in (ends, ends[::-1])]
-    return np.array_equal(ways[0], ways[1])
 
 
 def _coordinates(mesh: Mesh, layer: int) -> NDArray[np.float64] | None:

@@ -98,9 +98,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
     """
     model = model_of(settings, mitsuba)
     there = matter(mitsuba, subject, model)
-    shining = glowing_shapes(mitsuba, subject, model)
-    backs = there.one_sided
-    cut = cut_of(subject, there.ground, [*there.bodies, *shining.bodies])
+    backs, cut = there.one_sided, cut_of(subject, there.ground)
     farthest = subject.reach_units()
     scenes = []
     if any(subject.sun.irradiance_rgb):
@@ -119,6 +117,7 @@ def _scenes(mitsuba: Any, subject: Subject, settings: PathTracerSettings) -> lis
     if is_low:
         cube = seen
     bright = bool(np.any(cube > 0.0))
+    shining = glowing_shapes(mitsuba, subject, model)
     lamps = shining.shapes | lamp_emitters(mitsuba, subject)
     glowing = [*backs, *shining.one_sided]
     if bright or lamps:
