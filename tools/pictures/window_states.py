@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from time import monotonic
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -28,6 +29,8 @@ from vrut_lite.kernel.messages import SetSetting
 
 _NOON, _NIGHT = "2026-06-21T13:00", "2026-06-21T23:30"
 _TRACED_PATHS = 4
+# Until the loading state has been painted.
+_PAINTED_S = 0.3
 
 
 class Tour:
@@ -68,7 +71,8 @@ class Tour:
         path = scene_project("street.toml").scene
         self.posed.session.send(LoadScene(path=path))
         self.window.desk.viewport.loading.begin(path)
-        self.posed.until(lambda: self.window.desk.viewport.loading.is_on)
+        began_s = monotonic()
+        self.posed.until(lambda: monotonic() > began_s + _PAINTED_S)
         self._keep(name)
 
     def _street(self, name: str) -> None:
