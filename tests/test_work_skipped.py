@@ -65,6 +65,14 @@ def test_pictures_stay_while_work_goes(plays, name):
         assert done <= asked / 2
 
 
+def test_what_a_scene_does_not_have_costs_nothing(plays):
+    """Without lamps, clouds, shafts and flat mirrors no pass of theirs runs, not even once."""
+    done = plays("small indoor scene", FrameSkips()).frame.done
+    assert {work for work, count in done.items() if count}.isdisjoint(
+        {"lamp", "lamp shadow face", "clouds", "cloud shadow map", "light shafts", "mirror"}
+    )
+
+
 @pytest.mark.parametrize(
     ("skip", "name", "work"),
     [

@@ -99,6 +99,9 @@ def main() -> None:
         until(lambda: pictures[-1])
         watch.step("a finished picture")
 
+        # Without a window manager nobody else does: keys go to what is active.
+        window.activateWindow()
+        until(window.isActiveWindow)
         view = window.desk.viewport
         middle = view.rect().center()
         QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)

@@ -1,7 +1,9 @@
 """What the eye's rays pass: backs of single-sided surfaces, and what a section plane takes away.
 
 The frame leaves both out and lets them cast shadows all the same. Here rays from the eye go on
-behind what they pass until they meet what is seen; all that follows is another integrator's. In
+behind what they pass until they meet what is seen; all that follows is another integrator's. Where
+a section opens a body, whose inside no light reaches, its wall has the light of its outside, as in
+the frame: such a ray is turned round behind the wall. In
 scalar variants Python is called for each ray, so that backs are passed in llvm alone; what is cut
 off is passed in both.
 """
@@ -10,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from path_tracer.opened_bodies import IS_BODY
 from path_tracer.plugins import register
 from path_tracer.subject import Subject
 
@@ -104,6 +107,24 @@ def _eye_rays(mi: Any) -> Any:
                 unseen |= (dr.dot(normal, si.p) > offset) & (is_spared == mi.Bool(False))
             return unseen
 
+        def _is_body(self, si: Any, asked: Any) -> Any:
+            if mi.variant().startswith("scalar") and not asked:
+                return False
+            ground = _is_one_of(mi, si, self.ground)
+            asked = asked & (ground == mi.Bool(False))
+            if mi.variant().startswith("scalar") and not asked:
+                return False
+            return asked & (si.shape.eval_attribute_1(IS_BODY, si, asked) > 0.5)
+
+        def _turn(self, scene: Any, ray: Any, place: Any, in_opening: Any) -> None:
+            """Let rays begin at their places; in an opened body behind its wall, backwards."""
+            ray.o = place
+            si = scene.ray_intersect(mi.Ray3f(ray), mi.RayFlags.Minimal, False, in_opening)
+            inside = in_opening & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
+            inside &= self._is_body(si, inside)
+            ray.o = dr.select(inside, si.spawn_ray(ray.d).o, place)
+            ray.d = dr.select(inside, -ray.d, ray.d)
+
         def sample(
             self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
         ) -> Any:
@@ -119,8 +140,12 @@ def _eye_rays(mi: Any) -> Any:
                 return place, passed & (count < _MOST), count + 1
 
             start = (mi.Point3f(ray.o), mi.Bool(active), mi.UInt32(0))
-            place, _, _ = dr.while_loop(start, goes_on, past_one)
-            ray.o = place
+            place, _, met = dr.while_loop(start, goes_on, past_one)
+            if self.cut is not None:
+                in_opening = (dr.dot(self.cut[0], ray.o) > self.cut[1]) | (met > 1)
+                self._turn(scene, ray, place, active & in_opening)
+            else:
+                ray.o = place
             return self.inner.sample(scene, sampler, ray, medium, active)
 
     return EyeRays

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from path_tracer.opened_bodies import IS_BODY, in_bodies
 from path_tracer.settings import SurfaceModel
 from path_tracer.subject import Subject
 from path_tracer.surfaces import (
@@ -46,7 +47,7 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
     skins = _skins(subject)
     times = Counter(geometry.part_mesh.values.tolist())
     groups: dict[int, Any] = {}
-    bsdfs = _Bsdfs(mitsuba, model, subject.units_per_m)
+    bsdfs = _Bsdfs(mitsuba, model, subject)
     result: dict[str, Any] = {}
     for part, (number, world_from_mesh) in enumerate(_places(subject)):
         matrix = subject.units_from_world() @ world_from_mesh
@@ -79,7 +80,7 @@ def matter(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matt
 def glowing_shapes(mitsuba: Any, subject: Subject, model: SurfaceModel = "gltf") -> Matter:
     """The shapes that shine, under the names that they have in `matter`."""
     units = subject.units_from_world()
-    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject.units_per_m)
+    skins, bsdfs = _skins(subject), _Bsdfs(mitsuba, model, subject)
     shining = {
         f"shape_{part}": _mesh(mitsuba, skins[number], units @ matrix, model, bsdfs, glowing=True)
         for part, (number, matrix) in enumerate(_places(subject))
@@ -116,8 +117,9 @@ class _Skin(NamedTuple):
 class _Bsdfs:
     """One BSDF for all meshes of a material, so that llvm kernels compile in seconds."""
 
-    def __init__(self, mitsuba: Any, model: SurfaceModel, units_per_m: float):
-        self._mitsuba, self._model, self._units_per_m = mitsuba, model, units_per_m
+    def __init__(self, mitsuba: Any, model: SurfaceModel, subject: Subject):
+        self._mitsuba, self._model, self._units_per_m = mitsuba, model, subject.units_per_m
+        self.is_cut = subject.state.section is not None
         self._made: dict[tuple[int, int, bytes], Any] = {}
         self.one_sided: list[Any] = []
 
@@ -179,6 +181,8 @@ def _mesh(
         bsdf=bsdfs.of(skin),
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
+    if bsdfs.is_cut:
+        made.add_attribute(IS_BODY, 1, in_bodies(mesh).astype(np.float32))
     if colours is not None:
         painted = painted_vertices(material, layer, colours, model)
         made.add_attribute(VERTEX_COLOUR, painted.shape[1], painted.ravel())

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from path_tracer.bitmaps import bitmap
 from path_tracer.body import body
+from path_tracer.fronts import front_alone
 from path_tracer.layered import PANE, PLUGIN, register
 from path_tracer.settings import PathTracerSettings, SurfaceModel
 from path_tracer.terms import mitsubas_pane, sampler_of, terms_of
@@ -304,13 +305,19 @@ def _cut_out(mitsuba: Any, inner: Plugin, material: Material, maps: Maps) -> Plu
     """The surface with its holes; a blended one transmits 1 - alpha."""
     if material.alpha_mode == "OPAQUE":
         return inner
-    if maps.opacity is not None:
-        opacity = bitmap(mitsuba, maps.opacity, sampler_of(material, "base_colour"))
-        return {"type": "mask", "opacity": opacity, "bsdf": inner}
     alpha = float(material.base_colour_rgba[3])
     if material.alpha_mode == "MASK":
         alpha = float(alpha >= material.alpha_cutoff)
-    return inner if alpha >= 1.0 else {"type": "mask", "opacity": alpha, "bsdf": inner}
+    opacity: Any = alpha
+    if maps.opacity is not None:
+        opacity = bitmap(mitsuba, maps.opacity, sampler_of(material, "base_colour"))
+    elif alpha >= 1.0:
+        return inner
+    made = {"type": "mask", "opacity": opacity, "bsdf": inner}
+    # In scalar variants Python is called for each ray.
+    if material.double_sided or mitsuba.variant().startswith("scalar"):
+        return made
+    return front_alone(mitsuba, made)
 
 
 def _both_sides(inner: Plugin) -> Plugin:

@@ -7,11 +7,12 @@ from render.scene_stage import square
 from render.term_stage import material
 
 from vrut_lite.geometry.reflection import reflectance_table
+from vrut_lite.geometry.thin_film import film_reflectance
 from vrut_lite.scene.loading import load_scene
 from vrut_lite.scene.packing import packed
 
 # Of a smooth coat, over all directions: 0.086 by Schlick.
-COAT = float(reflectance_table()[0, 0, 2])
+COAT, COAT_F0 = float(reflectance_table()[0, 0, 2]), 0.04
 
 
 def surfaces(folder, paint, images=()):
@@ -55,3 +56,21 @@ def test_no_specular_reflection_leaves_the_paint_alone(tmp_path):
     """A factor of 0 takes the coat away, at grazing angles too."""
     paint = material((0.5,) * 3, specular={"specularFactor": 0.0})
     np.testing.assert_allclose(surfaces(tmp_path, paint).reflectance_rgb[0], 0.5, atol=1e-5)
+
+
+@pytest.mark.parametrize("metal", [True, False])
+def test_a_thin_film_colours_what_is_sent_back(tmp_path, metal):
+    """As the mean of its reflectance over the hemisphere; of a coat's channels the brightest, to
+    which the others keep their proportion alone."""
+    film = {"iridescenceFactor": 1.0, "iridescenceThicknessMaximum": 350.0}
+    own = 0.5 if metal else COAT_F0
+    paint = material((own if metal else 0.0,) * 3, 0.0, float(metal), iridescence=film)
+    found = surfaces(tmp_path, paint).reflectance_rgb[0]
+    mu = (np.arange(400) + 0.5) / 400
+    expected = 2.0 * np.mean(film_reflectance(mu, own, 1.3, 350.0) * mu[:, None], axis=0)
+    assert np.ptp(expected) > 0.01
+    if metal:
+        np.testing.assert_allclose(found, expected, rtol=0.03)
+    else:
+        assert found.max() == pytest.approx(expected.max(), rel=0.03)
+        assert np.argmax(found) == np.argmax(expected)

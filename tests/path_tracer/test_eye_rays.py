@@ -49,6 +49,18 @@ def test_the_eye_looks_through_the_back_of_what_is_single_sided(tmp_path, double
     assert below < 0.1 if double_sided else below > 0.99
 
 
+@pytest.mark.parametrize("double_sided", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_behind_a_blended_front_no_back_is_seen(tmp_path, double_sided):
+    """A black box, half of it to be seen through: from above a front takes half of the sky below;
+    its bottom, whose back is turned to the eye, takes half again if it is double-sided alone."""
+    llvm_or_skip()
+    black = {**surface(0.0, 1.0, 0.0), "doubleSided": double_sided, "alphaMode": "BLEND"}
+    black["pbrMetallicRoughness"] |= {"baseColorFactor": [0.0, 0.0, 0.0, 0.5]}
+    top, bottom = {"mesh": 0, "translation": [0, 0.01, 0]}, {"mesh": 0, "rotation": [1, 0, 0, 0]}
+    shown = seen_from(square(tmp_path, black, nodes=[top, bottom]), 3.0)
+    assert shown == pytest.approx(0.25 if double_sided else 0.5, abs=0.08)
+
+
 @pytest.mark.parametrize("variant", ["scalar", "llvm"])
 def test_a_section_takes_a_roof_away_and_leaves_its_shadow(tmp_path, variant):
     """From above, a black roof is black; cut off it shows the white floor, as dark as a floor
@@ -76,3 +88,37 @@ def test_a_section_spares_the_ground_as_in_the_frame(tmp_path):
     nothing = section_of("y", -1.0, "below")
     assert seen_from(path, 3.0, "scalar", section=nothing, **parts) < 1e-6
     assert seen_from(path, 3.0, "scalar", **parts) > 0.5
+
+
+BOX = """v -1 -1 -1
+v 1 -1 -1
+v 1 -1 1
+v -1 -1 1
+v -1 0 -1
+v 1 0 -1
+v 1 0 1
+v -1 0 1
+f 1 2 3 4
+f 1 5 6 2
+f 2 6 7 3
+f 3 7 8 4
+f 4 8 5 1
+"""
+
+
+@pytest.mark.parametrize("variant", ["scalar", pytest.param("llvm", marks=pytest.mark.long)])
+def test_a_body_that_is_opened_has_the_light_of_its_outside(tmp_path, variant):
+    """The bottom of a box under an even sky is as bright from inside as from below; without a lid
+    the box is no body, and light from above alone reaches its inside."""
+    if variant == "llvm":
+        llvm_or_skip()
+    path = tmp_path / "box.obj"
+    path.write_text(BOX + "f 5 8 7 6\n")
+    cut = section_of("y", -0.5, "below")
+    outside = seen_from(path, -3.0, variant)
+    assert outside > 0.2
+    assert seen_from(path, 3.0, variant, section=cut) == pytest.approx(outside, rel=0.05)
+    path.write_text(BOX)
+    inside = seen_from(path, 3.0, variant)
+    assert inside < 0.8 * outside
+    assert seen_from(path, 3.0, variant, section=cut) == pytest.approx(inside, rel=0.1)

@@ -110,7 +110,8 @@ def test_what_obj_and_mtl_have_more_is_told(write_obj: WriteScene) -> None:
         faces="f 1 2 3 4\nl 1 2\nl 2 3\nusemtl lost\nf 1 2 3",
     )
     assert set(load_scene(path).notices) == {
-        "l statement of the OBJ (2 times): not drawn",
+        "points or lines (2 times): one pixel wide, in their colours; not path traced, and without "
+        "shadows",
         "map_bump of the MTL: left out",
         "material that no MTL defines: grey instead",
     }

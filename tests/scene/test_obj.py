@@ -186,6 +186,13 @@ def test_obj_line_without_end(write_obj: WriteScene) -> None:
         load_scene(write_obj("newmtl paint\nKd " + "1 " * 2_500_000))
 
 
+def test_obj_without_a_material_has_no_back_faces(tmp_path: Path) -> None:
+    """As with one: OBJ does not know single-sided surfaces, and its faces are often turned."""
+    path = tmp_path / "a.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
+    assert load_scene(path).meshes[0].mesh.material.doubleSided
+
+
 _ROWS = st.sampled_from(
     [
         "v 1 2 3", "v -1.5e-3 +2. .25", "v\t7 8 9", "v 1 2 3 0.5 0.5 0.5", "vt 0.25 0.5",
@@ -219,6 +226,8 @@ def test_the_compiled_reading_is_the_reading_word_by_word(rows: list[str]) -> No
         slow.library,
         slow.unread,
     )
+    for one, other in zip(fast.strokes, slow.strokes, strict=True):
+        np.testing.assert_array_equal(one.vertices, other.vertices)
 
 
 def _read(block: bytes) -> obj_file.ObjFile | str:

@@ -100,3 +100,45 @@ def test_poses_take_no_more_memory_each(write_square: WriteScene) -> None:
     for step in range(20):
         scene.at(step / 20)
     assert budget.peak_bytes <= before
+
+
+OBJ = """mtllib a.mtl
+v 0 0 0
+v 1 0 0
+v 1 2 0
+v 0 1 0
+f 1 2 3
+usemtl blue
+l 1/1 2/1 4
+v 5 5 5
+usemtl red
+p -1 2
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    (folder / "a.mtl").write_text("newmtl blue\nKd 0 0 1\nnewmtl red\nKd 1 0 0\n")
+    (folder / "a.obj").write_text(text)
+    return folder / "a.obj"
+
+
+def test_points_and_lines_of_an_obj_stand_at_their_vertices(tmp_path: Path) -> None:
+    """In the colour of the material before them; a line of three vertices is two lines."""
+    path = written(tmp_path, OBJ)
+    strokes = found(path)
+    np.testing.assert_array_equal(strokes.points_m.values, [[5, 5, 5], [1, 0, 0]])
+    np.testing.assert_array_equal(
+        strokes.lines_m.values, [[[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [0, 1, 0]]]
+    )
+    assert (strokes.point_rgba.values == [1, 0, 0, 1]).all()
+    assert (strokes.line_rgba.values == [0, 0, 1, 1]).all()
+    assert any("points or lines (4 times)" in line for line in load_scene(path).notices)
+
+
+@pytest.mark.parametrize("statement", ["l 1 9", "p 0", "p -9", "l 1 x"])
+def test_points_and_lines_of_an_obj_that_lead_nowhere_are_refused(
+    tmp_path: Path, statement: str
+) -> None:
+    """A vertex that is not there, or a word for a number, is one sentence."""
+    with pytest.raises(UserError, match="line"):
+        load_scene(written(tmp_path, f"{OBJ}{statement}\n"))

@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from time import monotonic
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -28,6 +29,8 @@ from vrut_lite.kernel.messages import SetSetting
 
 _NOON, _NIGHT = "2026-06-21T13:00", "2026-06-21T23:30"
 _TRACED_PATHS = 4
+# Until the loading state has been painted.
+_PAINTED_S = 0.3
 
 
 class Tour:
@@ -44,6 +47,9 @@ class Tour:
     def see(self, name: str) -> None:
         """Keep what the screen shows."""
         self.posed.rest()
+        self._keep(name)
+
+    def _keep(self, name: str) -> None:
         screen = QApplication.primaryScreen()
         screen.grabWindow(0).save(str(self._folder / f"{name}.png"))
 
@@ -65,8 +71,9 @@ class Tour:
         path = scene_project("street.toml").scene
         self.posed.session.send(LoadScene(path=path))
         self.window.desk.viewport.loading.begin(path)
-        self.posed.until(lambda: self.window.desk.viewport.loading.is_on)
-        self.see(name)
+        began_s = monotonic()
+        self.posed.until(lambda: monotonic() > began_s + _PAINTED_S)
+        self._keep(name)
 
     def _street(self, name: str) -> None:
         self.posed.open(scene_project("street.toml", at=_NOON))

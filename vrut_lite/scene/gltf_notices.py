@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from vrut_lite.scene.gltf_file import GltfFile, item_at
+from vrut_lite.scene.gltf_points_and_lines import TOLD_STROKES
 from vrut_lite.scene.gltf_schema import Mesh, Node, Primitive
 from vrut_lite.scene.gltf_terms import averaged_maps
 from vrut_lite.scene.gltf_variants import variant_names
@@ -28,8 +29,7 @@ def tell_unread(file: GltfFile, nodes: Sequence[Node]) -> None:
 def _tell_mesh(file: GltfFile, mesh: Mesh) -> None:
     notices = file.notices
     unfilled = [primitive for primitive in mesh.primitives if primitive.mode < _TRIANGLES]
-    drawn = "one pixel wide, in their colours; not path traced, and without shadows"
-    notices.tell("points or lines", drawn, len(unfilled))
+    notices.tell("points or lines", TOLD_STROKES, len(unfilled))
     for primitive in mesh.primitives:
         _tell_maps(file, primitive)
 

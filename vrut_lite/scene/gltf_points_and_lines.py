@@ -11,6 +11,7 @@ from vrut_lite.scene.gltf_file import GltfFile, item_at, normalised
 from vrut_lite.scene.gltf_schema import Material, Mesh, Primitive
 from vrut_lite.scene.scene_file_error import SceneFileError
 
+TOLD_STROKES = "one pixel wide, in their colours; not path traced, and without shadows"
 _POINTS, _LINES, _LOOP, _STRIP, _TRIANGLES = range(5)
 # Places and colours of a line's ends, and what they are made of.
 _VERTEX_BYTES = 80

@@ -2,8 +2,11 @@
 
 import re
 from collections.abc import Hashable, Iterator
+from dataclasses import replace
 from io import BytesIO
 
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from vrut_lite.scene.file_checks import SceneFolder
@@ -49,12 +52,20 @@ class MtlMaterials:
 
     def make(self, name: str | None) -> SurfaceMaterial:
         """The material of this name, or the default one if there is none."""
-        if name is None:
-            return default_material()
-        if name not in self._statements:
+        if name is not None and name not in self._statements:
             self._notices.tell("material that no MTL defines", "grey instead")
-            return default_material()
-        self._tell_unread(self._statements[name])
+        elif name is not None:
+            self._tell_unread(self._statements[name])
+        return self._made(name)
+
+    def colour_rgba(self, name: str | None) -> NDArray[np.float64]:
+        """The colour (4,) of the material of this name; tells nothing."""
+        return self._made(name).baseColorFactor
+
+    def _made(self, name: str | None) -> SurfaceMaterial:
+        if name not in self._statements:
+            # OBJ has no back faces.
+            return replace(default_material(), doubleSided=True)
         return from_mtl(name, self._statements[name], self._images.get(name))
 
     def _tell_unread(self, statements: Statements) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
+from vrut_lite.scene.obj_strokes import ObjStrokes, StatedStrokes
 from vrut_lite.scene.scene_file_error import SceneFileError
 
 _BLOCK_BYTES = 2**22
@@ -17,7 +18,8 @@ _BLOCK_BYTES = 2**22
 _MOST_LINE_BYTES = 2**22
 _KINDS = (b"v", b"vt", b"vn")
 # Statements that draw something that is not drawn here.
-_UNREAD = {word.encode(): word for word in ("p", "l", "curv", "curv2", "surf")}
+_UNREAD = {word.encode(): word for word in ("curv", "curv2", "surf")}
+_STROKES = (b"p", b"l")
 _DIGITS = b"0123456789"
 # Numbers of a corner: of vertex, texture coordinates and normal, counted from 1; 0 is none.
 _CORNER = 3
@@ -32,8 +34,8 @@ class ObjFile:
     positions (V, 3), colours (V, 3) or none, texture coordinates (T, 2), normals (N, 3);
     `corners` (F, 3, 3) are the triangles' corners, each with the numbers of its position, texture
     coordinates and normal, counted from 0, -1 if it has none; `group` (F,) is the number of each
-    triangle's material in `materials`. `unread` counts statements that draw something else than
-    polygons.
+    triangle's material in `materials`. `strokes` are its points and its lines. `unread` counts
+    statements that draw something else.
     """
 
     positions: NDArray[np.float64]
@@ -44,6 +46,7 @@ class ObjFile:
     group: NDArray[np.int32]
     materials: tuple[str | None, ...]
     library: str | None
+    strokes: list[ObjStrokes]
     unread: dict[str, int]
 
 
@@ -62,6 +65,10 @@ class _Reading:
     group: int = 0
     library: str | None = None
     unread: Counter[str] = field(default_factory=Counter)
+    strokes: StatedStrokes = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.strokes = StatedStrokes(self.budget)
 
     def keep(self, values: NDArray[Any]) -> NDArray[Any]:
         """Counts an array that stays in memory."""
@@ -99,6 +106,7 @@ def parse_obj(data: bytes, budget: SceneBudget) -> ObjFile:
         np.concatenate([np.zeros(0, np.int32), *reading.groups]),
         tuple(reading.materials),
         reading.library,
+        reading.strokes.all(len(positions)),
         dict(reading.unread),
     )
 
@@ -128,16 +136,22 @@ def _read_block(block: bytes, reading: _Reading) -> None:
 
     before = tuple(reading.counts[kind] for kind in _KINDS)
     plain = read_plain_block(block, (before[0], before[1], before[2]))
-    if plain is None:
+    others = [] if plain is None else plain.lines.tolist()
+    # What counts back needs the number of vertices before its own line.
+    counts_back = any(
+        block[start : start + 1] in _STROKES and b"-" in block[start:end]
+        for start, end, _ in others
+    )
+    if plain is None or counts_back:
         _read_odd_block(block, reading)
         return
     groups = np.empty(len(plain.corners), np.int32)
     done = 0
-    for start, end, triangles in plain.lines.tolist():
+    for start, end, triangles in others:
         groups[done:triangles] = reading.group
         done = triangles
         kind, _, rest = block[start:end].strip().partition(b" ")
-        _read_statement(kind, rest, reading)
+        _read_statement(kind, rest, reading, 0)
     groups[done:] = reading.group
     for kind, found in zip(_KINDS, plain.rows, strict=True):
         reading.counts[kind] += len(found)
@@ -148,12 +162,17 @@ def _read_block(block: bytes, reading: _Reading) -> None:
         reading.groups.append(reading.keep(groups))
 
 
-def _read_statement(kind: bytes, rest: bytes, reading: _Reading) -> None:
-    """Note a material, the library, or what is not drawn."""
+def _read_statement(kind: bytes, rest: bytes, reading: _Reading, vertices: int) -> None:
+    """Note a material, the library, points and lines, or what is not drawn.
+
+    `vertices` are those before it; only what counts back asks for them.
+    """
     if kind == b"usemtl":
         reading.use_material(_text(rest))
     elif kind == b"mtllib" and reading.library is None:
         reading.library = _text(rest)
+    elif kind in _STROKES:
+        reading.strokes.read(kind, rest, vertices, reading.group)
     elif kind in _UNREAD:
         reading.unread[_UNREAD[kind]] += 1
 
@@ -175,7 +194,7 @@ def _read_odd_block(block: bytes, reading: _Reading) -> None:
         elif kind in rows:
             rows[kind].append(rest)
         else:
-            _read_statement(kind, rest, reading)
+            _read_statement(kind, rest, reading, before[b"v"] + len(rows[b"v"]))
     for kind, found in rows.items():
         reading.counts[kind] += len(found)
         if found:

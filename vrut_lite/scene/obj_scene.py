@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.scene.budget import SceneBudget
 from vrut_lite.scene.file_checks import SceneFolder
+from vrut_lite.scene.gltf_points_and_lines import TOLD_STROKES, Strokes
 from vrut_lite.scene.mesh import (
     MESH_BYTES,
     Geometry,
@@ -20,12 +21,17 @@ from vrut_lite.scene.mesh import (
 from vrut_lite.scene.mtl_file import MtlMaterials, portable_name
 from vrut_lite.scene.notices import Notices
 from vrut_lite.scene.obj_file import ObjFile, parse_obj
+from vrut_lite.scene.obj_strokes import placed_strokes
 from vrut_lite.scene.placed import PlacedMesh, check_places, check_triangles
 from vrut_lite.scene.scene_file_error import MissingFile
 
 
-def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[PlacedMesh]:
-    """The meshes of an OBJ file, one for each material; `notices` takes what is left out.
+def read_obj_scene(
+    path: Path, budget: SceneBudget, notices: Notices
+) -> tuple[list[PlacedMesh], list[Strokes]]:
+    """The meshes of an OBJ file, one for each material, and its points and lines.
+
+    `notices` takes what is left out.
 
     Raises:
         SceneFileError: if it is damaged, names files that are missing or outside its folder, or
@@ -50,7 +56,16 @@ def read_obj_scene(path: Path, budget: SceneBudget, notices: Notices) -> list[Pl
             instead = "left out" if geometry.uv is None else "in one colour of it"
             notices.tell("triangle without coordinates of its texture", instead, int(lacking))
         placed.append(PlacedMesh(shown, make_mesh(geometry, material), np.eye(4)))
-    return placed
+    return placed, _strokes(obj, materials, budget, notices)
+
+
+def _strokes(
+    obj: ObjFile, materials: MtlMaterials, budget: SceneBudget, notices: Notices
+) -> list[Strokes]:
+    notices.tell("points or lines", TOLD_STROKES, sum(len(one.group) for one in obj.strokes))
+    groups = {int(group) for one in obj.strokes for group in one.group}
+    rgba = {group: materials.colour_rgba(obj.materials[group]) for group in groups}
+    return placed_strokes(obj.strokes, obj.positions, obj.colours, rgba, budget)
 
 
 def _library(obj: ObjFile, folder: SceneFolder, notices: Notices) -> bytes:

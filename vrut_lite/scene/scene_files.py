@@ -28,7 +28,8 @@ _GLTF = Placement(up="y", metres_per_unit=1.0)
 class SceneFile:
     """What one file holds, in its own axes and units; `says` is what it says of these.
 
-    `placed` are its meshes, `resting_cameras` its cameras at rest.
+    `placed` are its meshes, `resting_cameras` its cameras at rest, `resting_strokes` the points and
+    lines of a file that is no glTF.
     """
 
     placed: list[PlacedMesh]
@@ -36,6 +37,7 @@ class SceneFile:
     notices: Notices
     says: Placement
     gltf: GltfScene | None = None
+    resting_strokes: list[Strokes] = field(default_factory=list)
 
     @property
     def duration_s(self) -> float:
@@ -63,7 +65,9 @@ class SceneFile:
 
     def strokes(self, time_s: float | None) -> list[Strokes]:
         """Its points and lines at a time of its animations."""
-        return [] if self.gltf is None else self.gltf.strokes(self._wrapped_s(time_s))
+        if self.gltf is None:
+            return self.resting_strokes
+        return self.gltf.strokes(self._wrapped_s(time_s))
 
     def lamps(self, time_s: float | None) -> list[PlacedLamp]:
         """Its lamps at a time of its animations."""
@@ -103,7 +107,8 @@ class SceneFiles:
 def _read_file(real: Path, budget: SceneBudget, variant: str) -> SceneFile:
     notices = Notices()
     if real.suffix.lower() == ".obj":
-        file = SceneFile(read_obj_scene(real, budget, notices), [], notices, Placement())
+        placed, strokes = read_obj_scene(real, budget, notices)
+        file = SceneFile(placed, [], notices, Placement(), resting_strokes=strokes)
     elif real.suffix.lower() in usd_scene.SUFFIXES:
         file = SceneFile(*_usd(real, budget, notices))
     else:

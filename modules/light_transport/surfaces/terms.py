@@ -7,14 +7,17 @@ what they take away at either side.
 """
 
 from functools import lru_cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from light_transport.surfaces.map_means import linear, shares, triangle_means
 from vrut_lite.daylight.scene_content import MapName, Material, Mesh
+from vrut_lite.daylight.surface_terms import SurfaceTerms
 from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.reflection import DIELECTRIC_F0, reflectance_table
+from vrut_lite.geometry.thin_film import film_table
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 # Of any real surface; see grazing() in mesh.frag.
@@ -36,6 +39,7 @@ def sent_back(
     f0 = terms.f0_rgb * _channel_means(mesh, material, "specular", 3)
     tint = triangle_means_of(mesh, material, "specular_colour")
     f0 = f0 if tint is None else f0 * tint
+    f0 = _under_film(mesh, material, f0)
     f90 = terms.f90 * _channel_means(mesh, material, "specular", 3)
     peak = f0.max(axis=1, keepdims=True)
     coat = mean_coat(roughness, peak, f90)
@@ -45,13 +49,47 @@ def sent_back(
     paint = colour * (1.0 - coat)
     second = terms.clearcoat * _channel_means(mesh, material, "clearcoat", 0)
     second = second * mean_coat(np.array(terms.clearcoat_roughness), DIELECTRIC_F0, 1.0)
-    below = metallic * mean_metal(roughness, colour) + (1.0 - metallic) * (
+    metal = _under_film(mesh, material, np.asarray(colour, float))
+    below = metallic * mean_metal(roughness, metal) + (1.0 - metallic) * (
         paint * (1.0 - glass) + coat_rgb
     )
     back = second + (1.0 - second) * below
     passing = luminance(_one_side(material, colour)) * ((1.0 - second) * glass * (1.0 - coat))[:, 0]
     reflectance = np.clip(back / np.maximum(1.0 - passing, 1e-3)[:, None], 0.0, 1.0)
     return SentBack(reflectance.astype(np.float32), passing.astype(np.float32))
+
+
+def _under_film(mesh: Mesh, material: Material, f0: FloatArray) -> FloatArray:
+    """Schlick's f0 (F, 3) with what a thin film makes of it, as a mean over all directions."""
+    terms = material.terms
+    if terms.iridescence == 0.0:
+        return f0
+    share = terms.iridescence * _channel_means(mesh, material, "iridescence", 0)
+    thickness = _channel_means(mesh, material, "iridescence_thickness", 1)
+    return f0 + (mean_film(f0, thickness, terms) - f0) * share
+
+
+def mean_film(f0: FloatArray, thickness: FloatArray, terms: SurfaceTerms) -> FloatArray:
+    """Schlick's f0 (F, 3) under a film of a share (F, 1) of the way between its thicknesses.
+
+    Directions count as much as a smooth surface sends light back into them beyond its f90.
+    """
+    table = film_table(terms.film_ior, terms.film_least_nm, terms.film_most_nm).astype(np.float64)
+    mu = np.linspace(0.0, 1.0, table.shape[2])
+    weight = mu * (1.0 - (1.0 - mu) ** 5)
+    means = np.einsum("tfmc,m->tfc", table, weight / weight.sum())
+    places = thickness * (len(means) - 1), np.sqrt(np.clip(f0, 0.0, 1.0)) * (means.shape[1] - 1)
+    (layer, in_layer), (row, in_row) = (np.divmod(place, 1.0) for place in places)
+    channel = np.arange(3)
+    filmed = np.zeros(f0.shape)
+    for next_layer, next_row in product((0, 1), (0, 1)):
+        at = (
+            np.minimum(layer.astype(int) + next_layer, len(means) - 1),
+            np.minimum(row.astype(int) + next_row, means.shape[1] - 1),
+        )
+        weight_of = np.abs(1 - next_layer - in_layer) * np.abs(1 - next_row - in_row)
+        filmed += weight_of * means[at[0], at[1], channel]
+    return filmed
 
 
 def mean_coat(roughness: FloatArray, f0: FloatArray | float, f90: FloatArray | float) -> FloatArray:

@@ -36,16 +36,17 @@ def test_axis_and_unit_are_shown_and_changed(shared_headless_window, lying):
     assert "20 \N{MULTIPLICATION SIGN} 6" in panel.extent.text()
     for shown in (panel.notices.text(), driver.window.news.text()):
         assert "stand along +Z" in shown
-        assert "l statement of the OBJ: not drawn" in shown
+        assert "points or lines: one pixel wide" in shown
     # A long line does not widen the window.
     assert driver.window.minimumSizeHint().width() < driver.window.news.sizeHint().width()
     choose(panel.unit, 0.001)
     driver.until(lambda: driver.session.last(SceneOpened).upper_m[1] == pytest.approx(0.6))
     choose(panel.up, "y")
     driver.until(lambda: driver.session.last(SceneOpened).upper_m[2] == pytest.approx(0.6))
-    # The file has no cameras, and no empty list of them is shown.
+    # The file has neither cameras nor variants, and no empty list of them is shown.
     assert not panel.camera.isEnabled()
     assert panel.camera.isHidden()
+    assert panel.variant.isHidden()
 
 
 def test_the_first_scene_has_nothing_to_note(shared_headless_window):

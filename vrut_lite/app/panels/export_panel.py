@@ -139,6 +139,7 @@ class ExportPanel(QWidget):
 
     def _lay_out(self) -> None:
         hours = QHBoxLayout()
+        hours.setSpacing(6)
         for part in (self.first, faint_label("to"), self.last, self.light):
             hours.addWidget(part)
         hours.addStretch(1)

@@ -125,5 +125,6 @@ class ScenePanel(ModulePanel):
         self.variant.setCurrentIndex(self.variant.findData(scene.opened.variant))
         for box in (self.up, self.unit, self.camera, self.variant):
             box.setEnabled(box.count() > 0)
-        self._form.setRowVisible(self.camera, self.camera.count() > 0)
+        for box in (self.camera, self.variant):
+            self._form.setRowVisible(box, box.count() > 0)
         self.notices.setText("\n".join(scene.notices))
