@@ -15,7 +15,7 @@ import tomli_w
 
 from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.haze import MOST_OPTICAL_DEPTH, AerosolType, SetHaze
+from vrut_lite.daylight.haze import DEFAULT_AEROSOL, MOST_OPTICAL_DEPTH, AerosolType, SetHaze
 from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
@@ -83,7 +83,7 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The aerosol above the place: the fields of `SetHaze`, with their bounds."""
 
     optical_depth_550: Annotated[float, msgspec.Meta(ge=0, le=MOST_OPTICAL_DEPTH)]
-    aerosol: AerosolType = "one-lobe"
+    aerosol: AerosolType = DEFAULT_AEROSOL
     humidity_percent: Annotated[float, msgspec.Meta(ge=0, le=MOST_HUMIDITY)] = USUAL_HUMIDITY
 
 

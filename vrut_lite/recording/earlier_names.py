@@ -20,7 +20,19 @@ _ADDED: dict[str, Plain] = {
 }
 
 
+# Settings that earlier versions lacked, by one that the same modules had already, and what skies
+# were without them: their defaults are others today.
+_LATER_SETTINGS: dict[str, Plain] = {
+    "mie_g": {"aerosol": "one-lobe"},
+    "sun_colour": {"sky_level": "published"},
+}
 _HAZE_REFUSED = re.compile(r"^(turbidity of \w+ must be between 1 and 10), not ")
+
+
+def settings_in_todays_words(settings: Plain) -> Plain:
+    """A module's recorded settings, with those that it lacked and what they would have been."""
+    added = (later for known, later in _LATER_SETTINGS.items() if known in settings)
+    return {name: value for later in added for name, value in later.items()} | settings
 
 
 def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
@@ -33,6 +45,9 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
         # A size of 1 meant that the sky chooses; no consumer shows a sky of one texel.
         if message.get("message") == "BackgroundChanged" and message.get("size") == 1:
             added["size"] = None
+    # Aerosol had one type.
+    if name == "SetHaze":
+        added |= {"aerosol": "one-lobe"} if "aerosol" not in message else {}
     # The handler that reported a failed GPU, by its name in a Fault.
     if name == "Fault" and message.get("where") == "cube_done":
         added["where"] = "job_done"
