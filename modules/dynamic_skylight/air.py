@@ -1,4 +1,4 @@
-"""A simple air to go with a measured or fitted sky: two exponential layers, lit as the sky is.
+"""A simple air to go with a measured or fitted sky: exponential layers, lit as the sky is.
 
 Molecules and aerosol thin with height, over 8 km and as the haze does. Their scattered light is
 known in total: an endless path must have the sky's radiance in its direction or, below the horizon,
@@ -52,9 +52,9 @@ _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 
 
 class Layers(NamedTuple):
-    """Molecules and aerosol.
+    """Molecules, aerosol, and aerosol aloft.
 
-    `scale_height_m` (2,); `extinction` (2, 4) in 1/m at the ground, at SKYLIGHT_NM; `albedo` (3,)
+    `scale_height_m` (3,); `extinction` (3, 4) in 1/m at the ground, at SKYLIGHT_NM; `albedo` (3,)
     of the aerosol's scattering of red, green and blue, `phase` (..., 3) its phase function of the
     cosine (...,), in sr^-1.
     """
@@ -69,17 +69,18 @@ class Layers(NamedTuple):
 def layers_of(haze: SetHaze) -> Layers:
     """The air of a haze."""
     optics = haze.optics
-    heights_m = np.array([_MOLECULES_M, optics.scale_height_m])
+    heights_m = np.array([_MOLECULES_M, optics.lower_height_m, optics.upper_height_m])
     micrometre = np.asarray(SKYLIGHT_NM) / 1000.0
     share = haze.optical_depth_550 / optics.optical_depth_550
-    aerosol = share * optics.depth_at(SKYLIGHT_NM) / heights_m[1]
+    aerosol = share * optics.depth_at(SKYLIGHT_NM)
+    low, aloft = (1.0 - optics.aloft_share) * aerosol, optics.aloft_share * aerosol
     # The colour of a channel's light is that of the wavelengths near it: negative shares, of
     # others, would make no phase function.
     near = np.maximum(_shares(), 0.0)
     near /= near.sum(axis=0)
     return Layers(
         heights_m,
-        np.stack([1.24062e-6 * micrometre**-4.0, aerosol]),
+        np.stack([1.24062e-6 * micrometre**-4.0, low / heights_m[1], aloft / heights_m[2]]),
         optics.albedo_at(SKYLIGHT_NM) @ near,
         optics.phase_at(SKYLIGHT_NM).at_rows(near.T),
     )
@@ -153,7 +154,8 @@ def _sunlit(daylight: Daylight, grid: Grid, rays: NodeRays, layers: Layers) -> F
     """Radiance (rows, columns, 3) of sunlight scattered once, per extinction of the eye's air."""
     thinner = np.exp(-grid.observer_altitude_m / layers.scale_height_m)[:, None]
     here = thinner * (layers.extinction @ _shares())
-    of_molecules, of_aerosol = here / np.maximum(here.sum(axis=0), 1e-300)
+    of_molecules = here[0] / np.maximum(here.sum(axis=0), 1e-300)
+    of_aerosol = 1.0 - of_molecules
     nu = rays.nu[..., None]
     molecules = 3.0 / (16.0 * np.pi) * (1.0 + nu * nu)
     scattered = of_molecules * molecules + layers.albedo * of_aerosol * layers.phase(rays.nu)
@@ -174,7 +176,7 @@ def _distances(span_m: FloatArray, altitude_m: float) -> FloatArray:
 
 
 def _paths(rays: NodeRays, distance: FloatArray, layers: Layers) -> FloatArray:
-    """Paths (rows, slices, 2) in m through either layer up to the distances; by Gauss-Legendre."""
+    """Paths (rows, slices, 3) in m through each layer up to the distances; by Gauss-Legendre."""
     start = np.concatenate([np.zeros_like(distance[:, :1]), distance[:, :-1]], axis=1)
     half = 0.5 * (distance - start)[..., None]
     metres = start[..., None] + half * (1.0 + _GAUSS_X)

@@ -95,7 +95,7 @@ def test_a_mixture_of_ones_own_adds_its_components():
     )
     assert twice.lower_depth_550 == pytest.approx(2 * once.lower_depth_550)
     assert once.lower_height_m == pytest.approx(2000.0 * (1 - np.exp(-1)))
-    assert once.scale_height_m > once.lower_height_m
+    assert 0.0 < twice.aloft_share < once.aloft_share < 1.0
 
 
 def test_aerosol_of_ones_own_follows_angstroms_law():

@@ -115,12 +115,12 @@ def test_transmittance_is_that_of_two_exponentials(height_deg, altitude_m):
 def test_the_air_is_that_of_the_haze(aerosol):
     """Its depth at 550 nm is the haze's, and none without haze; dust scatters farther forward."""
     air = layers_of(SetHaze(optical_depth_550=0.2, aerosol=aerosol))
-    depth = air.extinction[1] * air.scale_height_m[1]
+    depth = air.scale_height_m[1:] @ air.extinction[1:]
     at_550 = np.interp(550.0, SKYLIGHT_NM[::-1], depth[::-1])
     assert at_550 == pytest.approx(0.20, abs=0.005)
     forward = air.phase(1.0)[1]
     assert (forward > 10.0) == (aerosol == "desert")
-    assert not layers_of(SetHaze(optical_depth_550=0.0, aerosol=aerosol)).extinction[1].any()
+    assert not layers_of(SetHaze(optical_depth_550=0.0, aerosol=aerosol)).extinction[1:].any()
 
 
 @pytest.mark.parametrize("elevation_deg", [50.0, 5.0, -4.0])

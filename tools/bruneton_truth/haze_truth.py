@@ -26,7 +26,7 @@ IRRADIANCE_PATHS = 131072
 GAUSS_NODES = 64
 
 NOTES = """Spectral radiance W m^-2 sr^-1 nm^-1 at the four wavelengths of the module's skylight,
-air of BrunetonSkySettings(turbidity=..., aerosol="one-lobe"): aerosol optical depth 0.2 and 0.8 at 550 nm.
+air of BrunetonSkySettings(turbidity=..., aerosol="one-lobe"): optical depth 0.2, 0.8 at 550 nm.
 Rays (n,): turbidity, sun_elevation_deg, altitude_m, mu, mu_s, nu; the radiance of the ground is
 left out, its light scattered by the air is in. first, multiple, error (n, 4): order 1, exact, the
 sum of orders two and up, and its standard error. irradiance, irradiance_error (turbidity, sun, 4):

@@ -44,7 +44,8 @@ def slant_depth(
     at_ozone = _RADIUS_M / (_RADIUS_M + _OZONE_AT_M)
     through_ozone = 1.0 / np.sqrt(1.0 - at_ozone**2 * (1.0 - sine * sine))
     depth = molecules * _air_mass(sine, _MOLECULES_M) + ozone * through_ozone
-    return np.asarray(depth + aerosol * _air_mass(sine, optics.scale_height_m))
+    low, above = (_air_mass(sine, h) for h in (optics.lower_height_m, optics.upper_height_m))
+    return np.asarray(depth + aerosol * (low + optics.aloft_share * (above - low)))
 
 
 def _air_mass(sine: float, scale_height_m: float) -> float:

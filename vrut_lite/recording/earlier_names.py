@@ -20,6 +20,8 @@ _ADDED: dict[str, Plain] = {
 }
 
 
+# What a solved atmosphere lacked: a tabulated phase function, aerosol aloft.
+_LATER_OF_AIR: Plain = {"mie_table": None, "mie_aloft": 0.0, "mie_aloft_scale_height_m": 8000.0}
 # Settings that earlier versions lacked, by one that the same modules had already, and what skies
 # were without them: their defaults are others today.
 _LATER_SETTINGS: dict[str, Plain] = {
@@ -58,12 +60,11 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     volume = message.get("volume")
     if name == "AirChanged" and volume and isinstance(volume["aerosol_phase"], list):
         added["volume"] = {**volume, "aerosol_phase": UNKNOWN}
-    # A solved atmosphere had no tabulated one.
     value = message.get("value")
     if (
         name == "JobResult"
         and isinstance(value, dict)
         and isinstance(value.get("atmosphere"), dict)
     ):
-        added["value"] = {**value, "atmosphere": {"mie_table": None, **value["atmosphere"]}}
+        added["value"] = {**value, "atmosphere": {**_LATER_OF_AIR, **value["atmosphere"]}}
     return (name, {**message, **added}) if added else (name, message)

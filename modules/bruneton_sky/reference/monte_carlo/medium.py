@@ -26,15 +26,17 @@ class Medium(NamedTuple):
     """An atmosphere as compiled code reads it; coefficients (4 or 3, C) in 1/m, lengths in m.
 
     Extinction of molecules, aerosol, absorber, fog; scattering of molecules, aerosol, fog, whose
-    scale is 0 where there is none. `phase` (nodes, C) in sr^-1 is the aerosol's phase function,
-    `turn` (nodes - 1,) the cumulated chance that its mean over the wavelengths gives a turn between
-    two nodes.
+    scale is 0 where there is none. Of the aerosol the share `aloft` thins over `aloft_scale`.
+    `phase` (nodes, C) in sr^-1 is the aerosol's phase function, `turn` (nodes - 1,) the cumulated
+    chance that its mean over the wavelengths gives a turn between two nodes.
     """
 
     radius: float
     top: float
     rayleigh_scale: float
     mie_scale: float
+    aloft_scale: float
+    aloft: float
     fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
@@ -57,6 +59,8 @@ def medium_of(atmosphere: Atmosphere) -> Medium:
         atmosphere.top_altitude_m,
         atmosphere.rayleigh_scale_height_m,
         atmosphere.mie_scale_height_m,
+        atmosphere.mie_aloft_scale_height_m,
+        atmosphere.mie_aloft,
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
         np.array([molecules, aerosol, fog]),
@@ -89,6 +93,8 @@ def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def
     """Multiply weights (C,) by a scale and by a ray's transmittance as far as y."""
     rayleigh = path_to(ray, altitude, y, medium.rayleigh_scale)
     mie = path_to(ray, altitude, y, medium.mie_scale)
+    if medium.aloft > 0.0:
+        mie += medium.aloft * (path_to(ray, altitude, y, medium.aloft_scale) - mie)
     absorbed = 0.0
     if medium.extinction[2].any():
         absorbed = layered_path(ray, y, medium.absorber_altitude, medium.absorber_density)
@@ -126,7 +132,10 @@ def densities(medium, altitude):  # type: ignore[no-untyped-def]
     """Relative densities of molecules, aerosol and fog."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
     thin = math.exp(-altitude / medium.rayleigh_scale)
-    return thin, math.exp(-altitude / medium.mie_scale), fog
+    haze = math.exp(-altitude / medium.mie_scale)
+    if medium.aloft > 0.0:
+        haze += medium.aloft * (math.exp(-altitude / medium.aloft_scale) - haze)
+    return thin, haze, fog
 
 
 @compiled
