@@ -43,7 +43,7 @@ _SCALAR = (*_POSITIVE, "mie_g", "mie_aloft", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
-_NO_NUMBERS = ("mie_phase", "mie_table")
+_NO_NUMBERS = ("mie_phase", "mie_table", "fog_table")
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
@@ -74,8 +74,10 @@ class Atmosphere:
             that form; `mie_g` is then its mean cosine at 550 nm.
         mie_aloft, mie_aloft_scale_height_m: share of the aerosol at altitude zero that thins out
             over a scale height of its own, that of the free troposphere.
-        fog_scattering, fog_extinction, fog_scale_height_m: fog, a second, shallow layer with the
-            aerosol's phase function; no fog where the extinction is zero.
+        fog_scattering, fog_extinction, fog_scale_height_m: fog, a shallow layer; none where the
+            extinction is zero.
+        fog_table: the phase function of its droplets, a row for each wavelength; none is the
+            aerosol's.
 
     Raises:
         ValueError: a value is outside its physical range; the sentence names it.
@@ -104,6 +106,7 @@ class Atmosphere:
     fog_scattering: tuple[float, ...] = (0.0,)
     fog_extinction: tuple[float, ...] = (0.0,)
     fog_scale_height_m: float = 100.0
+    fog_table: PhaseTable | None = None
 
     def __post_init__(self) -> None:
         for name in self._numeric():
@@ -206,13 +209,16 @@ class Atmosphere:
             mie_table=optics.phase_at(self.wavelength_nm),
         )
 
-    def with_fog(self, visibility_m: float, scale_height_m: float) -> Self:
+    def with_fog(
+        self, visibility_m: float, scale_height_m: float, phase: PhaseTable | None = None
+    ) -> Self:
         """This air with grey fog of a visibility on the ground.
 
         Visibility is the meteorological optical range, at which a black object has 2 % contrast
         with the horizon: 3.912 over the extinction of all the air at 550 nm (Koschmieder 1924).
         Air that is already hazier gets no fog. Droplets are far larger than light's wavelengths:
-        their extinction is grey, and they absorb nothing that is visible.
+        their extinction is grey, and they absorb nothing that is visible. `phase` is their phase
+        function, a row for each wavelength; the aerosol's where there is none.
 
         Raises:
             ValueError: a length is not from 1e-3 to 1e12 m.
@@ -226,7 +232,11 @@ class Atmosphere:
         )
         fog = (max(KOSCHMIEDER / visibility_m - float(at_550), 0.0),) * order.size
         return replace(
-            self, fog_scattering=fog, fog_extinction=fog, fog_scale_height_m=scale_height_m
+            self,
+            fog_scattering=fog,
+            fog_extinction=fog,
+            fog_scale_height_m=scale_height_m,
+            fog_table=phase,
         )
 
     def scatterers(self) -> tuple[Scatterer, ...]:
@@ -258,6 +268,11 @@ class Atmosphere:
         """Whether there is fog."""
         return any(self.fog_extinction)
 
+    @property
+    def has_droplets(self) -> bool:
+        """Whether there is fog with a phase function of its own."""
+        return self.foggy and self.fog_table is not None
+
     def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the absorber at altitudes (...,)."""
         height = as_numbers("altitude_m", altitude_m)
@@ -271,11 +286,12 @@ class Atmosphere:
 
     def _check(self) -> None:
         check_choice("mie_phase of the atmosphere", self.mie_phase, get_args(MiePhaseForm))
-        if self.mie_table is not None:
-            rows = len(self.wavelength_nm)
-            _require(isinstance(self.mie_table, PhaseTable), "mie_table", "must be a PhaseTable")
-            fits = len(self.mie_table.values) == rows
-            _require(fits, "mie_table", f"needs {rows} rows, one per wavelength")
+        for name in ("mie_table", "fog_table"):
+            table, rows = getattr(self, name), len(self.wavelength_nm)
+            if table is not None:
+                _require(isinstance(table, PhaseTable), name, "must be a PhaseTable")
+                fits = len(table.values) == rows
+                _require(fits, name, f"needs {rows} rows, one per wavelength")
         for name in _SCALAR:
             _require(isinstance(getattr(self, name), float), name, "must be a single number")
         for name in _POSITIVE:

@@ -18,8 +18,9 @@ from vrut_lite.daylight.aerosol import (
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
+from vrut_lite.daylight.aerosols.droplets import droplets_phase
 from vrut_lite.daylight.gases import ozone_absorption
-from vrut_lite.daylight.haze import DEFAULT_HAZE, ONE_LOBE, AerosolType, SetHaze
+from vrut_lite.daylight.haze import DEFAULT_HAZE, AerosolType, SetHaze
 from vrut_lite.daylight.left_open import Preset
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
@@ -205,7 +206,7 @@ def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
     if settings.turbidity is not None:
         own["optical_depth_550"] = float(optical_depth_of_turbidity(settings.turbidity))
     if settings.aerosol is not None:
-        own["aerosol"] = settings.aerosol
+        own |= {"aerosol": settings.aerosol, "own": None}
     return msgspec.structs.replace(haze, **own)
 
 
@@ -261,7 +262,7 @@ def _preset(
         return air.with_aerosol(depth, ANGSTROM_EXPONENT)
     earth = earth_spectral(wavelength_nm)
     # One lobe needs no table: its closed form is exact.
-    if haze.aerosol == ONE_LOBE:
+    if haze.one_lobe:
         return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
     return earth.with_optics(haze.optics, haze.optical_depth_550)
 
@@ -270,7 +271,8 @@ def _with_fog(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     """Fog starts at the local ground, however high that is."""
     if settings.fog_visibility_m is None:
         return air
-    return air.with_fog(settings.fog_visibility_m, settings.fog_height_m)
+    droplets = droplets_phase(air.wavelength_nm)
+    return air.with_fog(settings.fog_visibility_m, settings.fog_height_m, droplets)
 
 
 def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:

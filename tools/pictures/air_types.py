@@ -13,10 +13,11 @@ import msgspec
 
 from tools.pictures.drawing import Captioned, scene_project, sheet, shots
 from vrut_lite.daylight.aerosols import type_optics
+from vrut_lite.daylight.haze import AerosolType
 from vrut_lite.project import Exposure, Haze, Project
 
 _SIZE = (400, 225)
-_TYPES = ("continental-average", "maritime-clean", "desert", "urban")
+_TYPES: tuple[AerosolType, ...] = ("continental-average", "maritime-clean", "desert", "urban")
 _HOURS = ("07:00", "13:25", "18:00", "20:50")
 _TO_THE_SUN = "18:00"
 _SUNNY_TARGET_M = (-1096.0, 1130.0, -20.0)

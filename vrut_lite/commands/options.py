@@ -146,7 +146,8 @@ def _haze(
     humidity = known.humidity_percent if humidity_percent is None else humidity_percent
     if aerosol is not None and aerosol != ONE_LOBE and optical_depth_550 is None:
         depth = type_optics(aerosol, humidity).optical_depth_550
-    return Haze(depth, aerosol or known.aerosol, humidity)
+    own = known.own if aerosol is None else None
+    return Haze(depth, aerosol or known.aerosol, humidity, own)
 
 
 def _without_own_haze(project: Project) -> Project:

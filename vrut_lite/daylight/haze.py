@@ -16,8 +16,10 @@ from vrut_lite.daylight.aerosol import (
     turbidity_of_optical_depth,
 )
 from vrut_lite.daylight.aerosols import AerosolOptics, optics_of_aerosol, type_optics
+from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.daylight.tolerance import Remembers
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Input
 
 OWN_HAZE = "turbidity"
@@ -50,12 +52,18 @@ class SetHaze(Input, frozen=True, kw_only=True):
 
     `optical_depth_550` is vertical, at 550 nm; turbidity is an alias on Preetham's scale, 3 is 0.20
     (`turbidity_of_optical_depth`). `humidity_percent` is that of the lower air, in which particles
-    of a type of OPAC grow.
+    of a type of OPAC grow. `own` takes the type's place.
     """
 
     optical_depth_550: float
     aerosol: AerosolType = DEFAULT_AEROSOL
     humidity_percent: float = USUAL_HUMIDITY
+    own: OwnAerosol | None = None
+
+    @property
+    def one_lobe(self) -> bool:
+        """Whether it is the closed form."""
+        return self.own is None and self.aerosol == ONE_LOBE
 
     @property
     def turbidity(self) -> float:
@@ -65,7 +73,9 @@ class SetHaze(Input, frozen=True, kw_only=True):
     @property
     def optics(self) -> AerosolOptics:
         """What the aerosol does to light, at a depth of its own."""
-        if self.aerosol == ONE_LOBE:
+        if self.own is not None:
+            return self.own.optics
+        if self.one_lobe:
             return _one_lobe()
         return type_optics(self.aerosol, self.humidity_percent)
 
@@ -74,6 +84,12 @@ class SetHaze(Input, frozen=True, kw_only=True):
         checks.number(self, "optical_depth_550", 0.0, MOST_OPTICAL_DEPTH, of="haze")
         checks.choice(self, "aerosol", AEROSOL_TYPES)
         checks.number(self, "humidity_percent", 0.0, MOST_HUMIDITY, of="haze")
+        if self.own is not None:
+            checks.instance(self, "own", OwnAerosol)
+            try:
+                self.own.optics  # noqa: B018 (raises where a number is out of range)
+            except (TypeError, ValueError) as error:
+                raise UserError(f"own aerosol of haze: {error}") from error
 
 
 @lru_cache(maxsize=1)

@@ -21,7 +21,12 @@ _ADDED: dict[str, Plain] = {
 
 
 # What a solved atmosphere lacked: a tabulated phase function, aerosol aloft.
-_LATER_OF_AIR: Plain = {"mie_table": None, "mie_aloft": 0.0, "mie_aloft_scale_height_m": 8000.0}
+_LATER_OF_AIR: Plain = {
+    "mie_table": None,
+    "mie_aloft": 0.0,
+    "mie_aloft_scale_height_m": 8000.0,
+    "fog_table": None,
+}
 # Settings that earlier versions lacked, by one that the same modules had already, and what skies
 # were without them: their defaults are others today.
 _LATER_SETTINGS: dict[str, Plain] = {
@@ -50,6 +55,7 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     # Aerosol had one type.
     if name == "SetHaze":
         added |= {"aerosol": "one-lobe"} if "aerosol" not in message else {}
+        added |= {"own": None} if "own" not in message else {}
     # The handler that reported a failed GPU, by its name in a Fault.
     if name == "Fault" and message.get("where") == "cube_done":
         added["where"] = "job_done"

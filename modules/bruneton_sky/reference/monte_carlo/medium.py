@@ -5,13 +5,14 @@ Rays and optical paths are those of `path_kernels`: one geometry for the whole p
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
-from bruneton_sky.phase import aerosol_phase
+from bruneton_sky.phase import aerosol_phase, fog_phase
 from vrut_lite.numeric_types import FloatArray
 
 # Weights of wavelengths that share a path: their scattering to this power (0 makes weak ones noisy,
@@ -28,7 +29,8 @@ class Medium(NamedTuple):
     Extinction of molecules, aerosol, absorber, fog; scattering of molecules, aerosol, fog, whose
     scale is 0 where there is none. Of the aerosol the share `aloft` thins over `aloft_scale`.
     `phase` (nodes, C) in sr^-1 is the aerosol's phase function, `turn` (nodes - 1,) the cumulated
-    chance that its mean over the wavelengths gives a turn between two nodes.
+    chance that its mean over the wavelengths gives a turn between two nodes; `fog_phase` and
+    `fog_turn` are fog's.
     """
 
     radius: float
@@ -44,6 +46,8 @@ class Medium(NamedTuple):
     absorber_density: FloatArray
     phase: FloatArray
     turn: FloatArray
+    fog_phase: FloatArray
+    fog_turn: FloatArray
     albedo: FloatArray
     # The weight (C,) with which each wavelength's share of a path starts.
     importance: FloatArray
@@ -66,15 +70,16 @@ def medium_of(atmosphere: Atmosphere) -> Medium:
         np.array([molecules, aerosol, fog]),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
-        *_phase_and_turn(atmosphere),
+        *_phase_and_turn(lambda nu: aerosol_phase(atmosphere, nu)),
+        *_phase_and_turn(lambda nu: fog_phase(atmosphere, nu)),
         np.array(atmosphere.ground_albedo),
         _importance(np.array(molecules) + np.array(aerosol) + np.array(fog)),
     )
 
 
-def _phase_and_turn(atmosphere: Atmosphere) -> tuple[FloatArray, FloatArray]:
+def _phase_and_turn(of: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray, FloatArray]:
     squared = np.linspace(0.0, 1.0, _PHASE_NODES) ** 2
-    phase = np.ascontiguousarray(aerosol_phase(atmosphere, 1.0 - 2.0 * squared))
+    phase = np.ascontiguousarray(of(1.0 - 2.0 * squared))
     mean = phase.mean(axis=1)
     turn = np.cumsum(0.5 * (mean[:-1] + mean[1:]) * np.diff(squared))
     return phase, turn / turn[-1]
