@@ -13,9 +13,10 @@ import msgspec
 import numpy as np
 import tomli_w
 
+from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.aerosols.types import MOST_HUMIDITY, USUAL_HUMIDITY
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.haze import MOST_OPTICAL_DEPTH, AerosolType, SetHaze
+from vrut_lite.daylight.haze import DEFAULT_AEROSOL, MOST_OPTICAL_DEPTH, AerosolType, SetHaze
 from vrut_lite.daylight.picture import Resize, SetExposure, ToneMap
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, parse_instant, parse_place
@@ -83,8 +84,18 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The aerosol above the place: the fields of `SetHaze`, with their bounds."""
 
     optical_depth_550: Annotated[float, msgspec.Meta(ge=0, le=MOST_OPTICAL_DEPTH)]
-    aerosol: AerosolType = "one-lobe"
+    aerosol: AerosolType = DEFAULT_AEROSOL
     humidity_percent: Annotated[float, msgspec.Meta(ge=0, le=MOST_HUMIDITY)] = USUAL_HUMIDITY
+    own: OwnAerosol | None = None
+
+    def input(self) -> SetHaze:
+        """The input that sets it."""
+        return SetHaze(
+            optical_depth_550=self.optical_depth_550,
+            aerosol=self.aerosol,
+            humidity_percent=self.humidity_percent,
+            own=self.own,
+        )
 
 
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -217,6 +228,8 @@ def project_text(project: Project) -> str:
         table.update({name: "none" for name, value in table.items() if value is None})
     for placed in (values, *values["beside"]):
         placed["placement"] = _said(placed["placement"])
+    if values["haze"] is not None:
+        values["haze"] = _without_empty(values["haze"])
     values["beside"] = [_without_empty(placed) for placed in values["beside"]]
     return tomli_w.dumps(_without_empty(values))
 
@@ -244,7 +257,7 @@ def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
     if project.tolerance is not None:
         inputs.append(SetTolerance(tolerance=project.tolerance))
     if project.haze is not None:
-        inputs.append(SetHaze(**msgspec.structs.asdict(project.haze)))
+        inputs.append(project.haze.input())
     for module, values in project.settings.items():
         kernel.check_module(module)
         for name, value in values.items():

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
 
+# Haze of one lobe, whose light scattered once has an exact rule without delta-M.
 SETTINGS = {
     "clear air": BrunetonSkySettings(preset="earth-clear"),
-    "turbidity 3": BrunetonSkySettings(),
-    "turbidity 10": BrunetonSkySettings(turbidity=10.0),
+    "turbidity 3": BrunetonSkySettings(aerosol="one-lobe"),
+    "turbidity 10": BrunetonSkySettings(turbidity=10.0, aerosol="one-lobe"),
 }
 # Bruneton's own demonstration of 2017, at three wavelengths.
 DEMO = "Bruneton's air of 2017"

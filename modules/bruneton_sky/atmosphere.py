@@ -34,15 +34,16 @@ _POSITIVE = (
     "rayleigh_scale_height_m",
     "mie_scale_height_m",
     "fog_scale_height_m",
+    "mie_aloft_scale_height_m",
     "sun_angular_radius_rad",
 )
 # Accepted lengths: squares of shorter and longer ones lose digits or overflow.
-_LENGTHS, _LENGTHS_M = _POSITIVE[:5], (1e-3, 1e12)
-_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
+_LENGTHS, _LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
+_SCALAR = (*_POSITIVE, "mie_g", "mie_aloft", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
-_NO_NUMBERS = ("mie_phase", "mie_table")
+_NO_NUMBERS = ("mie_phase", "mie_table", "fog_table")
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
@@ -71,8 +72,12 @@ class Atmosphere:
         mie_phase: the form of the aerosol's phase function.
         mie_table: the aerosol's phase function as a table, a row for each wavelength, in place of
             that form; `mie_g` is then its mean cosine at 550 nm.
-        fog_scattering, fog_extinction, fog_scale_height_m: fog, a second, shallow layer with the
-            aerosol's phase function; no fog where the extinction is zero.
+        mie_aloft, mie_aloft_scale_height_m: share of the aerosol at altitude zero that thins out
+            over a scale height of its own, that of the free troposphere.
+        fog_scattering, fog_extinction, fog_scale_height_m: fog, a shallow layer; none where the
+            extinction is zero.
+        fog_table: the phase function of its droplets, a row for each wavelength; none is the
+            aerosol's.
 
     Raises:
         ValueError: a value is outside its physical range; the sentence names it.
@@ -96,9 +101,12 @@ class Atmosphere:
     mu_s_min: float
     mie_phase: MiePhaseForm = "cornette-shanks"
     mie_table: PhaseTable | None = None
+    mie_aloft: float = 0.0
+    mie_aloft_scale_height_m: float = 8000.0
     fog_scattering: tuple[float, ...] = (0.0,)
     fog_extinction: tuple[float, ...] = (0.0,)
     fog_scale_height_m: float = 100.0
+    fog_table: PhaseTable | None = None
 
     def __post_init__(self) -> None:
         for name in self._numeric():
@@ -146,7 +154,7 @@ class Atmosphere:
         angstrom_exponent: float = ANGSTROM_EXPONENT,
         mie_g: float | None = None,
     ) -> Self:
-        """This atmosphere with another aerosol optical depth, in its own layer and of its own
+        """This atmosphere with another aerosol optical depth, in its own layers and of its own
         albedo.
 
         The vertical optical depth falls as wavelength^-`angstrom_exponent` (Angstrom's law;
@@ -162,8 +170,7 @@ class Atmosphere:
         old = np.asarray(self.mie_extinction)
         usual = np.full_like(old, SINGLE_SCATTERING_ALBEDO)
         albedo = np.divide(self.mie_scattering, old, out=usual, where=old > 0)
-        layer_m = self.mie_scale_height_m
-        extinction = optical_depth_550 * ratio**-angstrom_exponent / layer_m
+        extinction = optical_depth_550 * ratio**-angstrom_exponent / self.mie_column_m
         return replace(
             self,
             mie_extinction=tuple(extinction),
@@ -175,8 +182,8 @@ class Atmosphere:
     def with_optics(self, optics: AerosolOptics, optical_depth_550: float | None = None) -> Self:
         """This atmosphere with a measured or tabulated aerosol, in place of its own.
 
-        Its layer thins out exponentially, and has the column and the extinction at the ground of
-        the aerosol's layers together.
+        Its layers thin out exponentially, with the column and the extinction at the ground of the
+        aerosol's own; albedo and phase function are those of all of it.
 
         Args:
             optics: of the aerosol.
@@ -188,24 +195,30 @@ class Atmosphere:
         own = optics.optical_depth_550
         depth = own if optical_depth_550 is None else optical_depth_550
         depth = as_number("optical_depth_550", depth, 0.0, 1000.0)
-        layer_m = optics.scale_height_m
-        extinction = optics.depth_at(self.wavelength_nm) * depth / own / layer_m
+        low, aloft = optics.lower_depth_550, own - optics.lower_depth_550
+        at_ground = low / optics.lower_height_m + aloft / optics.upper_height_m
+        extinction = optics.depth_at(self.wavelength_nm) * depth / own * (at_ground / own)
         return replace(
             self,
             mie_extinction=tuple(extinction),
             mie_scattering=tuple(extinction * optics.albedo_at(self.wavelength_nm)),
-            mie_scale_height_m=layer_m,
+            mie_scale_height_m=optics.lower_height_m,
+            mie_aloft=max(aloft, 0.0) / optics.upper_height_m / at_ground,
+            mie_aloft_scale_height_m=optics.upper_height_m,
             mie_g=float(optics.phase_at([_ANGSTROM_WAVELENGTH_NM]).mean_cosine()[0]),
             mie_table=optics.phase_at(self.wavelength_nm),
         )
 
-    def with_fog(self, visibility_m: float, scale_height_m: float) -> Self:
+    def with_fog(
+        self, visibility_m: float, scale_height_m: float, phase: PhaseTable | None = None
+    ) -> Self:
         """This air with grey fog of a visibility on the ground.
 
         Visibility is the meteorological optical range, at which a black object has 2 % contrast
         with the horizon: 3.912 over the extinction of all the air at 550 nm (Koschmieder 1924).
         Air that is already hazier gets no fog. Droplets are far larger than light's wavelengths:
-        their extinction is grey, and they absorb nothing that is visible.
+        their extinction is grey, and they absorb nothing that is visible. `phase` is their phase
+        function, a row for each wavelength; the aerosol's where there is none.
 
         Raises:
             ValueError: a length is not from 1e-3 to 1e12 m.
@@ -219,24 +232,46 @@ class Atmosphere:
         )
         fog = (max(KOSCHMIEDER / visibility_m - float(at_550), 0.0),) * order.size
         return replace(
-            self, fog_scattering=fog, fog_extinction=fog, fog_scale_height_m=scale_height_m
+            self,
+            fog_scattering=fog,
+            fog_extinction=fog,
+            fog_scale_height_m=scale_height_m,
+            fog_table=phase,
         )
 
     def scatterers(self) -> tuple[Scatterer, ...]:
-        """Molecules, aerosol and, where there is any, fog."""
+        """Molecules, aerosol and, where there is any, aerosol aloft and fog."""
         molecules = np.asarray(self.rayleigh_scattering)
-        aerosol = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
-        fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
-        some = (
-            Scatterer(self.rayleigh_scale_height_m, molecules, molecules),
-            Scatterer(self.mie_scale_height_m, *aerosol),
+        haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
+        low, aloft = (
+            [share * part for part in haze] for share in (1.0 - self.mie_aloft, self.mie_aloft)
         )
-        return (*some, Scatterer(self.fog_scale_height_m, *fog)) if self.foggy else some
+        all_of_it = [
+            Scatterer(self.rayleigh_scale_height_m, molecules, molecules),
+            Scatterer(self.mie_scale_height_m, *low),
+        ]
+        if self.mie_aloft > 0.0:
+            all_of_it.append(Scatterer(self.mie_aloft_scale_height_m, *aloft))
+        if self.foggy:
+            fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
+            all_of_it.append(Scatterer(self.fog_scale_height_m, *fog))
+        return tuple(all_of_it)
+
+    @property
+    def mie_column_m(self) -> float:
+        """The aerosol above a square metre over its density at altitude zero."""
+        aloft = self.mie_aloft * self.mie_aloft_scale_height_m
+        return (1.0 - self.mie_aloft) * self.mie_scale_height_m + aloft
 
     @property
     def foggy(self) -> bool:
         """Whether there is fog."""
         return any(self.fog_extinction)
+
+    @property
+    def has_droplets(self) -> bool:
+        """Whether there is fog with a phase function of its own."""
+        return self.foggy and self.fog_table is not None
 
     def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the absorber at altitudes (...,)."""
@@ -251,11 +286,12 @@ class Atmosphere:
 
     def _check(self) -> None:
         check_choice("mie_phase of the atmosphere", self.mie_phase, get_args(MiePhaseForm))
-        if self.mie_table is not None:
-            rows = len(self.wavelength_nm)
-            _require(isinstance(self.mie_table, PhaseTable), "mie_table", "must be a PhaseTable")
-            fits = len(self.mie_table.values) == rows
-            _require(fits, "mie_table", f"needs {rows} rows, one per wavelength")
+        for name in ("mie_table", "fog_table"):
+            table, rows = getattr(self, name), len(self.wavelength_nm)
+            if table is not None:
+                _require(isinstance(table, PhaseTable), name, "must be a PhaseTable")
+                fits = len(table.values) == rows
+                _require(fits, name, f"needs {rows} rows, one per wavelength")
         for name in _SCALAR:
             _require(isinstance(getattr(self, name), float), name, "must be a single number")
         for name in _POSITIVE:
@@ -271,6 +307,8 @@ class Atmosphere:
         _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
         most = max(self.ground_albedo)
         _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
+        share = self.mie_aloft
+        _require(0 <= share <= 1, "mie_aloft", f"must lie between 0 and 1, not {share}")
         _require(-1 < self.mie_g < 1, "mie_g", f"must lie between -1 and 1, not {self.mie_g}")
         within = -1 <= self.mu_s_min < 1
         _require(within, "mu_s_min", f"must be a cosine below 1, not {self.mu_s_min}")
@@ -303,7 +341,9 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
             f"whose top is at {atmosphere.top_altitude_m:g} m"
         )
     molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
-    aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
+    low = (1.0 - atmosphere.mie_aloft) * np.exp(-altitude_m / atmosphere.mie_scale_height_m)
+    aloft = atmosphere.mie_aloft * np.exp(-altitude_m / atmosphere.mie_aloft_scale_height_m)
+    aerosol = low + aloft
     layers, density = _cut_layers(atmosphere, altitude_m)
     return replace(
         atmosphere,
@@ -312,6 +352,7 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
         mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
+        mie_aloft=float(aloft / aerosol),
         absorber_altitude_m=layers,
         absorber_density=density,
     )

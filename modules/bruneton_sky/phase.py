@@ -50,6 +50,13 @@ def aerosol_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
     return np.broadcast_to(one, (*one.shape[:-1], len(atmosphere.wavelength_nm)))
 
 
+def fog_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
+    """Phase function (..., C) in sr^-1 of the atmosphere's fog: its droplets', or the aerosol's."""
+    if atmosphere.fog_table is not None:
+        return atmosphere.fog_table(nu)
+    return aerosol_phase(atmosphere, nu)
+
+
 def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:
     """Rayleigh's phase function (...,) in sr^-1, of the cosine nu of the scattering angle."""
     cosine = np.asarray(nu, dtype=float)

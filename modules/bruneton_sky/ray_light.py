@@ -21,7 +21,7 @@ from bruneton_sky.geometry import (
     make_ray,
     y_along,
 )
-from bruneton_sky.phase import aerosol_phase, rayleigh_phase
+from bruneton_sky.phase import aerosol_phase, fog_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
@@ -71,14 +71,16 @@ def light_along(
     sun = sun_cosine(here, altitude, y, mu_s[which], cosine_to_sun)
     along = y * np.sqrt(y * y + 2.0 * here.perigee_radius_m)
     cosine = np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0)
-    molecules, aerosol = scattering_at(air, altitude)
+    molecules, haze, fog = scattering_at(air, altitude)
     once = molecules * rayleigh_phase(cosine_to_sun)[:, None]
     whole = 1.0 - forward_share(field.atmosphere, field.sizes.degree)
-    once += aerosol * aerosol_phase(air, cosine_to_sun) / whole
+    once += haze * aerosol_phase(air, cosine_to_sun) / whole
+    if fog.any():
+        once += fog * fog_phase(air, cosine_to_sun) / (1.0 if air.has_droplets else whole)
     once *= np.exp(-optical_depth_to_top(air, altitude, sun)) * np.asarray(air.solar_irradiance)
     by_molecules, by_aerosol = source_at(field, altitude, cosine, sun, cosine_to_sun)
     # The harmonics' sum may fall below zero by a trace where there is almost no light.
-    more = np.maximum(by_molecules * molecules + by_aerosol * aerosol, 0.0)
+    more = np.maximum(by_molecules * molecules + by_aerosol * (haze + fog), 0.0)
     light = once * nodes.lit[which, column, None] + more
     light *= nodes.metres[which, column, None]
     light *= np.exp(-optical_depth(air, here, altitude, y))
@@ -110,13 +112,16 @@ def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray
     return np.where(cut, cut_altitude, altitude), np.where(cut, y_cut, y)
 
 
-def scattering_at(atmosphere: Atmosphere, altitude_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Scattering coefficients (n, C) in 1/m of molecules, and of all that has aerosol's phase."""
+def scattering_at(
+    atmosphere: Atmosphere, altitude_m: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Scattering coefficients (n, C) in 1/m of molecules, aerosol and fog."""
     molecules, *rest = (
         np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
         for kind in atmosphere.scatterers()
     )
-    return molecules, np.sum(rest, axis=0)
+    fog = rest.pop() if atmosphere.foggy else np.zeros_like(molecules)
+    return molecules, np.sum(rest, axis=0), fog
 
 
 def source_at(

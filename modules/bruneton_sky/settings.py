@@ -18,8 +18,10 @@ from vrut_lite.daylight.aerosol import (
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
+from vrut_lite.daylight.aerosols.droplets import droplets_phase
 from vrut_lite.daylight.gases import ozone_absorption
-from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
+from vrut_lite.daylight.haze import DEFAULT_HAZE, AerosolType, SetHaze
+from vrut_lite.daylight.left_open import Preset
 from vrut_lite.geometry.colour import SKYLIGHT_NM, colour_table
 from vrut_lite.kernel.settings import setting
 
@@ -35,14 +37,28 @@ PHASE_SOURCE = "Cornette and Shanks 1992; Henyey and Greenstein 1941"
 class BrunetonSkySettings(msgspec.Struct, frozen=True):
     """Settings of the Bruneton sky; what is none stays as the preset has it."""
 
-    # A desert's dust absorbs little; snow and sand reflect much (Oke 1987, table 1.1).
-    presets: ClassVar[dict[str, dict[str, object]]] = {
-        "Clear": {"turbidity": 2.0},
-        "Hazy": {"turbidity": 6.0},
-        "Desert": {"turbidity": 5.0, "albedo": 0.35, "mie_albedo": 0.96},
-        "Alpine": {"turbidity": 1.5, "albedo": 0.6},
-        "Fog": {"fog_visibility_m": 300.0},
-        "Mars": {"preset": "mars-like"},
+    # Snow and sand reflect much (Oke 1987, table 1.1).
+    presets: ClassVar[dict[str, Preset]] = {
+        "Clear": Preset("a blue sky after a front: depth 0.10", {"turbidity": 2.0}),
+        "Hazy": Preset("a white summer sky, pale hills: depth 0.50", {"turbidity": 6.0}),
+        "Maritime": Preset(
+            "salt above a coast, a glow about the sun: depth 0.10",
+            {"turbidity": 2.0, "aerosol": "maritime-clean", "albedo": 0.06},
+        ),
+        "Urban": Preset(
+            "soot above a city, a grey-brown sky: depth 0.50",
+            {"turbidity": 6.0, "aerosol": "urban", "albedo": 0.15},
+        ),
+        "Desert": Preset(
+            "mineral dust above sand, a wide aureole: depth 0.40",
+            {"turbidity": 5.0, "aerosol": "desert", "albedo": 0.35},
+        ),
+        "Alpine": Preset(
+            "thin clean air above snow: depth 0.05",
+            {"turbidity": 1.5, "aerosol": "continental-clean", "albedo": 0.6},
+        ),
+        "Fog": Preset("a morning in fog, 300 m of visibility", {"fog_visibility_m": 300.0}),
+        "Mars": Preset("dust of Mars: a butterscotch sky", {"preset": "mars-like"}),
     }
     preset: Annotated[
         PresetName,
@@ -59,6 +75,14 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
             LEAST_TURBIDITY,
             MOST_TURBIDITY,
             source="Preetham, Shirley and Smits 1999, appendix A.1",
+        ),
+    ] = None
+    aerosol: Annotated[
+        AerosolType | None,
+        setting(
+            "What the haze of this sky alone is made of; none follows the place's, and a preset "
+            "other than earth has its own",
+            source="Hess, Koepke and Schult 1998",
         ),
     ] = None
     albedo: Annotated[float | None, setting("Part of the light that the ground reflects", 0, 1)] = (
@@ -89,16 +113,25 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ] = None
     mie_scale_height_m: Annotated[
         float | None,
-        setting("Height of the haze", 100, 50_000, unit="m", source=SCALE_HEIGHT_SOURCE),
+        setting(
+            "Height of the haze, in one layer", 100, 50_000, unit="m", source=SCALE_HEIGHT_SOURCE
+        ),
     ] = None
     mie_albedo: Annotated[float | None, setting("Part of its light that haze scatters", 0, 1)] = (
         None
     )
     mie_g: Annotated[
-        float | None, setting("How far haze scatters forward", -0.95, 0.95, source=PHASE_SOURCE)
+        float | None,
+        setting(
+            "How far haze scatters forward: one lobe in place of the type's phase function",
+            -0.95,
+            0.95,
+            source=PHASE_SOURCE,
+        ),
     ] = None
     mie_phase: Annotated[
-        MiePhaseForm | None, setting("Phase function of the haze", source=PHASE_SOURCE)
+        MiePhaseForm | None,
+        setting("Phase function of the haze: one lobe in place of the type's", source=PHASE_SOURCE),
     ] = None
     fog_visibility_m: Annotated[
         float | None,
@@ -139,35 +172,42 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
 
 
 def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object]:
-    """Values of the air that the settings make, for those of them that are none."""
+    """Values of the air that the settings make, for those of them that are none.
+
+    Of tabulated aerosol the albedo and g are means, which a number of one's own replaces.
+    """
     air = _atmosphere(msgspec.structs.replace(settings, fog_visibility_m=None), 0.0, haze, _OPEN_NM)
     extinction, scattering = np.asarray(air.mie_extinction), np.asarray(air.mie_scattering)
-    column_m = _column_m(air.mie_scale_height_m, air.top_altitude_m)
+    column_m = _aerosol_column_m(air, air.top_altitude_m)
     turbidity = turbidity_of_optical_depth(float(extinction[0]) * column_m)
     per_unit = ozone_absorption(air.wavelength_nm, 1.0, 1.0)
     layer_m = float(np.trapezoid(air.absorber_density, air.absorber_altitude_m))
     return {
         "turbidity": min(max(turbidity, LEAST_TURBIDITY), MOST_TURBIDITY),
+        "aerosol": haze.aerosol,
         "albedo": float(np.mean(air.ground_albedo)),
         "ozone_du": float(np.mean(np.asarray(air.absorption_extinction) / per_unit)) * layer_m,
         "rayleigh_scale_height_m": air.rayleigh_scale_height_m,
-        "mie_scale_height_m": air.mie_scale_height_m,
+        "mie_scale_height_m": air.mie_column_m,
         "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
         "mie_g": air.mie_g,
-        "mie_phase": air.mie_phase,
+        **({} if air.mie_table is not None else {"mie_phase": air.mie_phase}),
         "ground_radius_m": air.ground_radius_m,
         "top_altitude_m": air.top_altitude_m,
     }
 
 
 def haze_of_air(settings: BrunetonSkySettings, haze: SetHaze) -> SetHaze:
-    """The place's haze where the settings follow it; elsewhere the default, so that airs are equal
-    whatever haze they do not have. An own turbidity is that of the place's type."""
+    """The place's haze with what the settings have of their own; of other presets the default, so
+    that airs are equal whatever haze they do not have."""
     if settings.preset != "earth":
         return DEFAULT_HAZE
-    if settings.turbidity is None:
-        return haze
-    return msgspec.structs.replace(haze, optical_depth_550=DEFAULT_HAZE.optical_depth_550)
+    own: dict[str, object] = {}
+    if settings.turbidity is not None:
+        own["optical_depth_550"] = float(optical_depth_of_turbidity(settings.turbidity))
+    if settings.aerosol is not None:
+        own |= {"aerosol": settings.aerosol, "own": None}
+    return msgspec.structs.replace(haze, **own)
 
 
 def atmosphere_of(
@@ -205,26 +245,34 @@ def _atmosphere(
     haze: SetHaze,
     wavelength_nm: tuple[float, ...],
 ) -> Atmosphere:
-    air = _preset(settings.preset, haze, wavelength_nm)
+    air = _preset(settings, haze_of_air(settings, haze), wavelength_nm)
     for change in (_with_planet, _with_aerosol, _with_gases):
         air = change(air, settings)
     return _with_fog(raise_ground(air, ground_altitude_m), settings)
 
 
-def _preset(name: PresetName, haze: SetHaze, wavelength_nm: tuple[float, ...]) -> Atmosphere:
-    if name == "earth":
-        earth, optics = earth_spectral(wavelength_nm), haze.optics
-        if optics is None:
-            return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
-        return earth.with_optics(optics, haze.optical_depth_550)
-    return preset(name, wavelength_nm)
+def _preset(
+    settings: BrunetonSkySettings, haze: SetHaze, wavelength_nm: tuple[float, ...]
+) -> Atmosphere:
+    if settings.preset != "earth":
+        air = preset(settings.preset, wavelength_nm)
+        if settings.turbidity is None:
+            return air
+        depth = float(optical_depth_of_turbidity(settings.turbidity))
+        return air.with_aerosol(depth, ANGSTROM_EXPONENT)
+    earth = earth_spectral(wavelength_nm)
+    # One lobe needs no table: its closed form is exact.
+    if haze.one_lobe:
+        return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
+    return earth.with_optics(haze.optics, haze.optical_depth_550)
 
 
 def _with_fog(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
     """Fog starts at the local ground, however high that is."""
     if settings.fog_visibility_m is None:
         return air
-    return air.with_fog(settings.fog_visibility_m, settings.fog_height_m)
+    droplets = droplets_phase(air.wavelength_nm)
+    return air.with_fog(settings.fog_visibility_m, settings.fog_height_m, droplets)
 
 
 def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
@@ -239,43 +287,37 @@ def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
 
 
 def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
-    if settings.turbidity is not None:
-        depth = float(optical_depth_of_turbidity(settings.turbidity))
-        air = _with_depth(air, depth)
     extinction = np.asarray(air.mie_extinction)
     scattering = np.asarray(air.mie_scattering)
     if settings.mie_albedo is not None:
         scattering = extinction * settings.mie_albedo
-    height_m = settings.mie_scale_height_m or air.mie_scale_height_m
-    thinner = _thinner(air.mie_scale_height_m, height_m, air.top_altitude_m)
+    height_m, thinner, aloft = air.mie_scale_height_m, 1.0, air.mie_aloft
+    if settings.mie_scale_height_m is not None:
+        # One layer in place of two.
+        height_m, aloft = settings.mie_scale_height_m, 0.0
+        column_m = _column_m(height_m, air.top_altitude_m)
+        thinner = _aerosol_column_m(air, air.top_altitude_m) / column_m
     return replace(
         air,
         mie_extinction=tuple(extinction * thinner),
         mie_scattering=tuple(scattering * thinner),
         mie_scale_height_m=height_m,
+        mie_aloft=aloft,
         mie_g=air.mie_g if settings.mie_g is None else settings.mie_g,
         mie_phase=settings.mie_phase or air.mie_phase,
         mie_table=None if settings.mie_g is not None or settings.mie_phase else air.mie_table,
     )
 
 
-def _with_depth(air: Atmosphere, optical_depth_550: float) -> Atmosphere:
-    """The air with another amount of its aerosol; a tabulated one keeps its own colour."""
-    if air.mie_table is None:
-        return air.with_aerosol(optical_depth_550, ANGSTROM_EXPONENT)
-    order = np.argsort(air.wavelength_nm)
-    known = np.take(air.wavelength_nm, order), np.take(air.mie_extinction, order)
-    more = optical_depth_550 / (float(np.interp(550.0, *known)) * air.mie_scale_height_m)
-    return replace(
-        air,
-        mie_extinction=tuple(more * np.asarray(air.mie_extinction)),
-        mie_scattering=tuple(more * np.asarray(air.mie_scattering)),
-    )
-
-
 def _thinner(before_m: float, after_m: float, top_m: float) -> float:
     """How much thinner on the ground as much matter lies that has another scale height."""
     return _column_m(before_m, top_m) / _column_m(after_m, top_m)
+
+
+def _aerosol_column_m(air: Atmosphere, top_m: float) -> float:
+    """The same of the aerosol, in its two layers."""
+    low = _column_m(air.mie_scale_height_m, top_m)
+    return low + air.mie_aloft * (_column_m(air.mie_aloft_scale_height_m, top_m) - low)
 
 
 def _column_m(scale_height_m: float, top_m: float) -> float:

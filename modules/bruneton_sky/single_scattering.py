@@ -3,8 +3,8 @@
 S = E_sun (beta_R P_R(nu) I_R + beta_M P_M(nu) I_M), with, for each substance X,
 I_X = integral along the view ray of density_X exp(-tau(eye, point) - tau(point, sun)),
 where the extinction of molecules, aerosol and absorber together makes tau (Nishita et al.
-1993; Bruneton and Neyret 2008, section 2, with Mie extinction in the optical depth). Fog is a
-third substance, which has the aerosol's phase function and is counted with it.
+1993; Bruneton and Neyret 2008, section 2, with Mie extinction in the optical depth). Fog is one
+more substance.
 """
 
 from typing import Literal, get_args
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
-from bruneton_sky.phase import aerosol_phase, rayleigh_phase
+from bruneton_sky.phase import aerosol_phase, fog_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 from vrut_lite.numeric_types import FloatArray
@@ -53,11 +53,12 @@ def single_scattering(
     Raises:
         ValueError: an argument is outside its range, not a number, or the rule is unknown.
     """
-    rayleigh, mie = scattered_without_phase(
-        atmosphere, altitude_m, mu, mu_s, nu, rule=rule, samples=samples
-    )
+    molecules, *haze = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
-    return rayleigh * rayleigh_phase(cosine)[..., None] + mie * aerosol_phase(atmosphere, cosine)
+    light = molecules * rayleigh_phase(cosine)[..., None]
+    if atmosphere.foggy:
+        light = light + haze.pop() * fog_phase(atmosphere, cosine)
+    return np.asarray(light + np.sum(haze, axis=0) * aerosol_phase(atmosphere, cosine))
 
 
 def scattered_without_phase(
@@ -73,6 +74,20 @@ def scattered_without_phase(
 
     Fog is in the Mie part.
     """
+    molecules, *rest = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    return molecules, np.sum(rest, axis=0)
+
+
+def _by_kind(
+    atmosphere: Atmosphere,
+    altitude_m: ArrayLike,
+    mu: ArrayLike,
+    mu_s: ArrayLike,
+    nu: ArrayLike,
+    rule: Rule,
+    samples: int | tuple[int, int],
+) -> list[FloatArray]:
+    """The light (..., C) of each of the atmosphere's scatterers, without phase functions."""
     check_type("atmosphere", atmosphere, Atmosphere)
     check_choice("rule", rule, get_args(Rule))
     top_m = atmosphere.top_altitude_m
@@ -92,8 +107,7 @@ def scattered_without_phase(
         integrals = classical_integrals(atmosphere, h, view, sun_s, cosine, rule, samples)
     sun = np.asarray(atmosphere.solar_irradiance)
     pairs = zip(atmosphere.scatterers(), integrals, strict=True)
-    rayleigh, mie, *fog = (sun * kind.scattering * integral for kind, integral in pairs)
-    return rayleigh, sum(fog, mie)
+    return [sun * kind.scattering * integral for kind, integral in pairs]
 
 
 def optical_depth_to_top(

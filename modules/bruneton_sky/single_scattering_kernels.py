@@ -51,7 +51,7 @@ def fast_scattered_without_phase(
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *unit_nodes(samples),
-        (CLUSTERING, HAZE_DEPTH),
+        (CLUSTERING, HAZE_DEPTH, FOG_TOP * atmosphere.fog_scale_height_m * atmosphere.foggy),
         (float(altitude_m), float(mu_s)),
         np.ascontiguousarray(mu, dtype=float),
         np.ascontiguousarray(nu, dtype=float),
@@ -67,9 +67,9 @@ def _trace_rays(  # type: ignore[no-untyped-def]
     planet, scales, extinction, absorption, absorber_altitude, absorber_density, nodes, weights,
     rule, place, mu, nu, out,
 ):  # fmt: skip
-    foggy = scales.size > 2
-    breaks = np.empty((2, 7 if foggy else 5))
-    fog_top = FOG_TOP * scales[2] if foggy else 0.0
+    fog_top = rule[2]
+    breaks = np.empty((2, 7 if fog_top > 0.0 else 5))
+    matter = np.empty((2, scales.size))
     for i in range(mu.size):
         ray = make_ray(planet[0], place[0], mu[i])
         _fill_break_points(planet, ray, place[1], nu[i], fog_top, breaks)
@@ -92,42 +92,38 @@ def _trace_rays(  # type: ignore[no-untyped-def]
                 metres = abs(length) * weight * jacobian(ray[2], y)
                 _add_node(
                     planet, scales, extinction, absorption, absorber_altitude, absorber_density,
-                    ray, altitude, y, place[1], nu[i], metres, out[:, i],
+                    ray, altitude, y, place[1], nu[i], metres, matter, out[:, i],
                 )  # fmt: skip
 
 
 @compiled
 def _add_node(  # type: ignore[no-untyped-def]
     planet, scales, extinction, absorption, absorber_altitude, absorber_density, ray, altitude, y,
-    mu_s, nu, metres, out,
+    mu_s, nu, metres, matter, out,
 ):  # fmt: skip
     sun = make_ray(planet[0], altitude, _sun_cosine(planet[0], ray, altitude, y, mu_s, nu))
     sun_y = max(math.sqrt(max(planet[1] - sun[3], 0.0)), sun[4])
-    rayleigh_path, rayleigh_density = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[0])
-    mie_path, mie_density = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[1])
-    fog_path, fog_density, absorbed = 0.0, 0.0, 0.0
-    if scales.size > 2:
-        fog_path, fog_density = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[2])
+    path, density = matter[0], matter[1]
+    for k in range(scales.size):
+        path[k], density[k] = _two_paths(planet[1], ray, altitude, y, sun, sun_y, scales[k])
+    absorbed = 0.0
     if absorption.any():
         absorbed = layered_path(ray, y, absorber_altitude, absorber_density)
         absorbed += layered_path(sun, sun_y, absorber_altitude, absorber_density)
     for c in range(extinction.shape[1]):
-        depth = extinction[0, c] * rayleigh_path + extinction[1, c] * mie_path
-        if scales.size > 2:
-            depth += extinction[2, c] * fog_path
-        light = metres * math.exp(-depth - absorption[c] * absorbed)
-        out[0, c] += light * rayleigh_density
-        out[1, c] += light * mie_density
-        if scales.size > 2:
-            out[2, c] += light * fog_density
+        depth = absorption[c] * absorbed
+        for k in range(scales.size):
+            depth += extinction[k, c] * path[k]
+        light = metres * math.exp(-depth)
+        for k in range(scales.size):
+            out[k, c] += light * density[k]
 
 
 @compiled
 def _extinction(extinction, scales, altitude):  # type: ignore[no-untyped-def]
-    molecules = extinction[0].max() * math.exp(-altitude / scales[0])
-    total = molecules + extinction[1].max() * math.exp(-altitude / scales[1])
-    if scales.size > 2:
-        total += extinction[2].max() * math.exp(-altitude / scales[2])
+    total = 0.0
+    for k in range(scales.size):
+        total += extinction[k].max() * math.exp(-altitude / scales[k])
     return total
 
 

@@ -1,9 +1,10 @@
 """The sizes that the Bruneton sky chooses by the tolerance, and the airs that they are measured in.
 
-Haze is drawn evenly in the logarithm of turbidity from 1 to 10, albedo from 0 to 1; a third of the
-suns stand between 6 degrees below the horizon and the horizon, the others anywhere above; half of
-the observers stand on the ground, the others are up to 12 km high. The truth is solved with
-converged sizes (half a minute of CPU for an air and all its views), light scattered once exactly.
+Haze, of one lobe, is drawn evenly in the logarithm of turbidity from 1 to 10, albedo from 0 to 1; a
+third of the suns stand between 6 degrees below the horizon and the horizon, the others anywhere
+above; half of the observers stand on the ground, the others are up to 12 km high. The truth is
+solved with converged sizes (half a minute of CPU for an air and all its views), light scattered
+once exactly.
 """
 
 from collections.abc import Sequence
@@ -89,7 +90,9 @@ def random_airs(count: int, seed: int) -> list[Air]:
 
 def _air(rng: np.random.Generator) -> Air:
     settings = BrunetonSkySettings(
-        turbidity=float(10.0 ** rng.uniform(0.0, 1.0)), albedo=float(rng.uniform(0.0, 1.0))
+        turbidity=float(10.0 ** rng.uniform(0.0, 1.0)),
+        aerosol="one-lobe",
+        albedo=float(rng.uniform(0.0, 1.0)),
     )
     return Air(settings, tuple(_view(rng, index) for index in range(VIEWS)))
 

@@ -4,6 +4,7 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
+from vrut_lite.daylight.left_open import Preset
 from vrut_lite.kernel.settings import setting
 
 SHAPE_SOURCE = "Schneider 2015"
@@ -13,11 +14,14 @@ Share = setting("Share of the zenith that is cloud; 0 is none.", 0, 1, source=SH
 class CloudSettings(msgspec.Struct, frozen=True):
     """One layer of cumulus, or of stratocumulus where it covers most of the sky."""
 
-    presets: ClassVar[dict[str, dict[str, object]]] = {
-        "Clear": {"coverage": 0.0},
-        "Fair weather": {"coverage": 0.3},
-        "Mostly cloudy": {"coverage": 0.7},
-        "Overcast": {"coverage": 1.0, "base_m": 900.0, "thickness_m": 700.0},
+    presets: ClassVar[dict[str, Preset]] = {
+        "Clear": Preset("no cloud", {"coverage": 0.0}),
+        "Fair weather": Preset("cumulus of a fine day, its shadows apart", {"coverage": 0.3}),
+        "Mostly cloudy": Preset("large clouds with gaps of sun", {"coverage": 0.7}),
+        "Overcast": Preset(
+            "a low closed layer: light without a sun",
+            {"coverage": 1.0, "base_m": 900.0, "thickness_m": 700.0},
+        ),
     }
     coverage: Annotated[float, Share] = 0.0
     base_m: Annotated[float, setting("Altitude of the bases.", 50, 12000, unit="m")] = 1300.0

@@ -1,29 +1,26 @@
-"""A simple air to go with a measured or fitted sky: two exponential layers, lit as the sky is.
+"""A simple air to go with a measured or fitted sky: exponential layers, lit as the sky is.
 
-Molecules and aerosol thin with height over 8 and 1.2 km. Their scattered light is known in total:
-an endless path must have the sky's radiance in its direction or, below the horizon, that of the sky
-just above it. So light is the sky's, times 1 - T of the path over 1 - T of all the air
-in that direction, and hills fade into the very sky behind them. The part that a shadow removes,
+Molecules and aerosol thin with height, over 8 km and as the haze does. Their scattered light is
+known in total: an endless path must have the sky's radiance in its direction or, below the horizon,
+that of the sky just above it. So light is the sky's, times 1 - T of the path over 1 - T of all the
+air in that direction, and hills fade into the very sky behind them. The part that a shadow removes,
 sunlight scattered once, is the sun's irradiance times albedo and phase function, by the shares of
 molecules and aerosol at the eye, but at most nine tenths: the sky's aureole is softer than the
 phase function. All of it counts as the molecules'. The rest is light scattered
 again; with the sun below the horizon all light counts as such, though high air may still be lit.
 
-The aerosol is that of `vrut_lite.daylight.aerosol`; molecules scatter as in Bruneton's 2017
+The aerosol is the haze's (`SetHaze.optics`); molecules scatter as in Bruneton's 2017
 demonstration, 1.24062e-6 per m at 1 micrometre.
 """
+
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from dynamic_skylight.daylight import Daylight
 from vrut_lite.array import Array
-from vrut_lite.daylight.aerosol import (
-    ASYMMETRY,
-    SCALE_HEIGHT_M,
-    SINGLE_SCATTERING_ALBEDO,
-    cornette_shanks_phase,
-    optical_depth_of_turbidity,
-)
+from vrut_lite.daylight.aerosols import PhaseTable
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_colour import lost_and_depth, shares_of_white
 from vrut_lite.daylight.air_reach import UNSEEN_SHARE
@@ -35,12 +32,13 @@ from vrut_lite.daylight.air_volume import (
     node_rays,
     slice_shares,
 )
+from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.colour import SKYLIGHT_NM, solar_irradiance
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.numeric_types import FloatArray, Vector
 
 GROUND_RADIUS_M, TOP_ALTITUDE_M = 6_360_000.0, 60_000.0
-SCALE_HEIGHTS_M = np.array([8000.0, SCALE_HEIGHT_M])
+_MOLECULES_M = 8000.0
 SLICES, ROWS_ABOVE, ROWS_BELOW, COLUMNS = 32, 40, 24, 32
 _MOST_SUNLIT = 0.9
 # Largest factor on light at high altitudes, where little air must make the sky's light.
@@ -53,19 +51,48 @@ _FIRST_SHARE = 0.01
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 
 
-def extinction(turbidity: float) -> FloatArray:
-    """Coefficients (2, 4) in 1/m of molecules and aerosol at the ground, at SKYLIGHT_NM."""
+class Layers(NamedTuple):
+    """Molecules, aerosol, and aerosol aloft.
+
+    `scale_height_m` (3,); `extinction` (3, 4) in 1/m at the ground, at SKYLIGHT_NM; `albedo` (3,)
+    of the aerosol's scattering of red, green and blue, `phase` (..., 3) its phase function of the
+    cosine (...,), in sr^-1.
+    """
+
+    scale_height_m: FloatArray
+    extinction: FloatArray
+    albedo: FloatArray
+    phase: PhaseTable
+
+
+@lru_cache(maxsize=8)
+def layers_of(haze: SetHaze) -> Layers:
+    """The air of a haze."""
+    optics = haze.optics
+    heights_m = np.array([_MOLECULES_M, optics.lower_height_m, optics.upper_height_m])
     micrometre = np.asarray(SKYLIGHT_NM) / 1000.0
-    vertical = optical_depth_of_turbidity(turbidity, SKYLIGHT_NM)
-    return np.stack([1.24062e-6 * micrometre**-4.0, vertical / SCALE_HEIGHTS_M[1]])
+    share = haze.optical_depth_550 / optics.optical_depth_550
+    aerosol = share * optics.depth_at(SKYLIGHT_NM)
+    low, aloft = (1.0 - optics.aloft_share) * aerosol, optics.aloft_share * aerosol
+    # The colour of a channel's light is that of the wavelengths near it: negative shares, of
+    # others, would make no phase function.
+    near = np.maximum(_shares(), 0.0)
+    near /= near.sum(axis=0)
+    return Layers(
+        heights_m,
+        np.stack([1.24062e-6 * micrometre**-4.0, low / heights_m[1], aloft / heights_m[2]]),
+        optics.albedo_at(SKYLIGHT_NM) @ near,
+        optics.phase_at(SKYLIGHT_NM).at_rows(near.T),
+    )
 
 
-def air_is_seen(turbidity: float, altitude_m: float, reach_m: float) -> bool:
+def air_is_seen(haze: SetHaze, altitude_m: float, reach_m: float) -> bool:
     """Whether the air may be visible: an upper bound by the density of the lowest air in reach."""
     if reach_m <= 0.0:
         return False
     lowest_m = max(min(altitude_m, TOP_ALTITUDE_M) - reach_m, 0.0)
-    densest = np.exp(-lowest_m / SCALE_HEIGHTS_M) @ extinction(turbidity)
+    layers = layers_of(haze)
+    densest = np.exp(-lowest_m / layers.scale_height_m) @ layers.extinction
     return bool(-np.expm1(-densest.max() * reach_m) > UNSEEN_SHARE)
 
 
@@ -75,9 +102,9 @@ def air_volume(
     """The air around an observer; the sun's direction is the apparent one, in world axes."""
     grid = Grid(altitude_m, GROUND_RADIUS_M, TOP_ALTITUDE_M, reach_m, ROWS_ABOVE, ROWS_BELOW)
     rays = node_rays(grid, COLUMNS, float(np.clip(sun_direction[1], -1.0, 1.0)))
-    coefficients = extinction(daylight.air_haze.turbidity)
-    depth = _depths(rays, coefficients, _distances(rays.span_m, altitude_m))
-    light = _mean_light(daylight, grid, rays, coefficients)
+    layers = layers_of(daylight.air_haze)
+    depth = _depths(rays, layers, _distances(rays.span_m, altitude_m))
+    light = _mean_light(daylight, grid, rays, layers)
     values, scale = encode_float16(light.astype(np.float32))
     return AirVolume(
         # The same at every distance.
@@ -92,14 +119,12 @@ def air_volume(
     )
 
 
-def _mean_light(
-    daylight: Daylight, grid: Grid, rays: NodeRays, coefficients: FloatArray
-) -> FloatArray:
+def _mean_light(daylight: Daylight, grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
     """Mean radiance (3, rows, columns, 3): light scattered again, scattered once over the phase
     function of molecules, nothing."""
     sky = _sky_behind(daylight, rays, grid.rows_above)
-    total = sky / np.maximum(_whole_lost(grid, rays, coefficients), _LEAST_LOST)[:, None]
-    sunlit = np.minimum(_sunlit(daylight, grid, rays, coefficients), _MOST_SUNLIT * total)
+    total = sky / np.maximum(_whole_lost(grid, rays, layers), _LEAST_LOST)[:, None]
+    sunlit = np.minimum(_sunlit(daylight, grid, rays, layers), _MOST_SUNLIT * total)
     over_phase = sunlit / molecules_phase(rays.nu)[..., None]
     return np.stack([total - sunlit, over_phase, np.zeros_like(total)])
 
@@ -115,30 +140,31 @@ def _sky_behind(daylight: Daylight, rays: NodeRays, rows_above: int) -> FloatArr
     return daylight.sky.radiance(np.broadcast_to(np.arccos(mu)[:, None], gamma.shape), gamma)
 
 
-def _whole_lost(grid: Grid, rays: NodeRays, coefficients: FloatArray) -> FloatArray:
+def _whole_lost(grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
     """1 - T (rows, 3) of all the air in each direction; below the horizon, of that on it."""
     endless = node_rays(grid._replace(reach_m=np.inf), 1, 0.0)
     above = NodeRays(*(part[: grid.rows_above] for part in endless))
     distance = _distances(above.span_m, grid.observer_altitude_m)
-    paths = _paths(above, distance)[:, -1]
-    lost, _ = lost_and_depth(-np.expm1(-paths @ coefficients), _shares())
+    paths = _paths(above, distance, layers)[:, -1]
+    lost, _ = lost_and_depth(-np.expm1(-paths @ layers.extinction), _shares())
     return np.concatenate([lost, np.broadcast_to(lost[:1], (grid.rows_below, 3))])
 
 
-def _sunlit(daylight: Daylight, grid: Grid, rays: NodeRays, coefficients: FloatArray) -> FloatArray:
+def _sunlit(daylight: Daylight, grid: Grid, rays: NodeRays, layers: Layers) -> FloatArray:
     """Radiance (rows, columns, 3) of sunlight scattered once, per extinction of the eye's air."""
-    here = np.exp(-grid.observer_altitude_m / SCALE_HEIGHTS_M)[:, None] * (coefficients @ _shares())
-    of_molecules, of_aerosol = here / np.maximum(here.sum(axis=0), 1e-300)
+    thinner = np.exp(-grid.observer_altitude_m / layers.scale_height_m)[:, None]
+    here = thinner * (layers.extinction @ _shares())
+    of_molecules = here[0] / np.maximum(here.sum(axis=0), 1e-300)
+    of_aerosol = 1.0 - of_molecules
     nu = rays.nu[..., None]
     molecules = 3.0 / (16.0 * np.pi) * (1.0 + nu * nu)
-    aerosol = cornette_shanks_phase(nu, ASYMMETRY)
-    scattered = of_molecules * molecules + SINGLE_SCATTERING_ALBEDO * of_aerosol * aerosol
+    scattered = of_molecules * molecules + layers.albedo * of_aerosol * layers.phase(rays.nu)
     return np.asarray(daylight.sun.irradiance_rgb * scattered)
 
 
-def _depths(rays: NodeRays, coefficients: FloatArray, distance: FloatArray) -> FloatArray:
+def _depths(rays: NodeRays, layers: Layers, distance: FloatArray) -> FloatArray:
     """Extinction (rows, slices, 3) in 1/m, mean up to the distances."""
-    lost = -np.expm1(-_paths(rays, distance) @ coefficients)
+    lost = -np.expm1(-_paths(rays, distance, layers) @ layers.extinction)
     return lost_and_depth(lost, _shares())[1] / distance[..., None]
 
 
@@ -149,8 +175,8 @@ def _distances(span_m: FloatArray, altitude_m: float) -> FloatArray:
     return span_m[:, None] * shares
 
 
-def _paths(rays: NodeRays, distance: FloatArray) -> FloatArray:
-    """Paths (rows, slices, 2) in m through either layer up to the distances; by Gauss-Legendre."""
+def _paths(rays: NodeRays, distance: FloatArray, layers: Layers) -> FloatArray:
+    """Paths (rows, slices, 3) in m through each layer up to the distances; by Gauss-Legendre."""
     start = np.concatenate([np.zeros_like(distance[:, :1]), distance[:, :-1]], axis=1)
     half = 0.5 * (distance - start)[..., None]
     metres = start[..., None] + half * (1.0 + _GAUSS_X)
@@ -158,7 +184,7 @@ def _paths(rays: NodeRays, distance: FloatArray) -> FloatArray:
     step = metres * (metres + 2.0 * radius * rays.mu[:, None, None])
     rise = step / (np.sqrt(np.maximum(step + radius * radius, 0.0)) + radius)
     altitude = np.maximum(rays.altitude_m[:, None, None] + rise, 0.0)
-    density = np.exp(-altitude[..., None] / SCALE_HEIGHTS_M)
+    density = np.exp(-altitude[..., None] / layers.scale_height_m)
     return np.cumsum(np.einsum("rsg,rsgk->rsk", half * _GAUSS_W, density), axis=1)
 
 

@@ -51,7 +51,8 @@ class Daylight:
     @cached_property
     def sky(self) -> HourSky:
         """The sky above the horizon."""
-        return sky_of_hour(self.turbidity, self.albedo, self.apparent_elevation_rad, self.level)
+        model = self.turbidity, self.albedo, self.apparent_elevation_rad, self.level
+        return sky_of_hour(*model, self.air_haze.turbidity)
 
     @cached_property
     def model(self) -> HosekWilkieSky | None:

@@ -74,7 +74,7 @@ class HosekWilkieLight(Sky):
         """Two exponential layers that fade into this sky."""
         # From above the air, the way to it is empty.
         in_air_m = reach_m - max(eye_height_m - TOP_ALTITUDE_M, 0.0)
-        if not air_is_seen(self.daylight.air_haze.turbidity, eye_height_m, in_air_m):
+        if not air_is_seen(self.daylight.air_haze, eye_height_m, in_air_m):
             return None
         return air_volume(self.daylight, self.sun_direction, eye_height_m, in_air_m)
 

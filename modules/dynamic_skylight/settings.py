@@ -7,6 +7,7 @@ import msgspec
 from dynamic_skylight.sun.position import Method
 from dynamic_skylight.sun_light import SunColour
 from vrut_lite.daylight.aerosol import LEAST_TURBIDITY, MOST_TURBIDITY
+from vrut_lite.daylight.left_open import Preset
 from vrut_lite.kernel.settings import setting
 
 Device = Literal["cpu", "gpu"]
@@ -17,11 +18,18 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
     """The settings of the module."""
 
     # Snow and sand reflect much (Oke 1987, table 1.1).
-    presets: ClassVar[dict[str, dict[str, object]]] = {
-        "Clear": {"turbidity": 2.0},
-        "Hazy": {"turbidity": 6.0},
-        "Desert": {"turbidity": 5.0, "albedo": 0.35},
-        "Alpine": {"turbidity": 1.7, "albedo": 0.6},
+    presets: ClassVar[dict[str, Preset]] = {
+        "Clear": Preset("a blue sky after a front: depth 0.10", {"turbidity": 2.0}),
+        "Hazy": Preset("a white summer sky, pale hills: depth 0.50", {"turbidity": 6.0}),
+        "Desert": Preset(
+            "bright sand below haze of depth 0.40; dust itself is the Bruneton sky's",
+            {"turbidity": 5.0, "albedo": 0.35},
+        ),
+        "Alpine": Preset("clean air above snow: depth 0.07", {"turbidity": 1.7, "albedo": 0.6}),
+        "As published": Preset(
+            "the model, its haze and its sun as its authors give them",
+            {"sky_level": "published", "sun_colour": "disc"},
+        ),
     }
     turbidity: Annotated[
         float | None,
@@ -51,7 +59,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
             "2 times too bright",
             source="Hosek and Wilkie 2012; tools/hosek_wilkie_fit",
         ),
-    ] = "published"
+    ] = "equal-haze"
     sun_colour: Annotated[
         SunColour,
         setting(
@@ -60,7 +68,7 @@ class DynamicSkyLightSettings(msgspec.Struct, frozen=True):
             "sun, or the disc in white",
             source="Hosek and Wilkie 2013, the solar radiance function",
         ),
-    ] = "disc"
+    ] = "air"
     sun_method: Annotated[
         Method,
         setting(

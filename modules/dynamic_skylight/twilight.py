@@ -111,11 +111,17 @@ class HourSky:
 
 
 def sky_of_hour(
-    turbidity: float, albedo: float, apparent_elevation_rad: float, level: float = 1.0
+    turbidity: float,
+    albedo: float,
+    apparent_elevation_rad: float,
+    level: float = 1.0,
+    twilight_turbidity: float | None = None,
 ) -> HourSky:
     """The sky for a sun at any apparent elevation from -pi/2 to pi/2.
 
     `level` multiplies the model's sky; late twilight is the published one whatever that is.
+    `twilight_turbidity` is the haze on Preetham's scale, on which twilight was solved; the model's
+    own number where there is none.
 
     Raises:
         ValueError: for a value out of range, in one sentence (see `HosekWilkieSky`).
@@ -128,10 +134,10 @@ def sky_of_hour(
     model = LevelledSky(turbidity, albedo, max(elevation, BLEND_APPARENT_RAD), level)
     if elevation >= BLEND_APPARENT_RAD:
         return HourSky(model.rgb_distribution, model.rgb_mean_radiance, elevation, 0.0)
-    return _twilight(model, elevation)
+    return _twilight(model, elevation, twilight_turbidity or turbidity)
 
 
-def _twilight(model: HosekWilkieSky, elevation_rad: float) -> HourSky:
+def _twilight(model: HosekWilkieSky, elevation_rad: float, turbidity: float) -> HourSky:
     """The model's last sky and the computed twilight, scaled to the hour's illuminance."""
     geometric_deg = float(np.degrees(geometric_elevation(elevation_rad)))
     distribution, mean = model.rgb_distribution, model.rgb_mean_radiance
@@ -141,7 +147,7 @@ def _twilight(model: HosekWilkieSky, elevation_rad: float) -> HourSky:
     night = _NIGHT_RADIANCE * min(BLEND_DEG - geometric_deg, 1.0)
     if level <= 0.0:
         return HourSky(distribution, 0.0 * mean, elevation_rad, night)
-    fitted = twilight_table().directions(model.turbidity, float(np.degrees(elevation_rad)))
+    fitted = twilight_table().directions(turbidity, float(np.degrees(elevation_rad)))
     if geometric_deg > BLEND_ENDS_DEG:
         now = model_on_map(distribution, mean, elevation_rad)
         sky = blend(now, fitted, level, geometric_deg)

@@ -20,7 +20,7 @@ WALLS_M = np.array([1e3, 1e4, 1e5])
 @lru_cache
 def field(turbidity: float = 3.0) -> SourceField:
     """The module's own air, solved as for a picture."""
-    air = atmosphere_of(BrunetonSkySettings(turbidity=turbidity))
+    air = atmosphere_of(BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe"))
     return solve_air(air)
 
 

@@ -247,7 +247,7 @@ def test_the_gpu_makes_the_cube_map() -> None:
 def test_settings_make_the_atmosphere() -> None:
     """Default haze is AOD(550) 0.20, under the host's one solar spectrum; each setting counts."""
     air = atmosphere_of(BrunetonSkySettings())
-    depth = np.asarray(air.mie_extinction) * air.mie_scale_height_m
+    depth = np.asarray(air.mie_extinction) * air.mie_column_m
     assert np.interp(550.0, air.wavelength_nm[::-1], depth[::-1]) == pytest.approx(0.2009, abs=6e-3)
     assert air.solar_irradiance == pytest.approx(solar_irradiance(air.wavelength_nm))
     other = atmosphere_of(BrunetonSkySettings(turbidity=1.0, albedo=0.4, ozone_du=0.0, mie_g=0.5))
@@ -278,13 +278,11 @@ def _columns(air: Atmosphere) -> list[np.ndarray]:
     """Depth of scattering by molecules and aerosol, summed over fine layers up to the top."""
     edges = np.linspace(0.0, air.top_altitude_m, 200_001)
     middle, thickness = 0.5 * (edges[1:] + edges[:-1]), edges[1]
-    return [
-        np.asarray(scattering) * (np.exp(-middle / height_m).sum() * thickness)
-        for scattering, height_m in (
-            (air.rayleigh_scattering, air.rayleigh_scale_height_m),
-            (air.mie_scattering, air.mie_scale_height_m),
-        )
-    ]
+    molecules, *aerosol = (
+        kind.scattering * (np.exp(-middle / kind.scale_height_m).sum() * thickness)
+        for kind in air.scatterers()
+    )
+    return [molecules, np.sum(aerosol, axis=0)]
 
 
 def test_ozone_is_measured_in_dobson_units() -> None:

@@ -123,11 +123,11 @@ def test_fog_stands_on_the_local_ground() -> None:
     assert plateau.fog_scale_height_m == 50.0
 
 
-def test_without_fog_there_are_two_scatterers() -> None:
+def test_without_fog_there_is_no_scatterer_for_it() -> None:
     """No fog is the default and adds no term."""
     clear = atmosphere_of(BrunetonSkySettings())
     assert not clear.foggy
-    assert len(clear.scatterers()) == 2
+    assert len(clear.scatterers()) == 3
     assert atmosphere_of(BrunetonSkySettings(fog_height_m=500.0)) == clear
 
 

@@ -20,7 +20,7 @@ TURBIDITIES, SUNS_DEG = (3.0, 10.0), (60.0, 10.0, 2.0)
 @lru_cache
 def field(turbidity: float) -> SourceField:
     """As the module solves it."""
-    settings = BrunetonSkySettings(turbidity=turbidity)
+    settings = BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe")
     return solve_air(atmosphere_of(settings), settings.orders)
 
 

@@ -39,7 +39,7 @@ def sky(aerosol: float = 1.0) -> SolvedSky:
 @lru_cache
 def hazy_sky(turbidity: float) -> SolvedSky:
     """The sky of the module's own air."""
-    return solve(atmosphere_of(BrunetonSkySettings(turbidity=turbidity)))
+    return solve(atmosphere_of(BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe")))
 
 
 def errors(

@@ -8,6 +8,7 @@ from grey_materials import grey_materials
 from light_messages import small_air
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
@@ -159,6 +160,7 @@ SOUND = [
     LookAlong(direction=UP),
     SetTolerance(tolerance=0.1),
     SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
+    SetHaze(optical_depth_550=0.3, own=OwnAerosol(angle_deg=(0.0, 180.0), phase=(2.0, 1.0))),
     SCENE,
     SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
     SectionChanged(normal=UP, offset_m=1.5),

@@ -12,6 +12,7 @@ from vrut_lite.daylight.aerosols import (
     type_optics,
 )
 from vrut_lite.daylight.aerosols.components import component
+from vrut_lite.daylight.aerosols.droplets import droplets_phase
 from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES
 from vrut_lite.daylight.aerosols.types import AerosolMixture
 
@@ -95,7 +96,7 @@ def test_a_mixture_of_ones_own_adds_its_components():
     )
     assert twice.lower_depth_550 == pytest.approx(2 * once.lower_depth_550)
     assert once.lower_height_m == pytest.approx(2000.0 * (1 - np.exp(-1)))
-    assert once.scale_height_m > once.lower_height_m
+    assert 0.0 < twice.aloft_share < once.aloft_share < 1.0
 
 
 def test_aerosol_of_ones_own_follows_angstroms_law():
@@ -166,3 +167,12 @@ def test_tables_are_equal_by_content():
     assert one == same
     assert hash(one) == hash(same)
     assert one != PhaseTable(np.ones((1, PHASE_NODES)))
+
+
+def test_droplets_have_a_fogbow_and_no_peak_that_harmonics_cannot_carry():
+    """Mie's mean cosine and bow stay; the harmonics to degree 16 hold what is left."""
+    phase = droplets_phase((635.0, 550.0, 445.0))
+    assert phase.mean_cosine() == pytest.approx([0.845] * 3, abs=0.01)
+    bow, beside = (phase(np.cos(np.radians(angle)))[1] for angle in (142.0, 120.0))
+    assert bow > 4.0 * beside
+    assert np.abs(phase.coefficients(24)[:, 17:]).max() < 0.02

@@ -12,9 +12,11 @@ from vrut_lite.daylight.aerosol import (
     optical_depth_of_turbidity,
     turbidity_of_optical_depth,
 )
+from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
 from vrut_lite.daylight.haze import DEFAULT_HAZE, MOST_OPTICAL_DEPTH, SetHaze
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
+from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import Demand, SetSetting
 from vrut_lite.project import (
     Haze,
@@ -111,6 +113,23 @@ def test_a_preset_brings_its_own_haze():
     assert sky.taken() == []
     sky.set("turbidity", 6.0)
     assert sky.held == ["solve"]
+
+
+def test_an_aerosol_of_ones_own_takes_the_types_place(shown, tmp_path):
+    """By exponent, albedo and a phase function, of which the Bruneton sky makes light; another
+    type on the command line puts it away, and what is impossible is refused in a sentence."""
+    own = OwnAerosol(1.5, 0.8, angle_deg=(0.0, 30.0, 180.0), phase=(20.0, 2.0, 0.5))
+    haze = SetHaze(optical_depth_550=0.4, own=own)
+    assert haze.optics.angstrom_exponent == pytest.approx(1.5)
+    assert haze.optics.albedo_at(550.0) == pytest.approx(0.8)
+    assert shown(haze) != shown(SetHaze(optical_depth_550=0.4))
+    project = Project(haze=Haze(0.4, own=own))
+    save_project(tmp_path / "p.toml", project)
+    assert load_project(tmp_path / "p.toml").haze.input() == haze
+    assert project_of("--haze", "0.2", project=project).haze.own == own
+    assert project_of("--aerosol", "desert", project=project).haze.own is None
+    with pytest.raises(UserError, match="own aerosol of haze: albedo must lie between 0 and 1"):
+        SetHaze(optical_depth_550=0.4, own=OwnAerosol(albedo=2.0)).check()
 
 
 # --- command line and project ------------------------------------------------------------

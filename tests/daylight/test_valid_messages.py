@@ -63,7 +63,7 @@ def test_valid_messages_are_delivered(message):
         (SetPlace, {"latitude_deg": True}, "latitude_deg of a place must lie from -90 to 90, not"),
         (SetPlace, {"latitude_deg": "50"}, "from -90 to 90, not '50'"),
         (SetHaze, {"optical_depth_550": 1.0}, "optical_depth_550 of haze must lie from 0 to 0.9"),
-        (SetHaze, {"aerosol": "suburban"}, "aerosol of SetHaze must be one of one-lobe, cont"),
+        (SetHaze, {"aerosol": "suburban"}, "aerosol of SetHaze must be one of continental"),
         (SetClockRate, {"rate": np.float16("inf")}, "rate must be a finite number, not inf"),
         (KeyLightChanged, {"irradiance_rgb": (np.float16("inf"),) * 3}, "three finite numbers"),
         (SetPlace, {"altitude_m": 10**5000}, "not a int"),

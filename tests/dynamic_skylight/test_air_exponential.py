@@ -4,22 +4,24 @@ import numpy as np
 import pytest
 from dynamic_skylight.air import (
     GROUND_RADIUS_M,
-    SCALE_HEIGHTS_M,
     air_is_seen,
     air_volume,
-    extinction,
+    layers_of,
 )
 from dynamic_skylight.daylight import Daylight
 from dynamic_skylight.module import DynamicSkyLight
 
 from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.air_volume import look_up_air
+from vrut_lite.daylight.haze import DEFAULT_HAZE, SetHaze
 from vrut_lite.geometry.colour import (
     SKYLIGHT_NM,
     rgb_from_spectrum,
     solar_irradiance,
 )
 from vrut_lite.testing.sky_on_bus import SkyOnBus
+
+AIR = layers_of(DEFAULT_HAZE)
 
 
 def daylight(elevation_deg, turbidity=3.0):
@@ -101,21 +103,24 @@ def test_transmittance_is_that_of_two_exponentials(height_deg, altitude_m):
         s = (np.arange(20_000) + 0.5) * end / 20_000
         up, level = GROUND_RADIUS_M + altitude_m + s * view[1], s * np.hypot(view[0], view[2])
         altitude = np.maximum(np.hypot(up, level) - GROUND_RADIUS_M, 0.0)
-        path = np.exp(-altitude[:, None] / SCALE_HEIGHTS_M).sum(axis=0) * end / 20_000
-        spectral = np.exp(-path @ extinction(3.0))
+        path = np.exp(-altitude[:, None] / AIR.scale_height_m).sum(axis=0) * end / 20_000
+        spectral = np.exp(-path @ AIR.extinction)
         expected = rgb_from_spectrum(sun * spectral, SKYLIGHT_NM) / rgb_from_spectrum(
             sun, SKYLIGHT_NM
         )
         assert light.transmittance[k] == pytest.approx(expected, abs=3e-3)
 
 
-def test_turbidity_is_preetham_s():
-    """Turbidity 3 is an aerosol optical depth of 0.20 at 550 nm, and 1 next to none: Preetham's
-    beta at 1 micrometre times 0.55^-1.3 (bruneton_sky's own mapping gives the same)."""
-    depth = extinction(3.0)[1] * SCALE_HEIGHTS_M[1]
+@pytest.mark.parametrize("aerosol", ["continental-average", "desert", "one-lobe"])
+def test_the_air_is_that_of_the_haze(aerosol):
+    """Its depth at 550 nm is the haze's, and none without haze; dust scatters farther forward."""
+    air = layers_of(SetHaze(optical_depth_550=0.2, aerosol=aerosol))
+    depth = air.scale_height_m[1:] @ air.extinction[1:]
     at_550 = np.interp(550.0, SKYLIGHT_NM[::-1], depth[::-1])
     assert at_550 == pytest.approx(0.20, abs=0.005)
-    assert np.all(extinction(1.0)[1] * SCALE_HEIGHTS_M[1] < 2e-3)
+    forward = air.phase(1.0)[1]
+    assert (forward > 10.0) == (aerosol == "desert")
+    assert not layers_of(SetHaze(optical_depth_550=0.0, aerosol=aerosol)).extinction[1:].any()
 
 
 @pytest.mark.parametrize("elevation_deg", [50.0, 5.0, -4.0])
@@ -142,10 +147,10 @@ def test_numbers_are_sound_at_any_height(altitude_m, elevation_deg):
 
 def test_what_air_is_seen():
     """A metre hides nothing, a kilometre of the ground's air does, one high up does not."""
-    assert not air_is_seen(3.0, 2.0, 1.0)
-    assert air_is_seen(3.0, 2.0, 1000.0)
-    assert not air_is_seen(3.0, 50_000.0, 1000.0)
-    assert not air_is_seen(3.0, 1e6, -1.0)
+    assert not air_is_seen(DEFAULT_HAZE, 2.0, 1.0)
+    assert air_is_seen(DEFAULT_HAZE, 2.0, 1000.0)
+    assert not air_is_seen(DEFAULT_HAZE, 50_000.0, 1000.0)
+    assert not air_is_seen(DEFAULT_HAZE, 1e6, -1.0)
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vrut_lite.recording.earlier_names import in_todays_words
+from vrut_lite.recording.earlier_names import in_todays_words, settings_in_todays_words
 
 
 @pytest.mark.parametrize(
@@ -23,3 +23,11 @@ def test_a_skys_own_haze_may_be_none():
     ):
         said = in_todays_words("Fault", {"where": "", "error": error})[1]["error"]
         assert said.endswith(f"must be {today}")
+
+
+def test_settings_that_were_not_recorded_are_what_they_were():
+    """A sky of before had one lobe and the published level; what was recorded stays."""
+    assert settings_in_todays_words({"mie_g": None})["aerosol"] == "one-lobe"
+    assert settings_in_todays_words({"sun_colour": "disc"})["sky_level"] == "published"
+    both = {"sun_colour": "air", "sky_level": "equal-haze"}
+    assert settings_in_todays_words(both) == both

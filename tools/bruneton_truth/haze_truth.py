@@ -26,7 +26,7 @@ IRRADIANCE_PATHS = 131072
 GAUSS_NODES = 64
 
 NOTES = """Spectral radiance W m^-2 sr^-1 nm^-1 at the four wavelengths of the module's skylight,
-air of BrunetonSkySettings(turbidity=...): aerosol optical depth 0.2 and 0.8 at 550 nm.
+air of BrunetonSkySettings(turbidity=..., aerosol="one-lobe"): optical depth 0.2, 0.8 at 550 nm.
 Rays (n,): turbidity, sun_elevation_deg, altitude_m, mu, mu_s, nu; the radiance of the ground is
 left out, its light scattered by the air is in. first, multiple, error (n, 4): order 1, exact, the
 sum of orders two and up, and its standard error. irradiance, irradiance_error (turbidity, sun, 4):
@@ -40,7 +40,7 @@ def main() -> None:
     for i, turbidity in enumerate(TURBIDITIES):
         for k, elevation_deg in enumerate(SUNS_DEG):
             parts += [_rays(turbidity, elevation_deg, altitude_m) for altitude_m in MU]
-            air = atmosphere_of(BrunetonSkySettings(turbidity=turbidity))
+            air = atmosphere_of(BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe"))
             mu_s = [np.sin(np.radians(elevation_deg))]
             sky = monte_carlo_irradiance(air, mu_s, paths=IRRADIANCE_PATHS)
             light[i, k], noise[i, k] = sky.total()[0], sky.total_error()[0]
@@ -57,7 +57,7 @@ def _rays(
     turbidity: float, elevation_deg: float, altitude_m: float
 ) -> dict[str, NDArray[np.float64]]:
     """All views from one altitude."""
-    air = atmosphere_of(BrunetonSkySettings(turbidity=turbidity))
+    air = atmosphere_of(BrunetonSkySettings(turbidity=turbidity, aerosol="one-lobe"))
     mu_s = float(np.sin(np.radians(elevation_deg)))
     mu, turn = (a.ravel() for a in np.meshgrid(MU[altitude_m], COSINE_OF_AZIMUTH, indexing="ij"))
     nu = mu * mu_s + np.sqrt((1.0 - mu**2) * (1.0 - mu_s**2)) * turn

@@ -19,6 +19,7 @@ from vrut_lite.daylight.haze import (
     AEROSOL_TYPES,
     DEFAULT_HAZE,
     MOST_OPTICAL_DEPTH,
+    ONE_LOBE,
     OWN_HAZE,
     AerosolType,
 )
@@ -58,8 +59,9 @@ def daylight_options(command: Command) -> Command:
                      metavar="T", help="The same on Preetham's scale: 2 is clear, 6 is hazy, "
                      f"{DEFAULT_HAZE.turbidity:g} is the default haze."),
         click.option("--aerosol", type=click.Choice(AEROSOL_TYPES), metavar="TYPE",
-                     help="What that haze is made of: a type of OPAC, as continental-average or "
-                     "desert, or one-lobe. Without --haze the type's published depth."),
+                     help="What that haze is made of: a type of OPAC, as desert, or one-lobe. "
+                     "Without --haze the type's published depth. Default "
+                     f"{DEFAULT_HAZE.aerosol}."),
         click.option("--humidity", "humidity_percent", type=FiniteRange(0.0, MOST_HUMIDITY),
                      metavar="%", help="Of the lower air, in which particles grow. Default "
                      f"{USUAL_HUMIDITY:g}."),
@@ -142,9 +144,10 @@ def _haze(
     known = haze or Haze(DEFAULT_HAZE.optical_depth_550, DEFAULT_HAZE.aerosol)
     depth = known.optical_depth_550 if optical_depth_550 is None else optical_depth_550
     humidity = known.humidity_percent if humidity_percent is None else humidity_percent
-    if aerosol is not None and aerosol != "one-lobe" and optical_depth_550 is None:
+    if aerosol is not None and aerosol != ONE_LOBE and optical_depth_550 is None:
         depth = type_optics(aerosol, humidity).optical_depth_550
-    return Haze(depth, aerosol or known.aerosol, humidity)
+    own = known.own if aerosol is None else None
+    return Haze(depth, aerosol or known.aerosol, humidity, own)
 
 
 def _without_own_haze(project: Project) -> Project:

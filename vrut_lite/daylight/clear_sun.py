@@ -10,7 +10,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from vrut_lite.daylight.aerosol import SCALE_HEIGHT_M, optical_depth_of_turbidity
 from vrut_lite.daylight.gases import ozone_absorption
 from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.geometry.colour import colour_table, rgb_from_spectrum, solar_irradiance
@@ -40,17 +39,13 @@ def slant_depth(
     molecules = _RAYLEIGH_AT_1_UM * (wavelength_nm / 1000.0) ** -4.0 * _MOLECULES_M
     ozone = ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M) * _OZONE_TENT_M
     optics = haze.optics
-    if optics is None:
-        height_m = SCALE_HEIGHT_M
-        aerosol = optical_depth_of_turbidity(haze.turbidity, wavelength_nm)
-    else:
-        height_m = optics.scale_height_m
-        share = haze.optical_depth_550 / optics.optical_depth_550
-        aerosol = share * optics.depth_at(wavelength_nm)
+    share = haze.optical_depth_550 / optics.optical_depth_550
+    aerosol = share * optics.depth_at(wavelength_nm)
     at_ozone = _RADIUS_M / (_RADIUS_M + _OZONE_AT_M)
     through_ozone = 1.0 / np.sqrt(1.0 - at_ozone**2 * (1.0 - sine * sine))
     depth = molecules * _air_mass(sine, _MOLECULES_M) + ozone * through_ozone
-    return np.asarray(depth + aerosol * _air_mass(sine, height_m))
+    low, above = (_air_mass(sine, h) for h in (optics.lower_height_m, optics.upper_height_m))
+    return np.asarray(depth + aerosol * (low + optics.aloft_share * (above - low)))
 
 
 def _air_mass(sine: float, scale_height_m: float) -> float:

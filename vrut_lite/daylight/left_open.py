@@ -2,16 +2,23 @@
 
 A settings class may say both, for panels that show them: a method `left_open(haze)` gives a value
 for each setting by its name, as the present preset and the place's haze have it; a class variable
-`presets` holds settings by the name of a preset. A sky's `turbidity` that is none is the place's.
+`presets` holds a `Preset` by its name. A sky's `turbidity` that is none is the place's.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 
 from vrut_lite.daylight.haze import OWN_HAZE, SetHaze
 
 Values = dict[str, Any]
+
+
+class Preset(NamedTuple):
+    """Settings that a module proposes, and in one line what they are for."""
+
+    line: str
+    values: Values
 
 
 def left_open(settings: msgspec.Struct, haze: SetHaze) -> Values:
@@ -24,6 +31,6 @@ def left_open(settings: msgspec.Struct, haze: SetHaze) -> Values:
     return {name: value for name, value in known.items() if name in now and now[name] is None}
 
 
-def presets_of(settings_type: type[msgspec.Struct]) -> dict[str, Values]:
-    """Settings by the name of a preset, in the order in which they are offered."""
+def presets_of(settings_type: type[msgspec.Struct]) -> dict[str, Preset]:
+    """The presets by name, in the order in which they are offered."""
     return dict(getattr(settings_type, "presets", {}))

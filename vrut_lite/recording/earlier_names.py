@@ -20,7 +20,26 @@ _ADDED: dict[str, Plain] = {
 }
 
 
+# What a solved atmosphere lacked: a tabulated phase function, aerosol aloft.
+_LATER_OF_AIR: Plain = {
+    "mie_table": None,
+    "mie_aloft": 0.0,
+    "mie_aloft_scale_height_m": 8000.0,
+    "fog_table": None,
+}
+# Settings that earlier versions lacked, by one that the same modules had already, and what skies
+# were without them: their defaults are others today.
+_LATER_SETTINGS: dict[str, Plain] = {
+    "mie_g": {"aerosol": "one-lobe"},
+    "sun_colour": {"sky_level": "published"},
+}
 _HAZE_REFUSED = re.compile(r"^(turbidity of \w+ must be between 1 and 10), not ")
+
+
+def settings_in_todays_words(settings: Plain) -> Plain:
+    """A module's recorded settings, with those that it lacked and what they would have been."""
+    added = (later for known, later in _LATER_SETTINGS.items() if known in settings)
+    return {name: value for later in added for name, value in later.items()} | settings
 
 
 def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
@@ -33,6 +52,10 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
         # A size of 1 meant that the sky chooses; no consumer shows a sky of one texel.
         if message.get("message") == "BackgroundChanged" and message.get("size") == 1:
             added["size"] = None
+    # Aerosol had one type.
+    if name == "SetHaze":
+        added |= {"aerosol": "one-lobe"} if "aerosol" not in message else {}
+        added |= {"own": None} if "own" not in message else {}
     # The handler that reported a failed GPU, by its name in a Fault.
     if name == "Fault" and message.get("where") == "cube_done":
         added["where"] = "job_done"
@@ -43,12 +66,11 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     volume = message.get("volume")
     if name == "AirChanged" and volume and isinstance(volume["aerosol_phase"], list):
         added["volume"] = {**volume, "aerosol_phase": UNKNOWN}
-    # A solved atmosphere had no tabulated one.
     value = message.get("value")
     if (
         name == "JobResult"
         and isinstance(value, dict)
         and isinstance(value.get("atmosphere"), dict)
     ):
-        added["value"] = {**value, "atmosphere": {"mie_table": None, **value["atmosphere"]}}
+        added["value"] = {**value, "atmosphere": {**_LATER_OF_AIR, **value["atmosphere"]}}
     return (name, {**message, **added}) if added else (name, message)

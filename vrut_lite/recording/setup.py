@@ -20,6 +20,7 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.kernel.module import Module
 from vrut_lite.kernel.seat import Seat
 from vrut_lite.recording.codec import decode, to_plain
+from vrut_lite.recording.earlier_names import settings_in_todays_words
 from vrut_lite.recording.entry import ModuleSetup, Setup, SetupStep
 from vrut_lite.recording.registry import Registry
 
@@ -85,6 +86,9 @@ def restore_setup(
                 kernel.inject(_input_of(step, registry))
             kernel.pump()
         kernel.pump()
+        for module in setup.modules:
+            for one in _unlike(kernel, module):
+                kernel.inject(one)
         # A stand-in (of the GPU's owner, say) lacks the demands of the module itself.
         known = {demand.key(): demand for demand in kernel.lifecycle.demands.every()}
         for demand in (decode(Demand, plain) for plain in setup.demands):
@@ -144,11 +148,7 @@ def _setting_up(kernel: Kernel, setup: Setup) -> list[Any]:
     """The inputs that bring about the values of a setup without steps."""
     inputs: list[Message] = []
     for module in setup.modules:
-        here = to_plain(kernel.seats[module.name].settings)
-        for name, value in module.settings.items():
-            if here.get(name) != value:
-                kernel.check_setting(module.name, name, value)
-                inputs.append(SetSetting(module=module.name, name=name, value=value))
+        inputs += _unlike(kernel, module)
         if module.state == "disabled":
             inputs.append(EnableModule(module=module.name, enabled=False))
     for slot, holder in setup.slots.items():
@@ -156,6 +156,17 @@ def _setting_up(kernel: Kernel, setup: Setup) -> list[Any]:
             kernel.check_holder(slot, holder)
             inputs.append(ChooseSlot(slot=slot, module=holder))
     return [*inputs, *(decode(Demand, plain) for plain in setup.demands)]
+
+
+def _unlike(kernel: Kernel, module: ModuleSetup) -> list[SetSetting]:
+    """The inputs that set what stands otherwise than recorded; defaults may have changed since."""
+    here = to_plain(kernel.seats[module.name].settings)
+    unlike: list[SetSetting] = []
+    for name, value in settings_in_todays_words(module.settings).items():
+        if here.get(name) != value:
+            kernel.check_setting(module.name, name, value)
+            unlike.append(SetSetting(module=module.name, name=name, value=value))
+    return unlike
 
 
 def _check_restored(kernel: Kernel, setup: Setup) -> None:

@@ -49,7 +49,9 @@ def air_volume_job(
     """
     count = sizes or AirSizes()
     matter = matter_before(field, altitude_m, sun_direction, reach_m, count)
-    tables = _on_gpu(field)
+    tables = _on_gpu(
+        field, matter.grid.observer_altitude_m if field.atmosphere.has_droplets else 0.0
+    )
     rows = count.rows_above + count.rows_below
     size = (count.columns, rows, 3 * count.slices)
     made = GpuJob(
@@ -90,7 +92,7 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
 
 # Kept while sun and observer move: neither made nor uploaded again.
 @lru_cache(maxsize=1)
-def _on_gpu(field: SourceField) -> _FieldOnGpu:
+def _on_gpu(field: SourceField, altitude_m: float) -> _FieldOnGpu:
     source, transmittance = source_of_group(field, 0), field.transmittance[0]
     suns = source.rayleigh.shape[2] // LANES
     (air,) = groups_of_air(field.thinned)
@@ -99,7 +101,7 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             (4, Array(transmittance.view())),
             (5, Array(_or_one(source.rayleigh).view())),
             (6, Array(_or_one(source.mie).view())),
-            (7, Array(np.pad(channel_phases(field), ((0, 0), (0, 1))))),
+            (7, Array(np.pad(channel_phases(field, altitude_m), ((0, 0), (0, 1))))),
         ),
         uniforms={
             "transmittances": (transmittance.shape[0], transmittance.shape[1] // LANES),

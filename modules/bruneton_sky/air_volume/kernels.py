@@ -16,6 +16,7 @@ from bruneton_sky.solver.first_order_kernels import gather_first
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
+    aerosol_density,
     altitude_along,
     altitude_place,
     hits_ground,
@@ -69,7 +70,7 @@ def _march(air, altitude, mu, start, stop, steps, light, centre, weight):  # typ
         middle = max(altitude_along(radius, altitude, mu, at), 0.0)
         far = max(altitude_along(radius, altitude, mu, at + 0.5 * metres), 0.0)
         molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        aerosol = metres * aerosol_density(air, near, middle, far)
         fog = 0.0
         if air.fog_scale_height_m > 0.0:
             fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)

@@ -101,7 +101,7 @@ def volume_of(
         extinction=Array(matter.extinction),
         columns=matter.rays.nu.shape[1],
         radiance_scale=radiance_scale,
-        aerosol_phase=Array(channel_phases(field).view()),
+        aerosol_phase=Array(channel_phases(field, matter.grid.observer_altitude_m).view()),
         sun_direction=(x, y, z),
         **matter.grid._asdict(),
     )
@@ -165,7 +165,8 @@ def _light(field: SourceField, matter: Matter) -> NDArray[np.float32]:
             matter.colours[k], light,
         )  # fmt: skip
     molecules = rayleigh_phase(rays.nu).astype(np.float32)
-    settle_colours(light, molecules, np.sqrt(0.5 - 0.5 * nu), channel_phases(field))
+    phases = channel_phases(field, matter.grid.observer_altitude_m)
+    settle_colours(light, molecules, np.sqrt(0.5 - 0.5 * nu), phases)
     return light
 
 

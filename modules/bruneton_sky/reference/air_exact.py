@@ -74,7 +74,8 @@ def light_before(
     cosine = np.clip((radius * mu + metres) / (air.ground_radius_m + there), -1.0, 1.0)
     lit = np.exp(-optical_depth_to_top(air, level, sun)) * np.asarray(air.solar_irradiance)
     lit[in_earth_shadow(air.ground_radius_m, there, sun)] = 0.0
-    molecules, aerosol = scattering_at(air, level)
+    molecules, haze, fog = scattering_at(air, level)
+    aerosol = haze + fog
     again = source_at(field, level, cosine, sun, np.full(metres.shape, nu))
     weight = through * share[:, None]
     parts = (lit * molecules, lit * aerosol, again[0] * molecules + again[1] * aerosol)

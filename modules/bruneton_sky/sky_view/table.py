@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
-from bruneton_sky.phase import aerosol_phase
 from bruneton_sky.sky_view.rays import Rows, table_rows
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.delta_m import forward_share
+from bruneton_sky.solver.droplets import droplets_above, droplets_at, shown_phase
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.source_field import source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, is_hazy
@@ -146,11 +145,11 @@ def _table(
     mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
     rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
     return SkyView(
-        _nodes(field, rows, counts),
+        _nodes(field, rows, counts, aerosol_bands(field, altitude_m)),
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
-        aerosol_bands(field),
+        aerosol_bands(field, altitude_m),
     )
 
 
@@ -174,13 +173,14 @@ def _in_this_air(
     return (steps, once, _HAZE_BINS) if inside and is_hazy(atmosphere) else counts
 
 
-def _nodes(field: SourceField, rows: Rows, counts: tuple[int, int, int]) -> NDArray[np.float32]:
+def _nodes(
+    field: SourceField, rows: Rows, counts: tuple[int, int, int], bands: AerosolBands
+) -> NDArray[np.float32]:
     """The nodes of a table for its rays; `counts`: steps, bins for light scattered once, and
     more."""
     from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
-    bands = aerosol_bands(field)
     matrix = _in_groups(bands.matrix)
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
     colours, ground = _colours(field)
@@ -210,15 +210,21 @@ def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[
     return [(slice(limb), limb_counts(counts)), (slice(limb, None), counts)]
 
 
-@lru_cache(maxsize=4)
-def aerosol_bands(field: SourceField) -> AerosolBands:
-    """Bands of a field's aerosol: its wavelengths, if there are four at most.
+def aerosol_bands(field: SourceField, altitude_m: float) -> AerosolBands:
+    """Bands of a field's particles seen from an altitude: its wavelengths, if there are four at
+    most.
 
     Of more wavelengths they are red, green and blue, whose phase functions are means by the
     sunlight that aerosol scatters: exact where all wavelengths share one.
     """
+    return _bands(field, altitude_m if field.atmosphere.has_droplets else 0.0)
+
+
+@lru_cache(maxsize=4)
+def _bands(field: SourceField, altitude_m: float) -> AerosolBands:
     air = field.atmosphere
-    shown, count = _shown_phases(field), len(air.wavelength_nm)
+    share = droplets_above(air, field.sizes.degree, altitude_m)
+    shown, count = _shown_phases(field, share), len(air.wavelength_nm)
     skylight = rgb_from_spectrum(np.eye(count), air.wavelength_nm, SKYLIGHT_EXPONENT)
     if count <= LANES:
         matrix, colour, phase = np.eye(count, LANES), skylight, shown
@@ -232,17 +238,25 @@ def aerosol_bands(field: SourceField) -> AerosolBands:
     )
 
 
+def channel_phases(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
+    """Phase functions (n, 3) in sr^-1 of the particles' light in red, green and blue.
+
+    Of those at an altitude, as before things near an eye there.
+    """
+    return _channels(field, altitude_m if field.atmosphere.has_droplets else 0.0)
+
+
 @lru_cache(maxsize=4)
-def channel_phases(field: SourceField) -> NDArray[np.float32]:
-    """Phase functions (n, 3) in sr^-1 of the aerosol's light in red, green and blue."""
-    return np.asarray(_shown_phases(field) @ channel_shares(field.atmosphere), dtype=np.float32)
+def _channels(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
+    share = droplets_at(field.atmosphere, field.sizes.degree, altitude_m)
+    shown = _shown_phases(field, share) @ channel_shares(field.atmosphere)
+    return np.asarray(shown, dtype=np.float32)
 
 
-def _shown_phases(field: SourceField) -> NDArray[np.float64]:
+def _shown_phases(field: SourceField, share: NDArray[np.float64]) -> NDArray[np.float64]:
     """What light scattered once is shown with (n, C), uniform in sqrt((1 - nu) / 2)."""
     nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
-    whole = 1.0 - forward_share(field.atmosphere, field.sizes.degree)
-    return np.asarray(aerosol_phase(field.atmosphere, nu) / whole)
+    return shown_phase(field.atmosphere, field.sizes.degree, nu, share)
 
 
 def channel_shares(atmosphere: Atmosphere) -> NDArray[np.float64]:

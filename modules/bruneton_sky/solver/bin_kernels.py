@@ -19,6 +19,7 @@ from bruneton_sky.quadrature import FOG_TOP
 from bruneton_sky.solver.cell_kernels import fast, inner
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
+    aerosol_density,
     altitude_along,
     hits_ground,
     mean_density,
@@ -156,7 +157,7 @@ def _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end):  # type: igno
         step = steps[s]
         step[_END] = stop
         molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        aerosol = metres * aerosol_density(air, near, middle, far)
         centre = _weigh_step(
             air, molecules, aerosol, metres * absorber_density(air, middle), end, step
         )
@@ -232,7 +233,7 @@ def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-
         step = steps[s]
         step[_END] = stop
         molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        aerosol = metres * aerosol_density(air, near, middle, far)
         fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)
         absorber = metres * absorber_density(air, middle)
         centre = _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, end, step)

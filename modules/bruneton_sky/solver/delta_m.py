@@ -39,17 +39,18 @@ def kept_coefficients(atmosphere: Atmosphere, degree: int) -> FloatArray:
 
 @lru_cache(maxsize=8)
 def thinned(atmosphere: Atmosphere, degree: int) -> Atmosphere:
-    """The air without the light that goes straight on; fog has the aerosol's phase function."""
+    """The air without the light that goes straight on; droplets of their own lose none."""
     peak = forward_share(atmosphere, degree)
     if not peak.any():
         return atmosphere
     haze, mist = np.asarray(atmosphere.mie_scattering), np.asarray(atmosphere.fog_scattering)
+    of_fog = 0.0 * peak if atmosphere.has_droplets else peak
     return replace(
         atmosphere,
         mie_scattering=tuple((1.0 - peak) * haze),
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) - peak * haze),
-        fog_scattering=tuple((1.0 - peak) * mist),
-        fog_extinction=tuple(np.asarray(atmosphere.fog_extinction) - peak * mist),
+        fog_scattering=tuple((1.0 - of_fog) * mist),
+        fog_extinction=tuple(np.asarray(atmosphere.fog_extinction) - of_fog * mist),
     )
 
 

@@ -44,6 +44,9 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
             end = max(math.sqrt(max(top - ray[3], 0.0)), ray[4])
             molecules = _path_to_top(air.rayleigh_scale_height_m, top, ray, end)
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
+            if air.aloft > 0.0:
+                aloft = _path_to_top(air.aloft_scale_height_m, top, ray, end)
+                aerosol += air.aloft * (aloft - aerosol)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
             fog = 0.0
             if air.fog_scale_height_m > 0.0:

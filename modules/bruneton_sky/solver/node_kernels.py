@@ -76,7 +76,10 @@ def _bins_at(bins, i, q, count):  # type: ignore[no-untyped-def]
 def first_radiance(  # type: ignore[no-untyped-def]
     air, altitude, mu, downward, bins, table, sun, turn_cosine, phase, ground, grid, radiance
 ):
-    """Light scattered once, and sunlight from the ground: (altitudes, mu, turns * suns * 4)."""
+    """Light scattered once, and sunlight from the ground: (altitudes, mu, turns * suns * 4).
+
+    `phase` (altitudes or 1, n, 5): see `apply_phases`.
+    """
     cells = empty_cells(sun.size * turn_cosine.size)
     rayleigh, mie = np.empty(4 * cells.nu.size, _f4), np.empty(4 * cells.nu.size, _f4)
     row = np.empty(table.shape[1], _f4)
@@ -85,7 +88,7 @@ def first_radiance(  # type: ignore[no-untyped-def]
             here = _bins_at(bins, i, q, bins.centre.shape[2])
             fill_cells(mu[i, q], sun, turn_cosine, cells)
             gather_first(air, altitude[i], mu[i, q], here, cells, table, row, rayleigh, mie)
-            apply_phases(cells, phase, rayleigh, mie, radiance[i, q])
+            apply_phases(cells, phase[min(i, len(phase) - 1)], rayleigh, mie, radiance[i, q])
             if downward[q]:
                 _add_ground(air, altitude[i], here, cells, ground, grid, radiance[i, q])
 

@@ -6,8 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.phase import aerosol_phase, rayleigh_phase
-from bruneton_sky.solver.delta_m import forward_share, kept_coefficients
+from bruneton_sky.phase import rayleigh_phase
+from bruneton_sky.solver.droplets import (
+    droplets_above,
+    droplets_at,
+    mixed_coefficients,
+    shown_phase,
+)
 from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
 from bruneton_sky.solver.scattering_operator import (
     ScatteringOperator,
@@ -32,7 +37,8 @@ class Nodes(NamedTuple):
     """Altitudes, directions and suns, and the rays that end there, in bins.
 
     `higher_bins` are for the light of orders four and up; `bins_left_out` counts the bins that rays
-    through little air do not need. `mie_chi` (degrees, 4): of the aerosol's phase functions.
+    through little air do not need. `mie_chi` (altitudes or 1, degrees, 4): of the particles' phase
+    functions.
     """
 
     air: Air
@@ -50,7 +56,7 @@ class Nodes(NamedTuple):
 
         Args:
             transmittance: (altitudes, columns * 4), of the sun's light.
-            phase: see `phase_table`.
+            phase: see `fed_phase_tables`.
 
         Returns:
             (altitudes, mu, azimuths, suns * 4).
@@ -132,9 +138,11 @@ def make_nodes(atmosphere: Atmosphere, air: Air, sizes: SolverSizes, group: int 
         _empty_bins(mu.shape, count) for count in (sizes.node_bins, sizes.bins_of(HIGHER))
     )
     left_out = bin_nodes(air, altitude, mu, downward, sizes.steps, bins, higher)
-    chi = in_lanes(kept_coefficients(atmosphere, sizes.degree).T)[group].astype(np.float32)
+    chi = in_lanes(mixed_coefficients(atmosphere, sizes.degree, altitude))[group]
     suns = SunGrid(atmosphere, sizes.mu_s)
-    return Nodes(air, sizes, altitude, suns, operator, bins, higher, left_out, chi)
+    return Nodes(
+        air, sizes, altitude, suns, operator, bins, higher, left_out, chi.astype(np.float32)
+    )
 
 
 def _empty_bins(rays: tuple[int, ...], count: int) -> "Bins":
@@ -160,31 +168,35 @@ def make_transmittance(air: Air) -> Lanes:
     return table.reshape(rows, -1)
 
 
-def shown_phase_tables(atmosphere: Atmosphere, degree: int) -> Lanes:
-    """The phase functions (groups, n, 5) that light scattered once is shown with.
+def shown_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray) -> Lanes:
+    """The phase functions (groups, altitudes, n, 5) that light scattered once is shown with.
 
-    Of molecules and of the aerosol at four wavelengths, uniform in sqrt((1 - nu) / 2). The
-    aerosol's is per unit of what `delta_m.thinned` air scatters.
+    Of molecules and of particles at four wavelengths, uniform in sqrt((1 - nu) / 2), for
+    eyes at altitudes. The particles' is per unit of what `delta_m.thinned` air scatters.
     """
-    nu = _phase_cosines()
-    return _phase_tables(aerosol_phase(atmosphere, nu) / (1.0 - forward_share(atmosphere, degree)))
+    nu, shares = _phase_cosines(), droplets_above(atmosphere, degree, altitude_m)
+    return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])
 
 
-def fed_phase_tables(atmosphere: Atmosphere, degree: int) -> Lanes:
-    """The same, as light scattered once feeds the orders beyond: without the peak of a table."""
+def fed_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray) -> Lanes:
+    """The same (groups, altitudes or 1, n, 5), as light scattered once feeds the orders beyond: at
+    altitudes, and without the peak of a table."""
     if atmosphere.mie_table is None:
-        return shown_phase_tables(atmosphere, degree)
-    chi = kept_coefficients(atmosphere, degree)
+        shares = droplets_at(atmosphere, degree, altitude_m if atmosphere.has_droplets else [0.0])
+        nu = _phase_cosines()
+        return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])
     legendre = np.polynomial.legendre.legvander(_phase_cosines(), degree)
-    return _phase_tables(legendre * (2.0 * np.arange(degree + 1) + 1.0) @ chi.T / (4.0 * np.pi))
+    legendre *= (2.0 * np.arange(degree + 1) + 1.0) / (4.0 * np.pi)
+    return _phase_tables(list(legendre @ mixed_coefficients(atmosphere, degree, altitude_m)))
 
 
 def _phase_cosines() -> FloatArray:
     return np.asarray(1.0 - 2.0 * np.linspace(0.0, 1.0, _PHASE_NODES) ** 2)
 
 
-def _phase_tables(aerosol: FloatArray) -> Lanes:
-    """(groups, n, 5) of the aerosol's phase function (n, C)."""
-    lanes = in_lanes(aerosol)
-    molecules = np.broadcast_to(rayleigh_phase(_phase_cosines())[:, None], (*lanes.shape[:2], 1))
-    return np.concatenate([molecules, lanes], axis=-1).astype(np.float32)
+def _phase_tables(particles: list[FloatArray]) -> Lanes:
+    """(groups, altitudes, n, 5) of the particles' phase functions (n, C)."""
+    lanes = in_lanes(np.stack(particles))
+    molecules = rayleigh_phase(_phase_cosines())[:, None]
+    both = np.broadcast_to(molecules, (*lanes.shape[:3], 1)), lanes
+    return np.concatenate(both, axis=-1).astype(np.float32)

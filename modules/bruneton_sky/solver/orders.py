@@ -80,13 +80,13 @@ def solve(
     orders = as_count("orders of scattering", orders, 1, 1000)
     tolerance = as_number("tolerance of the orders", tolerance, 0.0, 1.0)
     size = sizes or real_time_sizes(atmosphere)
-    phase = fed_phase_tables(atmosphere, size.degree)
     groups = groups_of_air(thinned(atmosphere, size.degree))
     transmittance = [make_transmittance(air) for air in groups]
     sums, sources = [], []
     for index, air in enumerate(groups):
         nodes = make_nodes(atmosphere, air, size, index)
-        done = _sum_orders(nodes, transmittance[index], phase[index], orders, tolerance, all_orders)
+        phase = fed_phase_tables(atmosphere, size.degree, nodes.altitude_m)[index]
+        done = _sum_orders(nodes, transmittance[index], phase, orders, tolerance, all_orders)
         sums.append(done)
         sources.append(nodes.source(done.coefficients))
         if progress is not None:

@@ -102,6 +102,16 @@ def mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
 
 
 @inner
+def aerosol_density(air, near, middle, far):  # type: ignore[no-untyped-def]
+    """The same of the aerosol's two layers."""
+    density = mean_density(near, middle, far, air.mie_scale_height_m)
+    if air.aloft > 0.0:
+        above = mean_density(near, middle, far, air.aloft_scale_height_m)
+        density += air.aloft * (above - density)
+    return density
+
+
+@inner
 def absorber_density(air, altitude):  # type: ignore[no-untyped-def]
     """Relative density of the absorber, straight between the nodes of its layers."""
     nodes, density = air.absorber[0], air.absorber[1]

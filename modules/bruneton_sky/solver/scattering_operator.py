@@ -76,12 +76,13 @@ class ScatteringOperator(NamedTuple):
         return coefficients
 
     def scatter(self, coefficients: SingleArray, chi: SingleArray) -> SingleArray:
-        """Source function (altitudes, mu, azimuths, n * 4) of phase functions' chi (degrees, 4).
+        """Source function (altitudes, mu, azimuths, n * 4) of phase functions' chi (altitudes or 1,
+        degrees, 4).
 
         Four wavelengths lie side by side. The coefficients may be only the first ones.
         """
         harmonics, columns = coefficients.shape[1:]
-        by_column = np.tile(chi[self.degree[:harmonics]], columns // chi.shape[1])
+        by_column = np.tile(chi[:, self.degree[:harmonics]], columns // chi.shape[2])
         scattered = coefficients * by_column
         parts = self._parts(harmonics)
         shape = len(coefficients), len(self.polar_out), len(parts), columns

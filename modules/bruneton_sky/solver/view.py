@@ -119,7 +119,7 @@ def sky_irradiance(
     turn = np.cos(azimuths(sizes.irradiance_azimuth))
     weight = weight * mu * 2.0 * np.pi / turn.size
     suns = np.clip(mu_s, -1.0, 1.0)
-    phase = shown_phase_tables(field.atmosphere, sizes.degree)
+    phase = shown_phase_tables(field.atmosphere, sizes.degree, altitude_m)
     out = np.empty((len(field.rayleigh), altitude_m.size, suns.size, LANES))
     for group, air in enumerate(groups_of_air(field.thinned)):
         fill_irradiance(

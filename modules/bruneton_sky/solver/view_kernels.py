@@ -89,8 +89,8 @@ def fill_irradiance(  # type: ignore[no-untyped-def]
 ):
     """Irradiance (altitudes, suns, 4) of level surfaces by the sky of all orders.
 
-    `mu` (n,) are upward directions, `weight` (n,) what each adds per azimuth. `sizes`: steps,
-    bins.
+    `mu` (n,) are upward directions, `weight` (n,) what each adds per azimuth. `phase`
+    (altitudes, n, 5): see `apply_phases`. `sizes`: steps, bins.
     """
     bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     slab, cells = empty_slab(source), empty_cells(sun.size * turn_cosine.size)
@@ -102,7 +102,7 @@ def fill_irradiance(  # type: ignore[no-untyped-def]
             fill_bins(air, altitude[i], mu[q], mu[q] < 0.0, steps, bins)
             fill_cells(mu[q], sun, turn_cosine, cells)
             gather_first(air, altitude[i], mu[q], bins, cells, table, row, rayleigh, mie)
-            apply_phases(cells, phase, rayleigh, mie, light)
+            apply_phases(cells, phase[i], rayleigh, mie, light)
             gather_later(air, altitude[i], bins, cells, source, slab, light)
             for n in range(cells.nu.size):
                 for c in range(4):

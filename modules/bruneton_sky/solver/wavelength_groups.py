@@ -25,7 +25,8 @@ class Air(NamedTuple):
 
     `extinction` (4, 4): of molecules, aerosol, absorber, fog; `scattering` (3, 4): of molecules,
     aerosol, fog; `absorber` (2, n): altitudes and relative densities of its nodes; one
-    node makes no layer, where it absorbs nothing. `fog_scale_height_m` is 0 where there is no
+    node makes no layer, where it absorbs nothing. `aloft`: share of the aerosol at altitude 0 that
+    thins over `aloft_scale_height_m`. `fog_scale_height_m` is 0 where there is no
     fog. `layer_reach_m`, `layer_share`: see `ray_kernels`; a share of 0 is no layer.
     """
 
@@ -33,6 +34,8 @@ class Air(NamedTuple):
     top_altitude_m: float
     rayleigh_scale_height_m: float
     mie_scale_height_m: float
+    aloft_scale_height_m: float
+    aloft: float
     fog_scale_height_m: float
     layer_reach_m: float
     layer_share: float
@@ -64,6 +67,8 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
             atmosphere.top_altitude_m,
             atmosphere.rayleigh_scale_height_m,
             atmosphere.mie_scale_height_m,
+            atmosphere.mie_aloft_scale_height_m,
+            atmosphere.mie_aloft,
             atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
             *dense_layer(atmosphere),
             extinction[group],
@@ -87,7 +92,7 @@ def is_thick_haze(atmosphere: Atmosphere) -> bool:
 
 
 def _aerosol_depth(atmosphere: Atmosphere) -> float:
-    return max(atmosphere.mie_extinction) * atmosphere.mie_scale_height_m
+    return max(atmosphere.mie_extinction) * atmosphere.mie_column_m
 
 
 def dense_layer(atmosphere: Atmosphere) -> tuple[float, float]:

@@ -36,15 +36,13 @@ HEADER = (
 )
 # Changes of the air of Bruneton's model, one at a time, that may explain the residual.
 OTHER_AIR: dict[str, Model] = {
-    "as the module has it": bruneton_with(),
-    "continental average": bruneton_in("continental-average"),
+    "as the module has it, continental average": bruneton_with(),
+    "continental clean": bruneton_in("continental-clean"),
     "continental polluted": bruneton_in("continental-polluted"),
     "urban": bruneton_in("urban"),
     "maritime clean": bruneton_in("maritime-clean"),
-    "haze, g = 0.9": bruneton_with(mie_g=0.9),
-    "haze, g = 0.7": bruneton_with(mie_g=0.7),
-    "haze, g = 0.6": bruneton_with(mie_g=0.6),
-    "haze, g = 0.5": bruneton_with(mie_g=0.5),
+    "one lobe, g = 0.8": bruneton_in("one-lobe"),
+    "one lobe, g = 0.6": bruneton_with(mie_g=0.6),
     "haze, scale height 3 km": bruneton_with(mie_scale_height_m=3000.0),
     "haze, scattering 0.8 of its light": bruneton_with(mie_albedo=0.8),
     "ground of albedo 0.3": bruneton_with(albedo=0.3),

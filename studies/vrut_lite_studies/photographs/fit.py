@@ -20,7 +20,8 @@ from dynamic_skylight.sun.disc import visible_fraction
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.aerosol import optical_depth_of_turbidity
-from vrut_lite.daylight.haze import AerosolType, SetHaze
+from vrut_lite.daylight.equal_haze import equal_sky
+from vrut_lite.daylight.haze import DEFAULT_AEROSOL, AerosolType, SetHaze
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS, SRGB_FROM_XYZ, luminance
 from vrut_lite.geometry.panorama import lat_long_directions, sample_sky
 from vrut_lite.numeric_types import FloatArray
@@ -67,12 +68,16 @@ class Fit(NamedTuple):
 
 
 def hosek_wilkie(turbidity: float, sun: Sun, direction: FloatArray) -> FloatArray:
-    """The sky of the module dynamic_skylight, twilight included."""
+    """The sky of the module dynamic_skylight, at equal haze, twilight included."""
     elevation = float(np.radians(sun.elevation_deg))
+    haze = SetHaze(optical_depth_550=float(optical_depth_of_turbidity(turbidity)))
+    equal = equal_sky(haze.optical_depth_550, elevation)
     light = Daylight(
-        turbidity=turbidity,
+        turbidity=equal.turbidity,
+        level=equal.level,
+        haze=haze,
         albedo=ALBEDO,
-        sun_colour="disc",
+        sun_colour="air",
         apparent_elevation_rad=elevation,
         sun_azimuth_rad=float(np.radians(sun.azimuth_deg)),
         visible_disc_fraction=float(visible_fraction(elevation)),
@@ -102,7 +107,7 @@ def _bruneton_of(
     turbidity: float,
     sun: Sun,
     direction: FloatArray,
-    aerosol: AerosolType = "one-lobe",
+    aerosol: AerosolType = DEFAULT_AEROSOL,
 ) -> FloatArray:
     depth = float(optical_depth_of_turbidity(turbidity))
     field = _field(settings, SetHaze(optical_depth_550=depth, aerosol=aerosol))

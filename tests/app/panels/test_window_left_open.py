@@ -21,7 +21,7 @@ from vrut_lite.kernel.messages import EnableModule, Fault, SetClock, SetSetting,
 from vrut_lite.kernel.settings import describe, parse
 from vrut_lite.render.light_meter import Illuminance
 
-HAZE = SetHaze(optical_depth_550=0.4)
+HAZE = SetHaze(optical_depth_550=0.4, aerosol="one-lobe")
 
 
 @pytest.fixture
@@ -90,7 +90,7 @@ def vars_of(air):
 
 
 def test_every_preset_of_every_module_is_accepted():
-    """Each value is one that its setting takes, and the sky that matters has the usual names."""
+    """Each value is one that its setting takes, and a line says what for; usual names are there."""
     kernel, _ = daylight_kernel()
     try:
         types = {name: type(seat.settings) for name, seat in kernel.seats.items()}
@@ -98,9 +98,10 @@ def test_every_preset_of_every_module_is_accepted():
         kernel.close()
     for module, settings in types.items():
         specs = describe(settings)
-        for values in presets_of(settings).values():
-            assert values
-            for name, value in values.items():
+        for preset in presets_of(settings).values():
+            assert preset.values
+            assert 5 < len(preset.line) < 80
+            for name, value in preset.values.items():
                 assert parse(specs[name], module, value) == value
     assert {"Clear", "Hazy", "Desert", "Alpine", "Mars"} <= set(presets_of(types["bruneton_sky"]))
     assert "Overcast" in presets_of(types["clouds"])

@@ -56,7 +56,7 @@ def test_phase_coefficients_of_known_functions() -> None:
 
 def in_one_lane(chi: np.ndarray) -> np.ndarray:
     """A phase function's coefficients for light of one wavelength."""
-    return chi[:, None].astype(np.float32)
+    return chi[None, :, None].astype(np.float32)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import msgspec
 
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.daylight.haze import SetHaze
-from vrut_lite.daylight.left_open import left_open, presets_of
+from vrut_lite.daylight.left_open import Preset, left_open, presets_of
 from vrut_lite.kernel.messages import Message, SettingChanged, SlotChanged
 from vrut_lite.kernel.settings import SettingSpec, describe
 
@@ -28,7 +28,7 @@ class ModuleInfo(NamedTuple):
         return left_open(self.settings_type(**self.values), haze)
 
     @property
-    def presets(self) -> dict[str, dict[str, object]]:
+    def presets(self) -> dict[str, Preset]:
         """Settings that the module proposes, by name."""
         return presets_of(self.settings_type)
 

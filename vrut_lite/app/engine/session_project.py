@@ -59,7 +59,7 @@ def project_of(session: Session) -> Project:
     if (tolerance := session.last(SetTolerance)) is not None:
         found["tolerance"] = tolerance.tolerance
     if (haze := session.last(SetHaze)) is not None:
-        found["haze"] = Haze(haze.optical_depth_550, haze.aerosol, haze.humidity_percent)
+        found["haze"] = Haze(haze.optical_depth_550, haze.aerosol, haze.humidity_percent, haze.own)
     if (size := session.last(Resize)) is not None:
         found["size"] = (size.width_px, size.height_px)
     if session.camera is not None:

@@ -76,6 +76,7 @@ class ModulePanel(QWidget):
         self.presets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.preset_menu = QMenu(self.presets)
         self.preset_menu.aboutToShow.connect(self.fill_presets)
+        self.preset_menu.setToolTipsVisible(True)
         self.presets.setMenu(self.preset_menu)
         self.reset = QPushButton("Reset")
         self.reset.setToolTip("All settings of this module to their defaults")
@@ -155,8 +156,9 @@ class ModulePanel(QWidget):
         """Fill the menu with the presets that are kept."""
         self.preset_menu.clear()
         self.preset_menu.addAction("Defaults", lambda: self.choose(self._defaults()))
-        for title, values in self._module.presets.items():
-            self.preset_menu.addAction(title, partial(self.choose, {**self._defaults(), **values}))
+        for title, preset in self._module.presets.items():
+            values = {**self._defaults(), **preset.values}
+            self.preset_menu.addAction(title, partial(self.choose, values)).setToolTip(preset.line)
         names = self._presets.names(self._name)
         if names:
             self.preset_menu.addSeparator()

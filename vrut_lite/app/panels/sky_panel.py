@@ -107,11 +107,13 @@ class SkyPanel(QWidget):
         self._session.send(msgspec.structs.replace(known, **changes))
 
     def _change_aerosol(self) -> None:
-        self._change_haze(aerosol=self.aerosol.currentData())
+        self._change_haze(aerosol=self.aerosol.currentData(), own=None)
 
     def _show_haze(self, haze: SetHaze) -> None:
         self.haze.show_value(haze.optical_depth_550)
-        self.aerosol.setCurrentIndex(self.aerosol.findData(haze.aerosol))
+        # An aerosol of one's own is none of these.
+        known = haze.aerosol if haze.own is None else None
+        self.aerosol.setCurrentIndex(self.aerosol.findData(known))
 
     def _choose(self, slot: str) -> None:
         module = self.choosers[slot].currentData()

@@ -12,6 +12,8 @@ from vrut_lite.daylight.aerosols.phase_table import PhaseTable
 from vrut_lite.numeric_types import FloatArray
 
 _550_NM = 550.0
+# Of the free troposphere (Hess, Koepke and Schult 1998, table 5).
+ALOFT_HEIGHT_M = 8000.0
 # Depths at and beyond which Angstrom's law between two neighbours would divide by nothing.
 _LEAST_DEPTH = 1e-12
 
@@ -28,6 +30,7 @@ class AerosolOptics:
         lower_depth_550, lower_height_m: of the lower layer alone: its part of the depth at 550 nm,
             and the scale height of an exponential layer with the same depth and the same
             extinction at the ground.
+        upper_height_m: scale height of the rest.
     """
 
     wavelength_nm: FloatArray
@@ -36,6 +39,7 @@ class AerosolOptics:
     phase: PhaseTable
     lower_depth_550: float
     lower_height_m: float
+    upper_height_m: float = ALOFT_HEIGHT_M
 
     @property
     def optical_depth_550(self) -> float:
@@ -43,9 +47,9 @@ class AerosolOptics:
         return float(self.depth_at([_550_NM])[0])
 
     @property
-    def scale_height_m(self) -> float:
-        """Column over the extinction at the ground, at 550 nm."""
-        return self.lower_height_m * self.optical_depth_550 / self.lower_depth_550
+    def aloft_share(self) -> float:
+        """Share of the depth that the upper layer has."""
+        return max(1.0 - self.lower_depth_550 / self.optical_depth_550, 0.0)
 
     @property
     def angstrom_exponent(self) -> float:

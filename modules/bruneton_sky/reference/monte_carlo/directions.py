@@ -30,8 +30,12 @@ def set_scattering(medium, thin, haze, fog, cosine, factor):  # type: ignore[no-
     far = place - k
     for c in range(factor.size):
         mie = medium.phase[k, c] + far * (medium.phase[k + 1, c] - medium.phase[k, c])
-        aerosol = medium.scattering[1, c] * haze + medium.scattering[2, c] * fog
-        factor[c] = medium.scattering[0, c] * rayleigh + mie * aerosol
+        factor[c] = medium.scattering[0, c] * rayleigh + mie * medium.scattering[1, c] * haze
+    if fog > 0.0:
+        here, there = medium.fog_phase[k], medium.fog_phase[k + 1]
+        for c in range(factor.size):
+            mie = here[c] + far * (there[c] - here[c])
+            factor[c] += mie * medium.scattering[2, c] * fog
 
 
 @compiled

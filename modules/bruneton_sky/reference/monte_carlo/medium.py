@@ -5,13 +5,14 @@ Rays and optical paths are those of `path_kernels`: one geometry for the whole p
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
-from bruneton_sky.phase import aerosol_phase
+from bruneton_sky.phase import aerosol_phase, fog_phase
 from vrut_lite.numeric_types import FloatArray
 
 # Weights of wavelengths that share a path: their scattering to this power (0 makes weak ones noisy,
@@ -26,15 +27,18 @@ class Medium(NamedTuple):
     """An atmosphere as compiled code reads it; coefficients (4 or 3, C) in 1/m, lengths in m.
 
     Extinction of molecules, aerosol, absorber, fog; scattering of molecules, aerosol, fog, whose
-    scale is 0 where there is none. `phase` (nodes, C) in sr^-1 is the aerosol's phase function,
-    `turn` (nodes - 1,) the cumulated chance that its mean over the wavelengths gives a turn between
-    two nodes.
+    scale is 0 where there is none. Of the aerosol the share `aloft` thins over `aloft_scale`.
+    `phase` (nodes, C) in sr^-1 is the aerosol's phase function, `turn` (nodes - 1,) the cumulated
+    chance that its mean over the wavelengths gives a turn between two nodes; `fog_phase` and
+    `fog_turn` are fog's.
     """
 
     radius: float
     top: float
     rayleigh_scale: float
     mie_scale: float
+    aloft_scale: float
+    aloft: float
     fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
@@ -42,6 +46,8 @@ class Medium(NamedTuple):
     absorber_density: FloatArray
     phase: FloatArray
     turn: FloatArray
+    fog_phase: FloatArray
+    fog_turn: FloatArray
     albedo: FloatArray
     # The weight (C,) with which each wavelength's share of a path starts.
     importance: FloatArray
@@ -57,20 +63,23 @@ def medium_of(atmosphere: Atmosphere) -> Medium:
         atmosphere.top_altitude_m,
         atmosphere.rayleigh_scale_height_m,
         atmosphere.mie_scale_height_m,
+        atmosphere.mie_aloft_scale_height_m,
+        atmosphere.mie_aloft,
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
         np.array([molecules, aerosol, fog]),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
-        *_phase_and_turn(atmosphere),
+        *_phase_and_turn(lambda nu: aerosol_phase(atmosphere, nu)),
+        *_phase_and_turn(lambda nu: fog_phase(atmosphere, nu)),
         np.array(atmosphere.ground_albedo),
         _importance(np.array(molecules) + np.array(aerosol) + np.array(fog)),
     )
 
 
-def _phase_and_turn(atmosphere: Atmosphere) -> tuple[FloatArray, FloatArray]:
+def _phase_and_turn(of: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray, FloatArray]:
     squared = np.linspace(0.0, 1.0, _PHASE_NODES) ** 2
-    phase = np.ascontiguousarray(aerosol_phase(atmosphere, 1.0 - 2.0 * squared))
+    phase = np.ascontiguousarray(of(1.0 - 2.0 * squared))
     mean = phase.mean(axis=1)
     turn = np.cumsum(0.5 * (mean[:-1] + mean[1:]) * np.diff(squared))
     return phase, turn / turn[-1]
@@ -89,6 +98,8 @@ def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def
     """Multiply weights (C,) by a scale and by a ray's transmittance as far as y."""
     rayleigh = path_to(ray, altitude, y, medium.rayleigh_scale)
     mie = path_to(ray, altitude, y, medium.mie_scale)
+    if medium.aloft > 0.0:
+        mie += medium.aloft * (path_to(ray, altitude, y, medium.aloft_scale) - mie)
     absorbed = 0.0
     if medium.extinction[2].any():
         absorbed = layered_path(ray, y, medium.absorber_altitude, medium.absorber_density)
@@ -126,7 +137,10 @@ def densities(medium, altitude):  # type: ignore[no-untyped-def]
     """Relative densities of molecules, aerosol and fog."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
     thin = math.exp(-altitude / medium.rayleigh_scale)
-    return thin, math.exp(-altitude / medium.mie_scale), fog
+    haze = math.exp(-altitude / medium.mie_scale)
+    if medium.aloft > 0.0:
+        haze += medium.aloft * (math.exp(-altitude / medium.aloft_scale) - haze)
+    return thin, haze, fog
 
 
 @compiled

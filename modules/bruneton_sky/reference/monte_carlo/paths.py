@@ -165,8 +165,9 @@ def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out)
     share = aerosol / (aerosol + molecules) if aerosol > 0.0 else 0.0
     foggy = droplets / (aerosol + molecules) if droplets > 0.0 else 0.0
     lobes = lobe_share(cosine_at(point, sun, medium.radius + altitude), foggy)
+    cumulated = medium.fog_turn if 2.0 * droplets > aerosol else medium.turn
     cosine, density = draw_direction(
-        medium.turn, share, lobes, lobe_axis(point, sun), v, w, direction
+        cumulated, share, lobes, lobe_axis(point, sun), v, w, direction
     )
     set_scattering(medium, thin, haze, fog, cosine, factor)
     for c in range(weight.size):
