@@ -29,11 +29,12 @@ class SetWeather(Input, frozen=True, kw_only=True):
 
     The values are means of hours in the file's standard time, `utc_offset_h` ahead of UTC, the
     first from midnight to one on the 1st of January: 8,760, or 8,784 with a 29th of February.
-    Irradiances are broadband: watts of all wavelengths. `cloud_cover` is a share of the sky, empty
-    where the file does not tell. `lacks` says, a line each, what the file does not have and what
-    stands in.
+    `path` names the file, which nobody reads again. Irradiances are broadband: watts of all
+    wavelengths. `cloud_cover` is a share of the sky, empty where the file does not tell. `lacks`
+    says, a line each, what the file does not have and what stands in.
     """
 
+    path: str
     name: str
     latitude_deg: float
     longitude_deg: float
@@ -47,7 +48,7 @@ class SetWeather(Input, frozen=True, kw_only=True):
 
     def check(self) -> None:
         """A place, and as many numbers as a year has hours."""
-        checks.text(self, "name")
+        checks.text(self, "path", "name")
         checks.lines(self, "lacks")
         checks.number(self, "latitude_deg", -90.0, 90.0, of="weather")
         checks.number(self, "longitude_deg", -180.0, 180.0, of="weather")

@@ -3,6 +3,7 @@
 import io
 import os
 import stat
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,12 @@ def read_weather(path: str | os.PathLike[str]) -> SetWeather:
             hours of one year.
     """
     file = Path(path)
-    text = _text_of(file)
+    return _read(file, _text_of(file))
+
+
+# Several parts of a command ask for the same year.
+@lru_cache(maxsize=2)
+def _read(file: Path, text: str) -> SetWeather:
     table, place = _parsed(file, text)
     _check_hours(file, table)
     lacks: list[str] = []
@@ -49,6 +55,7 @@ def read_weather(path: str | os.PathLike[str]) -> SetWeather:
         file, table, "dhi", "diffuse horizontal irradiance", MOST_DIFFUSE_W_M2, lacks
     )
     weather = SetWeather(
+        path=str(file),
         name=_clean(place.get("city", "")) or file.stem,
         latitude_deg=place["latitude"],
         longitude_deg=place["longitude"],
