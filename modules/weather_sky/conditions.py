@@ -69,7 +69,7 @@ class Conditions:
         above = SOLAR_CONSTANT_W_M2 * float(distance_factor(self.day_of_year))
         direct = above * 0.7 ** float(air_mass(self.sun_zenith_rad)) ** 0.678
         diffuse = 0.1 * direct if self.apparent_elevation_rad > 0.0 else 0.0
-        if self.hides_sun and not self._measured:
+        if self.hides_sun:
             direct = 0.0
         if self.direct_normal_w_m2 is not None:
             direct = self.direct_normal_w_m2
