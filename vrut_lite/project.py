@@ -300,6 +300,10 @@ def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
     for slot, module in project.slots.items():
         kernel.check_holder(slot, module)
         inputs.append(ChooseSlot(slot=slot, module=module))
+        # A sky with a sun of its own tells where that stands, unless another is asked for.
+        own_sun = not getattr(kernel.seats[module].module_type, "follows_sun", True)
+        if slot == "sky" and own_sun and "sun" not in project.slots:
+            inputs.append(ChooseSlot(slot="sun", module=module))
     return inputs
 
 
