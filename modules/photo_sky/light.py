@@ -41,7 +41,7 @@ class PhotoLight(Sky):
         """Radiance (6, size, size, 3) above the horizon, 0 below; means over the texels."""
         if self.photograph is None:
             even = (self.illuminance_lux or 10_000.0) / (np.pi * LUMENS_PER_WATT)
-            return np.where(texel_directions(size)[..., 1:] > 0.0, even, 0.0) * np.ones(3)
+            return np.where(texel_directions(size)[..., 1:2] > 0.0, even, 0.0) * np.ones(3)
         rows = len(self.photograph.sky)
         samples = int(np.clip(np.ceil(0.5 * rows / size), 1, _MOST_SAMPLES))
         directions = texel_directions(size * samples)
