@@ -132,7 +132,8 @@ VIEW_LIGHT = ViewLightChanged(
 )  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 WEATHER = SetWeather(
-    path="prague.epw", name="Prague", latitude_deg=50.1, longitude_deg=14.3, altitude_m=364.0, utc_offset_h=1.0,
+    path="prague.epw", name="Prague", latitude_deg=50.1, longitude_deg=14.3,
+    altitude_m=364.0, utc_offset_h=1.0,
     direct_normal_w_m2=(500.0,) * 8760, diffuse_horizontal_w_m2=(100.0,) * 8760,
     dew_point_c=(5.0,) * 8760, cloud_cover=(0.3,) * 8760, lacks=("no snow",),
 )  # fmt: skip
