@@ -66,10 +66,11 @@ def photograph_of(pixels: FloatArray) -> Photograph:
     none = Photograph(np.maximum(picture, 0.0), None, np.zeros(3))
     if not ring.any():
         return none
-    # What stays is as bright as the glow's edge, so that no hole is seen.
-    stays = np.clip(picture, 0.0, _ABOVE_RING * np.maximum(np.median(picture[ring], axis=0), 0.0))
-    # Values below 0 beside the sun are of a sharpened edge: with the sun's they sum to its light.
-    excess = np.where(near[..., None], picture - stays, 0.0)
+    # What stays is as bright as the glow's edge, so that no hole is seen. Values below 0 beside the
+    # sun are of a sharpened edge: with the sun's they sum to its light.
+    edge = _ABOVE_RING * np.maximum(np.median(picture[ring], axis=0), 0.0)
+    spoiled = near & ((picture <= 0.0) | (picture > edge)).any(axis=-1)
+    excess = np.where(spoiled[..., None], picture - edge, 0.0)
     weight = solid_angles(height)[:, None]
     moment = np.einsum("ij,ijk->k", luminance(excess) * weight, directions)
     length = float(np.linalg.norm(moment))
