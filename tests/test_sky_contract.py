@@ -4,7 +4,7 @@ from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.discovery import discover
 from vrut_lite.testing.sky_contract import SkyContract
 
-SKIES = [module for module in discover()[0] if issubclass(module, SkyModule)]
+SKIES = [module for module in discover()[0] if issubclass(module, SkyModule) and module.follows_sun]
 for sky in SKIES:
     globals()[f"Test{sky.__name__}"] = type(
         f"Test{sky.__name__}", (SkyContract,), {"module_type": sky}

@@ -4,7 +4,7 @@ import math
 import os
 import stat
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -25,6 +25,8 @@ from vrut_lite.daylight.scene import LoadScene
 from vrut_lite.daylight.scene_state import Shown
 from vrut_lite.daylight.section import Axis, Side
 from vrut_lite.daylight.tolerance import SetTolerance
+from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, Input, SetClock, SetSetting
@@ -102,7 +104,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The content of a picture. `at` is ISO time, local to the place unless it has an offset.
 
     `tolerance`: largest relative error of radiance; None leaves it unchanged, and so does a missing
-    `haze`. `placement` says the scene's axes and units, `beside` lists further scenes with
+    `haze`. `weather` is a file of a year (EPW), whose place holds where `place` is not said.
+    `placement` says the scene's axes and units, `beside` lists further scenes with
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `animation` and `animation_time_s` say how the scene's own animations stand.
@@ -126,6 +129,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     size: tuple[Pixels, Pixels] = (960, 540)
     tolerance: Annotated[float, msgspec.Meta(gt=0, le=1)] | None = None
     haze: Haze | None = None
+    weather: str = ""
     air: bool = True
     light_shafts: bool = False
     shows: Shown = "picture"
@@ -165,6 +169,7 @@ def load_project(path: str | Path) -> Project:
             # A bare TOML date is the natural way to write one.
             values["at"] = values["at"].isoformat()
         project = msgspec.convert(values, Project)
+        says_place = "place" in values
     except OSError as error:
         raise UserError(f"cannot open the project {file}: {error.strerror or error}") from None
     except msgspec.ValidationError as error:
@@ -175,7 +180,17 @@ def load_project(path: str | Path) -> Project:
         raise UserError(f"the project {file} is nested too deeply: write it anew") from None
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
-    return _with_paths(project, lambda path: str(file.parent / path))
+    project = _with_paths(project, lambda path: str(file.parent / path))
+    if project.weather and not says_place:
+        return with_weather(project, project.weather)
+    return project
+
+
+def with_weather(project: Project, path: str) -> Project:
+    """The project under the weather of a file, at its place; UserError if it cannot be read."""
+    place = read_weather(path).place
+    text = f"{place.latitude_deg:g},{place.longitude_deg:g},{place.altitude_m:g}"
+    return msgspec.structs.replace(project, weather=path, place=text)
 
 
 def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
@@ -185,7 +200,11 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
     )
     luminaires = {name: change(path) for name, path in project.luminaires.items()}
     return msgspec.structs.replace(
-        project, scene=change(project.scene), beside=beside, luminaires=luminaires
+        project,
+        scene=change(project.scene),
+        beside=beside,
+        luminaires=luminaires,
+        weather=project.weather and change(project.weather),
     )
 
 
@@ -251,13 +270,41 @@ def in_words(error: msgspec.ValidationError) -> str:
     return f"{path.lstrip('.')}: {text}" if path else text
 
 
+def weather_inputs(weather: SetWeather, kernel: Kernel, slots: Mapping[str, str]) -> list[Input]:
+    """The weather, and its sky and sun in the slots that `slots` leaves open.
+
+    A module that hears `SetWeather` and makes a sky follows the weather. Where another sky is
+    chosen, no slot is handed over.
+
+    Raises:
+        UserError: no such module is installed.
+    """
+    followers = [
+        seat.module_type.manifest
+        for seat in kernel.seats.values()
+        if SetWeather in seat.methods and "sky" in seat.manifest.provides
+    ]
+    if not followers:
+        raise UserError("no installed module follows the weather: see `vrut-lite modules`")
+    name = slots.get("sky", followers[0].name)
+    follower = next((manifest for manifest in followers if manifest.name == name), None)
+    handed = [
+        ChooseSlot(slot=slot, module=name)
+        for slot in (() if follower is None else follower.provides)
+        if slot not in slots
+    ]
+    return [weather, *handed]
+
+
 def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
-    """Tolerance, haze, settings and slots as inputs, checked against the installed modules."""
+    """Tolerance, haze, weather, settings and slots as inputs, checked against the modules."""
     inputs: list[Input] = []
     if project.tolerance is not None:
         inputs.append(SetTolerance(tolerance=project.tolerance))
     if project.haze is not None:
         inputs.append(project.haze.input())
+    if project.weather:
+        inputs += weather_inputs(read_weather(project.weather), kernel, project.slots)
     for module, values in project.settings.items():
         kernel.check_module(module)
         for name, value in values.items():
@@ -266,6 +313,10 @@ def setting_inputs(project: Project, kernel: Kernel) -> list[Input]:
     for slot, module in project.slots.items():
         kernel.check_holder(slot, module)
         inputs.append(ChooseSlot(slot=slot, module=module))
+        # A sky with a sun of its own tells where that stands, unless another is asked for.
+        own_sun = not getattr(kernel.seats[module].module_type, "follows_sun", True)
+        if slot == "sky" and own_sun and "sun" not in project.slots:
+            inputs.append(ChooseSlot(slot="sun", module=module))
     return inputs
 
 

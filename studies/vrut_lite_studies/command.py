@@ -27,7 +27,8 @@ _TIMES, _QUICK_TIMES = "06:00,06:35,07:00,08:00,09:30,11:45", "06:00,06:35,08:00
     "--measurements",
     metavar="PATH",
     help="Measured skies of Kider et al. 2014 to compare with: a scan's folder, a folder of "
-    "those, a .7z or an .npz. Without them everything is held against a computed reference.",
+    "those, a .7z or an .npz; of another day beside a file day.toml. Without them everything is "
+    "held against a computed reference.",
 )
 @click.option(
     "--models",
@@ -37,7 +38,8 @@ _TIMES, _QUICK_TIMES = "06:00,06:35,07:00,08:00,09:30,11:45", "06:00,06:35,08:00
 @click.option(
     "--times",
     metavar="HH:MM,...",
-    help=f"Rows of the figures, hours of 27 May 2013 in Ithaca, New York. [default: {_TIMES}]",
+    help="Rows of the figures, hours of the measured day, or of 27 May 2013 in Ithaca. "
+    f"[default: {_TIMES}]",
 )
 def study(
     output: str, quick: bool, measurements: str | None, models: str | None, times: str | None
@@ -74,11 +76,14 @@ def study(
 
 
 def _plan(quick: bool, measurements: str | None, models: str | None, times: str | None) -> "Plan":
+    from vrut_lite_studies.framework.day import KIDER
     from vrut_lite_studies.framework.measurements import read_measurements
     from vrut_lite_studies.report.choices import (
         changed_air,
         chosen_set,
+        on_day,
         physics,
+        sets_on_day,
         usual_sets,
     )
     from vrut_lite_studies.report.moments import measured_moments, moments
@@ -88,16 +93,23 @@ def _plan(quick: bool, measurements: str | None, models: str | None, times: str 
 
     sets = [chosen_set(models.split(","))] if models else usual_sets(quick)
     measured = read_measurements(Path(measurements)) if measurements else []
+    day = measured[0].day if measured else KIDER
+    # On another day nothing was published: all its times are shown, or some of them.
     usual = _QUICK_TIMES if quick else _TIMES
+    if day != KIDER:
+        labels = [moment.label for moment in measured_moments(measured)]
+        usual = ",".join(labels[:: -(-len(labels) // (4 if quick else 6))])
     shown = moments((times or usual).split(","), measured)
-    table_two = SAMPLES[: 2 if quick else 3] if measured and not models else ()
+    published = bool(measured) and not models and day == KIDER
+    table_two = SAMPLES[: 2 if quick else 3] if published else ()
     return Plan(
-        sets=sets,
+        day=day,
+        sets=sets_on_day(sets, day),
         moments=shown,
         scored=measured_moments(measured) or shown,
-        physics=physics(),
+        physics=on_day(physics(), day),
         size=TILE // 2 if quick else TILE,
         table_two=table_two,
         timed_suns_deg=TIMED_SUNS_DEG[: 1 if quick else 2],
-        changes=changed_air() if measured and not models and not quick else (),
+        changes=changed_air() if published and not quick else (),
     )

@@ -42,6 +42,7 @@ from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import (
     ChooseSlot,
@@ -131,6 +132,12 @@ VIEW_LIGHT = ViewLightChanged(
     plane=Array(np.ones((5, 8, 4), np.float32)), radiance_scale=2.0, rays=64, source="s",
 )  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
+WEATHER = SetWeather(
+    path="prague.epw", name="Prague", latitude_deg=50.1, longitude_deg=14.3,
+    altitude_m=364.0, utc_offset_h=1.0,
+    direct_normal_w_m2=(500.0,) * 8760, diffuse_horizontal_w_m2=(100.0,) * 8760,
+    dew_point_c=(5.0,) * 8760, cloud_cover=(0.3,) * 8760, lacks=("no snow",),
+)  # fmt: skip
 SOUND = [
     SetSetting(module="m", name="n", value=1.0),
     EnableModule(module="m"),
@@ -161,6 +168,7 @@ SOUND = [
     SetTolerance(tolerance=0.1),
     SetHaze(optical_depth_550=0.3, aerosol="one-lobe"),
     SetHaze(optical_depth_550=0.3, own=OwnAerosol(angle_deg=(0.0, 180.0), phase=(2.0, 1.0))),
+    WEATHER,
     SCENE,
     SceneNeeds(sky_in_view=True, visible_faces=(0, 5), receives_light=True),
     SectionChanged(normal=UP, offset_m=1.5),

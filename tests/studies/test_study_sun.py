@@ -5,8 +5,8 @@ from datetime import UTC, datetime, timedelta, timezone
 import numpy as np
 import pytest
 from dynamic_skylight import sun_position
+from vrut_lite_studies.framework.day import KIDER
 from vrut_lite_studies.framework.directions import directions
-from vrut_lite_studies.framework.measurements import LATITUDE_DEG, LONGITUDE_DEG
 from vrut_lite_studies.framework.sun_azimuth import estimated_sun_azimuth
 from vrut_lite_studies.framework.sun_coordinates import sun_coordinates
 
@@ -17,7 +17,7 @@ def test_sun_coordinates_are_the_published_ones(reference):
     """The 17 steps from 9:30 to 13:30, to 1e-9 deg."""
     first = datetime(2013, 5, 27, 9, 30, tzinfo=EDT)
     steps = [first + timedelta(minutes=15 * k) for k in range(17)]
-    ours = [sun_coordinates(when, LATITUDE_DEG, LONGITUDE_DEG) for when in steps]
+    ours = [sun_coordinates(when, KIDER.latitude_deg, KIDER.longitude_deg) for when in steps]
     np.testing.assert_allclose(np.degrees(ours), reference["sun_coordinates_deg"], atol=1e-9)
 
 

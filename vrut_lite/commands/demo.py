@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from vrut_lite.commands.open_kernel import open_host, require_sky, require_sun
+from vrut_lite.commands.options import at_weather
 from vrut_lite.commands.picture_metadata import picture_metadata
 from vrut_lite.commands.progress import advancing_bar
 from vrut_lite.daylight.daylight_kernel import daylight_kernel
@@ -43,18 +44,26 @@ _SUNRISE_DEG, _LATE_DEG, _DUSK_DEG = 2.0, 14.0, -4.0
 @click.command(name="demo")
 @click.option("--out", default="out", show_default=True, metavar="FOLDER", help="Made if missing.")
 @click.option("--scenes", default="scenes", show_default=True, metavar="FOLDER")
-def demo(out: str, scenes: str) -> None:
+@click.option(
+    "--weather",
+    metavar="FILE.epw",
+    help="A year of weather: its place instead of Prague, and the sky of its hours.",
+)
+def demo(out: str, scenes: str, weather: str | None) -> None:
     """Render all scenes of a folder at sunrise, noon, late afternoon and dusk in Prague.
 
     Example: vrut-lite demo --out out
     """
     projects = scene_projects(Path(scenes))
+    prague = Project(place=PLACE, at=DAY + "T00:00")
+    where = prague if weather is None else at_weather(prague, weather)
     folder = _folder(Path(out))
     check_writable(folder / "contact_sheet.png")
-    hours = _hours()
+    hours = _hours(where)
     with advancing_bar("pictures", len(hours) * len(projects)) as advance:
         rows = []
-        for name, project in projects.items():
+        for name, scene in projects.items():
+            project = msgspec.structs.replace(scene, place=where.place, weather=where.weather)
             # A host for each scene, so that no setting reaches the next.
             with open_host() as host:
                 host.inject(*setting_inputs(project, host.kernel), *view_inputs(project))
@@ -86,7 +95,7 @@ def scene_projects(folder: Path) -> dict[str, Project]:
 
 
 def _at(project: Project, instant: datetime) -> Project:
-    return msgspec.structs.replace(project, place=PLACE, at=instant.isoformat())
+    return msgspec.structs.replace(project, at=instant.isoformat())
 
 
 def _draw_hour(
@@ -117,9 +126,8 @@ def contact_sheet(rows: list[list[tuple[str, Image.Image]]]) -> np.ndarray:
     return np.asarray(sheet)
 
 
-def _hours() -> dict[str, datetime]:
-    """The four hours, found on a kernel without a demand for skies."""
-    project = Project(place=PLACE, at=DAY + "T00:00")
+def _hours(project: Project) -> dict[str, datetime]:
+    """The four hours at a project's place, found on a kernel without a demand for skies."""
     kernel, _ = daylight_kernel()
     kernel.inject(daylight_inputs(project)[0])
     midnight = datetime.fromisoformat(DAY).replace(tzinfo=time_zone_at(project.where()))

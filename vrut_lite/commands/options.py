@@ -24,11 +24,12 @@ from vrut_lite.daylight.haze import (
     AerosolType,
 )
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.discovery import discover
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.settings import SettingSpec, describe
 from vrut_lite.plain_numbers import plain_float
-from vrut_lite.project import Haze, Project, in_words
+from vrut_lite.project import Haze, Project, in_words, with_weather
 
 Command = Callable[..., Any]
 
@@ -37,8 +38,8 @@ _PREFIX = "setting_"
 
 
 def daylight_options(command: Command) -> Command:
-    """Add --at, --place, --north-offset, --haze, --turbidity, --aerosol, --humidity, --sky,
-    --tolerance, --set and an option per setting.
+    """Add --at, --place, --north-offset, --weather, --haze, --turbidity, --aerosol, --humidity,
+    --sky, --tolerance, --set and an option per setting.
 
     Stands above the command's own options, which are listed first all the same. A setting whose
     name is that of another option is reached by --set alone.
@@ -52,6 +53,8 @@ def daylight_options(command: Command) -> Command:
         click.option("--north-offset", "north_offset_deg", type=FiniteRange(-360.0, 360.0),
                      metavar="DEG", help="How far the scene's -Z axis points clockwise of "
                      "true north."),
+        click.option("--weather", metavar="FILE.epw",
+                     help="A year of weather: its place, and the sky of its hours."),
         click.option("--haze", "optical_depth_550", type=FiniteRange(0.0, MOST_OPTICAL_DEPTH),
                      metavar="DEPTH", help="Haze of every sky: the aerosol's optical depth at "
                      f"550 nm. Default {DEFAULT_HAZE.optical_depth_550:.2f}."),
@@ -95,6 +98,11 @@ def _taken_from(command: Command) -> list[click.Parameter]:
 
 def with_options(project: Project, options: dict[str, Any]) -> Project:
     """The project with the shared options applied; removes their keys from `options`."""
+    weather = options.pop("weather")
+    if weather is not None:
+        if options["place"] is not None:
+            raise UserError("--weather and --place both name a place: say one of them")
+        project = at_weather(project, weather)
     changes = {
         key: value
         for key in ("at", "place", "north_offset_deg")
@@ -113,6 +121,14 @@ def with_options(project: Project, options: dict[str, Any]) -> Project:
         project = _without_own_haze(project)
     changes["settings"] = _merged_settings(project, options)
     return _checked(msgspec.structs.replace(project, **changes))
+
+
+def at_weather(project: Project, path: str) -> Project:
+    """The project under a file's weather; what the file lacks is told on standard error."""
+    changed = with_weather(project, path)
+    for line in read_weather(path).lacks:
+        click.echo(f"vrut-lite: {path}: {line}", err=True)
+    return changed
 
 
 def _tolerance(text: str) -> float:

@@ -61,6 +61,8 @@ class SkyModule(Module):
 
     # Whether a spectrum takes so long that it needs a background job.
     spectrum_is_slow: ClassVar[bool] = False
+    # Whether the light follows `SunMoved`: a photograph's does not, nor can it keep the contract.
+    follows_sun: ClassVar[bool] = True
 
     def __init__(self, link: Link, settings: Any):
         super().__init__(link, settings)

@@ -146,16 +146,20 @@ class Background(NamedTuple):
 
 
 class SunDisc(NamedTuple):
-    """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`."""
+    """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`.
+
+    `direction`: of a sun that does not stand where `SunMoved` says, as a photograph's.
+    """
 
     irradiance_rgb: FloatArray
     angular_radius_rad: float = 0.004675
     limb_darkening_rgb: tuple[tuple[float, ...], ...] = ((1.0,),) * 3
+    direction: Vector | None = None
 
     def message(self, direction: Vector, source: str) -> KeyLightChanged:
         """The same as the sky's holder posts it."""
         return KeyLightChanged(
-            direction=direction,
+            direction=self.direction or direction,
             irradiance_rgb=_vector(self.irradiance_rgb),
             angular_radius_rad=self.angular_radius_rad,
             limb_darkening_rgb=self.limb_darkening_rgb,

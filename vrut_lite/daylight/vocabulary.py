@@ -21,6 +21,7 @@ from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance
 from vrut_lite.daylight.view_light import StillAsked, ViewLightChanged
+from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.messages import Derived, Input, Message
 
 INPUTS: tuple[type[Input], ...] = (
@@ -32,6 +33,7 @@ INPUTS: tuple[type[Input], ...] = (
     LookAlong,
     SetTolerance,
     SetHaze,
+    SetWeather,
     PictureClicked,
 )
 DERIVED: tuple[type[Derived], ...] = (

@@ -10,13 +10,15 @@ from typing import Self
 
 from bruneton_sky.atmosphere import Atmosphere
 
+from vrut_lite.daylight.aerosol import turbidity_of_optical_depth
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite_studies.framework.day import KIDER, Day
 from vrut_lite_studies.framework.spectra import WAVELENGTHS_NM
 from vrut_lite_studies.framework.tables import table_spectra
 
 # Penndorf's table holds at 0 deg C; molecules thin out as the air warms to 15 deg C (his eq. 12).
 _PENNDORF_TO_15_C = 273.16 / 288.16
-_ANGSTROM_ALPHA, _ANGSTROM_BETA, _MIE_ALBEDO = 0.8, 0.04, 0.8
+_MIE_ALBEDO = 0.8
 _MIE_SCALE_HEIGHT_M = 1200.0
 
 
@@ -46,16 +48,23 @@ class StudyAtmosphere:
 
     @classmethod
     def published(cls) -> Self:
-        """The atmosphere of Bruneton's evaluation.
+        """The atmosphere of Bruneton's evaluation."""
+        return cls.of_day(KIDER)
 
-        Its aerosol is Angstrom's: vertical optical depth 0.04 (wavelength / 1 um)^-0.8, of
-        which 0.8 is scattering.
+    @classmethod
+    def of_day(cls, day: Day) -> Self:
+        """The same with a day's aerosol, Angstrom's, of which 0.8 is scattering.
+
+        The sun is at 1 au and there is no ozone, as published.
         """
         (solar,), (molecules,) = (
             table_spectra("solar_astm_g173"),
             table_spectra("rayleigh_penndorf"),
         )
-        depth = _ANGSTROM_BETA * (WAVELENGTHS_NM / 1000.0) ** -_ANGSTROM_ALPHA
+        depth = day.optical_depth_550 * (WAVELENGTHS_NM / 550.0) ** -day.angstrom_exponent
+        turbidity = cls.turbidity
+        if day != KIDER:
+            turbidity = turbidity_of_optical_depth(day.optical_depth_550)
         extinction = depth / _MIE_SCALE_HEIGHT_M
         return cls(
             solar_irradiance=solar,
@@ -63,6 +72,7 @@ class StudyAtmosphere:
             mie_extinction=extinction,
             mie_scattering=_MIE_ALBEDO * extinction,
             ground_albedo=table_spectra("albedo_grass")[0],
+            turbidity=turbidity,
         )
 
     @property

@@ -1,7 +1,8 @@
-"""Several scans of 27 May 2013 in one npz.
+"""Several scans of one day in one npz.
 
-Its arrays: `time` (n,) as 11:45:00, `file_azimuth_deg` and `elevation_deg` (81,) of the samples,
-`wavelength_nm` (w,) and `radiance` (n, 81, w) in W m^-2 sr^-1 nm^-1.
+Its arrays: `time` (n,) as 11:45:00, of 27 May 2013, or as 2014-06-03T11:45:00; `file_azimuth_deg`
+and `elevation_deg` (81,) of the samples, `wavelength_nm` (w,) and `radiance` (n, 81, w) in
+W m^-2 sr^-1 nm^-1.
 """
 
 from datetime import datetime
@@ -84,6 +85,8 @@ def _check_radiance(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
 
 def _time(path: Path, text: str) -> datetime:
     try:
+        if "T" in text:
+            return datetime.strptime(text, "%Y-%m-%dT%H:%M:%S")
         return datetime.combine(_DAY, datetime.strptime(text, "%H:%M:%S").time())
     except ValueError:
         raise UserError(f"{path}: {text!r} among the times is no hour as 11:45:00") from None

@@ -15,16 +15,15 @@ from bruneton_sky import Atmosphere
 
 from vrut_lite.daylight.gases import ozone_absorption
 from vrut_lite_studies.framework.atmosphere import STUDY
+from vrut_lite_studies.framework.day import KIDER, Day
 from vrut_lite_studies.models.bruneton import Bruneton
 from vrut_lite_studies.models.model import SkyModel
 
 # All orders beyond the 12th together are less than 1e-5 of the study's light.
 _ALL_ORDERS = 12
-# Bruneton 2017: a mean column, in a tent with its top at 25 km.
-_OZONE_DU, _OZONE_ALTITUDE_M = 300.0, (10_000.0, 25_000.0, 40_000.0)
+# Bruneton 2017: in a tent with its top at 25 km.
+_OZONE_ALTITUDE_M = (10_000.0, 25_000.0, 40_000.0)
 _OZONE_LAYER_M = 15_000.0
-# On 27 May 2013 at 16:00 UT, by the low-precision formula of the Astronomical Almanac.
-_SUN_DISTANCE_AU = 1.0133
 # Single scattering albedo of aerosol over Greenbelt, Maryland: 0.98 at 440 nm, 0.97 at 670 nm
 # (Dubovik et al. 2002, J. Atmos. Sci. 59, table 1).
 _AEROSOL_ALBEDO = 0.975
@@ -40,9 +39,9 @@ class Change(NamedTuple):
     sky: Callable[[], SkyModel]
 
 
-def with_ozone(air: Atmosphere) -> Atmosphere:
-    """The air with 300 Dobson units of ozone, which absorbs orange light."""
-    absorption = ozone_absorption(air.wavelength_nm, _OZONE_DU, _OZONE_LAYER_M)
+def with_ozone(air: Atmosphere, day: Day = KIDER) -> Atmosphere:
+    """The air with a day's ozone, which absorbs orange light."""
+    absorption = ozone_absorption(air.wavelength_nm, day.ozone_du, _OZONE_LAYER_M)
     return replace(
         air,
         absorption_extinction=tuple(absorption),
@@ -51,9 +50,9 @@ def with_ozone(air: Atmosphere) -> Atmosphere:
     )
 
 
-def with_sun_of_the_day(air: Atmosphere) -> Atmosphere:
+def with_sun_of_the_day(air: Atmosphere, day: Day = KIDER) -> Atmosphere:
     """The air under the sun as far away as it was; its tabulated light is that at 1 au."""
-    sun = np.asarray(air.solar_irradiance) / _SUN_DISTANCE_AU**2
+    sun = np.asarray(air.solar_irradiance) / day.sun_distance**2
     return replace(air, solar_irradiance=tuple(sun))
 
 

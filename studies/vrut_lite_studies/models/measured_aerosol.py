@@ -13,6 +13,7 @@ from bruneton_sky import Atmosphere, SolvedSky, solve
 from vrut_lite.daylight.aerosols import type_optics
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.framework.atmosphere import STUDY
+from vrut_lite_studies.framework.day import KIDER, Day
 from vrut_lite_studies.models.changes import with_ozone, with_sun_of_the_day
 from vrut_lite_studies.models.in_parts import in_parts
 from vrut_lite_studies.models.model import cosines
@@ -20,13 +21,11 @@ from vrut_lite_studies.models.model import cosines
 _TYPE = "continental-average"
 
 
-def measured_air(humidity_percent: float = 80.0) -> Atmosphere:
-    """The study's molecules and ground, and OPAC's aerosol at the study's depth at 550 nm."""
+def measured_air(humidity_percent: float = 80.0, day: Day = KIDER) -> Atmosphere:
+    """The study's molecules and ground, and OPAC's aerosol at the day's depth at 550 nm."""
     air = STUDY.bruneton_atmosphere()
-    extinction = np.interp(550.0, air.wavelength_nm, air.mie_extinction)
-    depth = float(extinction) * air.mie_scale_height_m
-    air = air.with_optics(type_optics(_TYPE, humidity_percent), depth)
-    return with_sun_of_the_day(with_ozone(air))
+    air = air.with_optics(type_optics(_TYPE, humidity_percent), day.optical_depth_550)
+    return with_sun_of_the_day(with_ozone(air, day), day)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,15 +2,19 @@
 
 import re
 from collections.abc import Sequence
-from typing import NamedTuple, cast
+from dataclasses import fields, replace
+from typing import Any, NamedTuple, cast
 
 from bruneton_sky.reference.classical_rules import RULES, checked_intervals
 from bruneton_sky.single_scattering import Rule
 
 from vrut_lite.errors import UserError
+from vrut_lite_studies.framework.atmosphere import StudyAtmosphere
+from vrut_lite_studies.framework.day import KIDER, Day
 from vrut_lite_studies.models.bruneton import Bruneton
 from vrut_lite_studies.models.changes import CHANGES
 from vrut_lite_studies.models.converged import Converged
+from vrut_lite_studies.models.measured_aerosol import MeasuredAerosol, measured_air
 from vrut_lite_studies.models.model import SkyModel
 from vrut_lite_studies.models.registry import MODELS
 from vrut_lite_studies.models.rules import PUBLISHED, SingleScattering
@@ -57,6 +61,31 @@ def model_by_name(name: str) -> SkyModel:
 def physics() -> SkyModel:
     """The reference where nothing was measured: the converged sky of all orders."""
     return Converged()
+
+
+def on_day(model: SkyModel, day: Day) -> SkyModel:
+    """A model in the air of another day; on Kider's it is as published."""
+    if day == KIDER:
+        return model
+    # Every model is a dataclass of its air, or of a turbidity that stands for it.
+    changed: Any = model
+    has = {field.name for field in fields(changed)}
+    study = StudyAtmosphere.of_day(day)
+    if isinstance(model, MeasuredAerosol):
+        return replace(model, air=measured_air(day=day))
+    if "turbidity" in has:
+        changed = replace(changed, turbidity=study.turbidity)
+    if "air" in has:
+        published = isinstance(changed.air, StudyAtmosphere)
+        changed = replace(changed, air=study if published else study.bruneton_atmosphere())
+    return cast(SkyModel, changed)
+
+
+def sets_on_day(sets: Sequence[ModelSet], day: Day) -> list[ModelSet]:
+    """The sets' models in the air of a day."""
+    return [
+        each._replace(models=tuple(on_day(model, day) for model in each.models)) for each in sets
+    ]
 
 
 def changed_air() -> tuple[SkyModel, ...]:

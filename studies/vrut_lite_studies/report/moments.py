@@ -8,15 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.errors import UserError
-from vrut_lite_studies.framework.measurements import (
-    EASTERN_DAYLIGHT_TIME,
-    LATITUDE_DEG,
-    LONGITUDE_DEG,
-    MeasuredSky,
-)
+from vrut_lite_studies.framework.day import KIDER
+from vrut_lite_studies.framework.measurements import MeasuredSky
 from vrut_lite_studies.framework.sun_coordinates import sun_coordinates
-
-_DAY = datetime(2013, 5, 27, tzinfo=EASTERN_DAYLIGHT_TIME)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +29,7 @@ class Moment:
 
 
 def moments(times: Sequence[str], measured: Sequence[MeasuredSky]) -> list[Moment]:
-    """Moments at hours `HH:MM` of 27 May 2013 over Ithaca.
+    """Moments at hours `HH:MM` of the day of the measurements, or of 27 May 2013 over Ithaca.
 
     Raises:
         UserError: a time is none, or the sun is down.
@@ -56,10 +50,11 @@ def _moment(text: str, measured: Sequence[MeasuredSky]) -> Moment:
         clock = datetime.strptime(text, "%H:%M")
     except ValueError:
         raise UserError(f"--times: {text!r} is no hour as 06:35") from None
-    when = _DAY.replace(hour=clock.hour, minute=clock.minute)
+    day = measured[0].day if measured else KIDER
+    when = day.midnight.replace(hour=clock.hour, minute=clock.minute)
     label = f"{when:%H:%M}"
     found = (each for each in measured_moments(measured) if each.label == label)
-    zenith, azimuth = sun_coordinates(when, LATITUDE_DEG, LONGITUDE_DEG)
+    zenith, azimuth = sun_coordinates(when, day.latitude_deg, day.longitude_deg)
     if zenith >= np.pi / 2:
-        raise UserError(f"--times: at {label} the sun is below the horizon: take 05:40 to 20:20")
+        raise UserError(f"--times: at {label} the sun is below the horizon of {day.place}")
     return next(found, Moment(label, zenith, azimuth))

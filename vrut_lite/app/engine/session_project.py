@@ -11,6 +11,7 @@ from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance, tolerance_of
+from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ClockMoved, Input, SetSetting
 from vrut_lite.project import (
@@ -60,6 +61,8 @@ def project_of(session: Session) -> Project:
         found["tolerance"] = tolerance.tolerance
     if (haze := session.last(SetHaze)) is not None:
         found["haze"] = Haze(haze.optical_depth_550, haze.aerosol, haze.humidity_percent, haze.own)
+    if (weather := session.last(SetWeather)) is not None:
+        found["weather"] = weather.path
     if (size := session.last(Resize)) is not None:
         found["size"] = (size.width_px, size.height_px)
     if session.camera is not None:

@@ -19,9 +19,11 @@ from vrut_lite.app.engine.session import Session
 from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_bar import DayBar
+from vrut_lite.app.panels.year_strip import YearStrip
 from vrut_lite.app.widgets import ShortenedLabel, make_timer
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
+from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.errors import UserError
 from vrut_lite.kernel.messages import ClockMoved, SetClock, SetClockRate, Tick
 
@@ -99,17 +101,21 @@ class TimePanel(QWidget):
         self._instant: datetime | None = None
         self.player = Player(session, self)
         self.bar = DayBar()
+        self.year = YearStrip()
         self._make_controls()
         column = QVBoxLayout(self)
         column.setContentsMargins(8, 6, 8, 4)
         column.setSpacing(2)
         column.addLayout(self._controls_row())
         column.addWidget(self.bar)
+        column.addWidget(self.year)
         self.bar.instant_chosen.connect(self.go_to)
+        self.year.instant_chosen.connect(self.go_to)
         self.player.playing_changed.connect(self._playing_changed)
         scout.day_changed.connect(self._show_day)
         session.listen(SetPlace, self._show_place)
         session.listen(ClockMoved, self._show_clock)
+        session.listen(SetWeather, self.year.show_weather)
 
     def go_to(self, instant: datetime) -> None:
         """Set the clock."""
@@ -186,6 +192,7 @@ class TimePanel(QWidget):
         self._instant = message.instant
         if not self.bar.is_dragging:
             self.bar.show_instant(message.instant)
+        self.year.show_instant(message.instant)
         self._show_local()
 
     def _show_day(self, day: Day) -> None:

@@ -89,6 +89,7 @@ def action_specs(
 
     return [
         ActionSpec("open", "File", f"Open scene or project{dots}", "Ctrl+O", files.ask_to_open),
+        ActionSpec("weather", "File", f"Open weather{dots}", "", files.ask_for_weather),
         ActionSpec("save", "File", f"Save project{dots}", "Ctrl+S", files.ask_to_save),
         ActionSpec("export", "File", f"Export pictures and films{dots}", "Ctrl+E",
                    partial(window.go_to_dock, "export")),

@@ -8,15 +8,27 @@ from platformdirs import user_pictures_path
 from PySide6.QtWidgets import QFileDialog, QInputDialog
 
 from vrut_lite.app.engine.session_project import folder_of, inputs_of, project_of
+from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.panels.file_title import file_title
 from vrut_lite.app.window.desk import Desk
 from vrut_lite.app.window.kept import Kept
 from vrut_lite.app.window.screenshot import save_screenshot
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
+from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene
+from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.daylight.weather_file import read_weather
 from vrut_lite.errors import UserError
-from vrut_lite.project import PROJECT_SUFFIX, CameraView, Project, load_project, save_project
+from vrut_lite.kernel.messages import Input
+from vrut_lite.project import (
+    PROJECT_SUFFIX,
+    CameraView,
+    Project,
+    load_project,
+    save_project,
+    weather_inputs,
+)
 
 _TO_OPEN = "Scenes and projects (*.glb *.gltf *.obj *.usd *.usda *.usdc *.usdz *.toml)"
 
@@ -104,6 +116,24 @@ class Files:
         except UserError as error:
             self._status.show_problem(str(error))
 
+    def open_weather(self, path: str) -> None:
+        """Show the sky of a year of weather at its place; what the file lacks is told."""
+
+        def inputs(stage: Stage) -> list[Input]:
+            weather = read_weather(path)
+            place, known = weather.place, self._session.last(SetPlace)
+            if known is not None:
+                offset = known.north_offset_rad
+                place = msgspec.structs.replace(place, north_offset_rad=offset)
+            return [*weather_inputs(weather, stage.kernel, {}), place]
+
+        def show(messages: list[Input]) -> None:
+            self._session.send(*messages)
+            told = [line for m in messages if isinstance(m, SetWeather) for line in m.lacks]
+            self._status.show_news("; ".join(told) or f"Opened {path}")
+
+        self._session.ask(inputs, show)
+
     # --- with a dialog for the name ----------------------------------------------------------
 
     def ask_to_open(self) -> None:
@@ -113,6 +143,14 @@ class Files:
         )
         if path:
             self.open_path(path)
+
+    def ask_for_weather(self) -> None:
+        """Let a year of weather be chosen, and open it."""
+        path, _ = QFileDialog.getOpenFileName(
+            self._desk.viewport, "Open weather", folder_of(self._session), "Weather (*.epw)"
+        )
+        if path:
+            self.open_weather(path)
 
     def ask_to_save(self) -> None:
         """Let a name be chosen, and save the project."""

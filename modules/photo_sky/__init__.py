@@ -1,0 +1,1 @@
+"""A photograph of the sky as the sky: a panorama, its sun taken out and put back as a light."""

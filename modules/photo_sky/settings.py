@@ -1,0 +1,32 @@
+"""The settings of a photograph as the sky."""
+
+from typing import Annotated
+
+import msgspec
+
+from vrut_lite.kernel.settings import setting
+
+
+class PhotoSettings(msgspec.Struct, frozen=True):
+    """Which photograph, how it is turned, and how bright it is."""
+
+    photo: Annotated[
+        str,
+        setting(
+            "A panorama of the whole sphere, EXR or HDR. Its sun stands where it stood: it does "
+            "not follow the clock."
+        ),
+    ] = ""
+    photo_rotation_deg: Annotated[
+        float, setting("How far the panorama's middle is turned, from -Z clockwise.", -360, 360,
+                       unit="°")
+    ] = 0.0  # fmt: skip
+    photo_cd_m2: Annotated[
+        float, setting("Luminance of the value 1 in the file.", 1e-6, 1e9, unit="cd/m²")
+    ] = 683.0
+    photo_lux: Annotated[
+        float | None,
+        setting("Illuminance of level ground by sky and sun together, instead of that.", 1e-6, 2e5,
+                unit="lx"),
+    ] = None  # fmt: skip
+    photo_albedo: Annotated[float, setting("Share of light that the ground reflects.", 0, 1)] = 0.2

@@ -1,0 +1,123 @@
+"""What shines on an hour: illuminances of sun and sky, and how the sky's is spread."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, get_args
+
+import numpy as np
+
+from weather_sky.cie import OVERCAST, SUNLESS, general_sky
+from weather_sky.distribution import Distribution, Overcast
+from weather_sky.perez import (
+    LOWEST_SUN_RAD,
+    SOLAR_CONSTANT_W_M2,
+    AllWeather,
+    air_mass,
+    all_weather,
+    distance_factor,
+    precipitable_water_cm,
+)
+from weather_sky.twilight import twilight_lux
+
+Kind = Literal[
+    "perez",
+    "cie-1", "cie-2", "cie-3", "cie-4", "cie-5", "cie-6", "cie-7", "cie-8",
+    "cie-9", "cie-10", "cie-11", "cie-12", "cie-13", "cie-14", "cie-15",
+    "cie-overcast",
+]  # fmt: skip
+KINDS: tuple[str, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """One hour's weather; irradiances are broadband, W m^-2.
+
+    `direct_normal_w_m2` faces the sun, `diffuse_horizontal_w_m2` is the sky's on level ground;
+    where both are None nothing was measured and a closed form stands in, of a clear sky or, below
+    the overcast skies of CIE, of cloud.
+    """
+
+    kind: Kind
+    direct_normal_w_m2: float | None
+    diffuse_horizontal_w_m2: float | None
+    dew_point_c: float
+    day_of_year: int
+    apparent_elevation_rad: float
+    visible_disc_fraction: float
+
+    @cached_property
+    def sun_zenith_rad(self) -> float:
+        """The sun's, where its light is described."""
+        return float(np.clip(0.5 * np.pi - self.apparent_elevation_rad, 0.0, LOWEST_SUN_RAD))
+
+    @property
+    def hides_sun(self) -> bool:
+        """Whether the sky is one of CIE's behind which no sun is seen."""
+        return self.kind in ("cie-overcast", *(f"cie-{n}" for n in range(1, SUNLESS + 1)))
+
+    @property
+    def _measured(self) -> bool:
+        return self.direct_normal_w_m2 is not None or self.diffuse_horizontal_w_m2 is not None
+
+    @cached_property
+    def irradiances_w_m2(self) -> tuple[float, float]:
+        """Direct normal and diffuse horizontal: the measured ones, or of a clear sky.
+
+        The clear sky is Meinel's (1976), 0.7 to the power of air mass^0.678 of what arrives above
+        the air, with a tenth of that on level ground from the sky.
+        """
+        above = SOLAR_CONSTANT_W_M2 * float(distance_factor(self.day_of_year))
+        direct = above * 0.7 ** float(air_mass(self.sun_zenith_rad)) ** 0.678
+        diffuse = 0.1 * direct if self.apparent_elevation_rad > 0.0 else 0.0
+        if self.hides_sun:
+            direct = 0.0
+        if self.direct_normal_w_m2 is not None:
+            direct = self.direct_normal_w_m2
+        if self.diffuse_horizontal_w_m2 is not None:
+            diffuse = self.diffuse_horizontal_w_m2
+        return direct, diffuse
+
+    @cached_property
+    def state(self) -> AllWeather:
+        """Perez's clearness and brightness; of the faintest sky where there is none."""
+        direct, diffuse = self.irradiances_w_m2
+        faint = max(diffuse, 1e-3)
+        return all_weather(direct, faint, self.sun_zenith_rad, self.day_of_year)
+
+    @cached_property
+    def at_night(self) -> bool:
+        """Whether twilight alone shines: the sun is down, or no light of the sky was measured."""
+        return self.apparent_elevation_rad <= 0.0 or self.irradiances_w_m2[1] <= 0.0
+
+    @cached_property
+    def direct_lux(self) -> float:
+        """Of the sun on a plane that faces it, as far as its disc is up."""
+        direct = self.irradiances_w_m2[0] if self.visible_disc_fraction > 0.0 else 0.0
+        efficacy = float(self.state.direct_efficacy(self._water_cm))
+        shown = 1.0 if self._measured else self.visible_disc_fraction
+        return direct * efficacy * shown
+
+    @cached_property
+    def diffuse_lux(self) -> float:
+        """Of the sky on level ground."""
+        if self.at_night:
+            return float(twilight_lux(self.apparent_elevation_rad))
+        if self.hides_sun and not self._measured:
+            # Krochmann's overcast sky (1963).
+            return 300.0 + 21_000.0 * float(np.cos(self.sun_zenith_rad))
+        return self.irradiances_w_m2[1] * float(self.state.diffuse_efficacy(self._water_cm))
+
+    @cached_property
+    def distribution(self) -> Distribution | Overcast:
+        """How the sky's luminance is spread; evenly at night."""
+        if self.at_night:
+            return general_sky(5)
+        if self.kind == "perez":
+            return self.state.distribution()
+        if self.kind == "cie-overcast":
+            return OVERCAST
+        return general_sky(int(self.kind.removeprefix("cie-")))
+
+    @property
+    def _water_cm(self) -> float:
+        return float(precipitable_water_cm(self.dew_point_c))

@@ -1,0 +1,121 @@
+"""The module `weather_sky`: the sky, and the sun, of the hours of a weather file.
+
+With a file an hour has one sky and one sun, that of the middle of its sunlit part; the picture
+changes from hour to hour as the file does. Without one the sun follows the clock.
+"""
+
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky_module import SkyModule
+from vrut_lite.daylight.sky_of_hour import Hour
+from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.geometry.frames import world_from_enu
+from vrut_lite.kernel.messages import ClockMoved, SlotChanged
+from vrut_lite.kernel.module import Link, Manifest, handles
+from weather_sky.conditions import Conditions
+from weather_sky.light import WeatherLight
+from weather_sky.settings import WeatherSettings
+from weather_sky.sun import middle_of_sunlit, suns_at
+from weather_sky.tolerance import Quality, quality_for
+
+NAME = "weather_sky"
+# Without a file: 2 cm of water vapour, Perez's own usual value.
+_USUAL_DEW_POINT_C = 11.0
+_HOUR_S = 3600.0
+
+
+class WeatherSky(SkyModule):
+    """CIE's and Perez's skies, by a year of measurements or by settings."""
+
+    manifest = Manifest(
+        name=NAME, title="Sky of the weather", version="0.1.0", provides=("sun", "sky")
+    )
+    settings_type = WeatherSettings
+    settings: WeatherSettings
+
+    def __init__(self, link: Link, settings: WeatherSettings):
+        super().__init__(link, settings)
+        # What the sun that was posted last was made from.
+        self._sun_of: tuple[object, ...] | None = None
+
+    # --- the sky -------------------------------------------------------------------------
+
+    def quality(self, tolerance: float) -> Quality:
+        """Sizes for a smooth sky."""
+        return quality_for(tolerance)
+
+    def light(self, hour: Hour, quality: Quality, prepared: None) -> WeatherLight:
+        """Of the settings, the file's hour, or a clear sky, in this order."""
+        clock, weather, own = self.link.last(ClockMoved), self._weather, self.settings
+        direct, diffuse = own.direct_normal_w_m2, own.diffuse_horizontal_w_m2
+        dew_point, day = own.dew_point_deg_c, 150
+        if clock is not None:
+            day = clock.instant.timetuple().tm_yday
+            if weather is not None:
+                measured = weather.hour_at(clock.instant)
+                direct = measured.direct_normal_w_m2 if direct is None else direct
+                diffuse = measured.diffuse_horizontal_w_m2 if diffuse is None else diffuse
+                dew_point = measured.dew_point_c if dew_point is None else dew_point
+        conditions = Conditions(
+            kind=own.distribution,
+            direct_normal_w_m2=direct,
+            diffuse_horizontal_w_m2=diffuse,
+            dew_point_c=_USUAL_DEW_POINT_C if dew_point is None else dew_point,
+            day_of_year=day,
+            apparent_elevation_rad=hour.sun.apparent_elevation_rad,
+            visible_disc_fraction=hour.sun.visible_disc_fraction,
+        )
+        return WeatherLight(conditions, hour.sun.direction, own.albedo, self.haze)
+
+    @property
+    def _weather(self) -> SetWeather | None:
+        return self.link.last(SetWeather)
+
+    @handles(SetWeather)
+    def weather_set(self, _message: SetWeather) -> None:
+        """Another year: another sun, and another sky."""
+        self._move_sun()
+        self._update()
+
+    # --- the sun -------------------------------------------------------------------------
+
+    @handles(ClockMoved)
+    @handles(SetPlace)
+    def hour_changed(self, _message: ClockMoved | SetPlace) -> None:
+        """The hour or the place changed: so may sun and sky."""
+        self._move_sun()
+        self._update()
+
+    @handles(SlotChanged)
+    def sun_slot_changed(self, message: SlotChanged) -> None:
+        """Another sun may have been told in between: tell this one again."""
+        if message.name == "sun":
+            self._sun_of = None
+            self._move_sun()
+
+    def _move_sun(self) -> None:
+        clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
+        if clock is None or place is None or not self.link.holds("sun"):
+            return
+        seconds, weather = clock.instant.timestamp(), self._weather
+        where = place.latitude_deg, place.longitude_deg, place.altitude_m
+        if weather is not None:
+            # Hours of the file's standard time, which may be off by half an hour or a quarter.
+            since = (seconds + weather.utc_offset_h * _HOUR_S) % _HOUR_S
+            seconds = float(middle_of_sunlit(seconds - since, *where))
+        sun_of = seconds, place
+        if sun_of == self._sun_of:
+            self.ledger.skip("SunMoved unchanged")
+            return
+        sun = suns_at(seconds, *where)
+        x, up, z = world_from_enu(sun.east_north_up, place.north_offset_rad).tolist()
+        self._post(
+            SunMoved(
+                direction=(x, up, z),
+                azimuth_rad=float(sun.azimuth_rad),
+                elevation_rad=float(sun.elevation_rad),
+                apparent_elevation_rad=float(sun.apparent_elevation_rad),
+                visible_disc_fraction=float(sun.disc_fraction),
+            )
+        )
+        self._sun_of = sun_of

@@ -1,0 +1,54 @@
+"""The settings of the sky of the weather."""
+
+from typing import Annotated, ClassVar
+
+import msgspec
+
+from vrut_lite.kernel.settings import setting
+from weather_sky.conditions import Kind
+
+_OPEN = " None: the weather file's, or without one"
+
+
+class WeatherSettings(msgspec.Struct, frozen=True):
+    """How light is spread over the sky, and how much there is."""
+
+    presets: ClassVar[dict[str, dict[str, object]]] = {
+        "Weather file": {
+            "distribution": "perez",
+            "direct_normal_w_m2": None,
+            "diffuse_horizontal_w_m2": None,
+            "dew_point_deg_c": None,
+        },
+        "Overcast": {"distribution": "cie-1"},
+        "Partly cloudy": {
+            "distribution": "perez",
+            "direct_normal_w_m2": 350.0,
+            "diffuse_horizontal_w_m2": 280.0,
+        },
+        "Clear": {"distribution": "cie-12"},
+    }
+    distribution: Annotated[
+        Kind,
+        setting(
+            "How light is spread: by Perez's all-weather sky, one of the fifteen general skies of "
+            "CIE (1 overcast, 5 uniform, 12 clear), or CIE's traditional overcast sky.",
+            source="Perez 1993; CIE S 011",
+        ),
+    ] = "perez"
+    direct_normal_w_m2: Annotated[
+        float | None,
+        setting("Direct sun on a plane that faces it." + _OPEN + " a clear sky's.", 0, 1400,
+                unit="W/m²"),
+    ] = None  # fmt: skip
+    diffuse_horizontal_w_m2: Annotated[
+        float | None,
+        setting("Light of the sky on level ground." + _OPEN + " a clear sky's.", 0, 1000,
+                unit="W/m²"),
+    ] = None  # fmt: skip
+    dew_point_deg_c: Annotated[
+        float | None,
+        setting("Of the air at the ground: water vapour changes how many lumens a watt is."
+                + _OPEN + " 11.", -70, 40, unit="°C", source="Perez 1990"),
+    ] = None  # fmt: skip
+    albedo: Annotated[float, setting("Share of light that the ground reflects.", 0, 1)] = 0.2

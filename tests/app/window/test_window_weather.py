@@ -1,0 +1,65 @@
+"""A year of weather in the window: opened, shown above the hours, gone to, saved."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+
+from vrut_lite.app.panels.year_strip import cloud_pixels
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.weather import SetWeather
+from vrut_lite.discovery import discover
+from vrut_lite.kernel.messages import ClockMoved
+
+HOURS = np.arange(8760)
+SUNNY = np.clip(np.sin((HOURS % 24 - 6) / 12 * np.pi), 0, 1)
+YEAR = SetWeather(
+    path="year.epw",
+    name="Cairo",
+    latitude_deg=30.1,
+    longitude_deg=31.4,
+    altitude_m=70.0,
+    utc_offset_h=2.0,
+    direct_normal_w_m2=tuple(800.0 * SUNNY),
+    diffuse_horizontal_w_m2=tuple(100.0 * SUNNY),
+    dew_point_c=(10.0,) * 8760,
+    cloud_cover=tuple(np.where(HOURS < 2400, 1.0, 0.0)),
+    lacks=("1 hour lacks the dew point: the same hour of the nearest day stands in",),
+)
+
+
+@pytest.fixture
+def driver(shared_headless_window, monkeypatch):
+    if not any(SetWeather in dict(module.handlers()) for module in discover()[0]):
+        pytest.skip("no installed module follows the weather")
+    monkeypatch.setattr("vrut_lite.app.window.files.read_weather", lambda path: YEAR)
+    return shared_headless_window
+
+
+def test_a_year_opens_with_its_place_its_sky_and_its_clouds(driver, qtbot):
+    """The menu's entry: place, sky and sun are the file's, what it lacks is told."""
+    window = driver.window
+    strip = window.time.year
+    assert strip.isHidden()
+    window.files.open_weather("year.epw")
+    driver.until_heard(SetPlace, lambda place: place.latitude_deg == 30.1)
+    driver.until(lambda: driver.session.roster.holders["sky"] == "weather_sky")
+    assert driver.session.roster.holders["sun"] == "weather_sky"
+    driver.until(lambda: not strip.isHidden())
+    assert window.files.present_project.weather == "year.epw"
+    # The 100th day, a quarter down: the hour from 6 to 7 of standard time, in its middle.
+    x = int(16 + (99.5 / 365) * (strip.width() - 32))
+    qtbot.mouseClick(
+        strip, Qt.MouseButton.LeftButton, pos=QPoint(x, int(6.5 / 24 * strip.height()))
+    )
+    driver.until_heard(ClockMoved, lambda m: (m.instant.month, m.instant.day) == (4, 10))
+    assert driver.session.last(ClockMoved).instant.strftime("%H:%M") == "04:30"
+
+
+def test_clouds_are_white_and_nights_dark():
+    """A column a day, the first hour on top; a clear day is blue."""
+    pixels = cloud_pixels(YEAR).astype(int)
+    assert pixels.shape == (24, 365, 3)
+    cloudy, clear, night = pixels[12, 50], pixels[12, 200], pixels[0, 200]
+    assert np.ptp(cloudy) < 10
+    assert clear[2] > clear[0] + 100
+    assert night.max() < 40

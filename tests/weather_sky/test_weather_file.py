@@ -1,0 +1,158 @@
+"""EPW files: what is read, what is filled in and said, and what is refused in one line."""
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from vrut_lite.daylight.weather_file import read_weather
+from vrut_lite.errors import UserError
+
+HEAD = 8
+DEW, GLOBAL, DIRECT, DIFFUSE, TOTAL, OPAQUE = 7, 13, 14, 15, 22, 23
+
+
+def with_cells(text, cells):
+    """The year with cells (row, column) replaced; the row None is every row."""
+    lines = text.splitlines()
+    for (row, column), value in cells.items():
+        for n in range(HEAD, len(lines)) if row is None else [HEAD + row]:
+            parts = lines[n].split(",")
+            parts[column] = value
+            lines[n] = ",".join(parts)
+    return "\n".join(lines)
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read_text(text, encoding="ascii"):
+        path = tmp_path / "year.epw"
+        path.write_bytes(text.encode(encoding))
+        return read_weather(path)
+
+    return read_text
+
+
+def test_a_year_is_read(year_file, year_text):
+    """Place, standard time and the hours' means, each in its row; nothing lacks."""
+    weather = read_weather(year_file)
+    assert (weather.latitude_deg, weather.longitude_deg) == (50.1, 14.4)
+    assert (weather.altitude_m, weather.utc_offset_h, weather.name) == (200.0, 1.0, "Prague")
+    assert weather.lacks == ()
+    noon = HEAD + 24 * 171 + 12
+    cells = year_text.splitlines()[noon].split(",")
+    assert cells[1:4] == ["6", "21", "13"]
+    hour = weather.hour_at(datetime(2026, 6, 21, 11, 30, tzinfo=UTC))
+    assert hour.direct_normal_w_m2 == float(cells[DIRECT])
+    assert hour.diffuse_horizontal_w_m2 == float(cells[DIFFUSE])
+    assert hour.dew_point_c == float(cells[DEW])
+    assert hour.cloud_cover == pytest.approx(0.1 * float(cells[TOTAL]))
+
+
+def test_an_hour_ends_at_its_label(year_file):
+    """Hour 13 is from noon to one o'clock of standard time: summer time moves no weather."""
+    weather = read_weather(year_file)
+    row = 24 * 171 + 12
+    for minute, expected in ((0, row), (59, row), (60, row + 1)):
+        when = datetime.fromtimestamp(
+            datetime(2026, 6, 21, 11, tzinfo=UTC).timestamp() + 60 * minute, UTC
+        )
+        assert weather.row_at(when) == expected
+    # The year turns in standard time too.
+    assert weather.row_at(datetime(2025, 12, 31, 23, 30, tzinfo=UTC)) == 0
+
+
+def test_leap_days(year_file, read):
+    """The 29th has the 28th's weather where the file has none; with one, no other day moves."""
+    common = read_weather(year_file)
+    assert common.row_at(datetime(2024, 2, 29, 11, tzinfo=UTC)) == 24 * 58 + 12
+    assert common.row_at(datetime(2024, 3, 1, 11, tzinfo=UTC)) == 24 * 59 + 12
+    assert common.row_at(datetime(2024, 12, 31, 22, 59, tzinfo=UTC)) == 8759
+    lines = year_file.read_text().splitlines()
+    end = HEAD + 24 * 59
+    added = [line.replace(",2,28,", ",2,29,", 1) for line in lines[end - 24 : end]]
+    text = "\n".join([*lines[:end], *added, *lines[end:]])
+    leap = read(text.replace("\n2023,", "\n2024,"))
+    assert len(leap.dew_point_c) == 8784
+    assert leap.row_at(datetime(2023, 3, 1, 11, tzinfo=UTC)) == 24 * 60 + 12
+    assert leap.row_at(datetime(2024, 12, 31, 22, 59, tzinfo=UTC)) == 8783
+
+
+def test_missing_values_are_filled_and_said(year_text, read):
+    """9999 is the same hour of the nearest day; what stands in is said a line each."""
+    row = 24 * 100 + 12
+    weather = read(
+        with_cells(
+            year_text,
+            {(row, DIRECT): "9999", (row + 1, DIRECT): "99999", (row, DEW): "99.9",
+             (None, TOTAL): "99", (None, OPAQUE): "99"},
+        )
+    )  # fmt: skip
+    assert weather.direct_normal_w_m2[row] == weather.direct_normal_w_m2[row - 24]
+    assert weather.dew_point_c[row] == weather.dew_point_c[row - 24]
+    assert weather.cloud_cover == ()
+    assert weather.lacks == (
+        "2 hours lack direct normal irradiance: the same hour of the nearest day stands in",
+        "1 hour lacks the dew point: the same hour of the nearest day stands in",
+        "no cloud cover: the time bar shows no clouds",
+    )
+
+
+def test_names_of_towns_may_be_in_any_encoding(year_text, read):
+    """Files are written all over the world; nothing but the name is lost."""
+    weather = read(year_text.replace("LOCATION,Prague", "LOCATION,Córdoba"), "latin-1")
+    assert weather.name == "C?rdoba"
+
+
+def test_a_year_of_the_south(year_text, read):
+    """South and west are negative, half hours of standard time are kept."""
+    head = "LOCATION,Adelaide,-,-,x,0,-34.9,138.6,9.5,50"
+    weather = read(head + "\n" + year_text.partition("\n")[2])
+    assert (weather.latitude_deg, weather.utc_offset_h) == (-34.9, 9.5)
+    assert weather.row_at(datetime(2026, 1, 1, 2, 29, tzinfo=UTC)) == 11
+    assert weather.row_at(datetime(2026, 1, 1, 2, 31, tzinfo=UTC)) == 12
+
+
+BROKEN = {
+    "another file": (lambda t: "{}", "is no EPW file"),
+    "empty": (lambda t: "", "is no EPW file"),
+    "bad place": (lambda t: t.replace(",50.1,", ",north,", 1), "cannot read the weather file"),
+    "beyond the pole": (lambda t: t.replace(",50.1,", ",95,", 1), "latitude_deg of weather"),
+    "a day short": (lambda t: "\n".join(t.splitlines()[:-24]), "has 8,736 rows"),
+    "half hours": (lambda t: t + "\n".join(t.splitlines()[HEAD:]), "has 17,520 rows"),
+    "an hour twice": (
+        lambda t: t.replace("2023,3,5,7,", "2023,3,5,8,", 1),
+        "another hour in row 1519 than month 3, day 5, hour 7",
+    ),
+    "no direct sun": (
+        lambda t: with_cells(t, {(None, DIRECT): "9999"}),
+        "has no direct normal irradiance",
+    ),
+    "words": (lambda t: t.replace("2023,3,5,7,", "2023,March,5,7,", 1), "cannot read the weather"),
+    "no rows": (lambda t: "\n".join(t.splitlines()[:HEAD]), "the weather file"),
+    "only a head": (lambda t: t.splitlines()[0], "the weather file"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_broken_files_are_refused_in_one_line(case, year_text, read):
+    """Never a traceback: what is wrong, and with which file."""
+    change, said = BROKEN[case]
+    with pytest.raises(UserError, match=r"^[^\n]+$") as refusal:
+        read(change(year_text))
+    assert said in str(refusal.value)
+    assert "year.epw" in str(refusal.value)
+
+
+def test_files_that_are_none(tmp_path):
+    """A missing file and a folder."""
+    for path in (tmp_path / "none.epw", tmp_path):
+        with pytest.raises(UserError, match="cannot open the weather file"):
+            read_weather(path)
+
+
+def test_values_are_numbers_of_their_range(year_file):
+    """What a file says beyond physics is missing, not light."""
+    weather = read_weather(year_file)
+    assert np.min(weather.direct_normal_w_m2) == 0.0
+    assert 0.0 <= min(weather.cloud_cover) <= max(weather.cloud_cover) <= 1.0
