@@ -97,7 +97,7 @@ def _within(ring: NDArray, points: NDArray) -> NDArray[np.bool_]:
         outline = np.concatenate([outline, corners])
     inside = np.zeros(len(points), bool)
     for turn in (-720.0, -360.0, 0.0, 360.0, 720.0):
-        inside ^= Outline(outline).contains_points(points + [turn, 0.0])
+        inside ^= Outline(outline).contains_points(points + np.array([turn, 0.0]))
     return inside
 
 

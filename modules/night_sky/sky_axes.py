@@ -97,3 +97,9 @@ def moon_axes(time: astronomy.Time) -> FloatArray:
     across = np.cross(north, node)
     prime = np.cos(spin) * node + np.sin(spin) * across
     return np.stack([prime, np.cross(north, prime), north])
+
+
+def sun_elevation_rad(at: Watch) -> float:
+    """The sun's true elevation."""
+    sun = at.world @ body_km(astronomy.Body.Sun, at)
+    return float(np.arcsin(sun[1] / np.linalg.norm(sun)))

@@ -90,9 +90,8 @@ def test_the_air_refills_an_even_sky_as_the_solved_field_does():
     # All orders by bruneton_sky's field at 570 nm, from the zenith to 85 deg.
     sine = np.cos(np.radians([0.0, 30.0, 60.0, 75.0, 85.0]))
     through = night_air(CLEAR).through(sine)[:, 1]
-    assert np.allclose(
-        through + SENT_DOWN * (1 - through), [0.92, 0.90, 0.84, 0.73, 0.52], atol=0.03
-    )
+    arriving = through + SENT_DOWN * (1.0 - through)
+    assert np.allclose(arriving, [0.92, 0.90, 0.84, 0.73, 0.52], atol=0.03)
 
 
 def test_airglow_brightens_toward_the_horizon_as_a_layer_does():
