@@ -108,15 +108,16 @@ class NightSky(Module):
         air = self._present_air()
         moon = moon_at(at)
         by_day = math.degrees(sun_elevation_rad(at)) > _DAY_DEG
+        light = moon_light(moon, place.north_offset_rad)
         self.ledger.did("moon")
         self._post(
             NightLightChanged(
-                moon=moon_light(moon, place.north_offset_rad),
+                moon=light,
                 glow_rgb=None if by_day else self._present_glow(clock.instant, at, air, where),
                 source=NAME,
             )
         )
-        if self.link.wanted(MoonDiscChanged) is not None:
+        if light is not None and self.link.wanted(MoonDiscChanged) is not None:
             self._post(disc_of(moon, air.through(np.array(moon.direction[1])), NAME))
         if self.link.wanted(StarsChanged) is None:
             self.ledger.skip("stars: unwanted")
