@@ -17,6 +17,8 @@ from vrut_lite.render.shader_files import shader_source
 
 # Around the disc, for the pixels that it touches.
 _MARGIN_PX = 3.0
+# Of the disc, in the pixels around it.
+_SAMPLES_ACROSS = 96
 
 
 class NightPass:
@@ -116,6 +118,7 @@ class NightPass:
         screen.set("dark_radiance", moon.dark_rgb)
         self._albedo.use(location=0)
         screen.program["albedo"].value = 0
+        screen.program["steps"].value = int(np.clip(_SAMPLES_ACROSS / min(box[2:]), 2, 16))
         GL.glEnable(GL.GL_SCISSOR_TEST)
         GL.glScissor(*box)
         screen.draw()

@@ -11,12 +11,12 @@ uniform mat3 moon_axes;
 uniform vec3 lit_radiance;
 uniform vec3 dark_radiance;
 uniform sampler2D albedo;
+uniform int steps;                   // of a pixel, right and up
 
 in vec3 ray;
 out vec4 frag_radiance;
 
 const float PI = 3.14159265;
-const int STEPS = 4;
 
 vec3 moon(vec3 d) {
     if (d.y <= 0.0 || dot(d, moon_direction) <= 0.0) return vec3(0.0);
@@ -35,10 +35,10 @@ vec3 moon(vec3 d) {
 void main() {
     // A disc may be a few pixels wide: the mean of each pixel.
     vec3 right = dFdx(ray), upper = dFdy(ray), sum = vec3(0.0);
-    for (int i = 0; i < STEPS; ++i)
-        for (int j = 0; j < STEPS; ++j) {
-            vec2 at = (vec2(i, j) + 0.5) / float(STEPS) - 0.5;
+    for (int i = 0; i < steps; ++i)
+        for (int j = 0; j < steps; ++j) {
+            vec2 at = (vec2(i, j) + 0.5) / float(steps) - 0.5;
             sum += moon(normalize(ray + at.x * right + at.y * upper));
         }
-    frag_radiance = vec4(sum / float(STEPS * STEPS), 0.0);
+    frag_radiance = vec4(sum / float(steps * steps), 0.0);
 }
