@@ -114,8 +114,8 @@ class SceneManager(Module):
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
         self.link.demand(SkyLightChanged, cube_size)
-        for kind in (StarsChanged, MoonDiscChanged):
-            self.link.demand(kind)
+        self.link.demand(StarsChanged)
+        self.link.demand(MoonDiscChanged)
 
     @property
     def state(self) -> SceneState:

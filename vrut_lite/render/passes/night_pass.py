@@ -17,8 +17,8 @@ from vrut_lite.render.shader_files import shader_source
 
 # Around the disc, for the pixels that it touches.
 _MARGIN_PX = 3.0
-# Of the disc, in the pixels around it.
-_SAMPLES_ACROSS = 96
+# Of the disc, at least.
+_SAMPLES_ACROSS = 24
 
 
 class NightPass:
@@ -118,7 +118,8 @@ class NightPass:
         screen.set("dark_radiance", moon.dark_rgb)
         self._albedo.use(location=0)
         screen.program["albedo"].value = 0
-        screen.program["steps"].value = int(np.clip(_SAMPLES_ACROSS / min(box[2:]), 2, 16))
+        wide_px = 2.0 * max(_focal_px(size, view)) * moon.angular_radius_rad
+        screen.program["steps"].value = int(np.clip(_SAMPLES_ACROSS / wide_px, 2, _SAMPLES_ACROSS))
         GL.glEnable(GL.GL_SCISSOR_TEST)
         GL.glScissor(*box)
         screen.draw()
