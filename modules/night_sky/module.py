@@ -9,6 +9,7 @@ import math
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from night_sky.settings import NightSkySettings
@@ -99,6 +100,7 @@ class NightSky(Module):
             return
         # Imported when needed: whoever only lists modules needs no ephemeris.
         from night_sky.disc import disc_of
+        from night_sky.eclipse import sun_left
         from night_sky.moon import moon_at
         from night_sky.sky_axes import sun_elevation_rad, watch
 
@@ -109,16 +111,19 @@ class NightSky(Module):
         moon = moon_at(at)
         by_day = math.degrees(sun_elevation_rad(at)) > _DAY_DEG
         light = moon_light(moon, place.north_offset_rad)
+        left = _vector(sun_left(at))
         self.ledger.did("moon")
         self._post(
             NightLightChanged(
                 moon=light,
                 glow_rgb=None if by_day else self._present_glow(clock.instant, at, air, where),
                 source=NAME,
+                sun_left_rgb=left,
             )
         )
         if light is not None and self.link.wanted(MoonDiscChanged) is not None:
-            self._post(disc_of(moon, air.through(np.array(moon.direction[1])), NAME))
+            disc = disc_of(moon, air.through(np.array(moon.direction[1])), NAME)
+            self._post(msgspec.structs.replace(disc, sun_left_rgb=left))
         if self.link.wanted(StarsChanged) is None:
             self.ledger.skip("stars: unwanted")
         elif by_day or not self.settings.stars:

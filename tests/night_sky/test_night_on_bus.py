@@ -196,6 +196,20 @@ def test_disc_and_stars_stand_above_the_horizon(night):
     assert 2e-6 < brightest[1] < brightest[0] < 4e-5
 
 
+def test_an_eclipse_dims_sun_and_sky(night):
+    """Half an hour before totality and outside it: as the share of the sun that is left."""
+    night.want()
+    night.tell(SetPlace(latitude_deg=42.34, longitude_deg=-3.70))
+    eclipse = datetime(2026, 8, 12, 18, 14, tzinfo=UTC)
+    dimmed = night.at(eclipse).lux()
+    left = np.array(night.kernel.last(NightLightChanged).sun_left_rgb)
+    night.tell(SetSetting(module="night_sky", name="night", value=False))
+    whole = night.lux()
+    night.tell(SetPlace(latitude_deg=50.08, longitude_deg=14.44))
+    assert 0.2 < left[1] < 0.35
+    np.testing.assert_allclose(np.array(dimmed) / whole, left[1], rtol=0.03)
+
+
 class EvenSky(Sky):
     """As bright everywhere."""
 

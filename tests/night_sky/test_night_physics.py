@@ -4,6 +4,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from night_sky.eclipse import left_of_disc, sun_left
+from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
 from night_sky.glow import Sources, airglow_cd, glow
 from night_sky.moon import moon_at
 from night_sky.moon_light import Phase, earthshine_radiance_rgb, irradiance_rgb
@@ -183,3 +185,42 @@ def _world(seen):
     altitude, azimuth, _ = seen.altaz()
     north, east, up = unit(np.degrees(azimuth.radians), np.degrees(altitude.radians))
     return np.array([east, up, -north])
+
+
+@pytest.mark.parametrize(
+    ("area", "left"), [(0.63, 0.627), (0.20, 0.166), (0.086, 0.061), (0.020, 0.011)]
+)
+def test_an_eclipse_leaves_less_light_than_area(area, left):
+    # Neckel's disc beside the moon's of 12 August 2026, at 550 nm, computed apart from this code.
+    separations = np.linspace(0.0, 2.0, 401)
+    areas = [_area_left(separation, 1.035) for separation in separations]
+    separation = float(np.interp(area, areas, separations))
+    assert left_of_disc(separation, 1.035)[1] == pytest.approx(left, rel=0.05, abs=6e-4)
+
+
+def _area_left(d, r):
+    """Of a unit disc beside one of radius r, by the lens of two circles."""
+    if d >= 1.0 + r:
+        return 1.0
+    if d <= r - 1.0:
+        return 0.0
+    a = np.arccos((d * d + 1.0 - r * r) / (2.0 * d))
+    b = np.arccos((d * d + r * r - 1.0) / (2.0 * d * r))
+    kite = 0.5 * np.sqrt((-d + 1 + r) * (d + 1 - r) * (d - 1 + r) * (d + 1 + r))
+    return 1.0 - (a + r * r * b - kite) / np.pi
+
+
+def test_the_eclipse_of_august_2026_is_total_in_burgos():
+    at = watch(datetime(2026, 8, 12, 12, tzinfo=UTC), 42.34, -3.70, 850.0)
+    eclipse = next_solar_eclipse(at)
+    assert eclipse.kind == "total"
+    assert abs((eclipse.at - datetime(2026, 8, 12, 18, 29, tzinfo=UTC)).total_seconds()) < 60
+    assert sun_left(watch(eclipse.at, 42.34, -3.70, 850.0)).max() < 1e-6
+
+
+def test_full_moon_rise_and_set_are_the_almanacs():
+    # Prague, 3 January 2026: full at 10:03 UT (almanac).
+    at = watch(datetime(2026, 1, 1, 12, tzinfo=UTC), 50.08, 14.44)
+    assert abs((next_full_moon(at) - datetime(2026, 1, 3, 10, 3, tzinfo=UTC)).total_seconds()) < 60
+    rise, fall = next_rise_and_set(at)
+    assert datetime(2026, 1, 1, 12, tzinfo=UTC) < rise < fall

@@ -13,6 +13,7 @@ from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
 
 SLOT = "night"
+NO_ECLIPSE: Vector = (1.0, 1.0, 1.0)
 _WIDEST_RAD = 0.25 * math.pi
 
 
@@ -57,6 +58,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
     behind the air, W m^-2 sr^-1; None by day. Row r lies at the elevation (r + 0.5) / rows times
     90 deg, column c at the azimuth (c + 0.5) / columns times 360 deg in world axes (from -Z,
     clockwise from above). `moon` is None where it is too low to light anything.
+    `sun_left_rgb` is the share of the sun's light that the moon leaves in an eclipse.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -64,6 +66,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
     moon: MoonLight | None
     glow_rgb: Array | None
     source: str
+    sun_left_rgb: Vector = NO_ECLIPSE
 
     def check(self) -> None:
         """A moon, and a map of the hemisphere."""
@@ -72,6 +75,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
             self.moon.check()
         if self.glow_rgb is not None:
             checks.arrays(self, {"glow_rgb": ("<f4", ("rows", "columns", 3))})
+        checks.light(self, "sun_left_rgb", 1.0)
         checks.text(self, "source")
 
     def check_arrays(self) -> None:
@@ -114,6 +118,7 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     is relative, its rows from the moon's north, its columns from longitude -180 deg to the east.
     `axes` (9 numbers, row by row) are the moon's own in world axes: x to the mean Earth, z north.
     `flattening` is the disc's height over its width: refraction raises the lower limb more.
+    `sun_left_rgb` is below 1 while the moon hides a part of the sun.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -127,6 +132,7 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     dark_rgb: Vector
     albedo: Array
     source: str
+    sun_left_rgb: Vector = NO_ECLIPSE
 
     def check(self) -> None:
         """A disc in the sky."""
@@ -138,6 +144,7 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
         checks.light(self, "lit_rgb", MOST_LIGHT)
         checks.light(self, "dark_rgb", MOST_LIGHT)
         checks.arrays(self, {"albedo": ("<f4", ("rows", "columns"))})
+        checks.light(self, "sun_left_rgb", 1.0)
         checks.text(self, "source")
 
     def check_arrays(self) -> None:

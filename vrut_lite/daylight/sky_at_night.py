@@ -17,7 +17,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_volume import light_of
 from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.night import MoonLight
+from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight
 from vrut_lite.daylight.night_glow import glow_cube
 from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
 from vrut_lite.daylight.sun import Body, SunMoved
@@ -27,7 +27,7 @@ from vrut_lite.geometry.spherical_harmonics import (
     horizontal_irradiance,
     irradiance_coefficients,
 )
-from vrut_lite.numeric_types import Float32Array, FloatArray
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
 _UP = np.array([0.0, 1.0, 0.0])
 # Edge of the cube that the glow's light on the scene is integrated from.
@@ -38,6 +38,8 @@ _AIR_GLOWS = 0.5
 # From this elevation of the sun down the night is added, fully a degree lower: it is 3e-4 of the
 # light then. The last of the sun's light is told from the night's above the lower elevation.
 _NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG = 0.5, 1.0, -19.0
+# Dandekar and Turtle (1971): the zenith in totality over that of day.
+_LEFT_IN_TOTALITY = 1e-4
 # Below this irradiance (W m^-2) a body lights no air.
 _DARKEST_IRRADIANCE = 1e-12
 
@@ -71,6 +73,7 @@ class SkyAtNight(Sky):
         glow: the map of `NightLightChanged`; None where it is not known.
         share: of the night's light, from 0 by day to 1.
         key: the body that casts shadows.
+        sun_left_rgb: of the sun's light, below 1 in its eclipses.
     """
 
     by_sun: Sky
@@ -79,6 +82,12 @@ class SkyAtNight(Sky):
     glow: Array | None
     share: float
     key: Body
+    sun_left_rgb: Vector = NO_ECLIPSE
+
+    @cached_property
+    def _sun_left(self) -> FloatArray:
+        """Share (3,) of the sky's light: in totality air beyond the shadow lights it."""
+        return np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
 
     @cached_property
     def _moon_share(self) -> FloatArray:
@@ -110,8 +119,11 @@ class SkyAtNight(Sky):
         return self._sum(self.by_sun.background_on_ground(size), by_moon)
 
     def _sum(self, by_sun: Background, by_moon: Background | None) -> Background:
-        cube, ground = _radiance(by_sun), np.asarray(by_sun.ground_rgb, dtype=float)
+        cube = _radiance(by_sun) * self._sun_left.astype(np.float32)
+        ground = self._sun_left * by_sun.ground_rgb
         seen = by_sun.seen_sun_rgb
+        if seen is not None:
+            seen = seen * np.asarray(self.sun_left_rgb)
         if by_moon is not None:
             cube += _radiance(by_moon) * self._moon_share.astype(np.float32)
             ground = ground + self._moon_share * by_moon.ground_rgb
@@ -125,7 +137,8 @@ class SkyAtNight(Sky):
     def sun(self) -> SunDisc:
         """The key light."""
         if self.key == "sun" or self.by_moon is None or self.moon is None:
-            return self.by_sun.sun()
+            sun = self.by_sun.sun()
+            return sun._replace(irradiance_rgb=sun.irradiance_rgb * np.array(self.sun_left_rgb))
         behind_air = self._moon_share * self.by_moon.sun().irradiance_rgb
         direction = self.moon.place.direction
         radius = self.moon.angular_radius_rad
@@ -133,7 +146,7 @@ class SkyAtNight(Sky):
 
     def ambient(self) -> FloatArray:
         """The sum of the harmonics."""
-        harmonics = np.asarray(self.by_sun.ambient(), dtype=float)
+        harmonics = self._sun_left * self.by_sun.ambient()
         if self.by_moon is not None:
             harmonics = harmonics + self._moon_share * self.by_moon.ambient()
         if self._glow_map is not None:
@@ -175,7 +188,7 @@ class SkyAtNight(Sky):
         if volume is None or isinstance(volume.light, GpuTexture):
             return volume
         sun, moon, glow = self._on_level_ground
-        alone = moon / self._moon_share if by_moon else sun
+        alone = moon / self._moon_share if by_moon else sun / self._sun_left
         lit = alone > _DARKEST_IRRADIANCE
         factor = np.where(lit, (sun + moon) / np.where(lit, alone, 1.0), 0.0)
         light = light_of(volume).astype(np.float64) * (volume.radiance_scale * factor)
@@ -186,7 +199,8 @@ class SkyAtNight(Sky):
     @cached_property
     def _on_level_ground(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Irradiance (3,) of level ground by the sun's sky, by the moon's and by the glow."""
-        sun = np.maximum(evaluate_irradiance(np.asarray(self.by_sun.ambient()), _UP), 0.0)
+        sky = evaluate_irradiance(np.asarray(self.by_sun.ambient()), _UP)
+        sun = np.maximum(self._sun_left * sky, 0.0)
         moon, glow = np.zeros(3), np.zeros(3)
         if self.by_moon is not None:
             sky = evaluate_irradiance(np.asarray(self.by_moon.ambient()), _UP)

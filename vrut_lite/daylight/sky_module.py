@@ -24,8 +24,8 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.haze import SetHaze, haze_of
+from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.daylight.night import SLOT as NIGHT
-from vrut_lite.daylight.night import MoonLight, NightLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
@@ -241,15 +241,15 @@ class SkyModule(Module):
         night = self.link.last(NightLightChanged) if self._has_night else None
         if night is None or (night.moon is None and night.glow_rgb is None):
             return None
-        if night_share(sun) <= 0.0:
+        if night_share(sun) <= 0.0 and night.sun_left_rgb == NO_ECLIPSE:
             self.ledger.skip("night: outshone by the sun")
             return None
         return night
 
     def _at_night(self, by_sun: Sky, night: NightLightChanged, hour: Hour, quality: Any) -> Sky:
         """The sky of the hour with the night's light in it."""
-        moon, by_moon = night.moon, None
-        if moon is not None:
+        moon, by_moon, share = night.moon, None, night_share(hour.sun)
+        if moon is not None and share > 0.0:
             of_moon = now = msgspec.structs.replace(hour, sun=moon.place, body="moon")
             if self._moon is not None:
                 before, then = self._moon
@@ -262,10 +262,11 @@ class SkyModule(Module):
         return SkyAtNight(
             by_sun=by_sun,
             by_moon=by_moon,
-            moon=moon,
+            moon=moon if share > 0.0 else None,
             glow=night.glow_rgb,
-            share=night_share(hour.sun),
+            share=share,
             key=key_body(hour.sun, moon),
+            sun_left_rgb=night.sun_left_rgb,
         )
 
     def _demand(self, kind: type[Derived]) -> Demand | None:

@@ -150,6 +150,7 @@ class Frame:
             (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance,
             state.key_light.angular_radius_rad,
             state.key_light.limb_darkening_rgb,
+            state.moon_disc,
         )
         targets = self._targets.get(state.size_px)
         self._meshes.update(scene)
