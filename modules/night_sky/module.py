@@ -24,7 +24,7 @@ from vrut_lite.daylight.night import (
 )
 from vrut_lite.daylight.night_glow import map_directions
 from vrut_lite.daylight.place import SetPlace
-from vrut_lite.daylight.sky import AmbientChanged
+from vrut_lite.daylight.sky_module import PRODUCTS
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, SlotChanged
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
@@ -92,10 +92,12 @@ class NightSky(Module):
             self.ledger.skip("night: off")
             if self._told:
                 self._told = False
-                self._post(NightLightChanged(moon=None, glow_rgb=None, source=NAME))
+                self._post(
+                    NightLightChanged(instant=clock.instant, moon=None, glow_rgb=None, source=NAME)
+                )
                 self._post(_no_stars())
             return
-        if self.link.wanted(AmbientChanged) is None:
+        if all(self.link.wanted(kind) is None for kind in PRODUCTS):
             self.ledger.skip("night: unwanted")
             return
         # Imported when needed: whoever only lists modules needs no ephemeris.
@@ -115,6 +117,7 @@ class NightSky(Module):
         self.ledger.did("moon")
         self._post(
             NightLightChanged(
+                instant=clock.instant,
                 moon=light,
                 glow_rgb=None if by_day else self._present_glow(clock.instant, at, air, where),
                 source=NAME,

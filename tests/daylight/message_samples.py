@@ -200,7 +200,7 @@ SOUND = [
     LAID,
     SURFACE_LIGHT,
     NightLightChanged(
-        moon=MOON, glow_rgb=Array(np.ones((4, 8, 3), np.float32)), source="s"
+        instant=NOON, moon=MOON, glow_rgb=Array(np.ones((4, 8, 3), np.float32)), source="s"
     ),
     StarsChanged(
         direction=Array(np.array([UP], np.float32)),

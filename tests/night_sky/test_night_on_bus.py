@@ -244,12 +244,12 @@ def test_light_of_sun_moon_and_glow_is_their_sum(night):
 def test_the_map_of_the_glow_keeps_its_light_as_a_cube():
     rng = np.random.default_rng(3)
     glow = rng.random((45, 90, 3)).astype(np.float32)
-    cube = glow_cube(glow, 64, np.zeros(3))
+    cube = glow_cube(Array(glow), 64, (0.0, 0.0, 0.0))
     directions = map_directions(45, 90)
     node = 20, 70
     texel = np.argmax(texel_directions(64).reshape(-1, 3) @ directions[node])
     assert cube.reshape(-1, 3)[texel] == pytest.approx(glow[node], abs=0.45)
     assert (cube[3] == 0.0).all()
     # The mean over the hemisphere survives.
-    even = glow_cube(np.ones((45, 90, 3), np.float32), 64, np.zeros(3))
+    even = glow_cube(Array(np.ones((45, 90, 3), np.float32)), 64, (0.0, 0.0, 0.0))
     assert np.allclose(even[texel_directions(64)[..., 1] > 0.0], 1.0, atol=1e-6)

@@ -1,6 +1,7 @@
 """The light of the night: moonlight, the glow of the moonless sky, stars, and the moon's disc."""
 
 import math
+from datetime import datetime
 from typing import ClassVar
 
 import msgspec
@@ -58,11 +59,13 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
     behind the air, W m^-2 sr^-1; None by day. Row r lies at the elevation (r + 0.5) / rows times
     90 deg, column c at the azimuth (c + 0.5) / columns times 360 deg in world axes (from -Z,
     clockwise from above). `moon` is None where it is too low to light anything.
+    `instant` is the clock's.
     `sun_left_rgb` is the share of the sun's light that the moon leaves in an eclipse.
     """
 
     slot: ClassVar[str | None] = SLOT
 
+    instant: datetime
     moon: MoonLight | None
     glow_rgb: Array | None
     source: str
@@ -70,6 +73,7 @@ class NightLightChanged(Derived, frozen=True, kw_only=True):
 
     def check(self) -> None:
         """A moon, and a map of the hemisphere."""
+        checks.instant(self, "instant")
         checks.instance(self, "moon", (MoonLight, type(None)))
         if self.moon is not None:
             self.moon.check()

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.array import Array
 from vrut_lite.geometry.cube_map import texel_directions
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 
 class _LookUp(NamedTuple):
@@ -27,16 +28,22 @@ def map_directions(rows: int, columns: int) -> FloatArray:
     return np.stack([level * np.sin(turn), up, -level * np.cos(turn)], axis=-1)
 
 
-def glow_cube(glow: NDArray[np.float32], size: int, ground_rgb: FloatArray) -> NDArray[np.float32]:
-    """Radiance (6, size, size, 3): the map above the horizon, the ground's below it."""
-    found = _look_up(size, *glow.shape[:2])
+@lru_cache(maxsize=4)
+def glow_cube(glow: Array, size: int, ground_rgb: Vector) -> NDArray[np.float32]:
+    """Radiance (6, size, size, 3), read-only: the map above the horizon, the ground's below it.
+
+    A map serves for minutes: the cubes of the last ones are kept.
+    """
+    values = glow.values
+    found = _look_up(size, *values.shape[:2])
     cube = np.empty((6, size, size, 3), np.float32)
     cube[...] = ground_rgb
-    flat = glow.reshape(-1, 3)
+    flat = values.reshape(-1, 3)
     light = flat[found.nodes[0]] * found.weights[0][:, None]
     for node, weight in zip(found.nodes[1:], found.weights[1:], strict=True):
         light += flat[node] * weight[:, None]
     cube[found.upper] = light
+    cube.flags.writeable = False
     return cube
 
 

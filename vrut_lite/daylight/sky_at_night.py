@@ -6,6 +6,7 @@ The factor is one number a channel; the moon's colour differs smoothly from the 
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -73,6 +74,7 @@ class SkyAtNight(Sky):
         glow: the map of `NightLightChanged`; None where it is not known.
         share: of the night's light, from 0 by day to 1.
         key: the body that casts shadows.
+        sunlit: whether any of the sun's light is left.
         sun_left_rgb: of the sun's light, below 1 in its eclipses.
     """
 
@@ -82,6 +84,7 @@ class SkyAtNight(Sky):
     glow: Array | None
     share: float
     key: Body
+    sunlit: bool = True
     sun_left_rgb: Vector = NO_ECLIPSE
 
     @cached_property
@@ -95,44 +98,54 @@ class SkyAtNight(Sky):
         return self.share * np.asarray(self.moon.of_sunlight_rgb)
 
     @cached_property
-    def _glow_map(self) -> NDArray[np.float32] | None:
-        return None if self.glow is None else self.glow.values * np.float32(self.share)
-
-    @cached_property
     def _glow_ground(self) -> FloatArray:
-        """Radiance (3,) of the ground by the glow."""
-        if self._glow_map is None:
+        """Radiance (3,) of the ground by all of the glow."""
+        if self.glow is None:
             return np.zeros(3)
-        lit = horizontal_irradiance(glow_cube(self._glow_map, _LIGHT_SIZE, np.zeros(3)))
+        lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
         return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * lit)
+
+    def _glow_cube(self, size: int) -> NDArray[np.float32]:
+        """All of the glow over lit ground."""
+        assert self.glow is not None
+        red, green, blue = self._glow_ground.tolist()
+        return glow_cube(self.glow, size, (red, green, blue))
 
     # --- the sky ---------------------------------------------------------------------------
 
     def background(self, size: int) -> Background:
         """The sum of the cubes."""
-        by_moon = None if self.by_moon is None else self.by_moon.background(size)
-        return self._sum(self.by_sun.background(size), by_moon)
+        return self._sum(lambda sky: sky.background(size))
 
     def background_on_ground(self, size: int) -> Background:
         """The same for an observer on the ground."""
-        by_moon = None if self.by_moon is None else self.by_moon.background_on_ground(size)
-        return self._sum(self.by_sun.background_on_ground(size), by_moon)
+        return self._sum(lambda sky: sky.background_on_ground(size))
 
-    def _sum(self, by_sun: Background, by_moon: Background | None) -> Background:
-        cube = _radiance(by_sun) * self._sun_left.astype(np.float32)
-        ground = self._sun_left * by_sun.ground_rgb
-        seen = by_sun.seen_sun_rgb
-        if seen is not None:
-            seen = seen * np.asarray(self.sun_left_rgb)
-        if by_moon is not None:
+    def _sum(self, background_of: Callable[[Sky], Background]) -> Background:
+        # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
+        base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
+        first = background_of(base)
+        cube, ground, seen = (
+            _radiance(first),
+            np.asarray(first.ground_rgb, float),
+            first.seen_sun_rgb,
+        )
+        share = self._moon_share if base is self.by_moon else self._sun_left
+        if (share != 1.0).any():
+            cube *= share.astype(np.float32)
+            ground = share * ground
+            seen = None if seen is None else share * seen
+        if self.by_moon is not None and base is not self.by_moon:
+            by_moon = background_of(self.by_moon)
             cube += _radiance(by_moon) * self._moon_share.astype(np.float32)
             ground = ground + self._moon_share * by_moon.ground_rgb
             if self.key == "moon" and by_moon.seen_sun_rgb is not None:
                 seen = self._moon_share * by_moon.seen_sun_rgb
-        if self._glow_map is not None:
-            cube += glow_cube(self._glow_map, cube.shape[1], self._glow_ground)
-            ground = ground + self._glow_ground
-        return Background(cube, ground, 1.0, by_sun.ground_through_air, seen_sun_rgb=seen)
+        if self.glow is not None and self.share > 0.0:
+            glow = self._glow_cube(cube.shape[1])
+            cube += glow if self.share == 1.0 else glow * np.float32(self.share)
+            ground = ground + self.share * self._glow_ground
+        return Background(cube, ground, 1.0, first.ground_through_air, seen_sun_rgb=seen)
 
     def sun(self) -> SunDisc:
         """The key light."""
@@ -146,12 +159,14 @@ class SkyAtNight(Sky):
 
     def ambient(self) -> FloatArray:
         """The sum of the harmonics."""
-        harmonics = self._sun_left * self.by_sun.ambient()
+        harmonics = np.zeros((25, 3))
+        if self.sunlit:
+            harmonics = harmonics + self._sun_left * self.by_sun.ambient()
         if self.by_moon is not None:
             harmonics = harmonics + self._moon_share * self.by_moon.ambient()
-        if self._glow_map is not None:
-            cube = glow_cube(self._glow_map, _LIGHT_SIZE, self._glow_ground)
-            harmonics = harmonics + irradiance_coefficients(cube)
+        if self.glow is not None:
+            of_glow = irradiance_coefficients(self._glow_cube(_LIGHT_SIZE))
+            harmonics = harmonics + self.share * of_glow
         return harmonics
 
     def ground_albedo_rgb(self) -> FloatArray:
@@ -199,18 +214,21 @@ class SkyAtNight(Sky):
     @cached_property
     def _on_level_ground(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Irradiance (3,) of level ground by the sun's sky, by the moon's and by the glow."""
-        sky = evaluate_irradiance(np.asarray(self.by_sun.ambient()), _UP)
-        sun = np.maximum(self._sun_left * sky, 0.0)
-        moon, glow = np.zeros(3), np.zeros(3)
+        sun, moon, glow = np.zeros((3, 3))
+        if self.sunlit:
+            sky = evaluate_irradiance(np.asarray(self.by_sun.ambient()), _UP)
+            sun = np.maximum(self._sun_left * sky, 0.0)
         if self.by_moon is not None:
             sky = evaluate_irradiance(np.asarray(self.by_moon.ambient()), _UP)
             moon = np.maximum(self._moon_share * sky, 0.0)
-        if self._glow_map is not None:
-            glow = horizontal_irradiance(glow_cube(self._glow_map, _LIGHT_SIZE, np.zeros(3)))
+        if self.glow is not None:
+            lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
+            glow = self.share * lit
         return sun, moon, glow
 
 
 _NOBODY = Sky()
+_BLACK = (0.0, 0.0, 0.0)
 
 
 def _radiance(background: Background) -> Float32Array:

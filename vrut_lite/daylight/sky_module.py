@@ -41,7 +41,7 @@ from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Module, handles
 from vrut_lite.numeric_types import Vector
 
@@ -121,9 +121,12 @@ class SkyModule(Module):
     @handles(NightLightChanged)
     def light_changed(
         self,
-        _message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze | NightLightChanged,
+        message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze | NightLightChanged,
     ) -> None:
         """Post what is wanted and new."""
+        if isinstance(message, SunMoved) and self._night_will_follow():
+            self.ledger.skip("sky: the night of this hour follows")
+            return
         self._update()
 
     @handles(MoveCamera)
@@ -236,6 +239,14 @@ class SkyModule(Module):
             self._sky = sky
         return self._sky
 
+    def _night_will_follow(self) -> bool:
+        """Whether the night that is known is of another hour: a sum of both would be made twice."""
+        night, clock = self.link.last(NightLightChanged), self.link.last(ClockMoved)
+        if not self._has_night or night is None or clock is None:
+            return False
+        tells = night.moon is not None or night.glow_rgb is not None
+        return tells and night.instant != clock.instant
+
     def _present_night(self, sun: SunMoved) -> NightLightChanged | None:
         """What another module says of the night; None by day."""
         night = self.link.last(NightLightChanged) if self._has_night else None
@@ -266,6 +277,7 @@ class SkyModule(Module):
             glow=night.glow_rgb,
             share=share,
             key=key_body(hour.sun, moon),
+            sunlit=not sun_is_gone(hour.sun),
             sun_left_rgb=night.sun_left_rgb,
         )
 

@@ -58,7 +58,9 @@ def test_it_shows_the_moon_and_when_it_rises(panel):
         irradiance_rgb=(5e-4, 4e-4, 3e-4), of_sunlight_rgb=(3e-6, 2e-6, 2e-6),
         angular_radius_rad=0.0045, lit_fraction=0.95, waxes=True,
     )  # fmt: skip
-    panel._session.listener(NightLightChanged(moon=moon, glow_rgb=None, source="test"))
+    panel._session.listener(
+        NightLightChanged(instant=NEW_YEAR, moon=moon, glow_rgb=None, source="test")
+    )
     assert panel.phase.text() == "waxing gibbous, 95% lit"
     assert panel.place.text().startswith("36.9")
     assert "lx" in panel.light.text()
