@@ -19,6 +19,7 @@ PACKAGES = {
     "clouds": ROOT / "modules" / "clouds",
     "light_transport": ROOT / "modules" / "light_transport",
     "path_tracer": ROOT / "modules" / "path_tracer",
+    "night_sky": ROOT / "modules" / "night_sky",
     "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
     "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
     "vrut_lite_studies": ROOT / "studies" / "vrut_lite_studies",

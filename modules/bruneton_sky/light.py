@@ -6,6 +6,7 @@ from bruneton_sky.air_volume import air_is_seen, air_volume
 from bruneton_sky.air_volume.gpu import air_volume_job
 from bruneton_sky.background import (
     Surroundings,
+    albedo_rgb,
     ambient_coefficients,
     background_cube,
     ground_cube,
@@ -34,7 +35,7 @@ from vrut_lite.daylight.sky_of_hour import (
     Unseen,
 )
 from vrut_lite.kernel.ledger import Ledger
-from vrut_lite.numeric_types import Float32Array, Vector
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
 NAME = "bruneton_sky"
 
@@ -100,6 +101,10 @@ class BrunetonLight(Sky):
     def on_scene(self) -> "BrunetonLight":
         """The scene's light, which does not depend on the observer."""
         return replace(self, eye_height_m=0.0)
+
+    def ground_albedo_rgb(self) -> FloatArray:
+        """That of the atmosphere's ground, in sunlight's colours."""
+        return albedo_rgb(self.solved.atmosphere)
 
     def unseen(self, hour: Hour, quality: Quality) -> Unseen:
         """Steps measured for such an atmosphere (`unseen_moves`)."""

@@ -5,7 +5,7 @@ stays. A moved sun or eye needs no such job: the sky-view table is made on the s
 4-D table is ever made here, since one observer's altitude is shown.
 """
 
-from typing import ClassVar
+from typing import ClassVar, get_args
 
 import msgspec
 
@@ -15,6 +15,7 @@ from bruneton_sky.solver_job import solve_air
 from bruneton_sky.tolerance import Quality, quality_for
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour, Prepared, Work
+from vrut_lite.daylight.sun import Body
 from vrut_lite.kernel.module import Link, Manifest
 
 # Settings of where a sky is computed, which do not change the sky.
@@ -38,7 +39,8 @@ class BrunetonSky(SkyModule):
 
     def __init__(self, link: Link, settings: BrunetonSkySettings):
         super().__init__(link, settings)
-        self._memo = SurroundingsMemo(self.ledger)
+        # Sun and moon take turns.
+        self._memos = {body: SurroundingsMemo(self.ledger) for body in get_args(Body)}
 
     def quality(self, tolerance: float) -> Quality:
         """Rungs and sizes by the measured fronts."""
@@ -61,5 +63,5 @@ class BrunetonSky(SkyModule):
             visible_disc_fraction=hour.sun.visible_disc_fraction,
             eye_height_m=hour.eye_height_m,
             table=quality.table,
-            memo=self._memo,
+            memo=self._memos[hour.body],
         )

@@ -28,7 +28,7 @@ class Daylight:
     `sun_azimuth_rad` counts in world axes, from -Z, clockwise seen from above; `light_size` is the
     edge of the cube that light on ground and scene is made from. `turbidity` and `level` are the
     model's, `haze` is that of the air before the scene and of a sun behind it; without one it has
-    the model's turbidity.
+    the model's turbidity. Without `starlight` the night is dark.
     """
 
     turbidity: float
@@ -40,6 +40,7 @@ class Daylight:
     light_size: int = LIGHT_SIZE
     level: float = 1.0
     haze: SetHaze | None = None
+    starlight: bool = True
 
     @cached_property
     def air_haze(self) -> SetHaze:
@@ -51,8 +52,8 @@ class Daylight:
     @cached_property
     def sky(self) -> HourSky:
         """The sky above the horizon."""
-        model = self.turbidity, self.albedo, self.apparent_elevation_rad, self.level
-        return sky_of_hour(*model, self.air_haze.turbidity)
+        hour = self.turbidity, self.albedo, self.apparent_elevation_rad, self.level
+        return sky_of_hour(*hour, self.air_haze.turbidity, self.starlight)
 
     @cached_property
     def model(self) -> HosekWilkieSky | None:

@@ -63,6 +63,10 @@ class HosekWilkieLight(Sky):
         """Harmonics of a small cube of sky and ground."""
         return self.daylight.ambient()
 
+    def ground_albedo_rgb(self) -> FloatArray:
+        """The same in all colours."""
+        return np.full(3, self.daylight.albedo)
+
     def unseen(self, hour: Hour, quality: Quality) -> Unseen:
         """The sun's by the model's largest change; the eye's by the air's thinning."""
         return Unseen(

@@ -69,6 +69,7 @@ class DynamicSkyLight(SkyModule):
             sun_azimuth_rad=hour.sun_azimuth_rad,
             visible_disc_fraction=hour.sun.visible_disc_fraction,
             light_size=quality.light_size,
+            starlight=not hour.night_apart,
         )
         return HosekWilkieLight(daylight, hour.sun.direction)
 

@@ -116,12 +116,13 @@ def sky_of_hour(
     apparent_elevation_rad: float,
     level: float = 1.0,
     twilight_turbidity: float | None = None,
+    starlight: bool = True,
 ) -> HourSky:
     """The sky for a sun at any apparent elevation from -pi/2 to pi/2.
 
     `level` multiplies the model's sky; late twilight is the published one whatever that is.
     `twilight_turbidity` is the haze on Preetham's scale, on which twilight was solved; the model's
-    own number where there is none.
+    own number where there is none. Without `starlight` it is dark from -18 deg.
 
     Raises:
         ValueError: for a value out of range, in one sentence (see `HosekWilkieSky`).
@@ -134,17 +135,19 @@ def sky_of_hour(
     model = LevelledSky(turbidity, albedo, max(elevation, BLEND_APPARENT_RAD), level)
     if elevation >= BLEND_APPARENT_RAD:
         return HourSky(model.rgb_distribution, model.rgb_mean_radiance, elevation, 0.0)
-    return _twilight(model, elevation, twilight_turbidity or turbidity)
+    return _twilight(model, elevation, twilight_turbidity or turbidity, starlight)
 
 
-def _twilight(model: HosekWilkieSky, elevation_rad: float, turbidity: float) -> HourSky:
+def _twilight(
+    model: HosekWilkieSky, elevation_rad: float, turbidity: float, starlight: bool
+) -> HourSky:
     """The model's last sky and the computed twilight, scaled to the hour's illuminance."""
     geometric_deg = float(np.degrees(geometric_elevation(elevation_rad)))
     distribution, mean = model.rgb_distribution, model.rgb_mean_radiance
     at_blend = luminous_irradiance(model_on_map(distribution, mean, BLEND_APPARENT_RAD))
     level = _luminous_irradiance(at_blend, geometric_deg)
     # The night sky is added gradually, so that the sky is continuous with the model's day.
-    night = _NIGHT_RADIANCE * min(BLEND_DEG - geometric_deg, 1.0)
+    night = _NIGHT_RADIANCE * min(BLEND_DEG - geometric_deg, 1.0) if starlight else 0.0
     if level <= 0.0:
         return HourSky(distribution, 0.0 * mean, elevation_rad, night)
     fitted = twilight_table().directions(turbidity, float(np.degrees(elevation_rad)))

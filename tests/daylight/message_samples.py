@@ -23,6 +23,12 @@ from vrut_lite.daylight.light_map import (
     ProbeGrid,
     SurfaceLightChanged,
 )
+from vrut_lite.daylight.night import (
+    MoonDiscChanged,
+    MoonLight,
+    NightLightChanged,
+    StarsChanged,
+)
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.placement import PlacedFile, Placement
@@ -105,6 +111,7 @@ NESTED = (
     | GroundChart
     | ProbeGrid
     | Mirrors
+    | MoonLight
 )
 LAID = LightMapLaid(
     content_key="c", layout_key="l", size_px=(8, 6),
@@ -130,6 +137,14 @@ VIEW_LIGHT = ViewLightChanged(
     layout_key="l", camera=MoveCamera(eye_m=(0.0, 1.0, 2.0), target_m=(0.0, 1.0, 0.0)),
     size_px=(16, 9), edge_px=2, light=Array(np.ones((5, 8, 4), np.float16)),
     plane=Array(np.ones((5, 8, 4), np.float32)), radiance_scale=2.0, rays=64, source="s",
+)  # fmt: skip
+MOON = MoonLight(
+    place=SunMoved(
+        direction=UP, azimuth_rad=3.0, elevation_rad=1.5, apparent_elevation_rad=1.5,
+        visible_disc_fraction=1.0,
+    ),
+    irradiance_rgb=(5e-4, 4e-4, 3e-4), of_sunlight_rgb=(3e-6, 2e-6, 2e-6),
+    angular_radius_rad=0.0045, lit_fraction=0.5, waxes=True,
 )  # fmt: skip
 CUBE = Array(np.ones((6, 4, 4, 3), np.float16))
 WEATHER = SetWeather(
@@ -194,6 +209,18 @@ SOUND = [
     GpuJob(module="m", job="j", compute_shader="", uniforms={"a": 1}, output="2d", size=4),
     LAID,
     SURFACE_LIGHT,
+    NightLightChanged(
+        instant=NOON, moon=MOON, glow_rgb=Array(np.ones((4, 8, 3), np.float32)), source="s"
+    ),
+    StarsChanged(
+        direction=Array(np.array([UP], np.float32)),
+        irradiance_rgb=Array(np.ones((1, 3), np.float32)), source="s",
+    ),
+    MoonDiscChanged(
+        direction=UP, angular_radius_rad=0.0045, flattening=0.9, to_sun=UP,
+        axes=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), lit_rgb=(1.0, 1.0, 1.0),
+        dark_rgb=(0.0, 0.0, 0.0), albedo=Array(np.ones((4, 8), np.float32)), source="s",
+    ),
     StillAsked(camera=VIEW_LIGHT.camera, size_px=(16, 9)),
     VIEW_LIGHT,
     SkyLightChanged(
@@ -221,7 +248,7 @@ class Poster(Module):
     """Posts the message it is given."""
 
     manifest = Manifest(
-        name="poster", title="Poster", version="1", provides=("sun", "sky", "light_map")
+        name="poster", title="Poster", version="1", provides=("sun", "sky", "light_map", "night")
     )
     given = None
 

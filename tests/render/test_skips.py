@@ -172,9 +172,9 @@ def test_only_what_changed_is_uploaded(backend, boxes):
         _, done, skipped = counts(backend, draw)
         return done["upload"], skipped["upload: unchanged"]
 
-    # Scene and background; light map, its light, air, clouds and their light are none still.
-    assert uploads(lambda: look(backend, *view)) == (2, 5)
-    assert uploads(backend.draw) == (0, 7)
-    assert uploads(lambda: look(backend, (3.0, 3.0, 2.0), view[1])) == (0, 7)
+    # Scene and background; light map, its light, air, clouds and their light, stars and moon are none still.
+    assert uploads(lambda: look(backend, *view)) == (2, 7)
+    assert uploads(backend.draw) == (0, 9)
+    assert uploads(lambda: look(backend, (3.0, 3.0, 2.0), view[1])) == (0, 9)
     light(backend, 2.0 * gradient_sky(), **SUN)
-    assert uploads(backend.draw) == (1, 6)
+    assert uploads(backend.draw) == (1, 8)

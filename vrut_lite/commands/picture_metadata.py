@@ -43,6 +43,7 @@ def picture_metadata(project: Project, kernel: Kernel) -> dict[str, str | float]
         metadata["sunAzimuthDeg"] = math.degrees(sun.azimuth_rad)
     if light is not None:
         metadata["skyModel"] = light.source
+        metadata["keyLight"] = light.body
         metadata["sunDirection"] = vector_text(light.direction)
         metadata["sunIrradianceRgb"] = vector_text(light.irradiance_rgb)
         settings = kernel.check_module(light.source).settings

@@ -45,6 +45,12 @@ from vrut_lite.project import Project
     help="Draw the sun's disc, darkened to its limb and right to the watt.",
 )
 @click.option(
+    "--stars/--no-stars",
+    default=False,
+    show_default=True,
+    help="Draw stars, planets and the moon's disc, right to the watt.",
+)
+@click.option(
     "--rotate",
     "turned_deg",
     type=FiniteRange(-360.0, 360.0),
@@ -63,6 +69,7 @@ def sky(
     size: int,
     height_m: float,
     sun_disc: bool,
+    stars: bool,
     turned_deg: float,
     sidecar: bool,
     bits: str | None,
@@ -97,6 +104,7 @@ def sky(
         height_m=height_m,
         turned_deg=turned_deg,
         sun_disc=sun_disc,
+        stars=stars,
         bits=picture_bits(bits, suffix),
         sidecar=sidecar,
         bar=len(wanted) == 1,

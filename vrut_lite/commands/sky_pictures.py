@@ -18,6 +18,8 @@ from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.time_span import at_instant, other_side
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.daylight_kernel import FaultCollector, demand_light
+from vrut_lite.daylight.moon_disc import moon_samples
+from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.errors import ModuleFailed
@@ -25,9 +27,9 @@ from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.frames import enu_from_world, world_from_enu
 from vrut_lite.geometry.panorama import sample_sky, unfold_cube
 from vrut_lite.geometry.sky_map import CubeFaces, FisheyeMap, LatLongMap, SkyMap
-from vrut_lite.geometry.sun_disc import disc_radiance
+from vrut_lite.geometry.sun_disc import disc_radiance, points_radiance
 from vrut_lite.kernel.bus import Kernel
-from vrut_lite.kernel.messages import SetClock
+from vrut_lite.kernel.messages import Demand, SetClock
 from vrut_lite.pictures.display import Bits, display_picture
 from vrut_lite.pictures.image_files import (
     Metadata,
@@ -55,6 +57,7 @@ class SkyPlan:
         turned_deg: the azimuth in the map's middle, clockwise of true north; of a cube, of the
             scene's -Z axis.
         sun_disc: whether the disc is in the picture.
+        stars: whether stars, planets and the moon are.
         bits: of a PNG's channels.
         sidecar: whether a JSON file beside the picture repeats its metadata.
         bar: whether a large picture shows a progress bar.
@@ -66,6 +69,7 @@ class SkyPlan:
     height_m: float = 0.0
     turned_deg: float = 0.0
     sun_disc: bool = False
+    stars: bool = False
     bits: Bits = 8
     sidecar: bool = False
     bar: bool = False
@@ -111,6 +115,9 @@ class SkyPlan:
         for message in [*setting_inputs(self.project, kernel), place, eye]:
             kernel.inject(message)
         demand_light(kernel, "sky command", self.cube_size)
+        if self.stars:
+            for kind in (StarsChanged, MoonDiscChanged):
+                kernel.inject(Demand(consumer="sky command", message=kind.__name__))
         kernel.pump_until_idle()
         faults.raise_first()
         return SkyStudio(self, kernel, faults)
@@ -153,12 +160,29 @@ class SkyStudio:
         }
         seen_rgb = background.seen_sun_irradiance_rgb or sun.irradiance_rgb
         facts["sunIrradianceRgb"] = vector_text(seen_rgb)
-        if plan.sun_disc:
+        moon = self._kernel.last(MoonDiscChanged) if plan.stars else None
+        if plan.sun_disc and not (moon is not None and sun.body == "moon"):
             radiance = radiance + disc_radiance(
                 plan.sky_map, sun.direction, seen_rgb, sun.angular_radius_rad,
                 sun.limb_darkening_rgb,
             )  # fmt: skip
+        if plan.stars:
+            radiance = radiance + self._points()
         return SkyShot(radiance, facts, plan)
+
+    def _points(self) -> NDArray[np.float32]:
+        """Radiance of stars, planets and the moon; black where no module tells of them."""
+        sky_map = self._plan.sky_map
+        stars, night = self._kernel.last(StarsChanged), self._kernel.last(NightLightChanged)
+        moon = self._kernel.last(MoonDiscChanged)
+        nothing = np.zeros((0, 3))
+        found = [(nothing, nothing)]
+        if stars is not None:
+            found.append((stars.direction.values, stars.irradiance_rgb.values))
+        if moon is not None and night is not None and night.moon is not None:
+            found.append(moon_samples(moon))
+        directions, energy = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        return points_radiance(sky_map, directions, energy)
 
     def close(self) -> None:
         """End background jobs."""

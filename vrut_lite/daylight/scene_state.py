@@ -10,6 +10,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.camera import MoveCamera, frame_bounds
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.section import Section
@@ -60,6 +61,8 @@ class SceneState:
         sky_light: the sum of sky and layers; None without layers, where it is the clear sky's.
         sky_radiance: what lights the scene, of the clear sky; None where nobody asks, or where it
             is what is seen in the background.
+        stars: points of light in the sky; None where nobody tells of any.
+        moon_disc: the moon as it is seen; None where nobody tells of it.
         ground_albedo_rgb: of the ground disc, linear.
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
@@ -80,6 +83,8 @@ class SceneState:
     ambient: AmbientChanged | None = None
     sky_light: SkyLightChanged | None = None
     sky_radiance: SkyRadianceChanged | None = None
+    stars: StarsChanged | None = None
+    moon_disc: MoonDiscChanged | None = None
     ground_albedo_rgb: Vector = _UNLIT_GROUND_ALBEDO
     moved_camera: MoveCamera | None = None
     size_px: tuple[int, int] = (960, 540)

@@ -14,6 +14,7 @@ not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
 
 from typing import Any, ClassVar
 
+import msgspec
 import numpy as np
 
 from vrut_lite.array import Array
@@ -23,6 +24,8 @@ from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.haze import SetHaze, haze_of
+from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight, NightLightChanged
+from vrut_lite.daylight.night import SLOT as NIGHT
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
@@ -32,12 +35,13 @@ from vrut_lite.daylight.sky import (
     SkyRadianceChanged,
     SpectrumSeen,
 )
+from vrut_lite.daylight.sky_at_night import SkyAtNight, key_body, night_share, sun_is_gone
 from vrut_lite.daylight.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
 from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
 from vrut_lite.daylight.tolerance import SetTolerance, tolerance_of
 from vrut_lite.errors import UserError
-from vrut_lite.kernel.messages import Demand, Derived, JobResult, SlotChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand, Derived, JobResult, SlotChanged
 from vrut_lite.kernel.module import Link, Module, handles
 from vrut_lite.numeric_types import Vector
 
@@ -71,6 +75,9 @@ class SkyModule(Module):
         # The latest sky, and the hour that it shows.
         self._sky: Sky | None = None
         self._hour: Hour | None = None
+        # The moon that lights it, and its hour.
+        self._moon: tuple[MoonLight, Hour] | None = None
+        self._has_night = False
         # Height of the eye, and how far from it air is made.
         self._view = (0.0, 0.0)
         self._preparation = Preparation(link, self.ledger)
@@ -113,10 +120,15 @@ class SkyModule(Module):
     @handles(Demand)
     @handles(SetTolerance)
     @handles(SetHaze)
+    @handles(NightLightChanged)
     def light_changed(
-        self, _message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze
+        self,
+        message: SunMoved | SetPlace | Demand | SetTolerance | SetHaze | NightLightChanged,
     ) -> None:
         """Post what is wanted and new."""
+        if isinstance(message, SunMoved) and self._night_will_follow():
+            self.ledger.skip("sky: the night of this hour follows")
+            return
         self._update()
 
     @handles(MoveCamera)
@@ -129,7 +141,10 @@ class SkyModule(Module):
     @handles(SlotChanged)
     def slot_changed(self, message: SlotChanged) -> None:
         """Another sky may have been shown in between: post everything again."""
-        if message.name == "sky":
+        if message.name == NIGHT:
+            self._has_night = message.holder != ""
+            self._update()
+        elif message.name == "sky":
             self._posted.clear()
             self._update()
 
@@ -209,17 +224,64 @@ class SkyModule(Module):
         self._prepare(altitude_m, quality)
         if not self._preparation.ready:
             return None
-        hour = now = Hour(sun, altitude_m, self._view[0])
+        night = self._present_night(sun)
+        hour = now = Hour(sun, altitude_m, self._view[0], night_apart=night is not None)
         if self._sky is not None and self._hour is not None:
             hour = self._hour.unless_unseen(now, self._sky.unseen(self._hour, quality))
+            if night is not None and sun_is_gone(sun) and sun_is_gone(self._hour.sun):
+                hour = msgspec.structs.replace(hour, sun=self._hour.sun)
             if hour != now:
                 self.ledger.skip("sun or eye moved unseen")
         self._hour = hour
         sky = self.light(hour, quality, self._preparation.latest)
+        if night is not None:
+            sky = self._at_night(sky, night, hour, quality)
         # An equal earlier sky has its results cached.
         if self._sky is None or sky != self._sky:
             self._sky = sky
         return self._sky
+
+    def _night_will_follow(self) -> bool:
+        """Whether the night that is known is of another hour: a sum of both would be made twice."""
+        night, clock = self.link.last(NightLightChanged), self.link.last(ClockMoved)
+        if not self._has_night or night is None or clock is None:
+            return False
+        tells = night.moon is not None or night.glow_rgb is not None
+        return tells and night.instant != clock.instant
+
+    def _present_night(self, sun: SunMoved) -> NightLightChanged | None:
+        """What another module says of the night; None by day."""
+        night = self.link.last(NightLightChanged) if self._has_night else None
+        if night is None or (night.moon is None and night.glow_rgb is None):
+            return None
+        if night_share(sun) <= 0.0 and night.sun_left_rgb == NO_ECLIPSE:
+            self.ledger.skip("night: outshone by the sun")
+            return None
+        return night
+
+    def _at_night(self, by_sun: Sky, night: NightLightChanged, hour: Hour, quality: Any) -> Sky:
+        """The sky of the hour with the night's light in it."""
+        moon, by_moon, share = night.moon, None, night_share(hour.sun)
+        if moon is not None and share > 0.0:
+            of_moon = now = msgspec.structs.replace(hour, sun=moon.place, body="moon")
+            if self._moon is not None:
+                before, then = self._moon
+                unseen = self.light(then, quality, self._preparation.latest).unseen(then, quality)
+                of_moon = then.unless_unseen(now, unseen)
+                if of_moon.sun is then.sun:
+                    moon = before
+            self._moon = moon, of_moon
+            by_moon = self.light(of_moon, quality, self._preparation.latest)
+        return SkyAtNight(
+            by_sun=by_sun,
+            by_moon=by_moon,
+            moon=moon if share > 0.0 else None,
+            glow=night.glow_rgb,
+            share=share,
+            key=key_body(hour.sun, moon),
+            sunlit=not sun_is_gone(hour.sun),
+            sun_left_rgb=night.sun_left_rgb,
+        )
 
     def _demand(self, kind: type[Derived]) -> Demand | None:
         demand = self.link.wanted(kind)

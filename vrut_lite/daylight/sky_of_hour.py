@@ -17,10 +17,11 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.sky import BackgroundChanged, SkyRadianceChanged, ViewShader
-from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.sun import Body, KeyLightChanged, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
 from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
 
+_USUAL_ALBEDO = 0.1
 # Names of a sky's jobs for the GPU.
 CUBE_JOB, AIR_JOB = "cube", "air"
 
@@ -36,11 +37,16 @@ class Hour(msgspec.Struct, frozen=True):
     """The inputs of a sky's light besides its settings.
 
     `ground_altitude_m` is the place's above sea level, `eye_height_m` the eye's above that ground.
+    `body` is what stands where `sun` says: a sky lit by the moon is that of a sun in its place,
+    dimmed (`sky_at_night.py`). `night_apart`: another module tells the light of the moonless night,
+    so that the sky must not add its own.
     """
 
     sun: SunMoved
     ground_altitude_m: float = 0.0
     eye_height_m: float = 0.0
+    body: Body = "sun"
+    night_apart: bool = False
 
     @property
     def sun_azimuth_rad(self) -> float:
@@ -148,12 +154,13 @@ class Background(NamedTuple):
 class SunDisc(NamedTuple):
     """The sun's direct light on a plane that faces it, its disc as in `KeyLightChanged`.
 
-    `direction`: of a sun that does not stand where `SunMoved` says, as a photograph's.
+    `direction`: of what does not stand where `SunMoved` says: a photograph's sun, the moon.
     """
 
     irradiance_rgb: FloatArray
     angular_radius_rad: float = 0.004675
     limb_darkening_rgb: tuple[tuple[float, ...], ...] = ((1.0,),) * 3
+    body: Body = "sun"
     direction: Vector | None = None
 
     def message(self, direction: Vector, source: str) -> KeyLightChanged:
@@ -164,6 +171,7 @@ class SunDisc(NamedTuple):
             angular_radius_rad=self.angular_radius_rad,
             limb_darkening_rgb=self.limb_darkening_rgb,
             source=source,
+            body=self.body,
         )
 
 
@@ -195,6 +203,10 @@ class Sky:
     def ambient(self) -> FloatArray | Float32Array:
         """Harmonics (25, 3) of the irradiance on the scene by sky and ground."""
         raise NotImplementedError
+
+    def ground_albedo_rgb(self) -> FloatArray:
+        """Albedo (3,) of the ground, for light that the sky itself does not know."""
+        return np.full(3, _USUAL_ALBEDO)
 
     def on_scene(self) -> object:
         """The light on the scene as a value to compare; by default the whole sky."""

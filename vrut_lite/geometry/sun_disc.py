@@ -55,6 +55,17 @@ def disc_radiance(
     # From high above the ground the sun is seen below the level too.
     kept = share * up[:, None] if up.any() else share
     energy = kept / kept.sum(axis=0) * np.asarray(irradiance_rgb, dtype=float)
+    return points_radiance(sky_map, directions, energy)
+
+
+def points_radiance(
+    sky_map: SkyMap, directions: FloatArray, energy: FloatArray
+) -> NDArray[np.float32]:
+    """Radiance (..., 3) of points of light in a picture of this projection, W m^-2 sr^-1.
+
+    `energy` (N, 3): irradiance from each of the `directions` (N, 3) on a plane that faces it;
+    radiance times solid angle sums to it.
+    """
     pixel, portion = sky_map.spread(directions)
     solid_angle = sky_map.solid_angles()
     lit, place = np.unique(pixel, return_inverse=True)

@@ -12,12 +12,13 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
 MIDDLE_GREY = 0.18
 _SATURATION = 1.2
-# Starlight: below it the picture darkens as the scene does.
-_DARKEST_EV100 = -8.0
+# Starlit ground: below it the picture darkens as the scene does.
+_DARKEST_EV100 = -11.0
 # Below this the eye no longer adapts in full, and a picture that did would make dusk look
-# like noon: it keeps this fraction of each further stop as darkness (after Krawczyk 2005).
+# like noon: it keeps this fraction of each further stop as darkness (after Krawczyk 2005), and
+# little more than by a full moon under the stars alone, lest they be lost in black.
 _FULL_ADAPTATION_EV100 = 9.0
-_DARKNESS_KEPT = 0.3
+_DARKNESS_KEPT, _MOST_DARKNESS_EV = 0.3, 4.5
 _BRIGHTEST_SHARE = 0.002
 _ENOUGH_PIXELS = 2**17
 _BRIGHT_QUANTILE, _STOPS_BELOW_BRIGHT = 0.9, 4.0
@@ -65,7 +66,8 @@ def automatic_ev100(radiance_rgb: NDArray[np.floating]) -> float:
     kept = values[: max(1, int(values.size * (1.0 - _BRIGHTEST_SHARE)))]
     mean = 2.0 ** _mean_stops(np.log2(np.maximum(kept, darkest)))
     metered = float(np.log2(mean * LUMENS_PER_WATT / (_SATURATION * MIDDLE_GREY)))
-    return metered + _DARKNESS_KEPT * max(0.0, _FULL_ADAPTATION_EV100 - metered)
+    darkness = _DARKNESS_KEPT * max(0.0, _FULL_ADAPTATION_EV100 - metered)
+    return metered + min(darkness, _MOST_DARKNESS_EV)
 
 
 def _mean_stops(stops: NDArray[np.floating]) -> float:

@@ -13,6 +13,7 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.lamps import SceneLamps
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.scene_state import FrameSkips, SceneState, Shown
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.geometry.reflection import reflectance_table
@@ -32,6 +33,7 @@ from vrut_lite.render.moving_targets import MovingTargets
 from vrut_lite.render.passes.draw_order import in_order
 from vrut_lite.render.passes.edge_filter import EdgeFilter
 from vrut_lite.render.passes.mesh_renderer import MeshRenderer
+from vrut_lite.render.passes.night_pass import NightPass
 from vrut_lite.render.passes.reuse import Reuse
 from vrut_lite.render.passes.shadow_map import ShadowMaps
 from vrut_lite.render.passes.shadows_on_mesh import SHADOW_UNIT, shadow_from_eye
@@ -80,6 +82,7 @@ class Frame:
         context.enable_direct(_CUBE_MAP_SEAMLESS)
         self._meshes = MeshRenderer()
         self._sky = SkyPass(context)
+        self._night = NightPass(context, self.ledger)
         self._tone = TonePass(context)
         self._shadow = ShadowMaps(context, self.ledger)
         self._filter = SpecularFilter(context, self.ledger)
@@ -121,6 +124,14 @@ class Frame:
         """Draw these clouds from the next frame on; None where there are none."""
         self._clouds.show(layer)
 
+    def show_stars(self, stars: StarsChanged | None) -> None:
+        """Draw these stars from the next frame on."""
+        self._night.show_stars(stars)
+
+    def show_moon(self, moon: MoonDiscChanged | None) -> None:
+        """Draw this moon from the next frame on."""
+        self._night.show_moon(moon)
+
     def draw(
         self,
         scene: PyrenderScene,
@@ -141,10 +152,13 @@ class Frame:
         self._skips = state.skips
         self._filter.change_seen = reflection_change(state.tolerance)
         assert state.key_light is not None
+        # The moon has a face: it is drawn apart.
+        of_moon = state.key_light.body == "moon" and self._night.has_moon
         disc = SunDisc(
-            light.sun_irradiance,
+            (0.0, 0.0, 0.0) if of_moon else light.sun_irradiance,
             state.key_light.angular_radius_rad,
             state.key_light.limb_darkening_rgb,
+            state.moon_disc,
         )
         self._meshes.update(scene)
         self._meshes.section = state.section
@@ -207,9 +221,10 @@ class Frame:
         """Free everything, on the GL thread."""
         bind_permanent_framebuffer(self._context)
         self._meshes.delete()
-        for thing in (self._sky, self._tone, self._shadow, self._filter, self._reflectance,
-                      self._air, self._surface_light, self._lamps, self._clouds, self._backdrop,
-                      self._targets, self._moving, self._reuse, self._edges):  # fmt: skip
+        for thing in (self._sky, self._night, self._tone, self._shadow, self._filter, self._air,
+                      self._reflectance, self._surface_light, self._lamps, self._clouds,
+                      self._backdrop, self._targets, self._moving, self._reuse,
+                      self._edges):  # fmt: skip
             thing.release()
 
     def _draw_seen(
@@ -274,6 +289,8 @@ class Frame:
             draw_meshes(solid)
         if self._skips.sky:
             self._draw_sky(targets, view, light, disc, air)
+        with self.measure("night"):
+            self._night.draw(targets.size, view)
         with self.measure("clouds"):
             self._clouds.draw(scene, targets, view, air, still)
         if any(needs_backdrop(placed.primitive.material) for placed in blended):

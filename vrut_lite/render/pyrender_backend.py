@@ -14,6 +14,7 @@ from vrut_lite.daylight.camera import MoveCamera, look_at, perspective, pixel_ra
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.gpu_texture import GpuTexture
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.scene_state import SceneState
 from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged
@@ -52,6 +53,8 @@ class PyrenderBackend:
             "clouds": self._upload_clouds,
             "sky_light": self._upload_sky_light,
             "background": self._upload_background,
+            "stars": self._upload_stars,
+            "moon_disc": self._upload_moon,
         }
         # The uploaded parts: a texture on the GPU is valid while its message is kept.
         self._uploaded: dict[str, Any] = dict.fromkeys(self._uploads)
@@ -181,6 +184,12 @@ class PyrenderBackend:
 
     def _upload_clouds(self, context: Any, layer: CloudLayer | None) -> None:
         self._frame.show_clouds(layer)
+
+    def _upload_stars(self, context: Any, stars: StarsChanged | None) -> None:
+        self._frame.show_stars(stars)
+
+    def _upload_moon(self, context: Any, moon: MoonDiscChanged | None) -> None:
+        self._frame.show_moon(moon)
 
     def _upload_background(self, context: Any, background: BackgroundChanged) -> None:
         """Upload the cube map, or use the texture that is on the GPU already."""

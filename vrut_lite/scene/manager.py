@@ -10,6 +10,8 @@ from vrut_lite.daylight.air import AirChanged
 from vrut_lite.daylight.camera import MoveCamera
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.night import SLOT as NIGHT
+from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
 from vrut_lite.daylight.picture import Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import second_of_day
@@ -112,6 +114,8 @@ class SceneManager(Module):
         for kind in (*LIGHT, SkyLightChanged):
             self.link.demand(kind, cube_size)
         self.link.demand(SkyLightChanged, cube_size)
+        self.link.demand(StarsChanged)
+        self.link.demand(MoonDiscChanged)
 
     @property
     def state(self) -> SceneState:
@@ -254,6 +258,22 @@ class SceneManager(Module):
         """Light and reflect with the sum of sky and layers, where there are layers."""
         self._change(sky_light=message if message.layers else None)
 
+    @handles(NightLightChanged)
+    def on_night(self, message: NightLightChanged) -> None:
+        """A moon that lights nothing is not seen."""
+        if message.moon is None and self.state.moon_disc is not None:
+            self._change(moon_disc=None)
+
+    @handles(StarsChanged)
+    def on_stars(self, message: StarsChanged) -> None:
+        """Draw these points of light."""
+        self._change(stars=message)
+
+    @handles(MoonDiscChanged)
+    def on_moon_disc(self, message: MoonDiscChanged) -> None:
+        """Draw this moon."""
+        self._change(moon_disc=message)
+
     @handles(AirChanged)
     def on_air(self, message: AirChanged) -> None:
         """Show the scene through this air."""
@@ -308,6 +328,8 @@ class SceneManager(Module):
         """Drop the air of a sky that no longer holds its slot, and light that nobody updates."""
         if message.name == AirChanged.slot and self.link.last(AirChanged) is None:
             self._change(air=None)
+        elif message.name == NIGHT and message.holder == "":
+            self._change(stars=None, moon_disc=None)
         elif message.name == LightMapLaid.slot:
             self._has_light_map = message.holder != ""
             self._take_surface_light()

@@ -87,7 +87,8 @@ class SunPanel(QWidget):
         from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 
         lux = float(luminance(light.key_light.irradiance_rgb)) * LUMENS_PER_WATT
-        self.sunlight.setText(lux_text(lux) if lux > 0.0 else _NO_SUN)
+        moon = "moon, " if light.key_light.body == "moon" else ""
+        self.sunlight.setText(moon + lux_text(lux) if lux > 0.0 else _NO_SUN)
         up = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
         self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
+from vrut_lite.daylight.night import NO_ECLIPSE, MoonDiscChanged
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.render.light import Light
 from vrut_lite.render.passes.background_view import BackgroundView
@@ -12,6 +13,9 @@ from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.sky_tiles import SkyTiles, whole
 from vrut_lite.render.passes.view import View
 from vrut_lite.render.shader_files import Defines
+
+# Less of the sun than can be told from none.
+_LEAST_LEFT = 1e-6
 
 
 class SunDisc:
@@ -22,7 +26,14 @@ class SunDisc:
         irradiance: tuple[float, float, float],
         angular_radius_rad: float,
         limb_darkening_rgb: tuple[tuple[float, ...], ...],
+        hidden_by: MoonDiscChanged | None = None,
     ):
+        # An eclipse hides a part of the disc and dims nothing of the rest.
+        self.hidden_by = None
+        if hidden_by is not None and hidden_by.sun_left_rgb != NO_ECLIPSE:
+            self.hidden_by = hidden_by
+            left = np.maximum(hidden_by.sun_left_rgb, _LEAST_LEFT)
+            irradiance = tuple((np.asarray(irradiance) / left).tolist())
         # 2 sin^2(r / 2) is 1 - cos(r) without its cancellation.
         solid_angle = 4 * np.pi * np.sin(0.5 * angular_radius_rad) ** 2
         self.solid_angle = float(solid_angle)
@@ -110,6 +121,9 @@ class SkyPass:
         screen.set("sun_disc_radiance", disc.mean_radiance)
         screen.set("sun_solid_angle", disc.solid_angle)
         screen.set("sun_angular_radius", disc.angular_radius_rad)
+        hiding = disc.hidden_by
+        screen.set("hiding_moon", (0.0, -1.0, 0.0) if hiding is None else hiding.direction)
+        screen.set("hiding_radius", 0.0 if hiding is None else hiding.angular_radius_rad)
         screen.program["limb_darkening"].value = [tuple(row) for row in disc.limb_darkening.T]
         if seen is None:
             light.sky.texture.use(location=0)

@@ -6,6 +6,8 @@ uniform float sky_scale;
 uniform vec3 sun_direction;
 uniform vec3 sun_disc_radiance;      // mean over the disc
 uniform float sun_angular_radius;
+uniform vec3 hiding_moon;            // in an eclipse
+uniform float hiding_radius;         // 0: none
 uniform vec3 limb_darkening[6];      // polynomial in cos psi, constant first, mean 1
 
 in vec3 ray;
@@ -36,6 +38,10 @@ vec3 sun_disc(vec3 d, vec3 mean_radiance) {
     float c = sqrt(max(0.0, 1.0 - ratio * ratio));
     vec3 darkening = limb_darkening[5];
     for (int k = 4; k >= 0; --k) darkening = darkening * c + limb_darkening[k];
+    if (hiding_radius > 0.0 && dot(d, hiding_moon) > 0.0) {
+        float beside = asin(min(1.0, length(cross(d, hiding_moon)))) - hiding_radius;
+        covered *= clamp(beside / edge + 0.5, 0.0, 1.0);
+    }
     return mean_radiance * max(darkening, 0.0) * covered;
 }
 

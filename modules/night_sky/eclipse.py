@@ -1,0 +1,43 @@
+"""How much sunlight the moon leaves: what of the limb-darkened disc it does not hide.
+
+Neckel and Labs (1994, Solar Physics 153, 91): intensity over that of the disc's middle, by powers
+of the cosine mu, at three wavelengths near those of linear sRGB.
+"""
+
+import astronomy
+import numpy as np
+
+from night_sky.moon import RADIUS_KM
+from night_sky.sky_axes import Watch, body_km
+from vrut_lite.numeric_types import FloatArray
+
+SUN_RADIUS_KM = 696_000.0
+# At 611, 550 and 468 nm: 1 - u (1 - mu) - v (1 - mu)^2, fitted to their polynomials.
+_DARKENING = np.array([[0.48, 0.13], [0.57, 0.13], [0.66, 0.13]])
+# Samples of the disc: rings of equal area, spokes.
+_RINGS, _SPOKES = 200, 720
+
+
+def sun_left(at: Watch) -> FloatArray:
+    """Share (3,) of the sun's light that reaches a place past the moon: 1 outside eclipses."""
+    sun, moon = body_km(astronomy.Body.Sun, at), body_km(astronomy.Body.Moon, at)
+    sun_km, moon_km = float(np.linalg.norm(sun)), float(np.linalg.norm(moon))
+    # Of small angles, which the arc cosine would lose.
+    apart = float(np.linalg.norm(np.cross(sun / sun_km, moon / moon_km)))
+    if sun @ moon < 0.0:
+        return np.ones(3)
+    ratio = RADIUS_KM / moon_km / (SUN_RADIUS_KM / sun_km)
+    return left_of_disc(apart / (SUN_RADIUS_KM / sun_km), ratio)
+
+
+def left_of_disc(separation: float, moon_radius: float) -> FloatArray:
+    """Share (3,) of a disc's light beside another; both lengths in radii of the disc."""
+    if separation >= 1.0 + moon_radius:
+        return np.ones(3)
+    ring = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)[:, None]
+    turn = (np.arange(_SPOKES) + 0.5) * (2.0 * np.pi / _SPOKES)
+    x, y = ring * np.cos(turn) - separation, ring * np.sin(turn)
+    beside = (np.hypot(x, y) > moon_radius).mean(axis=1)
+    edge = 1.0 - np.sqrt(1.0 - ring[:, 0] ** 2)
+    intensity = 1.0 - _DARKENING[:, :1] * edge - _DARKENING[:, 1:] * edge**2
+    return np.asarray((intensity * beside).sum(axis=1) / intensity.sum(axis=1))

@@ -1,0 +1,108 @@
+"""The panel of the moon: its phase and place, when it rises and sets, and jumps to its events.
+
+The window imports it by the entry point `vrut_lite.panels`; nothing else here imports Qt.
+"""
+
+from collections.abc import Callable
+from datetime import datetime
+from math import degrees
+
+from PySide6.QtWidgets import QLabel, QPushButton, QWidget
+
+from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
+from night_sky.sky_axes import Watch, watch
+from vrut_lite.app.engine.session import Session
+from vrut_lite.app.widgets import aligned_form
+from vrut_lite.daylight.night import NightLightChanged
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.place_time import Place, local_text
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.kernel.messages import ClockMoved, SetClock
+
+_UNKNOWN = "\N{EM DASH}"
+_BELOW = "below the horizon"
+# Lit shares that have a name.
+_NEW, _FULL, _HALF = 0.02, 0.98, (0.47, 0.53)
+
+
+class MoonPanel(QWidget):
+    """Looks rise and set up when it is seen and the day or the place has changed."""
+
+    title = "Moon"
+
+    def __init__(self, session: Session):
+        super().__init__()
+        self._session = session
+        self._looked_up: tuple[object, ...] = ()
+        self.phase, self.place, self.light = QLabel(), QLabel(), QLabel()
+        self.rise, self.set = QLabel(_UNKNOWN), QLabel(_UNKNOWN)
+        self.full = QPushButton("Next full moon")
+        self.eclipse = QPushButton("Next solar eclipse here")
+        form = aligned_form(self)
+        form.setContentsMargins(10, 10, 10, 10)
+        for name, field in (
+            ("Phase", self.phase),
+            ("Place", self.place),
+            ("Above the air", self.light),
+            ("Next rise", self.rise),
+            ("Next set", self.set),
+        ):
+            form.addRow(name, field)
+        form.addRow(self.full)
+        form.addRow(self.eclipse)
+        self.full.clicked.connect(lambda _: self._jump(next_full_moon))
+        self.eclipse.clicked.connect(lambda _: self._jump(lambda at: next_solar_eclipse(at).at))
+        session.listen(NightLightChanged, self._show)
+
+    def _show(self, message: NightLightChanged) -> None:
+        moon = message.moon
+        if moon is None:
+            self.phase.setText(_UNKNOWN)
+            self.place.setText(_BELOW)
+            self.light.setText(_UNKNOWN)
+        else:
+            self.phase.setText(phase_text(moon.lit_fraction, moon.waxes))
+            height, azimuth = degrees(moon.place.apparent_elevation_rad), moon.place.azimuth_rad
+            self.place.setText(
+                f"{height:.1f}\N{DEGREE SIGN} high, azimuth {degrees(azimuth):.1f}\N{DEGREE SIGN}"
+            )
+            lux = float(luminance(moon.irradiance_rgb)) * LUMENS_PER_WATT
+            self.light.setText(f"{lux:.3g} lx, facing it")
+        self._look_up()
+
+    def _look_up(self) -> None:
+        clock, place = self._session.last(ClockMoved), self._session.last(SetPlace)
+        if clock is None or place is None or not self.isVisible():
+            return
+        of = clock.instant.replace(minute=0, second=0, microsecond=0), place
+        if of == self._looked_up:
+            return
+        self._looked_up = of
+        for label, instant in zip(
+            (self.rise, self.set), next_rise_and_set(_watch(clock.instant, place)), strict=True
+        ):
+            where = Place(place.latitude_deg, place.longitude_deg)
+            label.setText(_UNKNOWN if instant is None else local_text(instant, where))
+
+    def _jump(self, event: Callable[[Watch], datetime]) -> None:
+        clock, place = self._session.last(ClockMoved), self._session.last(SetPlace)
+        if clock is not None and place is not None:
+            self._session.send(SetClock(instant=event(_watch(clock.instant, place))))
+
+
+def phase_text(lit_fraction: float, waxes: bool) -> str:
+    """The phase's name and the lit share."""
+    way = "waxing" if waxes else "waning"
+    if lit_fraction < _NEW:
+        name = "new moon"
+    elif lit_fraction > _FULL:
+        name = "full moon"
+    elif _HALF[0] < lit_fraction < _HALF[1]:
+        name = "first quarter" if waxes else "last quarter"
+    else:
+        name = f"{way} {'crescent' if lit_fraction < _HALF[0] else 'gibbous'}"
+    return f"{name}, {lit_fraction:.0%} lit"
+
+
+def _watch(instant: datetime, place: SetPlace) -> Watch:
+    return watch(instant, place.latitude_deg, place.longitude_deg, place.altitude_m)

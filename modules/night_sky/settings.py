@@ -1,0 +1,42 @@
+"""The settings of the night."""
+
+from typing import Annotated, ClassVar
+
+import msgspec
+
+from vrut_lite.kernel.settings import setting
+
+
+class NightSkySettings(msgspec.Struct, frozen=True):
+    """What is in the sky when the sun is down."""
+
+    presets: ClassVar[dict[str, dict[str, object]]] = {
+        "Natural": {"zenith_magnitude": 22.0},
+        "Village": {"zenith_magnitude": 21.0},
+        "Suburb": {"zenith_magnitude": 19.5},
+        "Inner city": {"zenith_magnitude": 17.5},
+    }
+    night: Annotated[
+        bool, setting("Moon, stars and the sky's own glow; without them the night is one grey")
+    ] = True
+    stars: Annotated[bool, setting("Draw stars and planets, as points of light")] = True
+    zenith_magnitude: Annotated[
+        float,
+        setting(
+            "Darkness of the zenith under the glow of lamps, in magnitudes per square second of "
+            "arc: 22 natural, 19 to 20 suburb, 17 to 18 city",
+            16.0,
+            22.0,
+        ),
+    ] = 22.0
+    solar_flux_sfu: Annotated[
+        float,
+        setting(
+            "The sun's radio flux at 10.7 cm, by which the air glows: 70 in quiet years, 200 in "
+            "active ones",
+            60.0,
+            300.0,
+            unit="sfu",
+            source="Noll et al. 2012",
+        ),
+    ] = 130.0

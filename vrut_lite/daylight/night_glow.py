@@ -1,0 +1,62 @@
+"""The map of the night's glow (see `NightLightChanged`) as a cube map."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.array import Array
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.numeric_types import FloatArray, Vector
+
+
+class _LookUp(NamedTuple):
+    """For the upper texels (m,) of a cube: indices of four nodes (4, m) and their weights."""
+
+    upper: NDArray[np.bool_]
+    nodes: NDArray[np.intp]
+    weights: NDArray[np.float32]
+
+
+def map_directions(rows: int, columns: int) -> FloatArray:
+    """Directions (rows, columns, 3) of the map's nodes, world axes."""
+    elevation = (np.arange(rows)[:, None] + 0.5) * (0.5 * np.pi / rows)
+    azimuth = (np.arange(columns) + 0.5) * (2.0 * np.pi / columns)
+    level, turn = np.cos(elevation), np.broadcast_to(azimuth, (rows, columns))
+    up = np.broadcast_to(np.sin(elevation), turn.shape)
+    return np.stack([level * np.sin(turn), up, -level * np.cos(turn)], axis=-1)
+
+
+@lru_cache(maxsize=4)
+def glow_cube(glow: Array, size: int, ground_rgb: Vector) -> NDArray[np.float32]:
+    """Radiance (6, size, size, 3), read-only: the map above the horizon, the ground's below it.
+
+    A map serves for minutes: the cubes of the last ones are kept.
+    """
+    values = glow.values
+    found = _look_up(size, *values.shape[:2])
+    cube = np.empty((6, size, size, 3), np.float32)
+    cube[...] = ground_rgb
+    flat = values.reshape(-1, 3)
+    light = flat[found.nodes[0]] * found.weights[0][:, None]
+    for node, weight in zip(found.nodes[1:], found.weights[1:], strict=True):
+        light += flat[node] * weight[:, None]
+    cube[found.upper] = light
+    cube.flags.writeable = False
+    return cube
+
+
+@lru_cache(maxsize=4)
+def _look_up(size: int, rows: int, columns: int) -> _LookUp:
+    direction = texel_directions(size)
+    upper = direction[..., 1] > 0.0
+    x, y, z = direction[upper].T
+    row = np.clip(np.arcsin(np.minimum(y, 1.0)) * (2.0 * rows / np.pi) - 0.5, 0.0, rows - 1.0)
+    column = np.mod(np.arctan2(x, -z) / (2.0 * np.pi), 1.0) * columns - 0.5
+    r, c = np.minimum(row.astype(int), rows - 2), np.floor(column).astype(int)
+    v, u = row - r, column - c
+    near, far = c % columns, (c + 1) % columns
+    nodes = np.stack([r * columns + near, r * columns + far])
+    weights = np.stack([(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u])
+    return _LookUp(upper, np.concatenate([nodes, nodes + columns]), weights.astype(np.float32))

@@ -1,0 +1,237 @@
+"""The sum of one hour's light: by the sun, by the moon, and of the sky that glows by itself.
+
+Scattering is linear in its source: the sky that the moon lights is that of a sun in the moon's
+place, times moonlight over sunlight. So every sky module has moonlit nights, by its own model.
+The factor is one number a channel; the moon's colour differs smoothly from the sun's.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from vrut_lite.array import Array
+from vrut_lite.daylight.air import AirVolume
+from vrut_lite.daylight.air_volume import light_of
+from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight
+from vrut_lite.daylight.night_glow import glow_cube
+from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
+from vrut_lite.daylight.sun import Body, SunMoved
+from vrut_lite.geometry.encoding import encode_float16
+from vrut_lite.geometry.spherical_harmonics import (
+    evaluate_irradiance,
+    horizontal_irradiance,
+    irradiance_coefficients,
+)
+from vrut_lite.numeric_types import Float32Array, FloatArray, Vector
+
+_UP = np.array([0.0, 1.0, 0.0])
+# Edge of the cube that the glow's light on the scene is integrated from.
+_LIGHT_SIZE = 32
+# Of evenly lit air, the light that it sends on over that which falls on it from all sides, where
+# the ground is dark.
+_AIR_GLOWS = 0.5
+# From this elevation of the sun down the night is added, fully a degree lower: it is 3e-4 of the
+# light then. The last of the sun's light is told from the night's above the lower elevation.
+_NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG = 0.5, 1.0, -19.0
+# Dandekar and Turtle (1971): the zenith in totality over that of day.
+_LEFT_IN_TOTALITY = 1e-4
+# Below this irradiance (W m^-2) a body lights no air.
+_DARKEST_IRRADIANCE = 1e-12
+
+
+def night_share(sun: SunMoved) -> float:
+    """The share of the night's light that is added: 0 by day, where the sun outshines it."""
+    degrees = math.degrees(sun.elevation_rad)
+    return min(max((_NIGHT_FROM_DEG - degrees) / _FADES_IN_DEG, 0.0), 1.0)
+
+
+def sun_is_gone(sun: SunMoved) -> bool:
+    """Whether the sun is so low that none of its light is left."""
+    return math.degrees(sun.elevation_rad) < _SUN_GONE_DEG
+
+
+def key_body(sun: SunMoved, moon: MoonLight | None) -> Body:
+    """The body that casts shadows: the sun while any of its disc is up, else the moon."""
+    if sun.visible_disc_fraction > 0.0 or moon is None or moon.place.visible_disc_fraction == 0.0:
+        return "sun"
+    return "moon"
+
+
+@dataclass(frozen=True)
+class SkyAtNight(Sky):
+    """Light of a sun that is low or set, and of the night.
+
+    Attributes:
+        by_sun: the sky of the sun alone; it also knows the ground and the air.
+        by_moon: that of a sun in the moon's place; None where it gives no light.
+        moon: where there is `by_moon`.
+        glow: the map of `NightLightChanged`; None where it is not known.
+        share: of the night's light, from 0 by day to 1.
+        key: the body that casts shadows.
+        sunlit: whether any of the sun's light is left.
+        sun_left_rgb: of the sun's light, below 1 in its eclipses.
+    """
+
+    by_sun: Sky
+    by_moon: Sky | None
+    moon: MoonLight | None
+    glow: Array | None
+    share: float
+    key: Body
+    sunlit: bool = True
+    sun_left_rgb: Vector = NO_ECLIPSE
+
+    @cached_property
+    def _sun_left(self) -> FloatArray:
+        """Share (3,) of the sky's light: in totality air beyond the shadow lights it."""
+        return np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
+
+    @cached_property
+    def _moon_share(self) -> FloatArray:
+        assert self.moon is not None
+        return self.share * np.asarray(self.moon.of_sunlight_rgb)
+
+    @cached_property
+    def _glow_ground(self) -> FloatArray:
+        """Radiance (3,) of the ground by all of the glow."""
+        if self.glow is None:
+            return np.zeros(3)
+        lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
+        return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * lit)
+
+    def _glow_cube(self, size: int) -> NDArray[np.float32]:
+        """All of the glow over lit ground."""
+        assert self.glow is not None
+        red, green, blue = self._glow_ground.tolist()
+        return glow_cube(self.glow, size, (red, green, blue))
+
+    # --- the sky ---------------------------------------------------------------------------
+
+    def background(self, size: int) -> Background:
+        """The sum of the cubes."""
+        return self._sum(lambda sky: sky.background(size))
+
+    def background_on_ground(self, size: int) -> Background:
+        """The same for an observer on the ground."""
+        return self._sum(lambda sky: sky.background_on_ground(size))
+
+    def _sum(self, background_of: Callable[[Sky], Background]) -> Background:
+        # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
+        base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
+        first = background_of(base)
+        cube, ground, seen = (
+            _radiance(first),
+            np.asarray(first.ground_rgb, float),
+            first.seen_sun_rgb,
+        )
+        share = self._moon_share if base is self.by_moon else self._sun_left
+        if (share != 1.0).any():
+            cube *= share.astype(np.float32)
+            ground = share * ground
+            seen = None if seen is None else share * seen
+        if self.by_moon is not None and base is not self.by_moon:
+            by_moon = background_of(self.by_moon)
+            cube += _radiance(by_moon) * self._moon_share.astype(np.float32)
+            ground = ground + self._moon_share * by_moon.ground_rgb
+            if self.key == "moon" and by_moon.seen_sun_rgb is not None:
+                seen = self._moon_share * by_moon.seen_sun_rgb
+        if self.glow is not None and self.share > 0.0:
+            glow = self._glow_cube(cube.shape[1])
+            cube += glow if self.share == 1.0 else glow * np.float32(self.share)
+            ground = ground + self.share * self._glow_ground
+        return Background(cube, ground, 1.0, first.ground_through_air, seen_sun_rgb=seen)
+
+    def sun(self) -> SunDisc:
+        """The key light."""
+        if self.key == "sun" or self.by_moon is None or self.moon is None:
+            sun = self.by_sun.sun()
+            return sun._replace(irradiance_rgb=sun.irradiance_rgb * np.array(self.sun_left_rgb))
+        behind_air = self._moon_share * self.by_moon.sun().irradiance_rgb
+        direction = self.moon.place.direction
+        radius = self.moon.angular_radius_rad
+        return SunDisc(behind_air, radius, body="moon", direction=direction)
+
+    def ambient(self) -> FloatArray:
+        """The sum of the harmonics."""
+        harmonics = np.zeros((25, 3))
+        if self.sunlit:
+            harmonics = harmonics + self._sun_left * self.by_sun.ambient()
+        if self.by_moon is not None:
+            harmonics = harmonics + self._moon_share * self.by_moon.ambient()
+        if self.glow is not None:
+            of_glow = irradiance_coefficients(self._glow_cube(_LIGHT_SIZE))
+            harmonics = harmonics + self.share * of_glow
+        return harmonics
+
+    def ground_albedo_rgb(self) -> FloatArray:
+        """The same ground by night."""
+        return self.by_sun.ground_albedo_rgb()
+
+    def on_scene(self) -> object:
+        """Light that no eye changes."""
+        return (
+            self.by_sun.on_scene(),
+            None if self.by_moon is None else self.by_moon.on_scene(),
+            replace(self, by_sun=_NOBODY, by_moon=None),
+        )
+
+    def unseen(self, hour: Hour, quality: object) -> Unseen:
+        """The sun's own; the moon's are counted apart."""
+        return self.by_sun.unseen(hour, quality)
+
+    def spectrum(self, direction: tuple[float, float, float]) -> Spectrum:
+        """Of the sun's light alone."""
+        return self.by_sun.spectrum(direction)
+
+    # --- the air ---------------------------------------------------------------------------
+
+    def air(self, eye_height_m: float, reach_m: float) -> AirVolume | None:
+        """The air in the key light, as bright as both bodies make it, and the glow in it.
+
+        A volume has one source: where both bodies light the air, the other's light comes from the
+        key light's side too.
+        """
+        by_moon = self.key == "moon" and self.by_moon is not None
+        lit_by = self.by_moon if by_moon and self.by_moon is not None else self.by_sun
+        volume = lit_by.air(eye_height_m, reach_m)
+        if volume is None or isinstance(volume.light, GpuTexture):
+            return volume
+        sun, moon, glow = self._on_level_ground
+        alone = moon / self._moon_share if by_moon else sun / self._sun_left
+        lit = alone > _DARKEST_IRRADIANCE
+        factor = np.where(lit, (sun + moon) / np.where(lit, alone, 1.0), 0.0)
+        light = light_of(volume).astype(np.float64) * (volume.radiance_scale * factor)
+        light[0] += _AIR_GLOWS / np.pi * glow
+        values, scale = encode_float16(light)
+        return msgspec.structs.replace(volume, light=Array(values), radiance_scale=scale)
+
+    @cached_property
+    def _on_level_ground(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Irradiance (3,) of level ground by the sun's sky, by the moon's and by the glow."""
+        sun, moon, glow = np.zeros((3, 3))
+        if self.sunlit:
+            sky = evaluate_irradiance(np.asarray(self.by_sun.ambient()), _UP)
+            sun = np.maximum(self._sun_left * sky, 0.0)
+        if self.by_moon is not None:
+            sky = evaluate_irradiance(np.asarray(self.by_moon.ambient()), _UP)
+            moon = np.maximum(self._moon_share * sky, 0.0)
+        if self.glow is not None:
+            lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
+            glow = self.share * lit
+        return sun, moon, glow
+
+
+_NOBODY = Sky()
+_BLACK = (0.0, 0.0, 0.0)
+
+
+def _radiance(background: Background) -> Float32Array:
+    """The cube in float32, one's own to change."""
+    assert not isinstance(background.cube, GpuTexture)
+    return background.cube.astype(np.float32) * np.float32(background.scale)

@@ -1,0 +1,166 @@
+"""Stars and the moon's disc, added to the sky that no surface covers.
+
+Stars are points: each gives its light to the pixels around it, computed once a pixel however many
+samples it has, so that sum of radiance times solid angle is its irradiance.
+"""
+
+from typing import Any
+
+import numpy as np
+from OpenGL import GL
+
+from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
+from vrut_lite.kernel.ledger import Ledger
+from vrut_lite.render.passes.full_screen import FullScreen
+from vrut_lite.render.passes.view import View
+from vrut_lite.render.shader_files import shader_source
+
+# Around the disc, for the pixels that it touches.
+_MARGIN_PX = 3.0
+# Of the disc, at least.
+_SAMPLES_ACROSS = 24
+
+
+class NightPass:
+    """Made and used on the GL thread; draws with reversed depth into the bound framebuffer."""
+
+    def __init__(self, context: Any, ledger: Ledger):
+        self._context, self._ledger = context, ledger
+        self._program: Any = None
+        self._points: Any = None
+        self._buffer: Any = None
+        self._count = 0
+        self._moon: MoonDiscChanged | None = None
+        self._screen: FullScreen | None = None
+        self._albedo: Any = None
+
+    def show_stars(self, stars: StarsChanged | None) -> None:
+        """Draw these stars from the next frame on."""
+        self._release_points()
+        if stars is None or stars.direction.shape[0] == 0:
+            return
+        if self._program is None:
+            self._program = self._context.program(
+                vertex_shader=shader_source("star.vert"), fragment_shader=shader_source("star.frag")
+            )
+        points = np.concatenate([stars.direction.values, stars.irradiance_rgb.values], axis=1)
+        self._buffer = self._context.buffer(np.ascontiguousarray(points, np.float32).tobytes())
+        layout = (self._buffer, "3f 3f", "direction", "irradiance")
+        self._points = self._context.vertex_array(self._program, [layout])
+        self._count = len(points)
+
+    def show_moon(self, moon: MoonDiscChanged | None) -> None:
+        """Draw this disc from the next frame on."""
+        before, self._moon = self._moon, moon
+        if moon is None or (before is not None and before.albedo is moon.albedo):
+            return
+        if self._albedo is not None:
+            self._albedo.release()
+        rows, columns = moon.albedo.shape
+        texels = np.ascontiguousarray(moon.albedo.values)
+        self._albedo = self._context.texture((columns, rows), 1, texels.tobytes(), dtype="f4")
+        self._albedo.filter = (self._context.LINEAR, self._context.LINEAR)
+        self._albedo.repeat_y = False
+
+    @property
+    def has_moon(self) -> bool:
+        """Whether it draws a disc of its own, so that the key light's needs none."""
+        return self._moon is not None
+
+    def draw(self, size: tuple[int, int], view: View) -> None:
+        """Add stars and moon where nothing was drawn but the sky."""
+        if not self._count and self._moon is None:
+            return
+        context = self._context
+        GL.glDepthFunc(GL.GL_GEQUAL)
+        context.enable(context.DEPTH_TEST | context.BLEND)
+        context.disable(context.CULL_FACE)
+        context.depth_mask = False
+        GL.glBlendFuncSeparate(GL.GL_ONE, GL.GL_ONE, GL.GL_ZERO, GL.GL_ONE)
+        if self._count:
+            self._draw_stars(size, view)
+        if self._moon is not None:
+            self._draw_moon(self._moon, size, view)
+        context.disable(context.BLEND)
+        context.depth_mask = True
+        GL.glDepthFunc(GL.GL_GREATER)
+
+    def _draw_stars(self, size: tuple[int, int], view: View) -> None:
+        program = self._program
+        program["clip_from_eye"].write(view.clip_from_eye.T.astype(np.float32).tobytes())
+        program["size_px"].value = size
+        program["pixels_per_sr"].value = float(np.prod(_focal_px(size, view)))
+        self._context.enable(self._context.PROGRAM_POINT_SIZE)
+        self._points.render(self._context.POINTS)
+        self._context.disable(self._context.PROGRAM_POINT_SIZE)
+        self._ledger.did("star", self._count)
+
+    def _draw_moon(self, moon: MoonDiscChanged, size: tuple[int, int], view: View) -> None:
+        box = _box(moon, size, view)
+        if box is None:
+            self._ledger.skip("moon: not in view")
+            return
+        if self._screen is None:
+            self._screen = FullScreen(self._context, "moon.frag")
+        screen = self._screen
+        middle = np.array(moon.direction)
+        right = np.cross(middle, [0.0, 1.0, 0.0])
+        right /= max(float(np.linalg.norm(right)), 1e-9)
+        screen.set("ray_from_clip", np.linalg.inv(view.clip_from_eye).T.ravel())
+        screen.set("moon_direction", middle)
+        screen.set("moon_right", right)
+        screen.set("moon_upper", np.cross(right, middle))
+        screen.set("sine_of_radius", float(np.sin(moon.angular_radius_rad)))
+        screen.set("flattening", moon.flattening)
+        screen.set("to_sun", moon.to_sun)
+        screen.set("moon_axes", np.reshape(moon.axes, (3, 3)).T.ravel())
+        screen.set("lit_radiance", moon.lit_rgb)
+        screen.set("dark_radiance", moon.dark_rgb)
+        self._albedo.use(location=0)
+        screen.program["albedo"].value = 0
+        wide_px = 2.0 * max(_focal_px(size, view)) * moon.angular_radius_rad
+        screen.program["steps"].value = int(np.clip(_SAMPLES_ACROSS / wide_px, 2, _SAMPLES_ACROSS))
+        GL.glEnable(GL.GL_SCISSOR_TEST)
+        GL.glScissor(*box)
+        screen.draw()
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        self._ledger.did("moon")
+
+    def release(self) -> None:
+        """Free the GL objects."""
+        self._release_points()
+        for thing in (self._program, self._screen, self._albedo):
+            if thing is not None:
+                thing.release()
+
+    def _release_points(self) -> None:
+        for thing in (self._points, self._buffer):
+            if thing is not None:
+                thing.release()
+        self._points = self._buffer = None
+        self._count = 0
+
+
+def _focal_px(size: tuple[int, int], view: View) -> tuple[float, float]:
+    """Pixels per unit of slope, right and up."""
+    return (
+        0.5 * size[0] * float(view.projection[0, 0]),
+        0.5 * size[1] * float(view.projection[1, 1]),
+    )
+
+
+def _box(
+    moon: MoonDiscChanged, size: tuple[int, int], view: View
+) -> tuple[int, int, int, int] | None:
+    """Left, lower, width and height of the pixels around the disc; None where it is not seen."""
+    x, y, _, w = view.clip_from_eye @ np.append(moon.direction, 0.0)
+    if w <= 0.05:
+        return None
+    middle = (np.array([x, y]) / w * 0.5 + 0.5) * size
+    half = max(_focal_px(size, view)) * np.tan(moon.angular_radius_rad) / w**2 + _MARGIN_PX
+    low = np.maximum(np.floor(middle - half), 0.0).astype(int)
+    high = np.minimum(np.ceil(middle + half), size).astype(int)
+    if (high <= low).any():
+        return None
+    width, height = (high - low).tolist()
+    return int(low[0]), int(low[1]), width, height

@@ -1,0 +1,44 @@
+#version 430 core
+// The moon's disc after Lommel and Seeliger; see MoonDiscChanged.
+
+uniform vec3 moon_direction;
+uniform vec3 moon_right;             // along the horizon
+uniform vec3 moon_upper;
+uniform float sine_of_radius;
+uniform float flattening;
+uniform vec3 to_sun;
+uniform mat3 moon_axes;
+uniform vec3 lit_radiance;
+uniform vec3 dark_radiance;
+uniform sampler2D albedo;
+uniform int steps;                   // of a pixel, right and up
+
+in vec3 ray;
+out vec4 frag_radiance;
+
+const float PI = 3.14159265;
+
+vec3 moon(vec3 d) {
+    if (d.y <= 0.0 || dot(d, moon_direction) <= 0.0) return vec3(0.0);
+    vec2 p = vec2(dot(d, moon_right), dot(d, moon_upper) / flattening) / sine_of_radius;
+    float beside = dot(p, p);
+    if (beside >= 1.0) return vec3(0.0);
+    float mu = sqrt(1.0 - beside);
+    vec3 n = p.x * moon_right + p.y * moon_upper - mu * moon_direction;
+    float mu_sun = max(dot(n, to_sun), 0.0);
+    vec3 own = moon_axes * n;
+    vec2 at = vec2(atan(own.y, own.x) / (2.0 * PI) + 0.5, 0.5 - asin(clamp(own.z, -1.0, 1.0)) / PI);
+    float shade = mu_sun / max(mu_sun + mu, 1e-4);
+    return textureLod(albedo, at, 0.0).r * (lit_radiance * shade + dark_radiance);
+}
+
+void main() {
+    // A disc may be a few pixels wide: the mean of each pixel.
+    vec3 right = dFdx(ray), upper = dFdy(ray), sum = vec3(0.0);
+    for (int i = 0; i < steps; ++i)
+        for (int j = 0; j < steps; ++j) {
+            vec2 at = (vec2(i, j) + 0.5) / float(steps) - 0.5;
+            sum += moon(normalize(ray + at.x * right + at.y * upper));
+        }
+    frag_radiance = vec4(sum / float(steps * steps), 0.0);
+}
