@@ -95,7 +95,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `animation` and `animation_time_s` say how the scene's own animations stand.
-    `views` are kept by name, for the window.
+    `views` are kept by name, for the window. `sensors` is a file of points at which light is
+    measured.
     """
 
     scene: str = ""
@@ -120,6 +121,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     shows: Shown = "picture"
     animation: Literal["rest", "time", "clock"] = "rest"
     animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
+    sensors: str = ""
     section: Axis = "off"
     section_at: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.5
     section_keeps: Side = "below"
@@ -173,8 +175,9 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         msgspec.structs.replace(placed, scene=change(placed.scene)) for placed in project.beside
     )
     luminaires = {name: change(path) for name, path in project.luminaires.items()}
+    sensors = change(project.sensors) if project.sensors else ""
     return msgspec.structs.replace(
-        project, scene=change(project.scene), beside=beside, luminaires=luminaires
+        project, scene=change(project.scene), beside=beside, luminaires=luminaires, sensors=sensors
     )
 
 
