@@ -8,7 +8,7 @@ import click
 from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import daylight_options, with_options
 from vrut_lite.commands.pictures import tell_notices
-from vrut_lite.commands.progress import busy_with
+from vrut_lite.commands.progress import busy_with, tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.errors import UserError
@@ -50,9 +50,13 @@ from vrut_lite.project import project_of_path
     help="Of the daylight factor: CIE's traditional overcast sky (16), its type 1, or even (5).",
 )
 @click.option(
-    "--ground-albedo", type=FiniteRange(0.0, 1.0), default=0.2, show_default=True,
+    "--ground-albedo",
+    type=FiniteRange(0.0, 1.0),
+    default=0.2,
+    show_default=True,
     help="Of the ground under a CIE sky.",
-)  # fmt: skip
+)
+@click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
 def daylight(
     scene: str,
     output: str,
@@ -61,16 +65,19 @@ def daylight(
     height_m: float,
     cie_sky: Any,
     ground_albedo: float,
+    year: bool,
     **options: Any,
 ) -> None:
-    """Measure the daylight of a scene: lux of an hour, daylight factors, hours of sun.
+    """Measure the daylight of a scene: lux of an hour, daylight factors, hours of sun, a year.
 
-    FOLDER gets sensors.csv and sensors.npz, a row for each sensor with an error beside each
-    number, and plans in false colours.
+    FOLDER gets report.html, sensors.csv and sensors.npz with a row for each sensor and an error
+    beside what has one, plans in false colours, and heat maps of the year.
 
     Example: vrut-lite daylight scenes/work/indoor.glb -o room --at 2026-03-21T12:00
 
     Example: vrut-lite daylight room.glb -o room --sensors desks.csv --cie-sky 1
+
+    Example: vrut-lite daylight room.glb -o room --year
     """
     project = with_options(with_scene_options(project_of_path(scene), options), options)
     tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
@@ -91,9 +98,8 @@ def daylight(
         opened = OpenedScene(project)
     try:
         tell_notices(opened.scene.notices)
-        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo)
-        with busy_with("tracing rays"):
-            lines = write_daylight(folder, opened, asked)
+        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year)
+        lines = write_daylight(folder, opened, asked, tracked)
     finally:
         opened.close()
     click.echo("\n".join(lines))

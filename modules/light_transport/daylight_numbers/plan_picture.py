@@ -35,7 +35,7 @@ def plan_picture(sensors: Sensors, values: FloatArray, quantity: Quantity) -> ND
         values: (P,), positive numbers are drawn.
         quantity: what they are.
     """
-    scale = scale_of(values)
+    scale = scale_of(values[sensors.cell[:, 0] >= 0])
     counts = np.bincount(sensors.plane, sensors.cell[:, 0] >= 0, len(sensors.names))
     planes = [int(n) for n in np.argsort(-counts, kind="stable")[:_MOST_PLANS] if counts[n] > 0]
     plans = [_plan(sensors, values, plane, scale, quantity) for plane in sorted(planes)]
@@ -46,7 +46,7 @@ def plan_picture(sensors: Sensors, values: FloatArray, quantity: Quantity) -> ND
     for plan in plans:
         sheet.paste(plan, (left, _MARGIN_PX))
         left += plan.width + _MARGIN_PX
-    _legend(sheet, scale, quantity)
+    draw_legend(sheet, scale, quantity)
     return np.asarray(sheet, np.uint8).copy()
 
 
@@ -114,7 +114,8 @@ def _levels(grid: FloatArray) -> FloatArray:
     return found[:: max(1, -(-len(found) // _MOST_LINES))]
 
 
-def _legend(sheet: Image.Image, scale: Scale, quantity: Quantity) -> None:
+def draw_legend(sheet: Image.Image, scale: Scale, quantity: Quantity) -> None:
+    """Draw the scale of colours along the lower edge of a picture."""
     pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(_FONT_PX)
     width, top = sheet.width - 2 * _MARGIN_PX, sheet.height - _LEGEND_PX
     pen.text((_MARGIN_PX, top), f"{quantity.title}, {quantity.unit}", _INK, font=font)
