@@ -109,7 +109,8 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     theirs, `scene_camera` is one of the cameras that they bring; `camera` goes before it.
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `animation` and `animation_time_s` say how the scene's own animations stand.
-    `views` are kept by name, for the window.
+    `views` are kept by name, for the window. `sensors` is a file of points at which light is
+    measured.
     """
 
     scene: str = ""
@@ -135,6 +136,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     shows: Shown = "picture"
     animation: Literal["rest", "time", "clock"] = "rest"
     animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
+    sensors: str = ""
     section: Axis = "off"
     section_at: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.5
     section_keeps: Side = "below"
@@ -205,6 +207,7 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
         beside=beside,
         luminaires=luminaires,
         weather=project.weather and change(project.weather),
+        sensors=project.sensors and change(project.sensors),
     )
 
 

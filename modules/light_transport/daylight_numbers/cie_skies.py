@@ -1,0 +1,63 @@
+"""CIE's standard skies that daylight factors are told for (ISO 15469:2004), as light of an hour.
+
+Luminance is relative; a daylight factor is a ratio.
+"""
+
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+from light_transport.hour.hour import Hour
+from vrut_lite.geometry.cube_map import texel_directions
+from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
+from vrut_lite.numeric_types import FloatArray
+
+CieSky = Literal["16", "1", "5"]
+CIE_SKIES: tuple[CieSky, ...] = get_args(CieSky)
+TITLES = {
+    "16": "CIE sky type 16, traditional overcast",
+    "1": "CIE sky type 1, overcast, steep gradation",
+    "5": "CIE sky type 5, uniform luminance",
+}
+_CUBE = 64
+_RADIANCE = 100.0
+
+
+class _Gradation(NamedTuple):
+    """Luminance over that of the zenith is (1 + a exp(b / sin h)) / (1 + a exp(b))."""
+
+    a: float
+    b: float
+
+
+_GRADATIONS: dict[CieSky, _Gradation] = {"1": _Gradation(4.0, -0.70), "5": _Gradation(0.0, -1.0)}
+
+
+def relative_luminance(sky: CieSky, sine: FloatArray) -> FloatArray:
+    """Luminance over that of the zenith at directions whose height has this sine, 0 to 1."""
+    sine = np.asarray(sine, float)
+    if sky == "16":
+        # Moon and Spencer 1942.
+        return np.asarray((1.0 + 2.0 * sine) / 3.0)
+    a, b = _GRADATIONS[sky]
+    gradation = 1.0 + a * np.exp(b / np.maximum(sine, 1e-6))
+    return np.asarray(gradation / (1.0 + a * np.exp(b)))
+
+
+def cie_hour(sky: CieSky, ground_albedo: float) -> Hour:
+    """A white sky without sun, over ground of this albedo that all of the sky lights."""
+    sine = texel_directions(_CUBE)[..., 1]
+    luminance = _RADIANCE * relative_luminance(sky, np.maximum(sine, 0.0))
+    steps = (np.arange(20_000) + 0.5) / 20_000
+    level = 2.0 * np.pi * float(np.mean(_RADIANCE * relative_luminance(sky, steps) * steps))
+    ground = ground_albedo * level / np.pi
+    cube = np.where(sine >= 0.0, luminance, ground)
+    cube = np.repeat(cube[..., None], 3, axis=-1).astype(np.float32)
+    return Hour(
+        sky=cube,
+        ground_radiance_rgb=(ground,) * 3,
+        ground_albedo_rgb=(ground_albedo,) * 3,
+        key_direction=(0.0, 1.0, 0.0),
+        key_irradiance_rgb=(0.0, 0.0, 0.0),
+        open_sky=irradiance_coefficients(cube),
+    )

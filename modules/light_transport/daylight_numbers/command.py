@@ -1,0 +1,105 @@
+"""`vrut-lite daylight`: illuminance, daylight factors and a year at sensors of a scene."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from vrut_lite.commands.number_types import FiniteRange
+from vrut_lite.commands.options import daylight_options, with_options
+from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.progress import busy_with, tracked
+from vrut_lite.commands.scene_options import scene_options, with_scene_options
+from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
+from vrut_lite.errors import UserError
+from vrut_lite.project import project_of_path
+
+
+@click.command(name="daylight")
+@daylight_options
+@scene_options
+@click.argument("scene")
+@click.option("-o", "--output", required=True, metavar="FOLDER", help="Made if missing.")
+@click.option(
+    "--sensors",
+    metavar="FILE",
+    help="A .csv of points x,y,z[,dx,dy,dz] in metres, in the scene's axes, y up. Default: level "
+    "grids in its rooms, or on open ground where it has none.",
+)
+@click.option(
+    "--grid",
+    "step_m",
+    type=FiniteRange(0.01, 100.0),
+    default=0.5,
+    show_default=True,
+    help="Edge of a grid's cells, in metres; wider where there would be more than 2,000 points.",
+)
+@click.option(
+    "--height",
+    "height_m",
+    type=FiniteRange(0.0, 10.0),
+    default=0.85,
+    show_default=True,
+    help="Of grids above floors, in metres.",
+)
+@click.option(
+    "--cie-sky",
+    type=click.Choice(["16", "1", "5"]),
+    default="16",
+    show_default=True,
+    help="Of the daylight factor: CIE's traditional overcast sky (16), its type 1, or even (5).",
+)
+@click.option(
+    "--ground-albedo",
+    type=FiniteRange(0.0, 1.0),
+    default=0.2,
+    show_default=True,
+    help="Of the ground under a CIE sky.",
+)
+@click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
+def daylight(
+    scene: str,
+    output: str,
+    sensors: str | None,
+    step_m: float,
+    height_m: float,
+    cie_sky: Any,
+    ground_albedo: float,
+    year: bool,
+    **options: Any,
+) -> None:
+    """Measure the daylight of a scene: lux of an hour, daylight factors, hours of sun, a year.
+
+    FOLDER gets report.html, sensors.csv and sensors.npz with a row for each sensor and an error
+    beside what has one, plans in false colours, and heat maps of the year.
+
+    Example: vrut-lite daylight scenes/work/indoor.glb -o room --at 2026-03-21T12:00
+
+    Example: vrut-lite daylight room.glb -o room --sensors desks.csv --cie-sky 1
+
+    Example: vrut-lite daylight room.glb -o room --year
+    """
+    project = with_options(with_scene_options(project_of_path(scene), options), options)
+    tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
+    # Imported late, so that --help need not wait for compilers.
+    from light_transport.daylight_numbers.folder import Asked, write_daylight
+    from light_transport.daylight_numbers.opened_scene import OpenedScene
+    from light_transport.daylight_numbers.sensors_file import read_sensors
+    from light_transport.daylight_numbers.work import Grid
+
+    told = project.sensors if sensors is None else sensors
+    chosen = read_sensors(told) if told else Grid(height_m, step_m)
+    folder = Path(output)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    with busy_with(f"opening {project.scene}"):
+        opened = OpenedScene(project)
+    try:
+        tell_notices(opened.scene.notices)
+        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year)
+        lines = write_daylight(folder, opened, asked, tracked)
+    finally:
+        opened.close()
+    click.echo("\n".join(lines))

@@ -1,0 +1,129 @@
+"""A scene and its light by messages, without a window: what the command asks of the host.
+
+Inputs are injected as everywhere, so that the same journal replays them.
+"""
+
+from datetime import datetime
+
+import msgspec
+
+from light_transport.hour.hour import Hour
+from light_transport.jobs import hour_of
+from light_transport.unseen_hours import HourMessages
+from vrut_lite.commands.open_kernel import open_kernel, require_sun
+from vrut_lite.daylight.daylight_kernel import FaultCollector
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.errors import ModuleFailed
+from vrut_lite.kernel.messages import Demand, SetClock
+from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
+from vrut_lite.scene.manager import SceneManager
+
+_CUBE, _COARSE_CUBE = 128, 32
+_CONSUMER = "daylight"
+
+
+class OpenedScene:
+    """A kernel that has opened a project's scene; hours are asked of it one by one."""
+
+    def __init__(self, project: Project):
+        """Open the scene.
+
+        Raises:
+            UserError: the project has an invalid value, or its scene cannot be read.
+        """
+        self._kernel = open_kernel()
+        self._faults = FaultCollector(self._kernel)
+        try:
+            # Nobody looks: a small background, no light map and no air.
+            self._kernel.add_module(SceneManager, cube_size=_COARSE_CUBE, light_map=False)
+            self._demand(_CUBE)
+            project = msgspec.structs.replace(project, air=False)
+            for message in (
+                *setting_inputs(project, self._kernel),
+                *daylight_inputs(project),
+                *view_inputs(project),
+            ):
+                self._kernel.inject(message)
+            self._settle()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def scene(self) -> SceneOpened:
+        """What was opened."""
+        found = self._kernel.last(SceneOpened)
+        if found is None:
+            raise ModuleFailed("no scene is open")
+        return found
+
+    @property
+    def sun(self) -> SunMoved:
+        """Where the sun stands."""
+        return require_sun(self._kernel)
+
+    @property
+    def lit_by_sun(self) -> bool:
+        """Whether the key light is the sun."""
+        light = self._kernel.last(KeyLightChanged)
+        return light is not None and light.body == "sun"
+
+    @property
+    def place(self) -> SetPlace:
+        """Where the scene stands."""
+        found = self._kernel.last(SetPlace)
+        assert found is not None
+        return found
+
+    @property
+    def source(self) -> str:
+        """Who makes the sky."""
+        return self._radiance.source
+
+    @property
+    def _radiance(self) -> SkyRadianceChanged:
+        require_sun(self._kernel)
+        found = self._kernel.last(SkyRadianceChanged)
+        if found is None:
+            raise ModuleFailed("no module makes a sky: see `vrut-lite modules`")
+        return found
+
+    def go_to(self, instant: datetime) -> None:
+        """Another hour."""
+        self._kernel.inject(SetClock(instant=instant))
+        self._settle()
+
+    def hour(self) -> Hour:
+        """The light of the present hour, layers such as clouds included."""
+        clear = self._radiance
+        summed = self._kernel.last(SkyLightChanged)
+        radiance = summed.radiance if summed is not None else None
+        if summed is not None and radiance is not None:
+            return hour_of(HourMessages(radiance, summed.key_light, summed.ambient))
+        key_light = self._kernel.last(KeyLightChanged)
+        ambient = self._kernel.last(AmbientChanged)
+        if key_light is None or ambient is None:
+            raise ModuleFailed("the sky's module says no light: see `vrut-lite modules`")
+        return hour_of(HourMessages(clear, key_light, ambient))
+
+    def close(self) -> None:
+        """End background jobs."""
+        self._kernel.close()
+
+    def coarser(self) -> None:
+        """Ask for skies that are fine enough for the cells of the ray table, for many hours."""
+        self._demand(_COARSE_CUBE)
+
+    def _demand(self, size: int) -> None:
+        """No background is asked for: nobody looks."""
+        for kind in (SkyRadianceChanged, KeyLightChanged, AmbientChanged, SkyLightChanged):
+            asked = size if kind is SkyRadianceChanged else None
+            self._kernel.inject(Demand(consumer=_CONSUMER, message=kind.__name__, size=asked))
+
+    def _settle(self) -> None:
+        self._kernel.pump_until_idle()
+        self._faults.raise_first()

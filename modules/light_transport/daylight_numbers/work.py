@@ -1,0 +1,82 @@
+"""A scene made ready for daylight numbers: its bake, its glass, its sensors and their matrix."""
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from light_transport.bake import Bake
+from light_transport.daylight_numbers.glass import Glass, glass_of
+from light_transport.daylight_numbers.operator import Operator, operator_of
+from light_transport.daylight_numbers.sensors import Sensors
+from light_transport.daylight_numbers.work_planes import work_planes
+from light_transport.giving_up import GoOn, always
+from light_transport.jobs import first_rays
+from light_transport.kept_rays import add_kept_rays
+from light_transport.layout.layout import lay_out
+from light_transport.surfaces.surfaces import surfaces_of
+from light_transport.tolerance import quality_for
+from vrut_lite.daylight.scene import SceneOpened
+from vrut_lite.errors import UserError
+
+_MOST_THREADS = 4
+# Texels of the coarser bake that tells what patches err by, as a share.
+_COARSER = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """How work planes are found: `height_m` above floors, in cells of `step_m`."""
+
+    height_m: float
+    step_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """All that an hour or a year is computed from."""
+
+    bake: Bake
+    glass: Glass
+    sensors: Sensors
+    operator: Operator
+
+
+def baked(
+    scene: SceneOpened, tolerance: float, share_of_texels: float = 1.0, go_on: GoOn = always
+) -> Bake:
+    """A scene's bake by all rays of a tolerance; kept on disk by its content.
+
+    Raises:
+        UserError: the scene has no surfaces.
+    """
+    if not scene.triangles:
+        raise UserError("the scene has no surfaces: there is nothing to measure in")
+    quality = quality_for(tolerance)
+    surfaces = surfaces_of(scene)
+    threads = min(os.cpu_count() or 1, _MOST_THREADS)
+    texels = int(quality.texels * share_of_texels)
+    layout = lay_out(scene, surfaces, None, texels, threads, go_on)
+    bake = Bake(surfaces, layout, threads, quality.patch_texels, quality.bounces_left)
+    # Patches follow from the first round, and so do kept rays: it is the module's own.
+    for rays in (first_rays(bake.rows), quality.rays):
+        add_kept_rays(bake, rays - bake.rays, lambda: False)
+        go_on()
+    return bake
+
+
+def work_of(
+    scene: SceneOpened, sensors: Sensors | Grid, tolerance: float, go_on: GoOn = always
+) -> Work:
+    """Bake a scene, find its work planes unless sensors are given, and trace their rays.
+
+    Raises:
+        UserError: no work plane is found, or sensors lie inside bodies.
+    """
+    bake = baked(scene, tolerance, go_on=go_on)
+    if isinstance(sensors, Grid):
+        bounds = np.asarray(scene.lower_m), np.asarray(scene.upper_m)
+        sensors = work_planes(bake, *bounds, sensors.height_m, sensors.step_m)
+    glass = glass_of(scene, surfaces_of(scene))
+    operator = operator_of(bake, glass, sensors, tolerance, bake.threads, go_on)
+    return Work(bake, glass, sensors, operator)

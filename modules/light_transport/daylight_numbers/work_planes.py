@@ -1,0 +1,251 @@
+"""Work planes that are found: level grids above the floors of rooms, or above open ground.
+
+A floor is a level that most of the scene's lowest places with head room share; a room is what of it
+one gets to at the height of the plane without meeting a wall.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from light_transport.daylight_numbers.sensors import Sensors
+from light_transport.ray_scene import RayScene
+from light_transport.rays.trace import MISS, first_hits
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.connected import connected_components
+from vrut_lite.numeric_types import BoolArray, FloatArray
+
+HEIGHT_M, STEP_M = 0.85, 0.5
+# EN 17037 leaves out what lies so near a wall.
+BORDER_M = 0.5
+MOST_POINTS = 2_000
+_HEAD_ROOM_M = 1.9
+_SAME_FLOOR_M = 0.05
+_LEAST_AREA_M2 = 2.0
+_LEVEL = 0.95
+_UP = np.array([0.0, 1.0, 0.0])
+# Surfaces above each other that are looked at, from the top down.
+_MOST_FLOORS = 24
+_OFF = 1e-5
+_AROUND = 16
+# Share of directions upwards in which a place in the open sees fronts, or nothing.
+_LEAST_OPEN = 0.75
+_SINES = (0.15, 0.4, 0.65, 0.9)
+# What has a roof and sees more sky, an awning or an arcade, is no room.
+_MOST_SKY_OF_A_ROOM = 0.25
+# The finding of floors looks at so many places at least along the longer side.
+_COARSE = 64
+
+
+class _Hits(NamedTuple):
+    """Distances (R,) in metres, infinite where nothing is met; whether a front is met (R,), and
+    whether it is level (R,)."""
+
+    distance_m: FloatArray
+    front: BoolArray
+    level: BoolArray
+
+
+class _Look:
+    """Casts rays in metres."""
+
+    def __init__(self, scene: RayScene):
+        self._scene, self._surfaces = scene, scene.surfaces
+        self._faces = scene.receivers.geometry.faces
+
+    def __call__(self, places_m: FloatArray, towards: FloatArray) -> _Hits:
+        """What rays from places (R, 3) towards unit vectors (R, 3) meet first."""
+        radius = self._surfaces.radius_m
+        direction = np.broadcast_to(np.asarray(towards, float), places_m.shape)
+        origin = (places_m - self._surfaces.centre_m) / radius + _OFF * direction
+        hit, distance = first_hits(self._scene.tree, origin, np.ascontiguousarray(direction))
+        met = hit != MISS
+        faces = self._faces[np.where(met, hit, 0)]
+        front = met & (np.einsum("ri,ri->r", faces, direction) < 0.0)
+        found = np.where(met, distance.astype(float) * radius, np.inf)
+        return _Hits(found, front, met & (np.abs(faces[:, 1]) > _LEVEL))
+
+
+def work_planes(
+    scene: RayScene,
+    lower_m: FloatArray,
+    upper_m: FloatArray,
+    height_m: float = HEIGHT_M,
+    step_m: float = STEP_M,
+) -> Sensors:
+    """Grids that face up, in cells of `step_m`; wider ones where there would be too many points.
+
+    Raises:
+        UserError: no floor with head room is found.
+    """
+    look = _Look(scene)
+    lower_m, upper_m = np.asarray(lower_m, float), np.asarray(upper_m, float)
+    extent = np.maximum(upper_m - lower_m, 1e-6)
+    coarse = max(step_m, float(max(extent[0], extent[2])) / _COARSE)
+    heights, has_roof = _floors(look, lower_m, upper_m, coarse)
+    for roofed in (True, False):
+        floors = _levels(heights[has_roof] if roofed else heights, coarse)
+        made = _grids(look, lower_m, upper_m, floors, roofed, height_m, step_m)
+        step = step_m
+        while made is not None and len(made) > MOST_POINTS:
+            step *= max(1.05, float(np.sqrt(len(made) / MOST_POINTS)))
+            made = _grids(look, lower_m, upper_m, floors, roofed, height_m, step)
+        if made is not None:
+            return made
+    raise UserError(
+        f"no work plane is found in the scene: no level floor of {_LEAST_AREA_M2:g} m2 has "
+        f"{_HEAD_ROOM_M:g} m of room above it, free at {height_m:g} m; give sensors as a file"
+    )
+
+
+def _columns(lower_m: FloatArray, upper_m: FloatArray, step_m: float) -> tuple[FloatArray, ...]:
+    """Middles of cells along x and z, around the middle of the bounds."""
+    found: list[FloatArray] = []
+    for axis in (0, 2):
+        count = max(1, int(np.ceil((upper_m[axis] - lower_m[axis]) / step_m)))
+        middle = 0.5 * (lower_m[axis] + upper_m[axis])
+        found.append(middle + (np.arange(count) - 0.5 * (count - 1)) * step_m)
+    return tuple(found)
+
+
+def _floors(
+    look: _Look, lower_m: FloatArray, upper_m: FloatArray, step_m: float
+) -> tuple[FloatArray, BoolArray]:
+    """Heights (N,) of places with head room, and whether (N,) a roof is above them."""
+    x, z = np.meshgrid(*_columns(lower_m, upper_m, step_m))
+    top = float(upper_m[1]) + max(1.0, 0.01 * float(upper_m[1] - lower_m[1]))
+    at = np.stack([x.ravel(), np.full(x.size, top), z.ravel()], axis=1)
+    standing: list[tuple[FloatArray, BoolArray]] = []
+    for _ in range(_MOST_FLOORS):
+        below = look(at, -_UP)
+        met = np.isfinite(below.distance_m)
+        if not met.any():
+            break
+        at, below = at[met].copy(), _Hits(below.distance_m[met], below.front[met], below.level[met])
+        at[:, 1] -= below.distance_m
+        floor = below.front & below.level
+        places = at[floor] + 1e-4 * _UP
+        above = look(places, _UP)
+        room = above.distance_m > _HEAD_ROOM_M
+        # Within a body the next surface above is seen from its back.
+        free = ~np.isfinite(above.distance_m) | above.front
+        standing.append((places[room & free, 1], np.isfinite(above.distance_m[room & free])))
+        at[:, 1] -= 1e-4
+    heights = np.concatenate([heights for heights, _ in standing] or [np.empty(0)])
+    has_roof = np.concatenate([roof for _, roof in standing] or [np.empty(0, bool)])
+    return heights, has_roof
+
+
+def _levels(heights: FloatArray, step_m: float) -> list[float]:
+    """Heights that enough places share; what stands on a larger floor is none of its own."""
+    left = np.sort(heights)
+    found: list[float] = []
+    while len(left):
+        counts = np.searchsorted(left, left + _SAME_FLOOR_M) - np.arange(len(left))
+        best = int(np.argmax(counts))
+        if counts[best] * step_m**2 < _LEAST_AREA_M2:
+            break
+        level = float(np.median(left[best : best + counts[best]]))
+        if all(abs(level - other) > _HEAD_ROOM_M for other in found):
+            found.append(level)
+        left = np.delete(left, slice(best, best + counts[best]))
+    return found
+
+
+def _grids(
+    look: _Look,
+    lower_m: FloatArray,
+    upper_m: FloatArray,
+    floors: list[float],
+    roofed: bool,
+    height_m: float,
+    step_m: float,
+) -> Sensors | None:
+    """A grid for each room of each floor; None where no point is free."""
+    xs, zs = _columns(lower_m, upper_m, step_m)
+    x, z = np.meshgrid(xs, zs)
+    row, column = (index.ravel() for index in np.indices(x.shape))
+    places, cells, planes = [], [], []
+    names: list[str] = []
+    for floor in floors:
+        at = np.stack([x.ravel(), np.full(x.size, floor + height_m), z.ravel()], axis=1)
+        below, above = look(at, -_UP), look(at, _UP)
+        is_roofed = np.isfinite(above.distance_m)
+        free = below.front & (below.distance_m < height_m + 2.0 * _SAME_FLOOR_M)
+        free &= above.front if roofed else ~is_roofed
+        is_open, sky = np.zeros((2, len(at)))
+        is_open[free], sky[free] = _upwards(look, at[free])
+        free &= is_open >= _LEAST_OPEN
+        room = _rooms(look, at, free, x.shape, step_m)
+        for number in range(int(room.max(initial=-1)) + 1):
+            here = np.flatnonzero(room == number)
+            if len(here) * step_m**2 < _LEAST_AREA_M2:
+                continue
+            if roofed and float(np.mean(sky[here])) > _MOST_SKY_OF_A_ROOM:
+                continue
+            name = f"room {len(names) + 1}" if roofed else f"open ground {len(names) + 1}"
+            planes.append(np.full(len(here), len(names)))
+            names.append(name)
+            places.append(at[here])
+            cells.append(np.stack([row[here], column[here]], axis=1))
+    if not places:
+        return None
+    points = np.concatenate(places)
+    return Sensors(
+        points,
+        np.tile([0.0, 1.0, 0.0], (len(points), 1)),
+        np.concatenate(planes).astype(np.int64),
+        np.concatenate(cells).astype(np.int64),
+        _away_from_walls(look, points),
+        tuple(names),
+        (step_m,) * len(names),
+    )
+
+
+def _rooms(
+    look: _Look, at: FloatArray, free: BoolArray, shape: tuple[int, ...], step_m: float
+) -> NDArray[np.int64]:
+    """The room (N,) of each place, -1 where it is not free; the largest first."""
+    number = np.arange(len(at)).reshape(shape)
+    pairs = []
+    for one, other, towards in (
+        (number[:, :-1], number[:, 1:], [1.0, 0.0, 0.0]),
+        (number[:-1], number[1:], [0.0, 0.0, 1.0]),
+    ):
+        first, second = one.ravel(), other.ravel()
+        both = free[first] & free[second]
+        first, second = first[both], second[both]
+        apart = look(at[first], np.array(towards)).distance_m < step_m
+        pairs.append((first[~apart], second[~apart]))
+    first, second = (np.concatenate(parts) for parts in zip(*pairs, strict=True))
+    label = np.asarray(connected_components(len(at), first, second))
+    label = np.where(free, label, -1)
+    known, count = np.unique(label[free], return_counts=True)
+    rank = {int(name): place for place, name in enumerate(known[np.argsort(-count, kind="stable")])}
+    return np.array([rank.get(int(name), -1) for name in label], np.int64)
+
+
+def _upwards(look: _Look, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shares (P,) of directions upwards in which points see a front or nothing, and nothing.
+
+    Who lies in a body sees the backs of its walls.
+    """
+    fronts, nothing = np.zeros((2, len(points)))
+    for turn in np.arange(_AROUND) * (2.0 * np.pi / _AROUND):
+        for sine in _SINES:
+            level = np.sqrt(1.0 - sine**2)
+            met = look(points, np.array([level * np.cos(turn), sine, level * np.sin(turn)]))
+            fronts += met.front
+            nothing += ~np.isfinite(met.distance_m)
+    count = _AROUND * len(_SINES)
+    return (fronts + nothing) / count, nothing / count
+
+
+def _away_from_walls(look: _Look, points: FloatArray) -> BoolArray:
+    """Which points (P,) have no upright surface within BORDER_M around them."""
+    inner = np.ones(len(points), bool)
+    for turn in np.arange(_AROUND) * (2.0 * np.pi / _AROUND):
+        met = look(points, np.array([np.cos(turn), 0.0, np.sin(turn)]))
+        inner &= met.level | (met.distance_m >= BORDER_M)
+    return inner

@@ -1,0 +1,127 @@
+"""Daylight numbers against analytic truth, computed here after the list of CIE 171:2006.
+
+Sky components through a roof opening and through a facade opening, with and without glass, under
+several CIE skies, on level and upright sensors; light inside a closed diffuse box. A component of
+more than 0.5 % of the light outdoors may err by 1 % at most.
+"""
+
+import numpy as np
+import pytest
+from boxes import box, hour, quads
+from light_transport.bake import Bake
+from light_transport.daylight_numbers.cie_skies import cie_hour, relative_luminance
+from light_transport.daylight_numbers.glass import no_glass
+from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors
+from light_transport.daylight_numbers.operator import operator_of
+from light_transport.daylight_numbers.sensors import free_sensors
+
+WORST, LEAST = 0.01, 0.5
+SIZE, HEIGHT = 4.0, 3.0
+
+
+def panel(corner, edge, other, hole):
+    """Four quads around a hole, in the plane of two edges (3,) from a corner; shares of edges."""
+    corner, edge, other = (np.asarray(v, float) for v in (corner, edge, other))
+    a0, a1, b0, b1 = hole
+
+    def quad(u0, u1, v0, v1):
+        return [corner + u * edge + v * other for u, v in ((u0, v0), (u1, v0), (u1, v1), (u0, v1))]
+
+    return [quad(0, a0, 0, 1), quad(a1, 1, 0, 1), quad(a0, a1, 0, b0), quad(a0, a1, b1, 1)]
+
+
+def room(opening, hole, reflectance=0.0, pane=False):
+    """A box seen from inside, with a hole in its roof or in its facade towards +x."""
+    h = SIZE / 2
+    sides = box((-h, 0.0, -h), (h, HEIGHT, h), inwards=True)
+    if opening == "roof":
+        frame = ((-h, HEIGHT, -h), (SIZE, 0, 0), (0, 0, SIZE))
+        sides.pop(2)
+    else:
+        frame = ((h, 0, h), (0, 0, -SIZE), (0, HEIGHT, 0))
+        sides.pop(0)
+        frame = ((h, 0, -h), (0, 0, SIZE), (0, HEIGHT, 0))
+    pieces = panel(*frame, hole)
+    corner, edge, other = (np.asarray(v, float) for v in frame)
+    a0, a1, b0, b1 = hole
+    glazed = [corner + u * edge + v * other for u, v in ((a0, b0), (a1, b0), (a1, b1), (a0, b1))]
+    surfaces, layout = quads(*sides, *pieces, *([glazed] if pane else []), reflectance=reflectance)
+    bake = Bake(surfaces, layout)
+    bake.add_rays(256)
+    glass = no_glass(len(surfaces.part))
+    if pane:
+        glass.tint[-2:] = 1.0
+    return bake, glass, (corner, edge, other)
+
+
+def component(frame, hole, place, normal, sky, pane):
+    """The sky component (%) through an opening, by summing over its area."""
+    corner, edge, other = frame
+    a0, a1, b0, b1 = hole
+    n = 150
+    u = a0 + (a1 - a0) * (np.arange(n) + 0.5) / n
+    v = b0 + (b1 - b0) * (np.arange(n) + 0.5) / n
+    at = corner + u[:, None, None] * edge + v[None, :, None] * other
+    away = at - place
+    distance = np.linalg.norm(away, axis=-1)
+    towards = away / distance[..., None]
+    out = np.cross(edge, other)
+    area = np.linalg.norm(out) * (a1 - a0) * (b1 - b0) / n**2
+    inclined = np.abs(towards @ (out / np.linalg.norm(out)))
+    cosine = np.maximum(towards @ normal, 0.0)
+    light = relative_luminance(sky, np.maximum(towards[..., 1], 0.0)) * (towards[..., 1] > 0)
+    if pane:
+        light = light * pane_transmittance(inclined)
+    steps = (np.arange(100_000) + 0.5) / 100_000
+    outside = 2.0 * np.pi * np.mean(relative_luminance(sky, steps) * steps)
+    return 100.0 * float(np.sum(light * cosine * inclined / distance**2) * area / outside)
+
+
+def pane_transmittance(cosine, ior=1.5):
+    """Of a clear pane, all bounces between its two faces summed: (1 - r) / (1 + r), by Fresnel."""
+    bent = np.sqrt(1.0 - (1.0 - cosine**2) / ior**2)
+    across = ((cosine - ior * bent) / (cosine + ior * bent)) ** 2
+    along = ((ior * cosine - bent) / (ior * cosine + bent)) ** 2
+    return 0.5 * ((1 - across) / (1 + across) + (1 - along) / (1 + along))
+
+
+PLACES = np.array([[x, 0.0, z] for x in (-1.5, 0.0, 1.5) for z in (-1.2, 0.4)])
+DIRECTIONS = {"level": [0.0, 1.0, 0.0], "upright": [1.0, 0.0, 0.0]}
+HOLES = {"roof": (0.375, 0.625, 0.375, 0.625), "facade": (0.25, 0.75, 1.0 / 3.0, 2.0 / 3.0)}
+
+
+@pytest.mark.parametrize("opening", HOLES)
+@pytest.mark.parametrize("pane", [False, True], ids=["open", "glazed"])
+def test_sky_components_through_openings_are_analytic(opening, pane):
+    """CIE 171's 5.2 to 5.8 in kind: nothing is reflected, and all light comes through a hole."""
+    bake, glass, frame = room(opening, HOLES[opening], pane=pane)
+    for direction, normal in DIRECTIONS.items():
+        places = PLACES + np.array([0.0, 0.85, 0.0])
+        sensors = free_sensors(places, np.tile(normal, (len(places), 1)), direction)
+        operator = operator_of(bake, glass, sensors, 0.01)
+        for sky in ("16", "1", "5"):
+            light = cie_hour(sky, 0.0)
+            found, _ = daylight_factor(bake, glass, operator, sensors, light)
+            truth = np.array(
+                [component(frame, HOLES[opening], p, np.array(normal), sky, pane) for p in places]
+            )
+            counted = truth > LEAST
+            assert counted.any() or (opening, direction) == ("roof", "upright")
+            error = np.abs(found / np.maximum(truth, 1e-9) - 1.0)[counted]
+            print(opening, pane, direction, sky, truth.round(2), error.round(4), operator.rays)
+            assert np.all(error < WORST), (direction, sky, found[counted], truth[counted])
+
+
+def test_light_in_a_closed_diffuse_box_is_analytic():
+    """Walls of albedo rho that glow with M: irradiance is M / (1 - rho) everywhere."""
+    surfaces, layout = quads(
+        *box((-1, 0, -1), (1, 2, 1), inwards=True), reflectance=0.5, emitted=1.0
+    )
+    bake = Bake(surfaces, layout)
+    bake.add_rays(256)
+    glass = no_glass(len(surfaces.part))
+    sensors = free_sensors([[0.3, 0.85, 0.2]], [[0.0, 1.0, 0.0]], "box")
+    operator = operator_of(bake, glass, sensors, 0.01)
+    found = hour_at_sensors(bake, glass, operator, sensors, hour())
+    expected = 683.0 * 2.0
+    np.testing.assert_allclose(found.total, expected, rtol=5e-3)

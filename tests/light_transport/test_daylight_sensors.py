@@ -1,0 +1,102 @@
+"""Sensors: found in rooms, or told in a file; what is wrong with them is said in one line."""
+
+import numpy as np
+import pytest
+from boxes import box, floor, quads
+from light_transport.bake import Bake
+from light_transport.daylight_numbers.glass import no_glass
+from light_transport.daylight_numbers.operator import operator_of
+from light_transport.daylight_numbers.sensors import free_sensors
+from light_transport.daylight_numbers.sensors_file import read_sensors
+from light_transport.daylight_numbers.sky_cells import CELLS, cell_directions, cell_of
+from light_transport.daylight_numbers.work_planes import work_planes
+
+from vrut_lite.errors import UserError
+
+
+def bake_of(*pieces):
+    surfaces, layout = quads(*pieces)
+    bake = Bake(surfaces, layout)
+    bake.add_rays(64)
+    return bake
+
+
+def house(width, middle):
+    """Two rooms side by side, 3 m high, with a table of 0.75 m in the first; walls are 0.2 m."""
+    pieces = [*box((0, 0, 0), (middle - 0.1, 3, 4), inwards=True)]
+    pieces += box((middle + 0.1, 0, 0), (width, 3, 4), inwards=True)
+    return pieces + box((1, 0, 1), (2, 0.75, 3))
+
+
+def test_a_grid_lies_in_each_room_above_its_table_and_not_in_walls():
+    bake = bake_of(*house(8.0, 5.0))
+    found = work_planes(bake, np.zeros(3), np.array([8.0, 3.0, 4.0]))
+    assert found.names == ("room 1", "room 2")
+    np.testing.assert_allclose(found.places_m[:, 1], 0.85, atol=2e-3)
+    areas = np.bincount(found.plane) * found.step_m[0] ** 2
+    np.testing.assert_allclose(areas, [4.9 * 4.0, 2.9 * 4.0], rtol=0.15)
+    edge = np.abs(found.places_m[:, [2]] - [[0.0, 4.0]]).min(axis=1)
+    assert not found.inner[edge < 0.49].any()
+    assert found.inner[(edge > 0.51) & (np.abs(found.places_m[:, 0] - 2.5) < 1.5)].all()
+
+
+def test_open_ground_has_a_grid_where_there_is_no_room():
+    found = work_planes(
+        bake_of(floor(-3, 3, -3, 3)), np.array([-3, 0, -3.0]), np.array([3, 1, 3.0])
+    )
+    assert found.names == ("open ground 1",)
+    assert len(found) == 144
+
+
+def test_a_scene_without_floors_has_no_work_planes():
+    wall = [[[0, 0, 0], [0, 3, 0], [0, 3, 3], [0, 0, 3]]]
+    with pytest.raises(UserError, match="no work plane"):
+        work_planes(bake_of(*wall), np.zeros(3), np.array([0.1, 3.0, 3.0]))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "has no sensors"),
+        ("x,y,z\n", "has no sensors"),
+        ("1,2\n", "has 2 numbers"),
+        ("1,2,nan\n", "sensor 1 .* no finite"),
+        ("x,y,z\n1,2,3\n1,b,3\n", "sensor 2 .* no numbers"),
+        ("1,2,3,0,0,0\n", "direction of no length"),
+    ],
+)
+def test_a_bad_file_of_sensors_is_refused_in_one_line(tmp_path, text, sentence):
+    path = tmp_path / "desks.csv"
+    path.write_text(text)
+    with pytest.raises(UserError, match=sentence):
+        read_sensors(path)
+
+
+def test_a_file_of_sensors_looks_up_unless_it_says_where(tmp_path):
+    path = tmp_path / "desks.csv"
+    path.write_text("x,y,z,dx,dy,dz\n1,2,3\n4,5,6,0,0,-2\n")
+    found = read_sensors(path)
+    np.testing.assert_allclose(found.normals, [[0, 1, 0], [0, 0, -1]])
+
+
+def test_sensors_inside_a_body_are_refused():
+    bake = bake_of(*box((0, 0, 0), (1, 1, 1)), floor(-3, 3, -3, 3))
+    sensors = free_sensors([[2.0, 0.5, 0], [0.5, 0.5, 0.5]], [[0, 1.0, 0]] * 2, "desks")
+    with pytest.raises(UserError, match=r"1 of 2 sensors lie inside .* 0.500, 0.500, 0.500"):
+        operator_of(bake, no_glass(len(bake.texels.triangle)), sensors, 0.05)
+
+
+def test_cells_of_the_sky_hold_the_directions_that_are_spread_over_them():
+    directions = cell_directions().reshape(-1, 3)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
+    np.testing.assert_array_equal(cell_of(directions), np.repeat(np.arange(CELLS), 4))
+
+
+def test_numbers_do_not_depend_on_threads():
+    bake = bake_of(floor(-3, 3, -3, 3), *box((0, 0, 0), (1, 1, 1)))
+    places = np.column_stack([np.linspace(-2, 2, 40), np.full(40, 1.5), np.zeros(40)])
+    sensors = free_sensors(places, np.tile([0.0, 1.0, 0.0], (40, 1)), "row")
+    glass = no_glass(14)
+    one, two = (operator_of(bake, glass, sensors, 0.05, threads) for threads in (1, 2))
+    assert (one.halves[0].seen[0] != two.halves[0].seen[0]).nnz == 0
+    assert (one.halves[1].sent[0] != two.halves[1].sent[0]).nnz == 0

@@ -1,0 +1,128 @@
+"""A year at sensors: sums of what single hours have, and metrics of known light."""
+
+import numpy as np
+import pytest
+from boxes import box, floor, hour, quads
+from light_transport.bake import Bake
+from light_transport.daylight_numbers.annual import Year, year_matrices, year_of
+from light_transport.daylight_numbers.glass import no_glass
+from light_transport.daylight_numbers.heat_map import heat_map
+from light_transport.daylight_numbers.metrics import (
+    OCCUPIED_H,
+    by_day_and_hour,
+    point_year,
+    room_year,
+)
+from light_transport.daylight_numbers.now import hour_at_sensors
+from light_transport.daylight_numbers.operator import operator_of
+from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
+from light_transport.daylight_numbers.sensors import Sensors, free_sensors
+from light_transport.daylight_numbers.work import Work
+from light_transport.daylight_numbers.year_light import HOURS, YearLight, lit_hours
+from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
+
+from vrut_lite.daylight.place import SetPlace
+
+
+def year_like(hours, lights):
+    """A year's light of hours with these lights."""
+    sky = [
+        node_radiances(light.sky, light.ground_radiance_rgb)[: GROUND_NODE + 1] for light in lights
+    ]
+    return YearLight(
+        np.asarray(hours),
+        np.array(sky, np.float32),
+        np.array([light.key_direction for light in lights]),
+        np.array([light.key_irradiance_rgb for light in lights]),
+        np.array(lights[0].ground_albedo_rgb),
+        "test",
+    )
+
+
+@pytest.fixture(scope="module")
+def work():
+    """A floor with a box on it, and sensors around it."""
+    surfaces, layout = quads(floor(-3, 3, -3, 3), *box((-1, 0, -1), (0, 1.5, 0)))
+    bake = Bake(surfaces, layout)
+    bake.add_rays(128)
+    places = [[1.0, 0.5, 0.0], [-2.0, 0.5, 1.0]]
+    sensors = free_sensors(places, [[0, 1.0, 0], [1.0, 0, 0]], "yard")
+    glass = no_glass(len(surfaces.part))
+    return Work(bake, glass, sensors, operator_of(bake, glass, sensors, 0.02))
+
+
+def test_hours_of_a_year_have_the_light_of_single_hours(work):
+    """Suns are solved for the very hours here, so that only the cells of the sky are coarser."""
+    lights = [
+        hour(0.5, key=(1.0, 1.0, 0.3), irradiance=4.0, ground=0.1),
+        hour(1.0, key=(-0.4, 0.5, 0.2), irradiance=2.0, ground=0.3),
+    ]
+    light = year_like([12, 37], lights)
+    year = year_of(year_matrices(work, light), light)
+    for n, of_hour in enumerate(lights):
+        single = hour_at_sensors(work.bake, work.glass, work.operator, work.sensors, of_hour)
+        np.testing.assert_allclose(year.sun[:, n], single.sun, rtol=1e-5)
+        # Shadows of single hours are those of directions 1.5 degrees apart.
+        np.testing.assert_allclose(year.total[:, n], single.total, rtol=0.02)
+
+
+def test_a_sun_between_two_solved_days_is_their_mean(work):
+    """At the same hour of days 0, 4 and 9; those of 0 and 9 are solved, 9 as the last."""
+    light = hour(0.0, key=(1.0, 1.0, 0.3), irradiance=4.0)
+    days = np.array([0, 4, 9])
+    year_light = year_like(days * HOURS + 12, [light] * 3)
+    matrices = year_matrices(work, year_light)
+    assert matrices.suns[0].shape[2] == 2
+    np.testing.assert_allclose(matrices.share[1], [5 / 9, 4 / 9])
+    total = year_of(matrices, year_light).total
+    np.testing.assert_allclose(total, total[:, :1].repeat(3, axis=1), rtol=1e-5)
+
+
+def known_year(lux, sun):
+    """Every hour from 8 to 18 has the same lux (P,), 300 of them have sun (P,)."""
+    hours = np.array([day * HOURS + clock for day in range(365) for clock in range(8, 18)])
+    sky = np.ones((len(hours), GROUND_NODE + 1, 3), np.float32)
+    nothing = np.zeros((len(hours), 3))
+    light = YearLight(hours, sky, nothing, nothing, np.zeros(3), "test")
+    total = np.repeat(np.float32(lux)[:, None], len(hours), axis=1)
+    direct = np.zeros_like(total)
+    direct[:, :300] = np.float32(sun)[:, None]
+    return Year(total, direct, (total, total)), light
+
+
+def test_metrics_of_known_light():
+    year, light = known_year([50.0, 350.0, 800.0, 4000.0], [0.0, 0.0, 999.0, 2000.0])
+    assert len(light.hour) == OCCUPIED_H
+    points = point_year(year.total, year, light)
+    sensors = free_sensors(np.zeros((4, 3)), np.tile([0, 1.0, 0], (4, 1)), "room")
+    room = room_year(points, sensors, 0)
+    assert room.da_300_50 == 0.75
+    assert room.ase_1000_250 == 0.25
+    np.testing.assert_allclose(room.udi, [0.25, 0.0, 0.5, 0.25])
+    assert (room.en_median_lx, room.en_low_lx) == (800.0, 50.0)
+    assert room.en_level == "none"
+    np.testing.assert_allclose(points.dose_klxh, np.array([50, 350, 800, 4000]) * 3.65)
+    brighter = point_year(year.total + 300.0, year, light)
+    assert room_year(brighter, sensors, 0).en_level == "medium"
+
+
+def test_hours_with_light_are_half_of_the_year_and_some_twilight():
+    prague = SetPlace(latitude_deg=50.1, longitude_deg=14.4, altitude_m=200.0)
+    hours = lit_hours(prague, 1)
+    assert 4380 < len(hours) < 4900
+    assert {12, 172 * HOURS + 4, 172 * HOURS + 19} < set(hours.tolist())
+    assert not {0, 172 * HOURS + 23} & set(hours.tolist())
+
+
+def test_pictures_have_their_values_where_they_are():
+    """Bright points are brighter; what lies in no grid is left out."""
+    cell = np.array([[0, 0], [0, 1], [1, 0], [1, 1], [-1, -1]])
+    nothing = np.zeros((5, 3))
+    sensors = Sensors(nothing, nothing, np.zeros(5, int), cell, np.ones(5, bool), ("room",), (0.5,))
+    values = np.array([1.0, 1.0, 100.0, 100.0, 1e9])
+    pixels = plan_picture(sensors, values, Quantity("illuminance", "lx")).astype(int)
+    upper, lower = pixels[50:60, 20:60].mean(), pixels[140:150, 20:60].mean()
+    assert lower > upper
+    day = by_day_and_hour(np.array([5.0, 500.0]), np.array([12, 364 * HOURS + 12]))
+    assert (day[12, 0], day[12, 364], np.count_nonzero(day)) == (5.0, 500.0, 2)
+    assert heat_map(day, "room", Quantity("illuminance", "lx")).ndim == 3
