@@ -275,7 +275,8 @@ def pace(bench: Window, playing: bool) -> tuple[float, float, float, float]:
     bench.session.picture_shown.connect(drawn.append)
     player, view = bench.window.time.player, bench.window.desk.viewport
     turning = QTimer()
-    turning.timeout.connect(lambda: (view._hand.drag(_TURN, 0.0, False), view.send_camera()))
+    turning.timeout.connect(lambda: view._hand.drag(_TURN, 0.0, False))
+    turning.timeout.connect(view.send_camera)
     if playing:
         bench.window.time.go_to(_MORNING)
         bench.still()
