@@ -1,5 +1,6 @@
 """Windows that nobody sees, on Qt's platform `offscreen`: no display is needed."""
 
+import gc
 import os
 
 import pytest
@@ -33,6 +34,13 @@ def days_found_once():
     day_scout.day_of = day_of_once
     yield
     day_scout.day_of = day_of
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _frees_qt_objects_here():
+    """Garbage of a file is freed on Qt's thread: tests of other files collect on any."""
+    yield
+    gc.collect()
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """A window as its user meets it: what tests of the application share."""
 
+import gc
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -167,3 +168,6 @@ class WindowDriver:
         self.window.deleteLater()
         self.session.deleteLater()
         QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        # The rest is freed here, on Qt's thread: later the collector may run on any other.
+        vars(self).clear()
+        gc.collect()

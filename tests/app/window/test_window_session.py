@@ -341,5 +341,5 @@ def test_safe_mode_from_the_start_runs_what_is_needed(qtbot, tmp_path):
         "dynamic_skylight", "scene", "sky_sum",
     }  # fmt: skip
     assert not driver.window.actions_by_name["undo"].isEnabled()
-    driver.close()
     assert msgspec.structs.asdict(driver.project)["slots"]["sky"] == ("dynamic_skylight")
+    driver.close()

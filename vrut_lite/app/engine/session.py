@@ -233,6 +233,8 @@ class Session(QObject):
         elif kind == engine.ENDED:
             self._has_ended = True
             self._begin_to_end()
+            # Also of a session that nobody joins, as one whose host could not be opened.
+            self._garbage.stop()
             self.ended.emit()
         else:
             self._take_answer(*value)
