@@ -3,9 +3,8 @@
 The frame leaves both out and lets them cast shadows all the same. Here rays from the eye go on
 behind what they pass until they meet what is seen; all that follows is another integrator's. Where
 a section opens a body, whose inside no light reaches, its wall has the light of its outside, as in
-the frame: such a ray is turned round behind the wall. In
-scalar variants Python is called for each ray, so that backs are passed in llvm alone; what is cut
-off is passed in both.
+the frame: such a ray is turned round behind the wall. In scalar variants Python is called for each
+ray, so that backs are passed in llvm alone; what is cut off is passed in both.
 """
 
 from typing import Any, NamedTuple
@@ -108,20 +107,18 @@ def _eye_rays(mi: Any) -> Any:
             return unseen
 
         def _is_body(self, si: Any, asked: Any) -> Any:
+            asked = asked & (_is_one_of(mi, si, self.ground) == mi.Bool(False))
+            # Without a mask, the attribute of no shape is looked up at address 0.
             if mi.variant().startswith("scalar") and not asked:
-                return False
-            ground = _is_one_of(mi, si, self.ground)
-            asked = asked & (ground == mi.Bool(False))
-            if mi.variant().startswith("scalar") and not asked:
-                return False
+                return asked
             return asked & (si.shape.eval_attribute_1(IS_BODY, si, asked) > 0.5)
 
         def _turn(self, scene: Any, ray: Any, place: Any, in_opening: Any) -> None:
             """Let rays begin at their places; in an opened body behind its wall, backwards."""
             ray.o = place
             si = scene.ray_intersect(mi.Ray3f(ray), mi.RayFlags.Minimal, False, in_opening)
-            inside = in_opening & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
-            inside &= self._is_body(si, inside)
+            is_back = in_opening & si.is_valid() & (dr.dot(si.n, ray.d) > 0.0)
+            inside = self._is_body(si, is_back)
             ray.o = dr.select(inside, si.spawn_ray(ray.d).o, place)
             ray.d = dr.select(inside, -ray.d, ray.d)
 

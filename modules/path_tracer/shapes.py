@@ -107,6 +107,11 @@ class _Skin(NamedTuple):
         return colours is not None and colours_vary(colours)
 
     @property
+    def is_opaque(self) -> bool:
+        """Whether no light passes it."""
+        return self.material.alpha_mode == "OPAQUE" and not self.material.terms.transmits
+
+    @property
     def layer(self) -> int:
         """The layer of texture coordinates that its maps lie on; none of theirs if it has none."""
         base_colour = self.material.maps.get("base_colour")
@@ -182,7 +187,8 @@ def _mesh(
         emitter=emission(mitsuba, material, layer, _repeats(uv)) if glowing else None,
     )
     if bsdfs.is_cut:
-        made.add_attribute(IS_BODY, 1, in_bodies(mesh).astype(np.float32))
+        inside_is_dark = in_bodies(mesh) & skin.is_opaque
+        made.add_attribute(IS_BODY, 1, inside_is_dark.astype(np.float32))
     if colours is not None:
         painted = painted_vertices(material, layer, colours, model)
         made.add_attribute(VERTEX_COLOUR, painted.shape[1], painted.ravel())

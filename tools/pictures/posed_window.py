@@ -15,7 +15,7 @@ from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.presets import PresetStore
 from vrut_lite.app.window.main_window import MainWindow
-from vrut_lite.kernel.messages import SetClock
+from vrut_lite.kernel.messages import ClockMoved, SetClock
 from vrut_lite.project import Project
 
 # Of the window alone.
@@ -54,7 +54,10 @@ class PosedWindow:
         self.finish()
 
     def move_to(self, instant: datetime) -> None:
-        """Become the picture of another hour."""
+        """Become the picture of another hour; of the same one none is drawn anew."""
+        clock = self.session.last(ClockMoved)
+        if clock is not None and clock.instant == instant:
+            return
         self._shown = None
         self.session.send(SetClock(instant=instant))
         self.finish()

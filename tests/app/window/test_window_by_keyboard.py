@@ -49,7 +49,7 @@ def find(driver, text):
 
 def test_the_main_tasks_need_no_mouse(driver, tmp_path, monkeypatch):
     """Open a scene; choose place, date, hour and sky; set a setting; move the camera; export;
-    undo; compare two skies."""
+    undo; compare two skies; quit."""
     view = driver.window.desk.viewport
     monkeypatch.setattr(
         QFileDialog, "getOpenFileName", lambda *_: (str(SCENES / "spheres.glb"), "")
@@ -112,3 +112,7 @@ def test_the_main_tasks_need_no_mouse(driver, tmp_path, monkeypatch):
 
     press(driver, Qt.Key.Key_C)
     driver.until(driver.panel("compare").isVisible)
+
+    press(driver, Qt.Key.Key_Q, CONTROL)
+    driver.until(lambda: driver.session.has_ended)
+    assert not driver.window.isVisible()
