@@ -3,8 +3,9 @@
 pyrender draws meshes and the shadow map of a directional light, and reads back 8 bits; ours adds
 sky, air, light between surfaces and reflections, and reads back radiance and 8 bits. The sun moves
 before each whole frame, so that shadows and, where it is seen, the reflection are done anew; a film
-frame repeats the last. pyrender keeps nothing between frames: both stand beside the same figure.
-Its shadow map spans the ground too: its shadows are too coarse to be seen, and cheap to draw.
+frame repeats the last, on a processor with one sample a pixel and all that can be taken over.
+pyrender keeps nothing between frames: both stand beside the same figure. Its shadow map spans the
+ground too: its shadows are too coarse to be seen, and cheap to draw.
 """
 
 from collections.abc import Callable

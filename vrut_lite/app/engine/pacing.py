@@ -11,6 +11,10 @@ SCALES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)
 _SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.5
 _REST_SHARE = 0.3
 _MEMORY = 0.5
+_SLOWER = 2.0
+# Share of the time that triangles and calls take, whatever the size. Without it a small picture
+# would count as slow, and stay small.
+_WITHOUT_PIXELS = 0.2
 
 # A finished picture, one that is drawn anew, and one that takes much over from the one before.
 Kind = Literal["still", "anew", "taken over"]
@@ -30,7 +34,7 @@ class Pacing:
     def quick_scale(self, kind: Kind = "anew") -> float:
         """The largest scale at which a picture is expected in time, or the smallest that is."""
         full_s = self._full_s.get(kind, self._expected_s)
-        return next((s for s in SCALES if full_s * s * s <= QUICK_S), SCALES[-1])
+        return next((s for s in SCALES if full_s * _share_of_time(s) <= QUICK_S), SCALES[-1])
 
     def rest_s(self) -> float:
         """Seconds without a change before the finished picture begins."""
@@ -39,9 +43,15 @@ class Pacing:
 
     def drew(self, scale: float, seconds: float, kind: Kind = "anew") -> None:
         """Learn from the time of a picture of this scale."""
-        full_s = seconds / scale**2
-        known_s = self._full_s.get(kind, full_s)
+        full_s = seconds / _share_of_time(scale)
+        # A far quicker picture is believed: the one before compiled shaders.
+        known_s = min(self._full_s.get(kind, full_s), _SLOWER * full_s)
         self._full_s[kind] = (1.0 - _MEMORY) * known_s + _MEMORY * full_s
+
+
+def _share_of_time(scale: float) -> float:
+    """The time of a picture of this scale, of one of full size."""
+    return _WITHOUT_PIXELS + (1.0 - _WITHOUT_PIXELS) * scale**2
 
 
 def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:
