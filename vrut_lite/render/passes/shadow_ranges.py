@@ -33,6 +33,8 @@ class ShadowRanges:
         # All levels side by side: software renderers are slow at fetching from a level.
         self.texture = _ranges(context, 2 * cells, cells)
         self._buffer = context.framebuffer([self.texture])
+        # Looked up before the first sun too, whose light of zero no garbage may multiply.
+        self._buffer.clear(0.0, 1.0)
 
     def update(self, depths: Any) -> None:
         """Follow a depth texture (size, size)."""
