@@ -7,14 +7,12 @@ min-max shadow maps").
 
 from typing import Any
 
-from vrut_lite.render.shader_files import defined, shader_source
-from vrut_lite.render.unlocked import run_compute
+from vrut_lite.render.passes.full_screen import FullScreen
 
 # Texels along a cell of the first level; sun_shadow.glsl has it and the last level too.
 _FIRST_CELL = 8
 # Of the coarsest level, 256 texels wide: no penumbra is followed farther than half of it.
 LEVELS = 6
-_GROUP = 8
 
 
 class ShadowRanges:
@@ -25,41 +23,52 @@ class ShadowRanges:
 
     def __init__(self, context: Any, size: int):
         self._context = context
-        source = shader_source("shadow_ranges.comp")
         self._first, self._wider, self._corners = (
-            context.compute_shader(defined(source, dict.fromkeys(names, 1)))
-            for names in (["FIRST"], [], ["CORNERS"])
+            FullScreen(context, "shadow_ranges.frag", names)
+            for names in (("FIRST",), (), ("CORNERS",))
         )
         cells = size // _FIRST_CELL
-        self._cells = context.texture((cells, cells), 2, dtype="f4")
-        self._cells.build_mipmaps()
+        self._cells = [_ranges(context, cells >> level, cells >> level) for level in range(LEVELS)]
+        self._buffers = [context.framebuffer([texture]) for texture in self._cells]
         # All levels side by side: software renderers are slow at fetching from a level.
-        self.texture = context.texture((2 * cells, cells), 2, dtype="f4")
-        self.texture.filter = (context.NEAREST, context.NEAREST)
+        self.texture = _ranges(context, 2 * cells, cells)
+        self._buffer = context.framebuffer([self.texture])
+        # Looked up before the first sun too, whose light of zero no garbage may multiply.
+        self._buffer.clear(0.0, 1.0)
 
     def update(self, depths: Any) -> None:
         """Follow a depth texture (size, size)."""
+        context = self._context
+        context.disable(context.DEPTH_TEST | context.CULL_FACE | context.BLEND)
         compared = depths.compare_func
         depths.compare_func = ""
         depths.use(location=0)
-        self._run(self._first, self._cells, 0, 0)
+        self._buffers[0].use()
+        self._first.draw()
         depths.compare_func = compared
-        self._cells.use(location=0)
-        for level in range(1, LEVELS):
-            self._wider["level"].value = level - 1
-            self._run(self._wider, self._cells, level, level)
-        for level in range(LEVELS):
-            self._corners["level"].value = level
-            self._corners["left"].value = 2 * (self._cells.size[0] - (self._cells.size[0] >> level))
-            self._run(self._corners, self.texture, 0, level)
+        left = 0
+        for finer, texture, buffer in zip(
+            [None, *self._cells[:-1]], self._cells, self._buffers, strict=True
+        ):
+            if finer is not None:
+                finer.use(location=0)
+                buffer.use()
+                self._wider.draw()
+            texture.use(location=0)
+            self._buffer.viewport = (left, 0, *texture.size)
+            self._buffer.use()
+            self._corners.draw()
+            left += texture.size[0]
 
     def release(self) -> None:
-        """Free everything."""
-        for thing in (self.texture, self._cells, self._first, self._wider, self._corners):
+        """Free everything; another framebuffer must be bound."""
+        for thing in (*self._buffers, self._buffer, *self._cells, self.texture, self._first,
+                      self._wider, self._corners):  # fmt: skip
             thing.release()
 
-    def _run(self, program: Any, into: Any, into_level: int, level: int) -> None:
-        into.bind_to_image(0, read=False, write=True, level=into_level)
-        groups = -(-(self._cells.size[0] >> level) // _GROUP)
-        run_compute(program, groups, groups, 1)
-        self._context.memory_barrier()
+
+def _ranges(context: Any, width: int, height: int) -> Any:
+    texture = context.texture((width, height), 2, dtype="f4")
+    texture.filter = (context.NEAREST, context.NEAREST)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
