@@ -32,7 +32,7 @@ def run(command, *arguments):
 
 def tolerance_said(text):
     options = {"at": None, "place": None, "north_offset_deg": None, "sky_module": None,
-               "assignments": (), "tolerance": text, "optical_depth_550": None,
+               "weather": None, "assignments": (), "tolerance": text, "optical_depth_550": None,
                "turbidity": None, "aerosol": None, "humidity_percent": None}  # fmt: skip
     return with_options(Project(), options).tolerance
 

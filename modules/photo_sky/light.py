@@ -113,10 +113,6 @@ class PhotoLight(Sky):
         cube[texel_directions(_LIGHT_SIZE)[..., 1] <= 0.0] = self._ground_rgb
         return irradiance_coefficients(cube)
 
-    def on_scene(self) -> object:
-        """The photograph alone: the clock's sun changes nothing."""
-        return self
-
     def unseen(self, hour: Hour, quality: object) -> Unseen:
         """No move of the clock's sun is seen."""
         return Unseen(sun_rad=np.inf, eye_m=np.inf)

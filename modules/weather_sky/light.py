@@ -64,7 +64,6 @@ class WeatherLight(Sky):
         directions = texel_directions(size)
         cube = np.empty(directions.shape, dtype=np.float32)
         cube[:] = self._ground_rgb
-        # A row of texels at a time would gain nothing: the lower face alone is left out.
         above = directions[..., 1] > 0.0
         cube[above] = self.radiance(directions[above])
         return Background(cube, self._ground_rgb)

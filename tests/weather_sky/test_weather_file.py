@@ -119,7 +119,6 @@ BROKEN = {
     "bad place": (lambda t: t.replace(",50.1,", ",north,", 1), "cannot read the weather file"),
     "beyond the pole": (lambda t: t.replace(",50.1,", ",95,", 1), "latitude_deg of weather"),
     "a day short": (lambda t: "\n".join(t.splitlines()[:-24]), "has 8,736 rows"),
-    "half hours": (lambda t: t + "\n".join(t.splitlines()[HEAD:]), "has 17,520 rows"),
     "an hour twice": (
         lambda t: t.replace("2023,3,5,7,", "2023,3,5,8,", 1),
         "another hour in row 1519 than month 3, day 5, hour 7",
