@@ -172,7 +172,7 @@ def test_only_what_changed_is_uploaded(backend, boxes):
         _, done, skipped = counts(backend, draw)
         return done["upload"], skipped["upload: unchanged"]
 
-    # Scene and background; light map, its light, air, clouds and their light, stars and moon are none still.
+    # Scene and background; light map and light, air, clouds and light, stars, moon: none still.
     assert uploads(lambda: look(backend, *view)) == (2, 7)
     assert uploads(backend.draw) == (0, 9)
     assert uploads(lambda: look(backend, (3.0, 3.0, 2.0), view[1])) == (0, 9)
