@@ -129,7 +129,7 @@ class NightSky(Module):
             self._post(msgspec.structs.replace(disc, sun_left_rgb=left))
         if self.link.wanted(StarsChanged) is None:
             self.ledger.skip("stars: unwanted")
-        elif by_day or not self.settings.stars:
+        elif by_day or not self.settings.show_stars:
             self.ledger.skip("stars: by day, or off")
             self._post(_no_stars())
         else:

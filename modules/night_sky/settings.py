@@ -19,7 +19,7 @@ class NightSkySettings(msgspec.Struct, frozen=True):
     night: Annotated[
         bool, setting("Moon, stars and the sky's own glow; without them the night is one grey")
     ] = True
-    stars: Annotated[bool, setting("Draw stars and planets, as points of light")] = True
+    show_stars: Annotated[bool, setting("Draw stars and planets, as points of light")] = True
     zenith_magnitude: Annotated[
         float,
         setting(

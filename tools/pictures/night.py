@@ -2,10 +2,11 @@
 
     python -m tools.pictures.night FOLDER
 
-Writes night.webp.
+Writes night.webp and night_illuminance.png.
 """
 
 import sys
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,13 @@ from night_sky.sky_axes import watch
 from PIL import Image
 
 from tools.pictures.drawing import Captioned, scene_project, sheet, shots
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky_light import SkyLightChanged
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.kernel.bus import Kernel
+from vrut_lite.kernel.messages import ChooseSlot, SetClock
 from vrut_lite.project import CameraView, Exposure, Project, parse_place
 
 WIDTH_PX = 1400
@@ -36,6 +44,11 @@ PHASES = {
     "2026-02-09T05:00": 11.0,
     "2026-02-12T06:15": 9.0,
 }
+# Noon before a full moon, a half moon, midsummer, no moon.
+DAYS = [
+    datetime(2026, month, day, 12, tzinfo=UTC)
+    for month, day in ((1, 3), (3, 26), (6, 14), (10, 10))
+]
 # Light between surfaces adds little by night, and takes long.
 OPEN_SKY = {"light_transport": {"on": False}}
 _EYE_M = (0.0, 60.0, 0.0)
@@ -67,7 +80,7 @@ def orion_and_eclipse() -> list[Captioned]:
     )  # fmt: skip
     (taken,) = shots(stars, [stars.at])
     west = CameraView(
-        eye_m=(14.0, 1.6, 2.0), target_m=(-15.0, 6.0, -3.6), vertical_field_of_view_deg=60.0
+        eye_m=(10.0, 1.6, 3.5), target_m=(-15.0, 6.5, -2.0), vertical_field_of_view_deg=60.0
     )
     total = scene_project(
         "pavilion.gltf",
@@ -87,7 +100,7 @@ def orion_and_eclipse() -> list[Captioned]:
 def moons() -> list[Captioned]:
     """The moon through a long lens, the right way up for Prague, and the eclipsed sun."""
     pictures = [_aimed(PRAGUE, at, Exposure(mode="manual", ev100=ev)) for at, ev in PHASES.items()]
-    return [*pictures, _aimed(BURGOS, "2026-08-12T20:21", Exposure(mode="manual", ev100=22.0))]
+    return [*pictures, _aimed(BURGOS, "2026-08-12T20:21", Exposure(mode="manual", ev100=27.5))]
 
 
 def _aimed(place: str, at: str, exposure: Exposure) -> Captioned:
@@ -110,8 +123,44 @@ def _aimed(place: str, at: str, exposure: Exposure) -> Captioned:
     return f"{at[5:10]}, {moon.lit_fraction:.0%} lit", taken.picture.display
 
 
+def illuminance(path: Path) -> None:
+    """Level ground over 24 hours of four days, by both skies."""
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, 4, figsize=(14.0, 3.2), sharey=True)
+    for sky, line in (("dynamic_skylight", "k-"), ("bruneton_sky", "b--")):
+        kernel, _ = daylight_kernel()
+        kernel.inject(ChooseSlot(slot="sky", module=sky))
+        kernel.inject(SetPlace(latitude_deg=50.0755, longitude_deg=14.4378))
+        demand_light(kernel, "figure", 16)
+        for panel, day in zip(axes, DAYS, strict=True):
+            hours = np.arange(0.0, 24.01, 1.0 / 6.0)
+            lux = [_lux(kernel, day + timedelta(hours=hour)) for hour in hours]
+            panel.semilogy(hours + 12.0, lux, line, lw=1.0)
+            panel.set_title(f"{day:%d %B %Y}", fontsize=9)
+            panel.set_xlabel("UTC from noon to noon, h", fontsize=8)
+            panel.set_xticks(range(12, 37, 4))
+            panel.grid(alpha=0.3)
+        kernel.close()
+    axes[0].set_ylabel("lx", fontsize=9)
+    figure.tight_layout()
+    figure.savefig(path, dpi=70)
+
+
+def _lux(kernel: Kernel, instant: datetime) -> float:
+    kernel.inject(SetClock(instant=instant))
+    kernel.pump_until_idle()
+    light = kernel.last(SkyLightChanged)
+    assert light is not None
+    key = light.key_light
+    sky = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, (0.0, 1.0, 0.0))
+    lit = np.asarray(key.irradiance_rgb) * max(key.direction[1], 0.0) + sky
+    return float(luminance(lit)) * LUMENS_PER_WATT
+
+
 def main(folder: str) -> None:
-    """Draw the sheet."""
+    """Draw figure and sheet."""
+    illuminance(Path(folder) / "night_illuminance.png")
     rows = [sheet(street(), 5), sheet(orion_and_eclipse(), 2), sheet(moons(), 8)]
     paper = Image.new("RGB", (WIDTH_PX, sum(row.height for row in rows)))
     top = 0
