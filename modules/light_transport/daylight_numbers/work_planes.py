@@ -19,7 +19,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 HEIGHT_M, STEP_M = 0.85, 0.5
 # EN 17037 leaves out what lies so near a wall.
 BORDER_M = 0.5
-MOST_POINTS = 2_000
+MOST_POINTS = 1_000
 _HEAD_ROOM_M = 1.9
 _SAME_FLOOR_M = 0.05
 _LEAST_AREA_M2 = 2.0
