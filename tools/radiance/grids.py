@@ -116,18 +116,18 @@ class Baked:
         quality = quality_for(DEFAULT_TOLERANCE)
         self.surfaces: Surfaces = surfaces_of(scene)
         layout = lay_out(scene, self.surfaces, None, quality.texels)
-        self._bake = Bake(self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
-        self._bake.add_rays(quality.rays)
+        self.bake = Bake(self.surfaces, layout, 2, quality.patch_texels, quality.bounces_left)
+        self.bake.add_rays(quality.rays)
 
     def at_points(self, places_m: FloatArray, hour: Hour, effort: Effort) -> Compared:
         """Upwards at points: by rays of their own, which end on the light map's patches."""
         up = np.tile([0.0, 1.0, 0.0], (len(places_m), 1))
-        ours = light_at(self._bake, places_m, up, hour, effort.rays).irradiance_rgb
+        ours = light_at(self.bake, places_m, up, hour, effort.rays).irradiance_rgb
         return self._compared(ours, places_m, up, hour, effort)
 
     def on_texels(self, grid: Grid, count: int, hour: Hour, effort: Effort) -> Compared:
         """Some texels below a grid that face up, not within bodies, as the frame shows them."""
-        bake, surfaces = self._bake, self.surfaces
+        bake, surfaces = self.bake, self.surfaces
         texels = bake.texels
         normals = texels.normal.astype(float)
         places_m = texels.place * surfaces.radius_m + surfaces.centre_m + _CLEARANCE_M * normals

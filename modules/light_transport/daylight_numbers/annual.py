@@ -5,6 +5,7 @@ the suns of every few days and interpolated from day to day at the same hour; th
 a ray for each sensor and hour.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -76,10 +77,11 @@ def year_matrices(work: Work, light: YearLight, go_on: GoOn = always) -> YearMat
     assert bake.patches is not None
     reflectance = bake.patches.reflectance_rgb.copy()
     reflectance[bake.patches.on_ground] = light.ground_albedo_rgb
-    by_sky = _in_threads(bake, _sent_by_cells(bake).T, reflectance, go_on)
+    by_sky = _in_threads(bake, list(_sent_by_cells(bake).T), reflectance, go_on)
     near, share, chosen = _solved_suns(light)
-    shares = [_sunlit(bake, light.sun_direction[n]) for n in chosen]
-    by_sun = _in_threads(bake, np.stack(shares) if shares else np.empty((0, 0)), reflectance, go_on)
+    with ThreadPoolExecutor(bake.threads) as pool:
+        shares = list(pool.map(lambda n: _sunlit(bake, light.sun_direction[n]), chosen))
+    by_sun = _in_threads(bake, shares, reflectance, go_on)
     halves = work.operator.halves
     sky = tuple(_sky_matrix(half, by_sky) for half in halves)
     suns = tuple(_brought(half, by_sun) for half in halves)
@@ -135,9 +137,9 @@ def _sent_by_cells(bake: Bake) -> FloatArray:
 
 
 def _in_threads(
-    bake: Bake, direct: FloatArray, reflectance: Float32Array, go_on: GoOn
+    bake: Bake, direct: Sequence[FloatArray | Float32Array], reflectance: Float32Array, go_on: GoOn
 ) -> Float32Array:
-    """Radiosity (3, M, L) of patches by each of some direct irradiances (L, M), alike in colour."""
+    """Radiosity (3, M, L) of patches by each of some direct irradiances (M,), alike in colour."""
     assert bake.patches is not None
     exchange, nothing = bake.finished.exchange, np.zeros_like(reflectance)
     out = np.zeros((3, len(reflectance), len(direct)), np.float32)

@@ -32,7 +32,7 @@ from vrut_lite.project import project_of_path
     type=FiniteRange(0.01, 100.0),
     default=0.5,
     show_default=True,
-    help="Edge of a grid's cells, in metres; wider where there would be more than 2,000 points.",
+    help="Edge of a grid's cells, in metres; wider where there would be more than 1,000 points.",
 )
 @click.option(
     "--height",

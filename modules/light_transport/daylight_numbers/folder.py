@@ -9,6 +9,7 @@ import numpy as np
 from light_transport.daylight_numbers.cie_skies import TITLES, CieSky, cie_hour
 from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors, sky_view
 from light_transport.daylight_numbers.opened_scene import OpenedScene
+from light_transport.daylight_numbers.patch_error import patch_error
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
 from light_transport.daylight_numbers.report import Page, Table, write_report
 from light_transport.daylight_numbers.sensors import Sensors
@@ -55,7 +56,10 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
             path = folder / f"{name}.png"
             write_png(path, plan_picture(work.sensors, numbers[name], quantity))
             pictures[path] = f"{quantity.title.capitalize()} ({quantity.unit}), north (-z) up"
-    method = _method(work, asked)
+    overcast = cie_hour(asked.cie_sky, asked.ground_albedo)
+    factor = numbers["daylight_factor_percent"]
+    moved = patch_error(opened.scene, work, asked.tolerance, overcast, factor)
+    method = _method(work, asked, moved)
     if asked.year:
         found = year_pages(folder, work, opened, lambda steps, count: tracked(steps, "year", count))
         numbers |= found.columns
@@ -131,7 +135,7 @@ def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _method(work: Work, asked: Asked) -> list[str]:
+def _method(work: Work, asked: Asked, moved: float) -> list[str]:
     bake = work.bake
     assert bake.patches is not None
     step = max(work.sensors.step_m)
@@ -146,7 +150,8 @@ def _method(work: Work, asked: Asked) -> list[str]:
         f"{work.operator.rays:,.0f} rays from each sensor in two halves; after ± stands a sensor's "
         "standard error (rms) by the difference of the halves.",
         f"Bounces between {len(bake.patches.area):,} patches of Lambert's surfaces, "
-        f"{bake.rays} rays from each of {len(bake.texels.pixel):,} texels (docs/light.md).",
+        f"{bake.rays} rays from each of {len(bake.texels.pixel):,} texels (docs/light.md). "
+        f"Patches twice as wide move daylight factors by {moved:.1%} of their mean, rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
         "Lamps are off. Blinds, mirrors' images of the sun and glare are not computed.",

@@ -20,8 +20,8 @@ from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.errors import UserError
 
 _MOST_THREADS = 4
-# Texels of the coarser bake that tells what patches err by, as a share.
-_COARSER = 0.25
+# Of the tolerance of radiance, for rays of sensors: 1 % at its default.
+RAYS_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,5 +78,5 @@ def work_of(
         bounds = np.asarray(scene.lower_m), np.asarray(scene.upper_m)
         sensors = work_planes(bake, *bounds, sensors.height_m, sensors.step_m)
     glass = glass_of(scene, surfaces_of(scene))
-    operator = operator_of(bake, glass, sensors, tolerance, bake.threads, go_on)
+    operator = operator_of(bake, glass, sensors, RAYS_SHARE * tolerance, bake.threads, go_on)
     return Work(bake, glass, sensors, operator)

@@ -19,7 +19,7 @@ from vrut_lite.numeric_types import BoolArray, FloatArray
 HEIGHT_M, STEP_M = 0.85, 0.5
 # EN 17037 leaves out what lies so near a wall.
 BORDER_M = 0.5
-MOST_POINTS = 2_000
+MOST_POINTS = 1_000
 _HEAD_ROOM_M = 1.9
 _SAME_FLOOR_M = 0.05
 _LEAST_AREA_M2 = 2.0
@@ -33,7 +33,7 @@ _AROUND = 16
 _LEAST_OPEN = 0.75
 _SINES = (0.15, 0.4, 0.65, 0.9)
 # What has a roof and sees more sky, an awning or an arcade, is no room.
-_MOST_SKY_OF_A_ROOM = 0.25
+_MOST_SKY_OF_A_ROOM = 0.15
 # The finding of floors looks at so many places at least along the longer side.
 _COARSE = 64
 
@@ -85,7 +85,7 @@ def work_planes(
     coarse = max(step_m, float(max(extent[0], extent[2])) / _COARSE)
     heights, has_roof = _floors(look, lower_m, upper_m, coarse)
     for roofed in (True, False):
-        floors = _levels(heights[has_roof] if roofed else heights, coarse)
+        floors = _levels(heights[has_roof], coarse) if roofed else _levels(heights, coarse)[:1]
         made = _grids(look, lower_m, upper_m, floors, roofed, height_m, step_m)
         step = step_m
         while made is not None and len(made) > MOST_POINTS:
