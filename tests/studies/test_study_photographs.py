@@ -128,8 +128,9 @@ def test_a_photograph_of_cut_range_shows_less_contrast():
 
 
 def test_another_phase_function_is_told_from_the_modules_own():
-    """A sky made with g = 0.6 is fitted within its noise of 0.0043 by 0.6, not by 0.8."""
-    sky = bruneton_with(mie_g=0.6)
+    """A sky of one lobe with g = 0.8 is fitted within its noise of 0.0043 by that lobe, not by the
+    module's own air."""
+    sky = bruneton_with(mie_g=0.8)
     pixels = pixels_of(photograph(sky, 3.0, HIGH_SUN), _high_sky())
     assert fit(pixels, sky, 3.0, HIGH_SUN).rms_log10 < 0.006
     assert fit(pixels, bruneton, 3.0, HIGH_SUN).rms_log10 > 0.03

@@ -119,7 +119,7 @@ def test_presets_of_the_panel_are_kept_used_and_forgotten(driver):
     menu_entry(panel, "hazy").trigger()
     driver.settled()
     values = driver.asked(lambda stage: stage.kernel.seats["dynamic_skylight"].settings)
-    assert (values.turbidity, values.albedo, values.sun_colour) == (6.0, 0.5, "disc")
+    assert (values.turbidity, values.albedo, values.sun_colour) == (6.0, 0.5, "air")
     menu_entry(panel, "Forget", "hazy").trigger()
     panel.fill_presets()
     assert "hazy" not in [action.text() for action in panel.preset_menu.actions()]
