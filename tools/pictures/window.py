@@ -45,7 +45,7 @@ PAVILION = scene_project(
 )
 # From 45 minutes before sunrise to 45 after sunset in Prague.
 DAY = scene_project("pavilion.gltf", at="2026-06-21T04:07")
-_DAY_LASTS, _FRAMES, _FRAME_MS = timedelta(hours=17, minutes=53), 24, 250
+_DAY_LASTS, _FRAMES, _FRAME_MS = timedelta(hours=17, minutes=53), 18, 333
 # Where docks are to be seen whole; of the film as it is drawn, and as it is kept.
 _LARGE, _FILM_DRAWN, _FILM = (1600, 1000), (1064, 700), (760, 500)
 _TRACED_PATHS, _SHOWN_PATHS = 32, 16
