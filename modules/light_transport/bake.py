@@ -49,6 +49,8 @@ class Bake(RayScene):
         """
         super().__init__(surfaces, layout, bounces_left, threads, tree)
         self.patch_texels = patch_texels
+        # Of the round that tells which rows are patched.
+        self.first_rays = 0
         self._finished: Finished | None = None
 
     @property
@@ -116,6 +118,7 @@ class Bake(RayScene):
         self._finished = None
 
     def _make_patches(self, table: Rows, rays: int) -> None:
+        self.first_rays = rays
         good = are_good(table, rays)
         self.patches = patches_of(
             self.surfaces, self.receivers, self.links, self.seams, good, self.patch_texels

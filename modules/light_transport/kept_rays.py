@@ -1,8 +1,8 @@
 """Rays kept on disk: a scene that is opened again has its light at once.
 
 A table of rays follows from where triangles lie and how map and patches are laid out: neither
-colours nor the hour are in it. It is kept after each round, under a digest of these, of the number
-of rays and of this package's own code. So a round gives the same table whether it was kept or not,
+colours nor the hour are in it. It is kept after each round, under a digest of these, of the numbers
+of rays (those of the first round decide on the patches) and of this package's own code. So a round gives the same table whether it was kept or not,
 and a replay the same messages.
 """
 
@@ -24,7 +24,8 @@ _LIMIT_BYTES = 2 << 30
 def add_kept_rays(bake: Bake, count: int, is_cancelled: Callable[[], bool]) -> bool:
     """As `Bake.add_rays`, but kept rays are read instead of traced."""
     cache = ArrayCache.of_user("light_maps", _LIMIT_BYTES)
-    recipe = (_code_digest(), bake.geometry_digest, bake.patch_texels, bake.rays + count)
+    rays = bake.first_rays or count, bake.rays + count
+    recipe = (_code_digest(), bake.geometry_digest, bake.patch_texels, *rays)
     arrays = cache.get(recipe)
     if arrays is not None and _fits(arrays, bake):
         bake.take_rays(Rows(0, **arrays), count)

@@ -1,8 +1,11 @@
 """Rays kept on disk: the same light, sooner."""
 
+import numpy as np
 import pytest
+from boxes import box, floor, hour, quads
 from light_stage import COARSE, WANT, LightStage, Shine, Show, box_file, lights
 from light_transport.bake import Bake
+from light_transport.kept_rays import add_kept_rays
 
 NOON = Shine(radiance=1.0, irradiance=3.0)
 
@@ -56,6 +59,27 @@ def test_another_shape_needs_its_own_rays(scene, traced, tmp_path):
     light_of(scene)
     light_of(Show(path=str(box_file(tmp_path, "larger.obj", boxes=((0.0, 2.5),)))))
     assert traced == [64, 64, 64, 64]
+
+
+def test_rays_after_another_first_round_have_other_patches(traced):
+    """The first round tells which texels lie inside bodies, and so what patches are: rays that end
+    on the patches of other rounds are not taken, even where all rounds together are as many."""
+    scene = quads(*box((0, -0.5, 0), (1, 0.5, 1)), floor(-2, 3, -2, 3), texels=16)
+    now = hour(2.0, irradiance=50.0, key=(0.5, 0.6, 0.3))
+
+    def light_after(add, *rounds):
+        bake = Bake(*scene)
+        for count in rounds:
+            assert add(bake, count)
+        return bake.light(now).texels
+
+    def add_or_read(bake, count):
+        return add_kept_rays(bake, count, lambda: False)
+
+    light_after(add_or_read, 16, 48)
+    kept = light_after(add_or_read, 48, 16)
+    assert traced == [16, 48, 48, 16]
+    np.testing.assert_array_equal(kept, light_after(Bake.add_rays, 48, 16))
 
 
 def test_damaged_files_are_traced_again(scene, traced, tmp_path):
