@@ -402,5 +402,5 @@ def test_bootstrap_asks_for_a_purpose(machine):
     """A wrong argument prints the usage, exits with 2 and makes nothing."""
     done = machine.shell("tools/bootstrap.sh")
     assert done.returncode == 2
-    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test|lint|long\n"
+    assert done.stderr == "vrut_lite: usage: tools/bootstrap.sh run|test|lint|long|docs\n"
     assert not (machine.root / ".venv").exists()

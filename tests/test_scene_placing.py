@@ -103,7 +103,7 @@ def test_the_command_line_says_axis_and_unit(sheet, tmp_path, monkeypatch, capsy
          "--metres-per-unit", "0.01"],
     )  # fmt: skip
     cli.main()
-    assert "vrut-lite: l statement of the OBJ: not drawn" in capsys.readouterr().err
+    assert "vrut-lite: points or lines: one pixel wide" in capsys.readouterr().err
     monkeypatch.setattr(sys, "argv", ["vrut-lite", "dump", str(journal)])
     cli.main()
     said = capsys.readouterr().out

@@ -20,6 +20,8 @@ PACKAGES = {
     "light_transport": ROOT / "modules" / "light_transport",
     "path_tracer": ROOT / "modules" / "path_tracer",
     "night_sky": ROOT / "modules" / "night_sky",
+    "photo_sky": ROOT / "modules" / "photo_sky",
+    "weather_sky": ROOT / "modules" / "weather_sky",
     "zenoh_bridge": ROOT / "modules" / "zenoh_bridge",
     "vrut_lite_bench": ROOT / "benchmarks" / "vrut_lite_bench",
     "vrut_lite_studies": ROOT / "studies" / "vrut_lite_studies",

@@ -2,8 +2,8 @@
 
 A table of rays follows from where triangles lie and how map and patches are laid out: neither
 colours nor the hour are in it. It is kept after each round, under a digest of these, of the numbers
-of rays (those of the first round decide on the patches) and of this package's own code. So a round gives the same table whether it was kept or not,
-and a replay the same messages.
+of rays (those of the first round decide on the patches) and of this package's own code. So a round
+gives the same table whether it was kept or not, and a replay the same messages.
 """
 
 import hashlib

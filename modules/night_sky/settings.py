@@ -4,17 +4,18 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
+from vrut_lite.daylight.left_open import Preset
 from vrut_lite.kernel.settings import setting
 
 
 class NightSkySettings(msgspec.Struct, frozen=True):
     """What is in the sky when the sun is down."""
 
-    presets: ClassVar[dict[str, dict[str, object]]] = {
-        "Natural": {"zenith_magnitude": 22.0},
-        "Village": {"zenith_magnitude": 21.0},
-        "Suburb": {"zenith_magnitude": 19.5},
-        "Inner city": {"zenith_magnitude": 17.5},
+    presets: ClassVar[dict[str, Preset]] = {
+        "Natural": Preset("far from all towns, the Milky Way in full", {"zenith_magnitude": 22.0}),
+        "Village": Preset("some lamps, the Milky Way still seen", {"zenith_magnitude": 21.0}),
+        "Suburb": Preset("a grey sky with the brighter stars", {"zenith_magnitude": 19.5}),
+        "Inner city": Preset("a glowing sky, few stars", {"zenith_magnitude": 17.5}),
     }
     night: Annotated[
         bool, setting("Moon, stars and the sky's own glow; without them the night is one grey")

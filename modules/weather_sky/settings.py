@@ -4,6 +4,7 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
+from vrut_lite.daylight.left_open import Preset
 from vrut_lite.kernel.settings import setting
 from weather_sky.conditions import Kind
 
@@ -13,20 +14,28 @@ _OPEN = " None: the weather file's, or without one"
 class WeatherSettings(msgspec.Struct, frozen=True):
     """How light is spread over the sky, and how much there is."""
 
-    presets: ClassVar[dict[str, dict[str, object]]] = {
-        "Weather file": {
-            "distribution": "perez",
-            "direct_normal_w_m2": None,
-            "diffuse_horizontal_w_m2": None,
-            "dew_point_deg_c": None,
-        },
-        "Overcast": {"distribution": "cie-1"},
-        "Partly cloudy": {
-            "distribution": "perez",
-            "direct_normal_w_m2": 350.0,
-            "diffuse_horizontal_w_m2": 280.0,
-        },
-        "Clear": {"distribution": "cie-12"},
+    presets: ClassVar[dict[str, Preset]] = {
+        "Weather file": Preset(
+            "each hour as the weather file has it",
+            {
+                "distribution": "perez",
+                "direct_normal_w_m2": None,
+                "diffuse_horizontal_w_m2": None,
+                "dew_point_deg_c": None,
+            },
+        ),
+        "Overcast": Preset(
+            "CIE's overcast sky: three times as bright above as low down", {"distribution": "cie-1"}
+        ),
+        "Partly cloudy": Preset(
+            "a hazy sun between clouds, by Perez",
+            {
+                "distribution": "perez",
+                "direct_normal_w_m2": 350.0,
+                "diffuse_horizontal_w_m2": 280.0,
+            },
+        ),
+        "Clear": Preset("CIE's standard clear sky", {"distribution": "cie-12"}),
     }
     distribution: Annotated[
         Kind,

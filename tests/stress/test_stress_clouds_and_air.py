@@ -110,7 +110,7 @@ def test_the_day_skys_air_is_light(stress):
         reach = float(10.0 ** stress.within(1, -3.0, 8.0)[0])
         sun = (np.cos(elevation), np.sin(elevation), 0.0)
         day = Daylight(turbidity, 0.1, "disc", elevation, np.pi / 2, float(elevation > 0.0))
-        air_is_seen(turbidity, place, reach)
+        air_is_seen(day.air_haze, place, reach)
         volume = air_volume(day, sun, place, reach)
         for part in (volume.light, volume.extinction):
             assert_light(part.values, f"{turbidity} {elevation} {place} {reach}")

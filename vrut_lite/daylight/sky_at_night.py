@@ -18,6 +18,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_volume import light_of
 from vrut_lite.daylight.gpu_texture import GpuTexture
+from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight
 from vrut_lite.daylight.night_glow import glow_cube
 from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
@@ -56,9 +57,14 @@ def sun_is_gone(sun: SunMoved) -> bool:
     return math.degrees(sun.elevation_rad) < _SUN_GONE_DEG
 
 
-def key_body(sun: SunMoved, moon: MoonLight | None) -> Body:
-    """The body that casts shadows: the sun while any of its disc is up, else the moon."""
+def key_body(sun: SunMoved, moon: MoonLight | None, eye_height_m: float) -> Body:
+    """The body that casts shadows: the sun while any of its disc is up, else the moon.
+
+    An eye aloft, whose horizon lies lower, keeps the sun as long as it sees it.
+    """
     if sun.visible_disc_fraction > 0.0 or moon is None or moon.place.visible_disc_fraction == 0.0:
+        return "sun"
+    if sun.elevation_rad > -math.acos(PLANET_RADIUS_M / (PLANET_RADIUS_M + eye_height_m)):
         return "sun"
     return "moon"
 

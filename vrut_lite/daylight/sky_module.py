@@ -278,7 +278,7 @@ class SkyModule(Module):
             moon=moon if share > 0.0 else None,
             glow=night.glow_rgb,
             share=share,
-            key=key_body(hour.sun, moon),
+            key=key_body(hour.sun, moon, hour.eye_height_m),
             sunlit=not sun_is_gone(hour.sun),
             sun_left_rgb=night.sun_left_rgb,
         )

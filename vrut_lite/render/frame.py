@@ -332,7 +332,7 @@ class Frame:
             with self.measure("depth"):
                 self._meshes.draw_depth_of_solid(solid, view)
             with self.measure("reuse"):
-                self._reuse.begin(targets, view, state)
+                self._reuse.begin(targets, view, state, reflection.texture)
             with self.measure("mesh"):
                 draw_meshes(solid[::-1], blended=False)
             with self.measure("sky"):

@@ -110,15 +110,15 @@ def test_while_it_pauses_or_hides_nothing_is_watched(driver, inspector):
 
 
 def test_what_caused_a_message_is_drawn_from_its_input_on(driver, inspector):
-    """A new sky's cause is the sun, whose cause is the clock, whose cause is the user."""
+    """A new sky's cause is the hour's night light, whose cause is the clock, whose is the user."""
     set_clock(driver, 6)
     driver.until(lambda: "AmbientChanged" in types(inspector))
     rows = inspector.table.messages.shown
     inspector.table.go_to([r for r in rows if r.type_name == "BackgroundChanged"][-1].number)
     tree = tree_of(inspector.causes.topLevelItem(0))
     (clock,) = tree["SetClock"]
-    (sun,) = [branch for branch in clock["ClockMoved"] if "SunMoved" in branch]
-    assert [next(iter(branch)) for branch in sun["SunMoved"]][:3] == [
+    (night,) = [branch for branch in clock["ClockMoved"] if "NightLightChanged" in branch]
+    assert [next(iter(branch)) for branch in night["NightLightChanged"]][:3] == [
         "BackgroundChanged", "KeyLightChanged", "AmbientChanged",
     ]  # fmt: skip
     assert inspector.causes.currentItem().text(0) == "BackgroundChanged"

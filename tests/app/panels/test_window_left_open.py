@@ -168,12 +168,16 @@ def test_light_at_night_is_told_in_figures_or_words():
 
 
 def test_the_sun_panel_says_that_the_sun_is_down(driver):
-    """Instead of 0 lx."""
+    """Instead of 0 lx; where the moon gives the light, it is the moon's."""
     now = driver.window.desk.scout.day.start
     driver.session.send(SetClock(instant=now))
     sun = driver.until_heard(SunMoved, lambda m: m.elevation_rad < -0.2)
     assert phase_of(sun) != "day"
-    driver.until(lambda: "below the horizon" in driver.panel("sun").sunlight.text())
+    sunlight = driver.panel("sun").sunlight
+    driver.until(lambda: sunlight.text().startswith("moon, "))
+    driver.session.send(EnableModule(module="night_sky", enabled=False))
+    driver.until(lambda: "below the horizon" in sunlight.text())
+    driver.session.send(EnableModule(module="night_sky"))
 
 
 def test_a_saved_project_gives_its_name_to_the_window(driver, tmp_path):

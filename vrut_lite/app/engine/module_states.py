@@ -55,8 +55,9 @@ def states_of(stage: Stage) -> ModuleStates:
 
 
 def _holds_alone(manifest: Manifest) -> bool:
-    """Whether a module can fill a slot without any other module."""
-    return bool(manifest.provides) and manifest.stand_in and not manifest.requires
+    """Whether a module can give sun or sky without any other module."""
+    gives_light = bool({"sun", "sky"} & set(manifest.provides))
+    return gives_light and manifest.stand_in and not manifest.requires
 
 
 def into_safe_mode(states: ModuleStates) -> list[Input]:

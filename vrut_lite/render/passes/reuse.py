@@ -24,6 +24,7 @@ class _Before(NamedTuple):
     drawn: Drawn
     view: View
     state: SceneState
+    reflection: Any
 
 
 class Reuse:
@@ -35,18 +36,20 @@ class Reuse:
         self._before: _Before | None = None
         self._turn = 0
 
-    def begin(self, targets: MovingTargets, view: View, state: SceneState) -> None:
+    def begin(self, targets: MovingTargets, view: View, state: SceneState, reflection: Any) -> None:
         """Fill a target with what is taken over; `front` is drawn already.
 
         Depth is then such that surfaces and sky are drawn elsewhere alone. Of what is not solid
-        nothing is taken over.
+        nothing is taken over, and nothing at all when another `reflection` has been finished.
         """
         if self._screen is None:
             self._screen = FullScreen(self._context, "reuse.frag")
         before, drawn = self._before, targets.begin()
-        brighter = None if before is None else change_of_light(before.state, state)
+        brighter = None
+        if before is not None and before.reflection is reflection:
+            brighter = change_of_light(before.state, state)
         if before is None or brighter is None:
-            before, brighter = _Before(drawn, view, state), np.ones(3)
+            before, brighter = _Before(drawn, view, state, reflection), np.ones(3)
             self._screen.set("turn", -1.0)
         else:
             self._turn = (self._turn + _STEP) % _TURNS
@@ -65,7 +68,7 @@ class Reuse:
         GL.glDepthFunc(GL.GL_ALWAYS)
         self._screen.draw()
         GL.glDepthFunc(GL.GL_GREATER)
-        self._before = _Before(drawn, view, state)
+        self._before = _Before(drawn, view, state, reflection)
 
     def forget(self) -> None:
         """Take nothing over into the next picture."""
