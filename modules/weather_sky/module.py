@@ -28,11 +28,7 @@ class WeatherSky(SkyModule):
     """CIE's and Perez's skies, by a year of measurements or by settings."""
 
     manifest = Manifest(
-        name=NAME,
-        title="Sky of the weather",
-        version="0.1.0",
-        provides=("sun", "sky"),
-        stand_in=False,
+        name=NAME, title="Sky of the weather", version="0.1.0", provides=("sun", "sky")
     )
     settings_type = WeatherSettings
     settings: WeatherSettings

@@ -139,7 +139,7 @@ def test_a_sky_that_nobody_gives_is_told(driver):
     """All modules with a sky are off: the chooser names none, and a line says what to do."""
     panel = driver.panel("sky")
     assert panel.lack.isHidden()
-    modules = ("dynamic_skylight", "bruneton_sky")
+    modules = ("dynamic_skylight", "bruneton_sky", "weather_sky")
     driver.session.send(*(EnableModule(module=name, enabled=False) for name in modules))
     driver.until_heard(SlotChanged, lambda m: (m.name, m.holder) == ("sky", ""))
     driver.until(lambda: panel.choosers["sky"].currentIndex() == -1)

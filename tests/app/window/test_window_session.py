@@ -338,7 +338,7 @@ def test_safe_mode_from_the_start_runs_what_is_needed(qtbot, tmp_path):
     states = driver.asked(states_of)
     assert states.safe
     assert {m.name for m in states.modules.values() if m.state == "running"} == {
-        "dynamic_skylight", "scene", "sky_sum",
+        "dynamic_skylight", "weather_sky", "scene", "sky_sum",
     }  # fmt: skip
     assert not driver.window.actions_by_name["undo"].isEnabled()
     assert msgspec.structs.asdict(driver.project)["slots"]["sky"] == ("dynamic_skylight")
