@@ -37,6 +37,17 @@ def build_mipmaps(target: int, texture: Any) -> None:
     GL.glBindTexture(target, 0)
 
 
+def average_down_for_compute(texture: Any) -> None:
+    """Make a moderngl texture's mipmaps, and wait for them.
+
+    Mesa's llvmpipe lets a compute shader read levels that its own threads still draw.
+    """
+    from OpenGL import GL
+
+    texture.build_mipmaps()
+    GL.glFinish()
+
+
 def read_rgba(texture: Any) -> NDArray[np.float32]:
     """The numbers (h, w, 4) of a flat moderngl texture, row 0 at the bottom."""
     from OpenGL import GL

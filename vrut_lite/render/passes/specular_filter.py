@@ -14,7 +14,7 @@ from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.light import Sky
 from vrut_lite.render.shader_files import shader_source
 from vrut_lite.render.staleness import age_factor
-from vrut_lite.render.unlocked import run_compute
+from vrut_lite.render.unlocked import average_down_for_compute, run_compute
 
 # Roughness of the filtered map's mip levels; a mirror looks up the sky itself.
 LEVEL_ROUGHNESS = (0.2, 0.35, 0.6, 1.0)
@@ -118,7 +118,7 @@ class SpecularFilter:
             self._ledger.skip("reflection: the same sky")
             return
         self._measured = sky.owner
-        sky.texture.build_mipmaps()
+        average_down_for_compute(sky.texture)
         sky.texture.filter = (self._context.LINEAR_MIPMAP_LINEAR, self._context.LINEAR)
         sky.texture.use(location=0)
         cells = self._coarse_cells() * sky.scale
@@ -152,7 +152,7 @@ class SpecularFilter:
         groups = -(-self._source.size[0] // _GROUP)
         run_compute(self._programs["cube_copy"], groups, groups, _FACES)
         self._context.memory_barrier()
-        self._source.build_mipmaps()
+        average_down_for_compute(self._source)
 
     def _filter(self, level: int, face: int) -> None:
         program = self._programs["specular_filter"]
