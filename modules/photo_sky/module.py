@@ -36,7 +36,7 @@ class PhotoSky(SkyModule):
 
     manifest = Manifest(
         name=NAME,
-        title="Photograph of the sky (its sun stands still)",
+        title="Photograph (sun stands still)",
         version="0.1.0",
         provides=("sun", "sky"),
         stand_in=False,

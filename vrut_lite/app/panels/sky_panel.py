@@ -25,6 +25,8 @@ SHOWN_SLOT = "sky"
 _EMPTY = "none"
 _LOWEST_PERCENT = 0.1
 
+_SHORT = QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+
 
 class SkyPanel(QWidget):
     """A chooser for each slot that several modules can hold, the haze and the tolerance."""
@@ -40,6 +42,8 @@ class SkyPanel(QWidget):
         )
         self.haze.setAccessibleName("haze")
         self.aerosol = QComboBox()
+        self.aerosol.setMinimumContentsLength(12)
+        self.aerosol.setSizeAdjustPolicy(_SHORT)
         self.aerosol.setAccessibleName("aerosol")
         for name in AEROSOL_TYPES:
             self.aerosol.addItem(name.replace("-", " ").capitalize(), name)
@@ -85,6 +89,9 @@ class SkyPanel(QWidget):
         contested = [slot for slot in roster.slots if len(roster.providers(slot)) > 1]
         for slot in sorted(contested, key=lambda slot: (slot != SHOWN_SLOT, slot)):
             chooser = QComboBox()
+            # A long name must not make the window wide.
+            chooser.setMinimumContentsLength(12)
+            chooser.setSizeAdjustPolicy(_SHORT)
             chooser.setAccessibleName(slot)
             chooser.setPlaceholderText(_EMPTY)
             for module in roster.providers(slot):
