@@ -35,7 +35,7 @@ PHASE_SOURCE = "Cornette and Shanks 1992; Henyey and Greenstein 1941"
 
 
 class BrunetonSkySettings(msgspec.Struct, frozen=True):
-    """Settings of the Bruneton sky; what is none stays as the preset has it."""
+    """Settings of the Bruneton sky; an unset value is the preset's."""
 
     # Snow and sand reflect much (Oke 1987, table 1.1).
     presets: ClassVar[dict[str, Preset]] = {
@@ -167,12 +167,12 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ] = "cpu"
 
     def left_open(self, haze: SetHaze) -> dict[str, object]:
-        """What the settings that are none stand for, by name; fog that is none is none."""
+        """What the unset settings stand for, by name; unset fog is no fog."""
         return _left_open(self, haze)
 
 
 def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object]:
-    """Values of the air that the settings make, for those of them that are none.
+    """Values of the air that the settings make, for the unset ones.
 
     Of tabulated aerosol the albedo and g are means, which a number of one's own replaces.
     """

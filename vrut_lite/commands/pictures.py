@@ -34,7 +34,7 @@ class Shot(Protocol):
 
     @property
     def notices(self) -> tuple[str, ...]:
-        """Lines on what the picture lacks of what it is of."""
+        """Lines on what the scene has and the picture lacks."""
 
     def write(self, path: Path) -> None:
         """Write the picture and its companion files."""
@@ -54,7 +54,7 @@ class Plan(Protocol):
     """The inputs of pictures without the instant; can be pickled and compared."""
 
     def open(self) -> Studio:
-        """Get everything ready.
+        """Load and open all that the pictures share.
 
         Raises:
             UserError: the plan is invalid.

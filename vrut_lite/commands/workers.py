@@ -70,8 +70,8 @@ def spawn_context() -> SpawnContext:
 
 @contextmanager
 def _processes(count: int) -> Iterator[Executor]:
-    executor = _Unfazed(
-        count, mp_context=spawn_context(), initializer=_end_with_the_one_who_started
+    executor = _UninterruptedPool(
+        count, mp_context=spawn_context(), initializer=_end_with_the_parent
     )
     others = set(active_children())
     try:
@@ -90,7 +90,7 @@ def _processes(count: int) -> Iterator[Executor]:
         executor.shutdown(cancel_futures=True)
 
 
-def _end_with_the_one_who_started() -> None:
+def _end_with_the_parent() -> None:
     """Let a worker process end with its parent, which may be killed."""
     parent = parent_process()
     assert parent is not None
@@ -102,7 +102,7 @@ def _end_with_the_one_who_started() -> None:
     Thread(target=watch, name="parent-watch", daemon=True).start()
 
 
-class _Unfazed(ProcessPoolExecutor):
+class _UninterruptedPool(ProcessPoolExecutor):
     """Processes that ignore Ctrl-C; the parent handles it."""
 
     def submit(self, *arguments: Any, **named: Any) -> Any:
@@ -139,7 +139,7 @@ def _dask(address: str, jobs: int) -> Iterator[Executor]:
                 )
             stack.enter_context(cluster)
         else:
-            _knock(address)
+            _check_answers(address)
             cluster = address
         client = stack.enter_context(Client(cluster, timeout=_ANSWER_S, set_as_default=False))
         if address == LOCAL:
@@ -152,7 +152,7 @@ def _ignore_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _knock(address: str) -> None:
+def _check_answers(address: str) -> None:
     """Raise UserError unless a scheduler answers; a client would retry much longer."""
     import asyncio
 

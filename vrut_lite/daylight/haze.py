@@ -1,6 +1,6 @@
 """The haze of the place; every sky follows it unless its settings override it.
 
-A sky may have a setting `turbidity` that is none or a number: none follows the host's haze, a
+A sky may have a setting `turbidity`: unset, it follows the host's haze, a
 number on Preetham's scale is that sky's own.
 """
 

@@ -2,7 +2,7 @@
 
 A settings class may say both, for panels that show them: a method `left_open(haze)` gives a value
 for each setting by its name, as the present preset and the place's haze have it; a class variable
-`presets` holds a `Preset` by its name. A sky's `turbidity` that is none is the place's.
+`presets` holds a `Preset` by its name. A sky's unset `turbidity` is the place's.
 """
 
 from typing import Any, NamedTuple
@@ -22,7 +22,7 @@ class Preset(NamedTuple):
 
 
 def left_open(settings: msgspec.Struct, haze: SetHaze) -> Values:
-    """Values of the settings that are none, as far as they are known."""
+    """Values of the unset settings, as far as they are known."""
     said = getattr(settings, "left_open", None)
     known: Values = {OWN_HAZE: haze.turbidity}
     if said is not None:

@@ -145,7 +145,7 @@ class LightMapLaid(Derived, frozen=True, kw_only=True):
 
     Attributes:
         content_key: of the scene (`SceneOpened.content_key`).
-        layout_key: of this layout; `SurfaceLightChanged` names the layout that it is of.
+        layout_key: of this layout; `SurfaceLightChanged` names its layout.
         size_px: width and height of the map.
         shapes: (S, 5) int64, a row a shape: its mesh, first row of `source_vertex` and `uv`,
             their number, first row of `triangles`, their number.
@@ -237,7 +237,7 @@ class SurfaceLightChanged(Derived, frozen=True, kw_only=True):
     """The light of an hour on the surfaces of a scene.
 
     Attributes:
-        layout_key: of the layout that it is of.
+        layout_key: of its layout.
         texels: (height, width, 4) float16. RGB times `radiance_scale` is irradiance, linear sRGB in
             W m^-2: of the sky and of light from surfaces, without the key light's direct part;
             alpha is the share of the open sky's irradiance that arrives, 0 to 1.

@@ -112,7 +112,7 @@ def check_spec(spec: SettingSpec, module: str) -> None:
     """Check that a setting can be described, set and shown, and that its default is valid.
 
     Raises:
-        UserError: it cannot, or the default is none.
+        UserError: it cannot, or the default does not satisfy the type.
     """
     if spec.type not in (bool, int, float, str):
         raise UserError(

@@ -54,7 +54,7 @@ class Surfaces:
         return [value for value in vars(self).values() if isinstance(value, np.ndarray)]
 
     def without_shapes(self) -> "Surfaces":
-        """Parts, colours and the frame alone, for who has the shapes in a form of his own."""
+        """Parts, colours and the frame alone, for callers with their own form of the shapes."""
         nothing = np.empty((0, 3, 3))
         return replace(
             self,

@@ -118,7 +118,7 @@ class ModulePanel(QWidget):
             self._show_resettable()
 
     def _show_left_open(self) -> None:
-        """Show what settings that are none stand for."""
+        """Show what unset settings stand for."""
         known = self._module.left_open(self._session.last(SetHaze) or DEFAULT_HAZE)
         for name, row in self.rows.items():
             if self._module.values[name] is None:

@@ -49,7 +49,7 @@ class SettingRow(QObject):
         super().__init__(parent)
         self.spec = spec
         self.name = self._name(parent)
-        # What the setting stands for while it is none, as far as it is known.
+        # What the setting stands for while it is unset, as far as it is known.
         self._stands_for: Any = None
         self.editor, self._show = self._editor()
         self.reset = QToolButton()
@@ -69,7 +69,7 @@ class SettingRow(QObject):
             grid.addWidget(part, row, column)
 
     def show_value(self, value: Any, stands_for: Any = None) -> None:
-        """Show the setting's present value; where that is none, what it stands for."""
+        """Show the setting's present value; while it is unset, what it stands for."""
         self._stands_for = stands_for
         self.reset.setEnabled(value != self.spec.default)
         if isinstance(self.name, QCheckBox):

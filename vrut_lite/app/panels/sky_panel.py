@@ -118,7 +118,7 @@ class SkyPanel(QWidget):
 
     def _show_haze(self, haze: SetHaze) -> None:
         self.haze.show_value(haze.optical_depth_550)
-        # An aerosol of one's own is none of these.
+        # An aerosol of one's own is not in this list.
         known = haze.aerosol if haze.own is None else None
         self.aerosol.setCurrentIndex(self.aerosol.findData(known))
 

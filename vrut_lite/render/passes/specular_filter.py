@@ -59,7 +59,7 @@ class SpecularFilter:
             for name in ("specular_filter", "cube_copy", "cube_summary")
         }
         self._summary = context.buffer(reserve=_FACES * _CELLS * _CELLS * 16)
-        # The map, its factor to radiance, and the level of the sky that it is of.
+        # The map, its factor to radiance, and the level of its sky.
         self._shown: tuple[Any, float, float] | None = None
         self._level = self._source_level = 1.0
         self._next: Any = None

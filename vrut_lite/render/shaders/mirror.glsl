@@ -60,7 +60,7 @@ vec4 mirror_image(vec3 point, vec3 d, vec3 n, float nv, float alpha) {
     vec4 seen = vec4(0.0);
     float all = 0.0;
     for (int i = 0; i < 4; ++i) {
-        // A quarter of the lobe each; what the surface itself hides is none of it.
+        // A quarter of the lobe each; the surface itself hides the rest.
         float aside = MIRROR_ASIDE[i];
         float there = dot(n, d) + aside * alpha > 0.0 ? 1.0 : 0.0;
         seen += there * textureLod(mirror, place.xyz + aside * along, level);
