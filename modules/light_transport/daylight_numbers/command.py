@@ -56,6 +56,13 @@ from vrut_lite.project import project_of_path
     show_default=True,
     help="Of the ground under a CIE sky.",
 )
+@click.option(
+    "--blinds",
+    type=FiniteRange(0.0, 1.0),
+    default=0.05,
+    show_default=True,
+    help="What closed blinds let through, evenly, in a year's sDA.",
+)
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
 def daylight(
     scene: str,
@@ -65,6 +72,7 @@ def daylight(
     height_m: float,
     cie_sky: Any,
     ground_albedo: float,
+    blinds: float,
     year: bool,
     **options: Any,
 ) -> None:
@@ -98,7 +106,7 @@ def daylight(
         opened = OpenedScene(project)
     try:
         tell_notices(opened.scene.notices)
-        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year)
+        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year, blinds)
         lines = write_daylight(folder, opened, asked, tracked)
     finally:
         opened.close()

@@ -31,7 +31,8 @@ _PICTURES = {
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What is computed: of a project, at sensors, within a tolerance, under a CIE sky."""
+    """What is computed: of a project, at sensors, within a tolerance, under a CIE sky; `blinds` is
+    what these let through when they are closed."""
 
     project: Project
     sensors: Sensors | Grid
@@ -39,6 +40,7 @@ class Asked:
     cie_sky: CieSky
     ground_albedo: float
     year: bool
+    blinds: float
 
 
 def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tracked) -> list[str]:
@@ -61,7 +63,9 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
     moved = patch_error(opened.scene, work, asked.tolerance, overcast, factor)
     method = _method(work, asked, moved)
     if asked.year:
-        found = year_pages(folder, work, opened, lambda steps, count: tracked(steps, "year", count))
+        found = year_pages(
+            folder, work, opened, asked.blinds, lambda steps, count: tracked(steps, "year", count)
+        )
         numbers |= found.columns
         tables += found.tables
         pictures |= found.pictures
@@ -153,5 +157,5 @@ def _method(work: Work, asked: Asked, moved: float) -> list[str]:
         f"Patches twice as wide move daylight factors by {moved:.1%} of their mean, rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
-        "Lamps are off. Blinds, mirrors' images of the sun and glare are not computed.",
+        "Lamps are off. Mirrors throw no sun. The view out is not computed.",
     ]

@@ -1,7 +1,4 @@
-"""Numbers of a year: IES LM-83, useful daylight illuminance, EN 17037, doses.
-
-What needs blinds (sDA of LM-83) is not computed: 'DA 300/50, unshaded' is the same without them.
-"""
+"""Numbers of a year: IES LM-83, useful daylight illuminance, EN 17037, doses."""
 
 import itertools
 from dataclasses import dataclass
@@ -61,6 +58,16 @@ def occupied(light: YearLight) -> BoolArray:
     return np.asarray((clock >= _FROM_H) & (clock < _TO_H))
 
 
+def daylight_autonomy(total: Float32Array, light: YearLight) -> FloatArray:
+    """Share (P,) of the hours from 8:00 to 18:00 that have 300 lx, by illuminances (P, H)."""
+    return np.asarray((total[:, occupied(light)] >= _DA_LX).sum(axis=1) / OCCUPIED_H)
+
+
+def spatial_autonomy(autonomy: FloatArray) -> float:
+    """Share of sensors (P,) that have 300 lx in half of these hours."""
+    return float(np.mean(autonomy >= _DA_SHARE))
+
+
 def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     """Numbers of sensors by illuminances (P, H): a year's, or those of one half of its rays."""
     used = occupied(light)
@@ -75,7 +82,7 @@ def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     day = np.argsort(-light.diffuse_lux, kind="stable")[:_DAYLIGHT_H]
     ordered = np.sort(total[:, day], axis=1)
     return PointYear(
-        da_300=(lux >= _DA_LX).sum(axis=1) / OCCUPIED_H,
+        da_300=daylight_autonomy(total, light),
         ase_h=(year.sun[:, used] > _ASE_LX).sum(axis=1).astype(float),
         udi=np.stack(within, axis=1),
         en_lx=ordered[:, max(len(day) - _DAYLIGHT_H // 2, 0)].astype(float),
@@ -98,7 +105,7 @@ def room_year(points: PointYear, sensors: Sensors, plane: int) -> RoomYear:
         if median >= target and low >= least
     ]
     return RoomYear(
-        da_300_50=float(np.mean(points.da_300[here] >= _DA_SHARE)),
+        da_300_50=spatial_autonomy(points.da_300[here]),
         ase_1000_250=float(np.mean(points.ase_h[here] > _ASE_H)),
         udi=points.udi[here].mean(axis=0),
         en_level=reached[-1] if reached else "none",

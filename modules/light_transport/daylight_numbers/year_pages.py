@@ -7,14 +7,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from light_transport.daylight_numbers.annual import DAYS_BETWEEN, annual
+from light_transport.daylight_numbers.annual import (
+    DAYS_BETWEEN,
+    solved_year,
+    year_matrices,
+    year_of,
+)
+from light_transport.daylight_numbers.blinds import Shaded, shaded_year
 from light_transport.daylight_numbers.heat_map import heat_map
 from light_transport.daylight_numbers.metrics import (
     PointYear,
     RoomYear,
     by_day_and_hour,
+    daylight_autonomy,
     point_year,
     room_year,
+    spatial_autonomy,
 )
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
@@ -22,7 +30,12 @@ from light_transport.daylight_numbers.report import Table
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.sun_hours import sun_hours
 from light_transport.daylight_numbers.work import Work
-from light_transport.daylight_numbers.year_light import lit_hours, standard_offset_h, year_light
+from light_transport.daylight_numbers.year_light import (
+    YearLight,
+    lit_hours,
+    standard_offset_h,
+    year_light,
+)
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.image_files import write_png
 
@@ -49,9 +62,10 @@ def year_pages(
     folder: Path,
     work: Work,
     opened: OpenedScene,
+    blinds: float,
     tracked: Callable[[Iterable[int], int], Iterable[int]],
 ) -> YearPages:
-    """Compute a year under the present sky's module.
+    """Compute a year under the present sky's module; `blinds` is their transmittance when closed.
 
     Raises:
         UserError: the sky has no light for an hour, or a picture cannot be written.
@@ -59,7 +73,13 @@ def year_pages(
     offset_h = standard_offset_h(opened.place.longitude_deg)
     hours = lit_hours(opened.place, offset_h)
     light = year_light(opened, hours, offset_h, tracked(range(len(hours)), len(hours)))
-    year = annual(work, light)
+    solved = solved_year(work.bake, light)
+    year = year_of(year_matrices(work, light, solved), light)
+    shaded = {
+        plane: found
+        for plane in range(len(work.sensors.names))
+        if (found := shaded_year(work, plane, year, light, solved, blinds)) is not None
+    }
     points = point_year(year.total, year, light)
     halves = [point_year(half, year, light) for half in year.halves]
     march = datetime(2025, 3, 21, tzinfo=UTC) - timedelta(hours=offset_h)
@@ -67,6 +87,7 @@ def year_pages(
     columns = {
         "da_300_percent": 100.0 * points.da_300,
         "da_300_error_percent": 50.0 * np.abs(halves[0].da_300 - halves[1].da_300),
+        "da_300_with_blinds_percent": 100.0 * _with_blinds(shaded, light, len(work.sensors)),
         "direct_sun_above_1000_lx_h": points.ase_h,
         "udi_below_100_percent": 100.0 * points.udi[:, 0],
         "udi_100_300_percent": 100.0 * points.udi[:, 1],
@@ -91,13 +112,42 @@ def year_pages(
         pictures[path] = f"Mean illuminance of {name}, hour by hour of the year"
     return YearPages(
         columns,
-        [_table(work.sensors, points, halves, sun), _udi_table(work.sensors, points)],
+        [
+            _table(work.sensors, points, halves, _shaded_cells(shaded, light), sun),
+            _udi_table(work.sensors, points),
+        ],
         pictures,
-        _method(light.source, len(hours)),
+        _method(light.source, len(hours), blinds),
     )
 
 
-def _table(sensors: Sensors, points: PointYear, halves: list[PointYear], sun: FloatArray) -> Table:
+def _with_blinds(shaded: dict[int, Shaded], light: YearLight, count: int) -> FloatArray:
+    """Share (P,) of hours with 300 lx under blinds; nan where there are none."""
+    found = np.full(count, np.nan)
+    for one in shaded.values():
+        found[one.sensors] = daylight_autonomy(one.total, light)
+    return found
+
+
+def _shaded_cells(shaded: dict[int, Shaded], light: YearLight) -> dict[int, str]:
+    """What stands in a plane's cell: sDA, its error, and how long blinds are closed."""
+    cells = {}
+    for plane, one in shaded.items():
+        share, first, second = (
+            spatial_autonomy(daylight_autonomy(total, light)) for total in (one.total, *one.halves)
+        )
+        hours = ", ".join(f"{side} {count:,} h" for side, count in one.closed_h.items())
+        cells[plane] = f"{share:.1%} ± {_half(first, second):.1%} (closed: {hours})"
+    return cells
+
+
+def _table(
+    sensors: Sensors,
+    points: PointYear,
+    halves: list[PointYear],
+    shaded: dict[int, str],
+    sun: FloatArray,
+) -> Table:
     rows = []
     for plane, name in enumerate(sensors.names):
         room = room_year(points, sensors, plane)
@@ -107,6 +157,7 @@ def _table(sensors: Sensors, points: PointYear, halves: list[PointYear], sun: Fl
         rows.append(
             [
                 name,
+                shaded.get(plane, "no room"),
                 f"{room.da_300_50:.1%} ± {_half(one.da_300_50, other.da_300_50):.1%}",
                 f"{room.ase_1000_250:.1%}",
                 f"{room.en_level} ({room.en_median_lx:,.0f} lx, {room.en_low_lx:,.0f} lx)",
@@ -115,7 +166,8 @@ def _table(sensors: Sensors, points: PointYear, halves: list[PointYear], sun: Fl
             ]
         )
     columns = [
-        "plane", "DA 300/50, unshaded", "ASE 1000/250", "EN 17037 daylight (on 50 %, on 95 %)",
+        "plane", "sDA 300/50", "DA 300/50, unshaded", "ASE 1000/250",
+        "EN 17037 daylight (on 50 %, on 95 %)",
         "EN 17037 sun on 21 March, best place", "dose klx h",
     ]  # fmt: skip
     return Table("The year", columns, rows)
@@ -135,13 +187,15 @@ def _half(one: float, other: float) -> float:
     return 0.5 * abs(one - other)
 
 
-def _method(source: str, hours: int) -> list[str]:
+def _method(source: str, hours: int, blinds: float) -> list[str]:
     return [
         f"The year has {hours:,} hours with light, each by its middle in standard time; sky and "
         f"sun by {source}.",
-        "DA 300/50, unshaded: share of the plane that has 300 lx in half of the 3,650 hours from "
-        "8:00 to 18:00; no blinds, so it is no sDA of IES LM-83. ASE 1000/250: share with more "
-        "than 1,000 lx of direct sun alone in more than 250 of these hours.",
+        "sDA 300/50 (IES LM-83): share of the plane that has 300 lx in half of the 3,650 hours "
+        "from 8:00 to 18:00. Each side of a room has blinds, closed in hours in which more than "
+        "2 % of its sensors get 1,000 lx of direct sun through that side; closed, they let "
+        f"{blinds:.0%} through, evenly. 'Unshaded' is the same without blinds. ASE 1000/250: share "
+        "with more than 1,000 lx of direct sun alone in more than 250 of these hours.",
         "EN 17037: illuminance on 50 % and on 95 % of the plane, 0.5 m from walls, in half of the "
         "4,380 hours with most light outdoors, as for openings in walls; minimum, medium, high are "
         "300/100, 500/300, 750/500 lx. The view out is left out.",
