@@ -57,6 +57,11 @@ from vrut_lite.project import project_of_path
     help="Of the ground under a CIE sky.",
 )
 @click.option(
+    "--eyes",
+    metavar="FILE",
+    help="A .csv of eyes x,y,z,dx,dy,dz: where they are and look. Adds glare.",
+)
+@click.option(
     "--blinds",
     type=FiniteRange(0.0, 1.0),
     default=0.05,
@@ -73,6 +78,7 @@ def daylight(
     cie_sky: Any,
     ground_albedo: float,
     blinds: float,
+    eyes: str | None,
     year: bool,
     **options: Any,
 ) -> None:
@@ -97,6 +103,7 @@ def daylight(
 
     told = project.sensors if sensors is None else sensors
     chosen = read_sensors(told) if told else Grid(height_m, step_m)
+    looking = read_sensors(eyes) if eyes else None
     folder = Path(output)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -106,7 +113,7 @@ def daylight(
         opened = OpenedScene(project)
     try:
         tell_notices(opened.scene.notices)
-        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year, blinds)
+        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year, blinds, looking)
         lines = write_daylight(folder, opened, asked, tracked)
     finally:
         opened.close()

@@ -7,6 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from light_transport.daylight_numbers.cie_skies import TITLES, CieSky, cie_hour
+from light_transport.daylight_numbers.eyes import (
+    METHOD,
+    eyes_of,
+    glare_now,
+    hour_table,
+    write_views,
+)
 from light_transport.daylight_numbers.numbers_now import numbers_now
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.patch_error import patch_error
@@ -17,6 +24,7 @@ from light_transport.daylight_numbers.sun_hours import STEP_MINUTES, sun_hours
 from light_transport.daylight_numbers.tables import write_tables
 from light_transport.daylight_numbers.work import Grid, Work, work_of
 from light_transport.daylight_numbers.year_pages import Numbers, year_pages
+from light_transport.hour.hour import Hour
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import Project
@@ -41,6 +49,7 @@ class Asked:
     ground_albedo: float
     year: bool
     blinds: float
+    eyes: Sensors | None = None
 
 
 def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tracked) -> list[str]:
@@ -50,7 +59,9 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
         UserError: there are no work planes, sensors lie in walls, or a file cannot be written.
     """
     work = work_of(opened.scene, asked.sensors, asked.tolerance)
-    numbers = _now(work, opened, asked)
+    # Hours of sun move the clock.
+    hour = opened.hour()
+    numbers = _now(work, opened, hour, asked)
     tables = [_rooms_now(work.sensors, numbers)]
     pictures: dict[Path, str] = {}
     for name, quantity in _PICTURES.items():
@@ -62,9 +73,21 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
     factor = numbers["daylight_factor_percent"]
     moved = patch_error(opened.scene, work, asked.tolerance, overcast, factor)
     method = _method(work, asked, moved)
+    eyes = None
+    if asked.eyes is not None:
+        eyes = eyes_of(opened.scene, work, asked.eyes, asked.tolerance)
+        glare = glare_now(eyes, hour)
+        tables.append(hour_table(glare))
+        pictures |= write_views(folder, glare)
+        method.append(METHOD)
     if asked.year:
         found = year_pages(
-            folder, work, opened, asked.blinds, lambda steps, count: tracked(steps, "year", count)
+            folder,
+            work,
+            opened,
+            asked.blinds,
+            eyes,
+            lambda steps, count: tracked(steps, "year", count),
         )
         numbers |= found.columns
         tables += found.tables
@@ -89,17 +112,17 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
     return [*lines, f"the page is {folder / 'report.html'}"]
 
 
-def _now(work: Work, opened: OpenedScene, asked: Asked) -> Numbers:
+def _now(work: Work, opened: OpenedScene, hour: Hour, asked: Asked) -> Numbers:
     """Columns (P,) of the present hour, named with their units; errors are standard errors."""
-    now = numbers_now(work, opened.hour(), asked.cie_sky, asked.ground_albedo)
-    hour = now.light
+    now = numbers_now(work, hour, asked.cie_sky, asked.ground_albedo)
+    lux = now.light
     midnight = asked.project.instant().replace(hour=0, minute=0, second=0, microsecond=0)
     return {
-        "illuminance_lx": hour.total,
-        "illuminance_error_lx": hour.noise,
-        "of_sun_lx": hour.sun,
-        "of_sky_lx": hour.sky,
-        "of_surfaces_lx": hour.surfaces,
+        "illuminance_lx": lux.total,
+        "illuminance_error_lx": lux.noise,
+        "of_sun_lx": lux.sun,
+        "of_sky_lx": lux.sky,
+        "of_surfaces_lx": lux.surfaces,
         "daylight_factor_percent": now.daylight_factor_percent,
         "daylight_factor_error_percent": now.daylight_factor_error_percent,
         "sky_view": now.sky_view,

@@ -14,6 +14,7 @@ from light_transport.daylight_numbers.annual import (
     year_of,
 )
 from light_transport.daylight_numbers.blinds import Shaded, shaded_year
+from light_transport.daylight_numbers.eyes import Eyes, year_table
 from light_transport.daylight_numbers.heat_map import heat_map
 from light_transport.daylight_numbers.metrics import (
     PointYear,
@@ -63,6 +64,7 @@ def year_pages(
     work: Work,
     opened: OpenedScene,
     blinds: float,
+    eyes: Eyes | None,
     tracked: Callable[[Iterable[int], int], Iterable[int]],
 ) -> YearPages:
     """Compute a year under the present sky's module; `blinds` is their transmittance when closed.
@@ -115,6 +117,7 @@ def year_pages(
         [
             _table(work.sensors, points, halves, _shaded_cells(shaded, light), sun),
             _udi_table(work.sensors, points),
+            *([] if eyes is None else [year_table(eyes, light, solved)]),
         ],
         pictures,
         _method(light.source, len(hours), blinds),
