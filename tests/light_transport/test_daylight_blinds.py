@@ -7,7 +7,7 @@ from light_transport.bake import Bake
 from light_transport.daylight_numbers.annual import annual, solved_year, year_matrices, year_of
 from light_transport.daylight_numbers.blinds import shaded_year
 from light_transport.daylight_numbers.glass import no_glass
-from light_transport.daylight_numbers.openings import openings_of
+from light_transport.daylight_numbers.openings import room_of
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.room_box import SIDES, room_box
 from light_transport.daylight_numbers.sensors import free_sensors
@@ -80,11 +80,9 @@ def test_sides_bring_what_is_missing_where_the_other_is_walled_up(open_room):
     light = year_light([[1.0, 0.8, 0.1]], sun=0.0)
     solved = solved_year(open_room.bake, light)
     sensors, operator = open_room.sensors, open_room.operator
-    box_of = room_box(open_room.bake, sensors.places_m, 0.0)
-    openings = openings_of(open_room, box_of)
+    box_of, openings = room_of(open_room, 0)
     assert [opening.side for opening in openings] == [EAST, SOUTH]
     np.testing.assert_allclose([opening.area_m2 for opening in openings], [2.0, 2.34], rtol=0.1)
-    box_of = box_of._replace(is_open=np.isin(np.arange(6), [EAST, SOUTH]))
     found = side_light(open_room.bake, operator, sensors, box_of, openings, solved)
     by_side = {
         opening.side: found.of_year(n, light, solved)[:, 0] for n, opening in enumerate(openings)
@@ -102,10 +100,12 @@ def test_blinds_close_against_the_sun_and_let_their_share_through(open_room):
     light.sun_irradiance_rgb[2] = 0.0
     solved = solved_year(open_room.bake, light)
     year = year_of(year_matrices(open_room, light, solved), light)
-    found = shaded_year(open_room, 0, year, light, solved)
+    known = room_of(open_room, 0)
+    assert not known.is_lit_by_roof
+    found = shaded_year(open_room, 0, known, year, light, solved)
     assert found.closed_h == {SIDES[EAST]: 1, SIDES[SOUTH]: 0}
     np.testing.assert_allclose(found.total[:, [0, 2]], year.total[:, [0, 2]], rtol=1e-4)
-    opaque = shaded_year(open_room, 0, year, light, solved, transmittance=0.0)
+    opaque = shaded_year(open_room, 0, known, year, light, solved, transmittance=0.0)
     walled = annual(room(walled=EAST), light).total[:, 1]
     print(opaque.total[:, 1], walled, found.total[:, 1], year.total[:, 1])
     np.testing.assert_allclose(opaque.total[:, 1], walled, rtol=0.1, atol=0.03 * walled.mean())

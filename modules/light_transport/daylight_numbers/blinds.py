@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.daylight_numbers.annual import SolvedYear, Year, year_matrices, year_of
-from light_transport.daylight_numbers.openings import Opening, openings_of
+from light_transport.daylight_numbers.metrics import occupied
+from light_transport.daylight_numbers.openings import Opening, Room
 from light_transport.daylight_numbers.operator import operator_of
-from light_transport.daylight_numbers.room_box import SIDES, RoomBox, room_box
+from light_transport.daylight_numbers.room_box import SIDES, RoomBox
 from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.side_light import side_light
 from light_transport.daylight_numbers.work import Work
@@ -33,8 +34,8 @@ _TOLERANCE, _BEFORE_M = 0.05, 1e-3
 class Shaded:
     """A year of some sensors (P) with blinds.
 
-    `total` (P, H) lux; `halves` by either half of the rays; `closed_h` hours by group's name, in
-    which its blinds are closed.
+    `total` (P, H) lux; `halves` by either half of the rays; `closed_h` hours from 8:00
+    to 18:00 by group's name, in which its blinds are closed.
     """
 
     sensors: BoolArray
@@ -46,28 +47,22 @@ class Shaded:
 def shaded_year(
     work: Work,
     plane: int,
+    room: Room,
     year: Year,
     light: YearLight,
     solved: SolvedYear,
     transmittance: float = TRANSMITTANCE,
     go_on: GoOn = always,
-) -> Shaded | None:
-    """The year of one room with blinds; None for what has no roof, and for rooms without openings.
+) -> Shaded:
+    """The year of one room, that of the work plane `plane`, with blinds.
 
     Raises:
         GivenUp: by `go_on`.
     """
     here = work.sensors.plane == plane
     sensors = work.sensors.some(here)
-    box = room_box(work.bake, sensors.places_m, work.sensors.step_m[plane])
-    if box is None:
-        return None
+    box, openings = room
     part = Work(work.bake, work.glass, sensors, work.operator.some(here))
-    openings = openings_of(part, box)
-    if not openings:
-        return None
-    is_open = np.isin(np.arange(len(SIDES)), [opening.side for opening in openings])
-    box = box._replace(is_open=is_open)
     sides = side_light(work.bake, part.operator, sensors, box, openings, solved)
     own = Year(year.total[here], year.sun[here], (year.halves[0][here], year.halves[1][here]))
     sun_side = _sun_sides(box, sensors, own.sun, light)
@@ -91,7 +86,7 @@ def shaded_year(
 
     halves = with_blinds(own.halves[0]), with_blinds(own.halves[1])
     hours = {
-        SIDES[opening.side]: int(hours.sum())
+        SIDES[opening.side]: int(hours[occupied(light)].sum())
         for opening, hours in zip(openings, closed, strict=True)
     }
     return Shaded(here, with_blinds(own.total), halves, hours)

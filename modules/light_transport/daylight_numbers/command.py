@@ -1,5 +1,6 @@
 """`vrut-lite daylight`: illuminance, daylight factors and a year at sensors of a scene."""
 
+from datetime import date, datetime
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +69,14 @@ from vrut_lite.project import project_of_path
     show_default=True,
     help="What closed blinds let through, evenly, in a year's sDA.",
 )
+@click.option(
+    "--sun-day",
+    type=click.DateTime(["%m-%d"]),
+    default="03-21",
+    show_default=True,
+    metavar="MM-DD",
+    help="Of EN 17037's hours of sun in a year: 02-01 to 03-21.",
+)
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
 def daylight(
     scene: str,
@@ -79,6 +88,7 @@ def daylight(
     ground_albedo: float,
     blinds: float,
     eyes: str | None,
+    sun_day: datetime,
     year: bool,
     **options: Any,
 ) -> None:
@@ -100,9 +110,13 @@ def daylight(
     from light_transport.daylight_numbers.opened_scene import OpenedScene
     from light_transport.daylight_numbers.sensors_file import read_sensors
     from light_transport.daylight_numbers.work import Grid
+    from light_transport.daylight_numbers.year_light import YEAR
 
     told = project.sensors if sensors is None else sensors
     chosen = read_sensors(told) if told else Grid(height_m, step_m)
+    day = sun_day.date().replace(year=YEAR)
+    if not date(YEAR, 2, 1) <= day <= date(YEAR, 3, 21):
+        raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
     looking = read_sensors(eyes) if eyes else None
     folder = Path(output)
     try:
@@ -113,7 +127,9 @@ def daylight(
         opened = OpenedScene(project)
     try:
         tell_notices(opened.scene.notices)
-        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year, blinds, looking)
+        asked = Asked(
+            project, chosen, tolerance, cie_sky, ground_albedo, year, blinds, looking, day
+        )
         lines = write_daylight(folder, opened, asked, tracked)
     finally:
         opened.close()

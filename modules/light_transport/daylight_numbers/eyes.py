@@ -76,7 +76,7 @@ def hour_table(found: list[tuple[Glare, EyeView]]) -> Table:
     return Table("Glare in the hour", columns, rows)
 
 
-def year_table(eyes: Eyes, light: YearLight, solved: SolvedYear) -> Table:
+def glare_table(eyes: Eyes, light: YearLight, solved: SolvedYear) -> Table:
     """Shares of hours with glare, and EN 17037's level, an eye a row."""
     rows = []
     for n, dgp in enumerate(glare_year(eyes.work, eyes.flats, light, solved)):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,10 @@ from light_transport.daylight_numbers.patch_error import patch_error
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
 from light_transport.daylight_numbers.report import Page, Table, write_report
 from light_transport.daylight_numbers.sensors import Sensors
-from light_transport.daylight_numbers.sun_hours import STEP_MINUTES, sun_hours
+from light_transport.daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
 from light_transport.daylight_numbers.tables import write_tables
 from light_transport.daylight_numbers.work import Grid, Work, work_of
-from light_transport.daylight_numbers.year_pages import Numbers, year_pages
+from light_transport.daylight_numbers.year_pages import Numbers, YearAsked, year_pages
 from light_transport.hour.hour import Hour
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.image_files import write_png
@@ -49,7 +50,8 @@ class Asked:
     ground_albedo: float
     year: bool
     blinds: float
-    eyes: Sensors | None = None
+    eyes: Sensors | None
+    sun_day: date
 
 
 def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tracked) -> list[str]:
@@ -81,14 +83,12 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
         pictures |= write_views(folder, glare)
         method.append(METHOD)
     if asked.year:
-        found = year_pages(
-            folder,
-            work,
-            opened,
-            asked.blinds,
-            eyes,
-            lambda steps, count: tracked(steps, "year", count),
-        )
+
+        def steps(hours: Iterable[int], count: int) -> Iterable[int]:
+            return tracked(hours, "year", count)
+
+        wanted = YearAsked(asked.blinds, eyes, asked.sun_day)
+        found = year_pages(folder, work, opened, wanted, steps)
         numbers |= found.columns
         tables += found.tables
         pictures |= found.pictures
@@ -126,7 +126,7 @@ def _now(work: Work, opened: OpenedScene, hour: Hour, asked: Asked) -> Numbers:
         "daylight_factor_percent": now.daylight_factor_percent,
         "daylight_factor_error_percent": now.daylight_factor_error_percent,
         "sky_view": now.sky_view,
-        "sun_h": sun_hours(work, opened, midnight),
+        "sun_h": sun_hours(work, work.sensors, suns_of_day(opened, midnight)),
     }
 
 

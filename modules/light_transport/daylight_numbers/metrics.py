@@ -17,7 +17,7 @@ OCCUPIED_H = DAYS * (_TO_H - _FROM_H)
 _DA_LX, _DA_SHARE = 300.0, 0.5
 _ASE_LX, _ASE_H = 1000.0, 250
 UDI_LX = (100.0, 300.0, 3000.0)
-# EN 17037:2018, table A.1, for daylight openings in walls.
+# EN 17037:2018, tables A.1, for openings in walls, and A.2, for those in roofs.
 EN_LEVELS = ("minimum", "medium", "high")
 EN_TARGET_LX, EN_LEAST_LX = (300.0, 500.0, 750.0), (100.0, 300.0, 500.0)
 _EN_TARGET_PLANE, _EN_LEAST_PLANE = 0.5, 0.95
@@ -90,8 +90,10 @@ def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     )
 
 
-def room_year(points: PointYear, sensors: Sensors, plane: int) -> RoomYear:
-    """Numbers of one work plane."""
+def room_year(
+    points: PointYear, sensors: Sensors, plane: int, is_lit_by_roof: bool = False
+) -> RoomYear:
+    """Numbers of one work plane; with roof lights 95 % of it must reach the target."""
     here = sensors.plane == plane
     inner = here & sensors.inner
     lux = np.sort(points.en_lx[inner if inner.any() else here])
@@ -102,7 +104,7 @@ def room_year(points: PointYear, sensors: Sensors, plane: int) -> RoomYear:
     reached = [
         name
         for name, target, least in zip(EN_LEVELS, EN_TARGET_LX, EN_LEAST_LX, strict=True)
-        if median >= target and low >= least
+        if (low >= target if is_lit_by_roof else median >= target and low >= least)
     ]
     return RoomYear(
         da_300_50=spatial_autonomy(points.da_300[here]),

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from light_transport.daylight_numbers.room_box import ROOF, SIDES, RoomBox
+from light_transport.daylight_numbers.room_box import ROOF, SIDES, RoomBox, room_box
 from light_transport.daylight_numbers.sensor_rays import tree_with_glass
 from light_transport.daylight_numbers.work import Work
 from light_transport.rays.trace import MISS, first_hits
@@ -40,6 +40,35 @@ class Opening(NamedTuple):
     places_m: FloatArray
     outwards: FloatArray
     area_m2: float
+
+
+class Room(NamedTuple):
+    """A room: its box, which knows what sides are open, and their openings."""
+
+    box: RoomBox
+    openings: tuple[Opening, ...]
+
+    @property
+    def is_lit_by_roof(self) -> bool:
+        """Whether most of its openings are in the roof."""
+        area = sum(opening.area_m2 for opening in self.openings)
+        return any(
+            opening.side == ROOF and opening.area_m2 > 0.5 * area for opening in self.openings
+        )
+
+
+def room_of(work: Work, plane: int) -> Room | None:
+    """The room of a work plane; None where it has no roof or no openings."""
+    here = work.sensors.plane == plane
+    sensors = work.sensors.some(here)
+    box = room_box(work.bake, sensors.places_m, work.sensors.step_m[plane])
+    if box is None:
+        return None
+    openings = openings_of(Work(work.bake, work.glass, sensors, work.operator), box)
+    if not openings:
+        return None
+    is_open = np.isin(np.arange(len(SIDES)), [opening.side for opening in openings])
+    return Room(box._replace(is_open=is_open), openings)
 
 
 def openings_of(work: Work, box: RoomBox) -> tuple[Opening, ...]:
