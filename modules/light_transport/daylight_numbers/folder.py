@@ -60,7 +60,7 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
     Raises:
         UserError: there are no work planes, sensors lie in walls, or a file cannot be written.
     """
-    work = work_of(opened.scene, asked.sensors, asked.tolerance)
+    work = work_of(opened.scene, asked.sensors, asked.tolerance, glazing=asked.project.glazing)
     # Hours of sun move the clock.
     hour = opened.hour()
     numbers = _now(work, opened, hour, asked)
@@ -73,7 +73,9 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
             pictures[path] = f"{quantity.title.capitalize()} ({quantity.unit}), north (-z) up"
     overcast = cie_hour(asked.cie_sky, asked.ground_albedo)
     factor = numbers["daylight_factor_percent"]
-    moved = patch_error(opened.scene, work, asked.tolerance, overcast, factor)
+    moved = patch_error(
+        opened.scene, work, asked.project.glazing, asked.tolerance, overcast, factor
+    )
     method = _method(work, asked, moved)
     eyes = None
     if asked.eyes is not None:
