@@ -104,10 +104,11 @@ Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 
 
 class Glazing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What panes of a material let through of light that meets them at right angles, in all or by
-    linear sRGB; how many stand behind each other decides how it falls towards the edge."""
+    """What panes of a material let through of light that meets them at right angles, times their
+    colour in linear sRGB; how many stand behind each other decides how it falls at the edge."""
 
-    transmittance: Share | tuple[Share, Share, Share]
+    transmittance: Share
+    colour: tuple[Share, Share, Share] = (1.0, 1.0, 1.0)
     panes: Annotated[int, msgspec.Meta(ge=1, le=4)] = 2
 
 

@@ -1,6 +1,6 @@
 """What the command writes: tables, plans, a page, and lines for the terminal."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -26,11 +26,12 @@ from light_transport.daylight_numbers.tables import write_tables
 from light_transport.daylight_numbers.work import Grid, Work, work_of
 from light_transport.daylight_numbers.year_pages import Numbers, YearAsked, year_pages
 from light_transport.hour.hour import Hour
+from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.progress import busy_with, tracked
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import Project
 
-Tracked = Callable[[Iterable[int], str, int], Iterable[int]]
 _PICTURES = {
     "illuminance_lx": Quantity("illuminance", "lx"),
     "daylight_factor_percent": Quantity("daylight factor", "%"),
@@ -54,8 +55,23 @@ class Asked:
     sun_day: date
 
 
-def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tracked) -> list[str]:
-    """Compute and write; returns a line for each plane. `tracked` shows the progress of steps.
+def measured(folder: Path, asked: Asked) -> list[str]:
+    """Open a project's scene, compute and write; lines as of `write_daylight`.
+
+    Raises:
+        UserError: the scene cannot be read, or by `write_daylight`.
+    """
+    with busy_with(f"opening {asked.project.scene}"):
+        opened = OpenedScene(asked.project)
+    try:
+        tell_notices(opened.scene.notices)
+        return write_daylight(folder, opened, asked)
+    finally:
+        opened.close()
+
+
+def write_daylight(folder: Path, opened: OpenedScene, asked: Asked) -> list[str]:
+    """Compute and write; returns a line for each plane.
 
     Raises:
         UserError: there are no work planes, sensors lie in walls, or a file cannot be written.

@@ -73,7 +73,8 @@ def glass_of(
         if material.name in told:
             glass = told[material.name]
             found.ior[here], found.panes[here] = _IOR, glass.panes
-            found.tint[here] = np.asarray(glass.transmittance) / _at_right_angles(glass.panes)
+            share = glass.transmittance / _at_right_angles(glass.panes)
+            found.tint[here] = share * np.asarray(glass.colour)
             continue
         if not terms.transmits:
             continue
