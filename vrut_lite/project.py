@@ -100,6 +100,18 @@ class Haze(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         )
 
 
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+
+
+class Glazing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What panes of a material let through of light that meets them at right angles, times their
+    colour in linear sRGB; how many stand behind each other decides how it falls at the edge."""
+
+    transmittance: Share
+    colour: tuple[Share, Share, Share] = (1.0, 1.0, 1.0)
+    panes: Annotated[int, msgspec.Meta(ge=1, le=4)] = 2
+
+
 class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The content of a picture. `at` is ISO time, local to the place unless it has an offset.
 
@@ -110,7 +122,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `luminaires` are IES files by the names of lamps, `variant` is one of the materials' variants.
     `animation` and `animation_time_s` say how the scene's own animations stand.
     `views` are kept by name, for the window. `sensors` is a file of points at which light is
-    measured.
+    measured, `glazing` the glass of daylight numbers by names of materials.
     """
 
     scene: str = ""
@@ -137,6 +149,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     animation: Literal["rest", "time", "clock"] = "rest"
     animation_time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)] = 0.0
     sensors: str = ""
+    glazing: dict[str, Glazing] = {}
     section: Axis = "off"
     section_at: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.5
     section_keeps: Side = "below"

@@ -10,8 +10,8 @@ import pytest
 from boxes import box, hour, quads
 from light_transport.bake import Bake
 from light_transport.daylight_numbers.cie_skies import cie_hour, relative_luminance
-from light_transport.daylight_numbers.glass import no_glass
-from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors
+from light_transport.daylight_numbers.glass import clear_share, no_glass
+from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors, sun_shares
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.sensors import free_sensors
 
@@ -77,12 +77,20 @@ def component(frame, hole, place, normal, sky, pane):
     return 100.0 * float(np.sum(light * cosine * inclined / distance**2) * area / outside)
 
 
-def pane_transmittance(cosine, ior=1.5):
-    """Of a clear pane, all bounces between its two faces summed: (1 - r) / (1 + r), by Fresnel."""
+def pane_transmittance(cosine, ior=1.5, panes=1):
+    """Of clear panes by adding them one by one, with all bounces between them, by Fresnel."""
     bent = np.sqrt(1.0 - (1.0 - cosine**2) / ior**2)
     across = ((cosine - ior * bent) / (cosine + ior * bent)) ** 2
     along = ((ior * cosine - bent) / (ior * cosine + bent)) ** 2
-    return 0.5 * ((1 - across) / (1 + across) + (1 - along) / (1 + along))
+    share = 0.0
+    for r in (across, along):
+        passes, back = (1 - r) / (1 + r), 2 * r / (1 + r)
+        through, returned = passes, back
+        for _ in range(panes - 1):
+            between = 1.0 / (1.0 - returned * back)
+            through, returned = through * passes * between, returned + through**2 * back * between
+        share = share + 0.5 * through
+    return share
 
 
 PLACES = np.array([[x, 0.0, z] for x in (-1.5, 0.0, 1.5) for z in (-1.2, 0.4)])
@@ -110,6 +118,59 @@ def test_sky_components_through_openings_are_analytic(opening, pane):
             error = np.abs(found / np.maximum(truth, 1e-9) - 1.0)[counted]
             print(opening, pane, direction, sky, truth.round(2), error.round(4), operator.rays)
             assert np.all(error < WORST), (direction, sky, found[counted], truth[counted])
+
+
+@pytest.mark.parametrize("panes", [1, 2, 3])
+def test_glazing_of_several_panes_is_that_of_panes_one_by_one(panes):
+    """The closed form that rays use against a sum over panes, at all angles."""
+    cosine = np.linspace(0.05, 1.0, 20)
+    np.testing.assert_allclose(
+        clear_share(cosine, panes), pane_transmittance(cosine, panes=panes), rtol=1e-9
+    )
+
+
+def test_rays_lose_what_double_panes_of_a_project_take():
+    """Named glass passes its share at right angles, and less the more it is inclined."""
+    bake, glass, _ = room("facade", HOLES["facade"], pane=True)
+    glass.tint[-2:], glass.panes[-2:] = 0.7 / clear_share(np.ones(1), 2), 2
+    towards = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.5]])
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    sensors = free_sensors([[0.0, 1.5, 0.0]], [[1.0, 0.0, 0.0]], "eye")
+    suns = towards + np.array([0.0, 1e-4, 0.0])
+    passed = sun_shares(bake, glass, sensors, suns)[0, :, 0] / towards[:, 0]
+    expected = 0.7 * clear_share(towards[:, 0], 2) / clear_share(np.ones(1), 2)
+    np.testing.assert_allclose(passed, expected, rtol=1e-3)
+
+
+def test_configuration_factors_of_a_glowing_wall_are_analytic():
+    """CIE 171's 5.9 in kind: a wall of a black room glows with M; a point on a plane that faces it,
+    and one on a plane at right angles to it, get M times their factors (Hottel's formulas)."""
+    h = SIZE / 2
+    surfaces, layout = quads(*box((-h, 0.0, -h), (h, HEIGHT, h), inwards=True), reflectance=0.0)
+    surfaces.emitted_rgb[:2] = 1.0
+    bake = Bake(surfaces, layout)
+    bake.add_rays(64)
+    glass = no_glass(len(surfaces.part))
+    places, normals = [[-1.0, 1.0, 0.5], [-1.0, 1.0, 0.5]], [[1.0, 0, 0], [0, 1.0, 0]]
+    sensors = free_sensors(places, normals, "points")
+    operator = operator_of(bake, glass, sensors, 0.01)
+    found = hour_at_sensors(bake, glass, operator, sensors, hour()).total / 683.0
+    distance = h + 1.0
+    facing = sum(_facing(a, b, distance) for a in (h - 0.5, h + 0.5) for b in (1.0, HEIGHT - 1.0))
+    upright = sum(_upright(a, HEIGHT - 1.0, distance) for a in (h - 0.5, h + 0.5))
+    np.testing.assert_allclose(found, [facing, upright], rtol=0.01)
+
+
+def _facing(a, b, c):
+    """Factor of a point and a rectangle a x b that faces it, a corner straight ahead at c."""
+    x, y = np.hypot(a, c), np.hypot(b, c)
+    return (a / x * np.arctan(b / x) + b / y * np.arctan(a / y)) / (2.0 * np.pi)
+
+
+def _upright(a, b, c):
+    """Factor of a point and an upright rectangle, a along the point's plane and b above it."""
+    d = np.hypot(b, c)
+    return (np.arctan(a / c) - c / d * np.arctan(a / d)) / (2.0 * np.pi)
 
 
 def test_light_in_a_closed_diffuse_box_is_analytic():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from boxes import box, floor, hour, quads
 from light_transport.bake import Bake
-from light_transport.daylight_numbers.annual import Year, year_matrices, year_of
+from light_transport.daylight_numbers.annual import Year, solved_year, year_matrices, year_of
 from light_transport.daylight_numbers.glass import no_glass
 from light_transport.daylight_numbers.heat_map import heat_map
 from light_transport.daylight_numbers.metrics import (
@@ -58,7 +58,7 @@ def test_hours_of_a_year_have_the_light_of_single_hours(work):
         hour(1.0, key=(-0.4, 0.5, 0.2), irradiance=2.0, ground=0.3),
     ]
     light = year_like([12, 37], lights)
-    year = year_of(year_matrices(work, light), light)
+    year = year_of(year_matrices(work, light, solved_year(work.bake, light)), light)
     for n, of_hour in enumerate(lights):
         single = hour_at_sensors(work.bake, work.glass, work.operator, work.sensors, of_hour)
         np.testing.assert_allclose(year.sun[:, n], single.sun, rtol=1e-5)
@@ -71,7 +71,7 @@ def test_a_sun_between_two_solved_days_is_their_mean(work):
     light = hour(0.0, key=(1.0, 1.0, 0.3), irradiance=4.0)
     days = np.array([0, 4, 9])
     year_light = year_like(days * HOURS + 12, [light] * 3)
-    matrices = year_matrices(work, year_light)
+    matrices = year_matrices(work, year_light, solved_year(work.bake, year_light))
     assert matrices.suns[0].shape[2] == 2
     np.testing.assert_allclose(matrices.share[1], [5 / 9, 4 / 9])
     total = year_of(matrices, year_light).total

@@ -29,7 +29,7 @@ from vrut_lite.numeric_types import Float32Array, FloatArray, IntArray
 
 # Suns are solved each so many days; the sun's height at an hour then changes by 3 degrees at most.
 DAYS_BETWEEN = 8
-_LUMENS_RGB = np.asarray(luminance(np.eye(3)) * LUMENS_PER_WATT)
+LUMENS_RGB = np.asarray(luminance(np.eye(3)) * LUMENS_PER_WATT)
 _SENSORS_AT_ONCE = 64
 
 
@@ -47,12 +47,31 @@ class Year:
 
 
 @dataclass(frozen=True, eq=False)
+class SolvedYear:
+    """What patches (M) send in a year, for sensors anywhere: all bounces are in it.
+
+    `sent_by_cells` (M, GROUND_NODE + 1): irradiance by unit radiance of the sky's cells, straight;
+    `by_sky` (3, M, GROUND_NODE + 1): radiosity by these; `sunlit` (S, M): irradiance straight from
+    solved suns of 1 W m^-2; `by_suns` (3, M, S): radiosity by these; `sun_direction` (S, 3); `near`
+    (H, 2) and `share` (H, 2): which of these stand for an hour's sun.
+    """
+
+    sent_by_cells: FloatArray
+    by_sky: Float32Array
+    sunlit: Float32Array
+    by_suns: Float32Array
+    sun_direction: FloatArray
+    near: IntArray
+    share: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class YearMatrices:
     """What depends on scene, place and sensors alone.
 
     `sky`: of each half (3, P, GROUND_NODE + 1) by radiances; `suns`: of each half (3, P, S) by
-    irradiances of solved suns; `near` (H, 2) and `share` (H, 2): which of these stand for an hour's
-    sun; `direct` (P, H): lux straight from the sun for each hour, for 1 W m^-2 of each colour.
+    irradiances of solved suns; `near` and `share`: see `SolvedYear`; `direct` (P, H): lux straight
+    from the sun for each hour, for 1 W m^-2 of each colour.
     """
 
     sky: tuple[Float32Array, Float32Array]
@@ -68,55 +87,75 @@ def annual(work: Work, light: YearLight, go_on: GoOn = always) -> Year:
     Raises:
         GivenUp: by `go_on`.
     """
-    return year_of(year_matrices(work, light, go_on), light)
+    return year_of(year_matrices(work, light, solved_year(work.bake, light, go_on), go_on), light)
 
 
-def year_matrices(work: Work, light: YearLight, go_on: GoOn = always) -> YearMatrices:
-    """Solve the sky's cells and some suns, and trace rays to the sun of each hour."""
-    bake = work.bake
+def solved_year(bake: Bake, light: YearLight, go_on: GoOn = always) -> SolvedYear:
+    """Solve bounces of the sky's cells and of some suns.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
     assert bake.patches is not None
     reflectance = bake.patches.reflectance_rgb.copy()
     reflectance[bake.patches.on_ground] = light.ground_albedo_rgb
-    by_sky = _in_threads(bake, list(_sent_by_cells(bake).T), reflectance, go_on)
+    straight = _sent_by_cells(bake)
+    by_sky = _in_threads(bake, list(straight.T), reflectance, go_on)
     near, share, chosen = _solved_suns(light)
     with ThreadPoolExecutor(bake.threads) as pool:
-        shares = list(pool.map(lambda n: _sunlit(bake, light.sun_direction[n]), chosen))
-    by_sun = _in_threads(bake, shares, reflectance, go_on)
+        sunlit = list(pool.map(lambda n: _sunlit(bake, light.sun_direction[n]), chosen))
+    by_suns = _in_threads(bake, sunlit, reflectance, go_on)
+    lit = np.array(sunlit, np.float32).reshape(len(chosen), len(reflectance))
+    towards = light.sun_direction[chosen]
+    return SolvedYear(straight, by_sky, lit, by_suns, towards, near, share)
+
+
+def year_matrices(
+    work: Work, light: YearLight, solved: SolvedYear, go_on: GoOn = always
+) -> YearMatrices:
+    """What sensors get of what is solved, and rays from them to the sun of each hour.
+
+    Raises:
+        GivenUp: by `go_on`.
+    """
     halves = work.operator.halves
-    sky = tuple(_sky_matrix(half, by_sky) for half in halves)
-    suns = tuple(_brought(half, by_sun) for half in halves)
-    colour = light.sun_irradiance_rgb * _LUMENS_RGB
+    sky = tuple(_sky_matrix(half, solved.by_sky) for half in halves)
+    suns = tuple(_brought(half, solved.by_suns) for half in halves)
+    colour = light.sun_irradiance_rgb * LUMENS_RGB
     direct = np.zeros((len(work.sensors), len(light.hour)), np.float32)
     for first in range(0, len(work.sensors), _SENSORS_AT_ONCE):
         go_on()
         some = np.arange(first, min(first + _SENSORS_AT_ONCE, len(work.sensors)))
-        part = sun_shares(bake, work.glass, work.sensors.some(some), light.sun_direction)
+        part = sun_shares(work.bake, work.glass, work.sensors.some(some), light.sun_direction)
         direct[some] = np.einsum("phc,hc->ph", part, colour)
-    return YearMatrices((sky[0], sky[1]), (suns[0], suns[1]), near, share, direct)
+    return YearMatrices((sky[0], sky[1]), (suns[0], suns[1]), solved.near, solved.share, direct)
 
 
 def year_of(matrices: YearMatrices, light: YearLight) -> Year:
     """The year's product."""
     sky = np.ascontiguousarray(light.sky.transpose(2, 1, 0))
-    sun = (light.sun_irradiance_rgb * _LUMENS_RGB).astype(np.float32)
-    hours = np.arange(len(light.hour))
+    sun = (light.sun_irradiance_rgb * LUMENS_RGB).astype(np.float32)
     halves = []
     for of_sky, of_suns in zip(matrices.sky, matrices.suns, strict=True):
         total = matrices.direct.copy()
         for k in range(3):
-            total += np.float32(_LUMENS_RGB[k]) * (of_sky[k] @ sky[k])
-            spread = csr_matrix(
-                (
-                    (matrices.share * sun[:, k, None]).ravel(),
-                    (matrices.near.ravel(), np.repeat(hours, 2)),
-                ),
-                (of_suns.shape[2], len(hours)),
-                dtype=np.float32,
-            )
+            total += np.float32(LUMENS_RGB[k]) * (of_sky[k] @ sky[k])
+            spread = suns_of_hours(matrices.near, matrices.share, sun[:, k], of_suns.shape[2])
             total += (spread.T @ of_suns[k].T).T
         halves.append(total)
     mean = np.float32(0.5) * (halves[0] + halves[1])
     return Year(mean, matrices.direct, (halves[0], halves[1]))
+
+
+def suns_of_hours(
+    near: IntArray, share: FloatArray, irradiance: FloatArray | Float32Array, suns: int
+) -> csr_matrix:
+    """Irradiance (S, H) of solved suns that stand for those of hours (H,)."""
+    if not suns:
+        return csr_matrix((0, len(near)), dtype=np.float32)
+    hours = np.repeat(np.arange(len(near)), 2)
+    values = (share * irradiance[:, None]).ravel()
+    return csr_matrix((values, (near.ravel(), hours)), (suns, len(near)), dtype=np.float32)
 
 
 def _sent_by_cells(bake: Bake) -> FloatArray:

@@ -1,5 +1,6 @@
 """`vrut-lite daylight`: illuminance, daylight factors and a year at sensors of a scene."""
 
+from datetime import date, datetime
 from pathlib import Path
 from typing import Any
 
@@ -7,9 +8,9 @@ import click
 
 from vrut_lite.commands.number_types import FiniteRange
 from vrut_lite.commands.options import daylight_options, with_options
-from vrut_lite.commands.pictures import tell_notices
-from vrut_lite.commands.progress import busy_with, tracked
+from vrut_lite.commands.progress import tracked
 from vrut_lite.commands.scene_options import scene_options, with_scene_options
+from vrut_lite.commands.workers import worker_options, workers_of
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE
 from vrut_lite.errors import UserError
 from vrut_lite.project import project_of_path
@@ -18,8 +19,14 @@ from vrut_lite.project import project_of_path
 @click.command(name="daylight")
 @daylight_options
 @scene_options
-@click.argument("scene")
-@click.option("-o", "--output", required=True, metavar="FOLDER", help="Made if missing.")
+@click.argument("scenes", nargs=-1, required=True, metavar="SCENE...")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="FOLDER",
+    help="Made if missing; of several scenes each gets a folder in it, by its name.",
+)
 @click.option(
     "--sensors",
     metavar="FILE",
@@ -56,19 +63,45 @@ from vrut_lite.project import project_of_path
     show_default=True,
     help="Of the ground under a CIE sky.",
 )
+@click.option(
+    "--eyes",
+    metavar="FILE",
+    help="A .csv of eyes x,y,z,dx,dy,dz: where they are and look. Adds glare.",
+)
+@click.option(
+    "--blinds",
+    type=FiniteRange(0.0, 1.0),
+    default=0.05,
+    show_default=True,
+    help="What closed blinds let through, evenly, in a year's sDA.",
+)
+@click.option(
+    "--sun-day",
+    type=click.DateTime(["%m-%d"]),
+    default="03-21",
+    show_default=True,
+    metavar="MM-DD",
+    help="Of EN 17037's hours of sun in a year: 02-01 to 03-21.",
+)
 @click.option("--year", is_flag=True, help="A year too, hour by hour, under the same sky.")
+@worker_options
 def daylight(
-    scene: str,
+    scenes: tuple[str, ...],
     output: str,
     sensors: str | None,
     step_m: float,
     height_m: float,
     cie_sky: Any,
     ground_albedo: float,
+    blinds: float,
+    eyes: str | None,
+    sun_day: datetime,
     year: bool,
+    jobs: int,
+    dask: str | None,
     **options: Any,
 ) -> None:
-    """Measure the daylight of a scene: lux of an hour, daylight factors, hours of sun, a year.
+    """Measure the daylight of scenes: lux of an hour, daylight factors, hours of sun, a year.
 
     FOLDER gets report.html, sensors.csv and sensors.npz with a row for each sensor and an error
     beside what has one, plans in false colours, and heat maps of the year.
@@ -77,29 +110,47 @@ def daylight(
 
     Example: vrut-lite daylight room.glb -o room --sensors desks.csv --cie-sky 1
 
-    Example: vrut-lite daylight room.glb -o room --year
+    Example: vrut-lite daylight room.glb -o room --year --weather prague.epw
+
+    Example: vrut-lite daylight variants/*.glb -o variants --year --jobs 4
     """
-    project = with_options(with_scene_options(project_of_path(scene), options), options)
-    tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
+    projects = [
+        with_options(with_scene_options(project_of_path(scene), dict(options)), dict(options))
+        for scene in scenes
+    ]
     # Imported late, so that --help need not wait for compilers.
-    from light_transport.daylight_numbers.folder import Asked, write_daylight
-    from light_transport.daylight_numbers.opened_scene import OpenedScene
+    from light_transport.daylight_numbers.folder import Asked, measured
     from light_transport.daylight_numbers.sensors_file import read_sensors
     from light_transport.daylight_numbers.work import Grid
+    from light_transport.daylight_numbers.year_light import YEAR
 
-    told = project.sensors if sensors is None else sensors
-    chosen = read_sensors(told) if told else Grid(height_m, step_m)
-    folder = Path(output)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
-    with busy_with(f"opening {project.scene}"):
-        opened = OpenedScene(project)
-    try:
-        tell_notices(opened.scene.notices)
-        asked = Asked(project, chosen, tolerance, cie_sky, ground_albedo, year)
-        lines = write_daylight(folder, opened, asked, tracked)
-    finally:
-        opened.close()
-    click.echo("\n".join(lines))
+    looking = read_sensors(eyes) if eyes else None
+    day = sun_day.date().replace(year=YEAR)
+    if not date(YEAR, 2, 1) <= day <= date(YEAR, 3, 21):
+        raise UserError(f"--sun-day {day:%m-%d} is not from 02-01 to 03-21, as EN 17037 asks")
+    folders = _folders(Path(output), scenes)
+    wanted = []
+    for project in projects:
+        told = project.sensors if sensors is None else sensors
+        chosen = read_sensors(told) if told else Grid(height_m, step_m)
+        tolerance = DEFAULT_TOLERANCE if project.tolerance is None else project.tolerance
+        wanted.append(
+            Asked(project, chosen, tolerance, cie_sky, ground_albedo, year, blinds, looking, day)
+        )
+    with workers_of(jobs, dask, len(wanted)) as workers:
+        found = (workers.map if workers else map)(measured, folders, wanted)
+        for lines in tracked(found, "scenes", len(wanted)) if workers else found:
+            click.echo("\n".join(lines))
+
+
+def _folders(output: Path, scenes: tuple[str, ...]) -> list[Path]:
+    """A folder for each scene, made."""
+    folders = [output / Path(scene).stem for scene in scenes] if len(scenes) > 1 else [output]
+    if len(set(folders)) < len(folders):
+        raise UserError("two scenes have one name: measure them into folders of their own")
+    for folder in folders:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    return folders

@@ -1,27 +1,37 @@
 """What the command writes: tables, plans, a page, and lines for the terminal."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
 import numpy as np
 
 from light_transport.daylight_numbers.cie_skies import TITLES, CieSky, cie_hour
-from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors, sky_view
+from light_transport.daylight_numbers.eyes import (
+    METHOD,
+    eyes_of,
+    glare_now,
+    hour_table,
+    write_views,
+)
+from light_transport.daylight_numbers.numbers_now import numbers_now
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.patch_error import patch_error
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
 from light_transport.daylight_numbers.report import Page, Table, write_report
 from light_transport.daylight_numbers.sensors import Sensors
-from light_transport.daylight_numbers.sun_hours import STEP_MINUTES, sun_hours
+from light_transport.daylight_numbers.sun_hours import STEP_MINUTES, sun_hours, suns_of_day
 from light_transport.daylight_numbers.tables import write_tables
 from light_transport.daylight_numbers.work import Grid, Work, work_of
-from light_transport.daylight_numbers.year_pages import Numbers, year_pages
+from light_transport.daylight_numbers.year_pages import Numbers, YearAsked, year_pages
+from light_transport.hour.hour import Hour
+from vrut_lite.commands.pictures import tell_notices
+from vrut_lite.commands.progress import busy_with, tracked
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.image_files import write_png
 from vrut_lite.project import Project
 
-Tracked = Callable[[Iterable[int], str, int], Iterable[int]]
 _PICTURES = {
     "illuminance_lx": Quantity("illuminance", "lx"),
     "daylight_factor_percent": Quantity("daylight factor", "%"),
@@ -31,7 +41,8 @@ _PICTURES = {
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What is computed: of a project, at sensors, within a tolerance, under a CIE sky."""
+    """What is computed: of a project, at sensors, within a tolerance, under a CIE sky; `blinds` is
+    what these let through when they are closed."""
 
     project: Project
     sensors: Sensors | Grid
@@ -39,16 +50,36 @@ class Asked:
     cie_sky: CieSky
     ground_albedo: float
     year: bool
+    blinds: float
+    eyes: Sensors | None
+    sun_day: date
 
 
-def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tracked) -> list[str]:
-    """Compute and write; returns a line for each plane. `tracked` shows the progress of steps.
+def measured(folder: Path, asked: Asked) -> list[str]:
+    """Open a project's scene, compute and write; lines as of `write_daylight`.
+
+    Raises:
+        UserError: the scene cannot be read, or by `write_daylight`.
+    """
+    with busy_with(f"opening {asked.project.scene}"):
+        opened = OpenedScene(asked.project)
+    try:
+        tell_notices(opened.scene.notices)
+        return write_daylight(folder, opened, asked)
+    finally:
+        opened.close()
+
+
+def write_daylight(folder: Path, opened: OpenedScene, asked: Asked) -> list[str]:
+    """Compute and write; returns a line for each plane.
 
     Raises:
         UserError: there are no work planes, sensors lie in walls, or a file cannot be written.
     """
-    work = work_of(opened.scene, asked.sensors, asked.tolerance)
-    numbers = _now(work, opened, asked)
+    work = work_of(opened.scene, asked.sensors, asked.tolerance, glazing=asked.project.glazing)
+    # Hours of sun move the clock.
+    hour = opened.hour()
+    numbers = _now(work, opened, hour, asked)
     tables = [_rooms_now(work.sensors, numbers)]
     pictures: dict[Path, str] = {}
     for name, quantity in _PICTURES.items():
@@ -58,10 +89,24 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
             pictures[path] = f"{quantity.title.capitalize()} ({quantity.unit}), north (-z) up"
     overcast = cie_hour(asked.cie_sky, asked.ground_albedo)
     factor = numbers["daylight_factor_percent"]
-    moved = patch_error(opened.scene, work, asked.tolerance, overcast, factor)
+    moved = patch_error(
+        opened.scene, work, asked.project.glazing, asked.tolerance, overcast, factor
+    )
     method = _method(work, asked, moved)
+    eyes = None
+    if asked.eyes is not None:
+        eyes = eyes_of(opened.scene, work, asked.eyes, asked.tolerance)
+        glare = glare_now(eyes, hour)
+        tables.append(hour_table(glare))
+        pictures |= write_views(folder, glare)
+        method.append(METHOD)
     if asked.year:
-        found = year_pages(folder, work, opened, lambda steps, count: tracked(steps, "year", count))
+
+        def steps(hours: Iterable[int], count: int) -> Iterable[int]:
+            return tracked(hours, "year", count)
+
+        wanted = YearAsked(asked.blinds, eyes, asked.sun_day)
+        found = year_pages(folder, work, opened, wanted, steps)
         numbers |= found.columns
         tables += found.tables
         pictures |= found.pictures
@@ -85,22 +130,21 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
     return [*lines, f"the page is {folder / 'report.html'}"]
 
 
-def _now(work: Work, opened: OpenedScene, asked: Asked) -> Numbers:
+def _now(work: Work, opened: OpenedScene, hour: Hour, asked: Asked) -> Numbers:
     """Columns (P,) of the present hour, named with their units; errors are standard errors."""
-    of = work.bake, work.glass, work.operator, work.sensors
-    hour = hour_at_sensors(*of, opened.hour())
-    factor, error = daylight_factor(*of, cie_hour(asked.cie_sky, asked.ground_albedo))
+    now = numbers_now(work, hour, asked.cie_sky, asked.ground_albedo)
+    lux = now.light
     midnight = asked.project.instant().replace(hour=0, minute=0, second=0, microsecond=0)
     return {
-        "illuminance_lx": hour.total,
-        "illuminance_error_lx": hour.noise,
-        "of_sun_lx": hour.sun,
-        "of_sky_lx": hour.sky,
-        "of_surfaces_lx": hour.surfaces,
-        "daylight_factor_percent": factor,
-        "daylight_factor_error_percent": error,
-        "sky_view": sky_view(work.operator),
-        "sun_h": sun_hours(work, opened, midnight),
+        "illuminance_lx": lux.total,
+        "illuminance_error_lx": lux.noise,
+        "of_sun_lx": lux.sun,
+        "of_sky_lx": lux.sky,
+        "of_surfaces_lx": lux.surfaces,
+        "daylight_factor_percent": now.daylight_factor_percent,
+        "daylight_factor_error_percent": now.daylight_factor_error_percent,
+        "sky_view": now.sky_view,
+        "sun_h": sun_hours(work, work.sensors, suns_of_day(opened, midnight)),
     }
 
 
@@ -154,5 +198,5 @@ def _method(work: Work, asked: Asked, moved: float) -> list[str]:
         f"Patches twice as wide move daylight factors by {moved:.1%} of their mean, rms.",
         "Glass passes light by the angle at which a sensor sees through it; bounces by its mean.",
         f"Hours of sun of the day in steps of {STEP_MINUTES} minutes.",
-        "Lamps are off. Blinds, mirrors' images of the sun and glare are not computed.",
+        "Lamps are off. Mirrors throw no sun. The view out is not computed.",
     ]

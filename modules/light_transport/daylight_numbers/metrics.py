@@ -1,7 +1,4 @@
-"""Numbers of a year: IES LM-83, useful daylight illuminance, EN 17037, doses.
-
-What needs blinds (sDA of LM-83) is not computed: 'DA 300/50, unshaded' is the same without them.
-"""
+"""Numbers of a year: IES LM-83, useful daylight illuminance, EN 17037, doses."""
 
 import itertools
 from dataclasses import dataclass
@@ -20,7 +17,7 @@ OCCUPIED_H = DAYS * (_TO_H - _FROM_H)
 _DA_LX, _DA_SHARE = 300.0, 0.5
 _ASE_LX, _ASE_H = 1000.0, 250
 UDI_LX = (100.0, 300.0, 3000.0)
-# EN 17037:2018, table A.1, for daylight openings in walls.
+# EN 17037:2018, tables A.1, for openings in walls, and A.2, for those in roofs.
 EN_LEVELS = ("minimum", "medium", "high")
 EN_TARGET_LX, EN_LEAST_LX = (300.0, 500.0, 750.0), (100.0, 300.0, 500.0)
 _EN_TARGET_PLANE, _EN_LEAST_PLANE = 0.5, 0.95
@@ -61,6 +58,16 @@ def occupied(light: YearLight) -> BoolArray:
     return np.asarray((clock >= _FROM_H) & (clock < _TO_H))
 
 
+def daylight_autonomy(total: Float32Array, light: YearLight) -> FloatArray:
+    """Share (P,) of the hours from 8:00 to 18:00 that have 300 lx, by illuminances (P, H)."""
+    return np.asarray((total[:, occupied(light)] >= _DA_LX).sum(axis=1) / OCCUPIED_H)
+
+
+def spatial_autonomy(autonomy: FloatArray) -> float:
+    """Share of sensors (P,) that have 300 lx in half of these hours."""
+    return float(np.mean(autonomy >= _DA_SHARE))
+
+
 def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     """Numbers of sensors by illuminances (P, H): a year's, or those of one half of its rays."""
     used = occupied(light)
@@ -75,7 +82,7 @@ def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     day = np.argsort(-light.diffuse_lux, kind="stable")[:_DAYLIGHT_H]
     ordered = np.sort(total[:, day], axis=1)
     return PointYear(
-        da_300=(lux >= _DA_LX).sum(axis=1) / OCCUPIED_H,
+        da_300=daylight_autonomy(total, light),
         ase_h=(year.sun[:, used] > _ASE_LX).sum(axis=1).astype(float),
         udi=np.stack(within, axis=1),
         en_lx=ordered[:, max(len(day) - _DAYLIGHT_H // 2, 0)].astype(float),
@@ -83,8 +90,10 @@ def point_year(total: Float32Array, year: Year, light: YearLight) -> PointYear:
     )
 
 
-def room_year(points: PointYear, sensors: Sensors, plane: int) -> RoomYear:
-    """Numbers of one work plane."""
+def room_year(
+    points: PointYear, sensors: Sensors, plane: int, is_lit_by_roof: bool = False
+) -> RoomYear:
+    """Numbers of one work plane; with roof lights 95 % of it must reach the target."""
     here = sensors.plane == plane
     inner = here & sensors.inner
     lux = np.sort(points.en_lx[inner if inner.any() else here])
@@ -95,10 +104,10 @@ def room_year(points: PointYear, sensors: Sensors, plane: int) -> RoomYear:
     reached = [
         name
         for name, target, least in zip(EN_LEVELS, EN_TARGET_LX, EN_LEAST_LX, strict=True)
-        if median >= target and low >= least
+        if (low >= target if is_lit_by_roof else median >= target and low >= least)
     ]
     return RoomYear(
-        da_300_50=float(np.mean(points.da_300[here] >= _DA_SHARE)),
+        da_300_50=spatial_autonomy(points.da_300[here]),
         ase_1000_250=float(np.mean(points.ase_h[here] > _ASE_H)),
         udi=points.udi[here].mean(axis=0),
         en_level=reached[-1] if reached else "none",

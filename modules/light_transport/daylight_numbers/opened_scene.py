@@ -17,6 +17,7 @@ from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.daylight.sky import AmbientChanged, SkyRadianceChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
+from vrut_lite.daylight.weather import SetWeather
 from vrut_lite.errors import ModuleFailed
 from vrut_lite.kernel.messages import Demand, SetClock
 from vrut_lite.project import Project, daylight_inputs, setting_inputs, view_inputs
@@ -78,6 +79,15 @@ class OpenedScene:
         found = self._kernel.last(SetPlace)
         assert found is not None
         return found
+
+    @property
+    def standard_offset_h(self) -> float:
+        """Hours by which standard time goes before UTC: the weather file's, or that of the zone by
+        longitude."""
+        weather = self._kernel.last(SetWeather)
+        if weather is not None and weather.path:
+            return weather.utc_offset_h
+        return float(round(self.place.longitude_deg / 15.0))
 
     @property
     def source(self) -> str:

@@ -20,7 +20,7 @@ from light_transport.daylight_numbers.sky_cells import CELLS, cell_of
 from light_transport.giving_up import GoOn, always
 from light_transport.rays.sky_nodes import NODES
 from vrut_lite.errors import UserError
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import BoolArray, FloatArray
 
 # Sensors of a block have one stream of random numbers, whoever computes it.
 _BLOCK = 16
@@ -71,6 +71,14 @@ class Operator:
         """Irradiance (P, 3) in W m^-2, and its standard error by the halves (P, 3)."""
         one, other = (half.irradiance(radiances, radiosity) for half in self.halves)
         return 0.5 * (one + other), 0.5 * np.abs(one - other)
+
+    def some(self, chosen: BoolArray) -> "Operator":
+        """That of some of its sensors."""
+        one, other = (
+            Half(tuple(m[chosen] for m in half.seen), tuple(m[chosen] for m in half.sent))
+            for half in self.halves
+        )
+        return Operator((one, other), self.rays)
 
 
 def operator_of(

@@ -1,5 +1,7 @@
 """What patches err by: the same numbers by patches twice as wide."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from light_transport.daylight_numbers.now import daylight_factor
@@ -8,6 +10,7 @@ from light_transport.daylight_numbers.work import RAYS_SHARE, Work, baked
 from light_transport.hour.hour import Hour
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.numeric_types import FloatArray
+from vrut_lite.project import Glazing
 
 # Twice as wide: a quarter of the texels.
 _SHARE_OF_TEXELS = 0.25
@@ -15,7 +18,12 @@ _MOST_SENSORS = 48
 
 
 def patch_error(
-    scene: SceneOpened, work: Work, tolerance: float, light: Hour, factor: FloatArray
+    scene: SceneOpened,
+    work: Work,
+    glazing: Mapping[str, Glazing],
+    tolerance: float,
+    light: Hour,
+    factor: FloatArray,
 ) -> float:
     """How far daylight factors (P,) move with patches twice as wide: rms, a share of their mean.
 
@@ -23,7 +31,7 @@ def patch_error(
     where it falls faster. Some evenly chosen sensors are asked; the noise of rays is in it.
     """
     chosen = np.arange(0, len(work.sensors), -(-len(work.sensors) // _MOST_SENSORS))
-    bake = baked(scene, tolerance, _SHARE_OF_TEXELS)
+    bake = baked(scene, tolerance, _SHARE_OF_TEXELS, glazing=glazing)
     sensors = work.sensors.some(chosen)
     operator = operator_of(bake, work.glass, sensors, RAYS_SHARE * tolerance, bake.threads)
     coarser, _ = daylight_factor(bake, work.glass, operator, sensors, light)

@@ -12,7 +12,7 @@ from vrut_lite.numeric_types import FloatArray
 
 _EDGE_PX, _MARGIN_PX, _BAR_PX, _FONT_PX = 420, 16, 12, 13
 _MOST_CELL_PX = 64
-_LEGEND_PX = 52
+LEGEND_PX = 52
 _INK, _LINE = (235, 235, 235), (250, 250, 250)
 _LADDER = (1.0, 2.0, 3.0, 5.0, 7.5)
 _MOST_LINES, _MOST_PLANS, _TICKS = 6, 4, 5
@@ -40,7 +40,7 @@ def plan_picture(sensors: Sensors, values: FloatArray, quantity: Quantity) -> ND
     planes = [int(n) for n in np.argsort(-counts, kind="stable")[:_MOST_PLANS] if counts[n] > 0]
     plans = [_plan(sensors, values, plane, scale, quantity) for plane in sorted(planes)]
     width = max(sum(plan.width + _MARGIN_PX for plan in plans) + _MARGIN_PX, _EDGE_PX)
-    height = max((plan.height for plan in plans), default=0) + 2 * _MARGIN_PX + _LEGEND_PX
+    height = max((plan.height for plan in plans), default=0) + 2 * _MARGIN_PX + LEGEND_PX
     sheet = Image.new("RGB", (width, height), UNUSED)
     left = _MARGIN_PX
     for plan in plans:
@@ -117,7 +117,7 @@ def _levels(grid: FloatArray) -> FloatArray:
 def draw_legend(sheet: Image.Image, scale: Scale, quantity: Quantity) -> None:
     """Draw the scale of colours along the lower edge of a picture."""
     pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(_FONT_PX)
-    width, top = sheet.width - 2 * _MARGIN_PX, sheet.height - _LEGEND_PX
+    width, top = sheet.width - 2 * _MARGIN_PX, sheet.height - LEGEND_PX
     pen.text((_MARGIN_PX, top), f"{quantity.title}, {quantity.unit}", _INK, font=font)
     bar = Image.fromarray(scale_pixels(width)).resize((width, _BAR_PX))
     sheet.paste(bar, (_MARGIN_PX, top + _FONT_PX + 4))

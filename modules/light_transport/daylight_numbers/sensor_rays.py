@@ -48,14 +48,15 @@ def ends_of(
 
 
 @inlined
-def _passes(cosine, ior, is_pane):  # type: ignore[no-untyped-def]
-    """Share of unpolarised light that passes one face, or both of a pane."""
+def _passes(cosine, ior, panes):  # type: ignore[no-untyped-def]
+    """Share of unpolarised light that passes one face of a body, or panes; see `clear_share`."""
     bent = math.sqrt(max(1.0 - (1.0 - cosine * cosine) / (ior * ior), 0.0))
     across = (cosine - ior * bent) / (cosine + ior * bent)
     along = (ior * cosine - bent) / (ior * cosine + bent)
     across, along = across * across, along * along
-    if is_pane:
-        return 0.5 * ((1.0 - across) / (1.0 + across) + (1.0 - along) / (1.0 + along))
+    if panes > 0:
+        more = 2.0 * panes - 1.0
+        return 0.5 * ((1.0 - across) / (1.0 + more * across) + (1.0 - along) / (1.0 + more * along))
     return 1.0 - 0.5 * (across + along)
 
 
@@ -82,7 +83,7 @@ def _ends(tree, receivers, first_group, glass, origin, direction, scratch, targe
                 break
             faces = geometry.faces
             cosine = abs(faces[t, 0] * ray[0] + faces[t, 1] * ray[1] + faces[t, 2] * ray[2])
-            through = _passes(max(cosine, 1e-6), glass.ior[t], glass.is_pane[t])
+            through = _passes(max(cosine, 1e-6), glass.ior[t], glass.panes[t])
             if panes == 0:
                 met = met_row(geometry, texels, groups, first_group, t, u, v, place, ray, pixel)
                 target[i, 1] = met if met >= 0 else NOTHING

@@ -1,4 +1,4 @@
-"""Hours of sun of a day at sensors, by rays towards the sun."""
+"""Hours of sun of a day, by rays towards the sun."""
 
 from datetime import datetime, timedelta
 
@@ -6,25 +6,43 @@ import numpy as np
 
 from light_transport.daylight_numbers.now import sun_shares
 from light_transport.daylight_numbers.opened_scene import OpenedScene
+from light_transport.daylight_numbers.openings import Room
+from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.work import Work
 from vrut_lite.numeric_types import FloatArray
 
 STEP_MINUTES = 10
+# EN 17037: the reference point lies in an opening, so far above the floor.
+_REFERENCE_M, _BEFORE_M = 1.2, 1e-3
 
 
-def sun_hours(work: Work, opened: OpenedScene, midnight: datetime) -> FloatArray:
-    """Hours (P,) of the day from midnight in which the sun shines on the side that a sensor faces.
-
-    Whatever passes of it through glass counts in full.
-    """
+def suns_of_day(opened: OpenedScene, midnight: datetime) -> FloatArray:
+    """Directions (S, 3) of the sun in the middle of the steps of a day in which it is up."""
     opened.coarser()
     towards = []
     for step in range(24 * 60 // STEP_MINUTES):
         opened.go_to(midnight + timedelta(minutes=(step + 0.5) * STEP_MINUTES))
         if opened.sun.elevation_rad > 0.0:
             towards.append(opened.sun.direction)
-    if not towards:
-        return np.zeros(len(work.sensors))
-    directions = np.array(towards, float)
-    seen = sun_shares(work.bake, work.glass, work.sensors, directions).any(axis=2)
+    return np.array(towards, float).reshape(-1, 3)
+
+
+def sun_hours(work: Work, sensors: Sensors, suns: FloatArray) -> FloatArray:
+    """Hours (P,) in which the sun shines on the side that a sensor faces, by `suns_of_day`.
+
+    Whatever passes of it through glass counts in full.
+    """
+    seen = sun_shares(work.bake, work.glass, sensors, suns).any(axis=2)
     return np.asarray(seen.sum(axis=1) * (STEP_MINUTES / 60.0))
+
+
+def sun_in_openings(work: Work, room: Room, suns: FloatArray) -> float:
+    """Most hours of sun at a place in a room's openings, 1.2 m above its floor or higher."""
+    most = 0.0
+    for opening in room.openings:
+        places = opening.places_m - _BEFORE_M * opening.outwards
+        high = places[:, 1] >= room.box.lower_m[1] + _REFERENCE_M
+        places = places[high] if high.any() else places
+        sensors = free_sensors(places, np.broadcast_to(opening.outwards, places.shape), "opening")
+        most = max(most, float(sun_hours(work, sensors, suns).max()))
+    return most

@@ -17,7 +17,8 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.numeric_types import Float32Array, FloatArray
 
 DAYS, HOURS = 365, 24
-_YEARS_OF_365_DAYS = 2025
+# A year of 365 days.
+YEAR = 2025
 # Hours with a lower sun have no light that counts.
 _LOWEST_SUN_DEG = -4.0
 
@@ -56,18 +57,13 @@ def node_sines() -> FloatArray:
     return np.bincount(node_of_cell(), sine) / np.bincount(node_of_cell())
 
 
-def standard_offset_h(longitude_deg: float) -> int:
-    """Hours by which a place's standard time goes before UTC: its zone by longitude."""
-    return round(longitude_deg / 15.0)
-
-
-def middle_of(hour: int, offset_h: int, year: int = _YEARS_OF_365_DAYS) -> datetime:
+def middle_of(hour: int, offset_h: float, year: int = YEAR) -> datetime:
     """The instant in the middle of an hour of a year of 365 days."""
     first = datetime(year, 1, 1, tzinfo=UTC) - timedelta(hours=offset_h)
     return first + timedelta(hours=hour + 0.5)
 
 
-def lit_hours(place: SetPlace, offset_h: int) -> NDArray[np.int64]:
+def lit_hours(place: SetPlace, offset_h: float) -> NDArray[np.int64]:
     """Hours of the year whose sun is at most a little below the horizon."""
     hour = np.arange(DAYS * HOURS)
     day, clock = hour // HOURS, hour % HOURS + 0.5
@@ -84,7 +80,7 @@ def lit_hours(place: SetPlace, offset_h: int) -> NDArray[np.int64]:
 
 
 def year_light(
-    opened: OpenedScene, hours: NDArray[np.int64], offset_h: int, tracked: Iterable[int]
+    opened: OpenedScene, hours: NDArray[np.int64], offset_h: float, tracked: Iterable[int]
 ) -> YearLight:
     """The light of some hours; `tracked` are their numbers, which may show progress.
 

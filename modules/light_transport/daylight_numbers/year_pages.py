@@ -1,39 +1,51 @@
 """A year's columns, tables and pictures for the command's folder."""
 
 from collections.abc import Callable, Iterable
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, date, datetime, time, timedelta
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from light_transport.daylight_numbers.annual import DAYS_BETWEEN, annual
+from light_transport.daylight_numbers.annual import Year, solved_year, year_matrices, year_of
+from light_transport.daylight_numbers.blinds import shaded_year
+from light_transport.daylight_numbers.eyes import Eyes, glare_table
 from light_transport.daylight_numbers.heat_map import heat_map
-from light_transport.daylight_numbers.metrics import (
-    PointYear,
-    RoomYear,
-    by_day_and_hour,
-    point_year,
-    room_year,
-)
+from light_transport.daylight_numbers.metrics import by_day_and_hour, point_year
 from light_transport.daylight_numbers.opened_scene import OpenedScene
+from light_transport.daylight_numbers.openings import room_of
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
 from light_transport.daylight_numbers.report import Table
 from light_transport.daylight_numbers.sensors import Sensors
-from light_transport.daylight_numbers.sun_hours import sun_hours
+from light_transport.daylight_numbers.sun_hours import sun_hours, sun_in_openings, suns_of_day
 from light_transport.daylight_numbers.work import Work
-from light_transport.daylight_numbers.year_light import lit_hours, standard_offset_h, year_light
+from light_transport.daylight_numbers.year_light import YearLight, lit_hours, year_light
+from light_transport.daylight_numbers.year_tables import (
+    method,
+    row_of_plane,
+    udi_table,
+    with_blinds,
+    year_table,
+)
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite.pictures.image_files import write_png
 
 Numbers = dict[str, FloatArray]
-# EN 17037: hours of sun of one day between 1 February and 21 March, in the best place of a room.
-_SUN_LEVELS = ((4.0, "high"), (3.0, "medium"), (1.5, "minimum"))
 _PLANS = {
     "da_300_percent": Quantity("time above 300 lx, 8:00 to 18:00", "%"),
+    "da_300_with_blinds_percent": Quantity("the same with blinds", "%"),
     "dose_klxh": Quantity("dose of a year", "klx h"),
 }
 _MOST_HEAT_MAPS = 4
+
+
+class YearAsked(NamedTuple):
+    """What is computed: `blinds` is what these let through when closed; `sun_day`, of YEAR, that of
+    EN 17037's hours of sun."""
+
+    blinds: float
+    eyes: Eyes | None
+    sun_day: date
 
 
 class YearPages(NamedTuple):
@@ -49,6 +61,7 @@ def year_pages(
     folder: Path,
     work: Work,
     opened: OpenedScene,
+    asked: YearAsked,
     tracked: Callable[[Iterable[int], int], Iterable[int]],
 ) -> YearPages:
     """Compute a year under the present sky's module.
@@ -56,17 +69,35 @@ def year_pages(
     Raises:
         UserError: the sky has no light for an hour, or a picture cannot be written.
     """
-    offset_h = standard_offset_h(opened.place.longitude_deg)
+    sensors, offset_h = work.sensors, opened.standard_offset_h
     hours = lit_hours(opened.place, offset_h)
     light = year_light(opened, hours, offset_h, tracked(range(len(hours)), len(hours)))
-    year = annual(work, light)
+    solved = solved_year(work.bake, light)
+    year = year_of(year_matrices(work, light, solved), light)
+    planes = range(len(sensors.names))
+    rooms = {plane: room for plane in planes if (room := room_of(work, plane)) is not None}
+    shaded = {
+        plane: shaded_year(work, plane, room, year, light, solved, asked.blinds)
+        for plane, room in rooms.items()
+    }
     points = point_year(year.total, year, light)
     halves = [point_year(half, year, light) for half in year.halves]
-    march = datetime(2025, 3, 21, tzinfo=UTC) - timedelta(hours=offset_h)
-    sun = sun_hours(work, opened, march)
+    midnight = datetime.combine(asked.sun_day, time(), UTC) - timedelta(hours=offset_h)
+    suns = suns_of_day(opened, midnight)
+    sun = sun_hours(work, sensors, suns)
+    rows = []
+    for plane in planes:
+        room = rooms.get(plane)
+        best = sun_in_openings(work, room, suns) if room else sun[sensors.plane == plane].max()
+        rows.append(
+            row_of_plane(
+                sensors, plane, points, halves, shaded.get(plane), room, float(best), light
+            )
+        )
     columns = {
         "da_300_percent": 100.0 * points.da_300,
         "da_300_error_percent": 50.0 * np.abs(halves[0].da_300 - halves[1].da_300),
+        "da_300_with_blinds_percent": 100.0 * with_blinds(shaded, light, len(sensors)),
         "direct_sun_above_1000_lx_h": points.ase_h,
         "udi_below_100_percent": 100.0 * points.udi[:, 0],
         "udi_100_300_percent": 100.0 * points.udi[:, 1],
@@ -74,77 +105,32 @@ def year_pages(
         "udi_above_3000_percent": 100.0 * points.udi[:, 3],
         "half_of_daylight_hours_lx": points.en_lx,
         "dose_klxh": points.dose_klxh,
-        "sun_21_march_h": sun,
+        "sun_of_en_17037_h": sun,
     }
+    glare = [] if asked.eyes is None else [glare_table(asked.eyes, light, solved)]
+    return YearPages(
+        columns,
+        [year_table(rows, f"{asked.sun_day:%-d %B}"), udi_table(sensors, points), *glare],
+        _pictures(folder, sensors, columns, year, light),
+        method(light.source, len(hours), asked.blinds),
+    )
+
+
+def _pictures(
+    folder: Path, sensors: Sensors, columns: Numbers, year: Year, light: YearLight
+) -> dict[Path, str]:
+    """Plans and heat maps, written, with their captions."""
     pictures: dict[Path, str] = {}
-    if np.any(work.sensors.cell >= 0):
-        for name, quantity in _PLANS.items():
+    for name, quantity in _PLANS.items():
+        if np.any(sensors.cell >= 0) and np.isfinite(columns[name]).any():
             path = folder / f"{name}.png"
-            write_png(path, plan_picture(work.sensors, columns[name], quantity))
+            write_png(path, plan_picture(sensors, columns[name], quantity))
             pictures[path] = f"{quantity.title.capitalize()} ({quantity.unit})"
-    for plane, name in list(enumerate(work.sensors.names))[:_MOST_HEAT_MAPS]:
-        mean = year.total[work.sensors.plane == plane].mean(axis=0)
+    for plane, name in list(enumerate(sensors.names))[:_MOST_HEAT_MAPS]:
+        mean = year.total[sensors.plane == plane].mean(axis=0)
         path = folder / f"hours_{plane + 1}.png"
         title = f"{name}: mean illuminance, standard time"
         field = by_day_and_hour(mean.astype(float), light.hour)
         write_png(path, heat_map(field, title, Quantity("illuminance", "lx")))
         pictures[path] = f"Mean illuminance of {name}, hour by hour of the year"
-    return YearPages(
-        columns,
-        [_table(work.sensors, points, halves, sun), _udi_table(work.sensors, points)],
-        pictures,
-        _method(light.source, len(hours)),
-    )
-
-
-def _table(sensors: Sensors, points: PointYear, halves: list[PointYear], sun: FloatArray) -> Table:
-    rows = []
-    for plane, name in enumerate(sensors.names):
-        room = room_year(points, sensors, plane)
-        one, other = (room_year(half, sensors, plane) for half in halves)
-        best = float(sun[sensors.plane == plane].max())
-        level = next((said for least, said in _SUN_LEVELS if best >= least), "none")
-        rows.append(
-            [
-                name,
-                f"{room.da_300_50:.1%} ± {_half(one.da_300_50, other.da_300_50):.1%}",
-                f"{room.ase_1000_250:.1%}",
-                f"{room.en_level} ({room.en_median_lx:,.0f} lx, {room.en_low_lx:,.0f} lx)",
-                f"{level} ({best:.1f} h)",
-                f"{room.dose_klxh:,.0f} ± {_half(one.dose_klxh, other.dose_klxh):,.0f}",
-            ]
-        )
-    columns = [
-        "plane", "DA 300/50, unshaded", "ASE 1000/250", "EN 17037 daylight (on 50 %, on 95 %)",
-        "EN 17037 sun on 21 March, best place", "dose klx h",
-    ]  # fmt: skip
-    return Table("The year", columns, rows)
-
-
-def _udi_table(sensors: Sensors, points: PointYear) -> Table:
-    rooms: list[RoomYear] = [room_year(points, sensors, n) for n in range(len(sensors.names))]
-    rows = [
-        [name, *(f"{share:.1%}" for share in room.udi)]
-        for name, room in zip(sensors.names, rooms, strict=True)
-    ]
-    columns = ["plane", "below 100 lx", "100 to 300 lx", "300 to 3000 lx", "above 3000 lx"]
-    return Table("Useful daylight illuminance, share of 8:00 to 18:00", columns, rows)
-
-
-def _half(one: float, other: float) -> float:
-    return 0.5 * abs(one - other)
-
-
-def _method(source: str, hours: int) -> list[str]:
-    return [
-        f"The year has {hours:,} hours with light, each by its middle in standard time; sky and "
-        f"sun by {source}.",
-        "DA 300/50, unshaded: share of the plane that has 300 lx in half of the 3,650 hours from "
-        "8:00 to 18:00; no blinds, so it is no sDA of IES LM-83. ASE 1000/250: share with more "
-        "than 1,000 lx of direct sun alone in more than 250 of these hours.",
-        "EN 17037: illuminance on 50 % and on 95 % of the plane, 0.5 m from walls, in half of the "
-        "4,380 hours with most light outdoors, as for openings in walls; minimum, medium, high are "
-        "300/100, 500/300, 750/500 lx. The view out is left out.",
-        f"Bounces of sunlit surfaces are solved every {DAYS_BETWEEN} days and interpolated; the "
-        "sun's own light is a ray for each sensor and hour.",
-    ]
+    return pictures
