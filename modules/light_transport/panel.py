@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QLabel, QProgressBar, QWidget
+from PySide6.QtWidgets import QLabel, QProgressBar, QWidget
 
 from light_transport.false_colours import (
     FalseColours,
@@ -22,7 +22,7 @@ from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.fitted_picture import FittedPicture
-from vrut_lite.app.widgets import faint_label, panel_column, rgb_image
+from vrut_lite.app.widgets import Chooser, faint_label, panel_column, rgb_image
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
 from vrut_lite.geometry.false_colours import scale_pixels
@@ -64,7 +64,7 @@ class LightMapPanel(QWidget):
         self.progress = QProgressBar()
         self.facts = QLabel(_NOTHING)
         self.facts.setWordWrap(True)
-        self.kind = QComboBox()
+        self.kind = Chooser()
         self.kind.addItems([_LIGHT, _SIZE, _ERROR])
         self.kind.setAccessibleName("what the picture of the light map shows")
         self.kind.currentIndexChanged.connect(self._renew)
