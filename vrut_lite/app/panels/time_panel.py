@@ -112,6 +112,7 @@ class TimePanel(QWidget):
         self.year.instant_chosen.connect(self.go_to)
         self.player.playing_changed.connect(self._playing_changed)
         scout.day_changed.connect(self._show_day)
+        scout.moon_changed.connect(self.bar.show_moon)
         session.listen(SetPlace, self._show_place)
         session.listen(ClockMoved, self._show_clock)
         session.listen(SetWeather, self.year.show_weather)
