@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from light_transport.daylight_numbers.cie_skies import TITLES, CieSky, cie_hour
-from light_transport.daylight_numbers.now import daylight_factor, hour_at_sensors, sky_view
+from light_transport.daylight_numbers.numbers_now import numbers_now
 from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.patch_error import patch_error
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
@@ -87,9 +87,8 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked, tracked: Tra
 
 def _now(work: Work, opened: OpenedScene, asked: Asked) -> Numbers:
     """Columns (P,) of the present hour, named with their units; errors are standard errors."""
-    of = work.bake, work.glass, work.operator, work.sensors
-    hour = hour_at_sensors(*of, opened.hour())
-    factor, error = daylight_factor(*of, cie_hour(asked.cie_sky, asked.ground_albedo))
+    now = numbers_now(work, opened.hour(), asked.cie_sky, asked.ground_albedo)
+    hour = now.light
     midnight = asked.project.instant().replace(hour=0, minute=0, second=0, microsecond=0)
     return {
         "illuminance_lx": hour.total,
@@ -97,9 +96,9 @@ def _now(work: Work, opened: OpenedScene, asked: Asked) -> Numbers:
         "of_sun_lx": hour.sun,
         "of_sky_lx": hour.sky,
         "of_surfaces_lx": hour.surfaces,
-        "daylight_factor_percent": factor,
-        "daylight_factor_error_percent": error,
-        "sky_view": sky_view(work.operator),
+        "daylight_factor_percent": now.daylight_factor_percent,
+        "daylight_factor_error_percent": now.daylight_factor_error_percent,
+        "sky_view": now.sky_view,
         "sun_h": sun_hours(work, opened, midnight),
     }
 

@@ -10,7 +10,7 @@ from light_transport.daylight_numbers.glass import Glass, glass_of
 from light_transport.daylight_numbers.operator import Operator, operator_of
 from light_transport.daylight_numbers.sensors import Sensors
 from light_transport.daylight_numbers.work_planes import work_planes
-from light_transport.giving_up import GoOn, always
+from light_transport.giving_up import GivenUp, GoOn, always
 from light_transport.jobs import first_rays
 from light_transport.kept_rays import add_kept_rays
 from light_transport.layout.layout import lay_out
@@ -49,6 +49,7 @@ def baked(
 
     Raises:
         UserError: the scene has no surfaces.
+        GivenUp: by `go_on`.
     """
     if not scene.triangles:
         raise UserError("the scene has no surfaces: there is nothing to measure in")
@@ -60,20 +61,41 @@ def baked(
     bake = Bake(surfaces, layout, threads, quality.patch_texels, quality.bounces_left)
     # Patches follow from the first round, and so do kept rays: it is the module's own.
     for rays in (first_rays(bake.rows), quality.rays):
-        add_kept_rays(bake, rays - bake.rays, lambda: False)
+        if not add_kept_rays(bake, rays - bake.rays, lambda: _is_over(go_on)):
+            raise GivenUp
         go_on()
     return bake
 
 
+def _is_over(go_on: GoOn) -> bool:
+    try:
+        go_on()
+    except GivenUp:
+        return True
+    return False
+
+
 def work_of(
-    scene: SceneOpened, sensors: Sensors | Grid, tolerance: float, go_on: GoOn = always
+    scene: SceneOpened,
+    sensors: Sensors | Grid,
+    tolerance: float,
+    go_on: GoOn = always,
+    bake: Bake | None = None,
 ) -> Work:
     """Bake a scene, find its work planes unless sensors are given, and trace their rays.
 
+    Args:
+        scene: what is measured.
+        sensors: where, or how such places are found.
+        tolerance: share of radiance by which it may err.
+        go_on: called between steps.
+        bake: one with rays, where there is one already.
+
     Raises:
         UserError: no work plane is found, or sensors lie inside bodies.
+        GivenUp: by `go_on`.
     """
-    bake = baked(scene, tolerance, go_on=go_on)
+    bake = bake or baked(scene, tolerance, go_on=go_on)
     if isinstance(sensors, Grid):
         bounds = np.asarray(scene.lower_m), np.asarray(scene.upper_m)
         sensors = work_planes(bake, *bounds, sensors.height_m, sensors.step_m)
