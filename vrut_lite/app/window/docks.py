@@ -1,8 +1,9 @@
 """The docks of the window: the host's own, and those of the modules.
 
 A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
-QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. It is
-imported when the window is ready, so that the rest of a module needs no Qt.
+QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. Further
+ones are named `module.panel`. They are imported when the window is ready, so that the rest of a
+module needs no Qt.
 """
 
 from collections.abc import Callable
@@ -104,7 +105,7 @@ def module_docks(roster: Roster) -> ModulePanels:
     ]
     failures = []
     for point in sorted(entry_points(group=PANEL_GROUP), key=lambda point: point.name):
-        if point.name in roster.modules:
+        if point.name.partition(".")[0] in roster.modules:
             try:
                 docks.append(_own_dock(point.name, point.load()))
             except BaseException as error:
