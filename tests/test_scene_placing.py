@@ -59,6 +59,23 @@ placement = {{up = "z", metres_per_unit = 0.01, position_m = [10, 0, 0], heading
         assert one.placement == other.placement
 
 
+def test_a_projects_settings_name_files_beside_it(tmp_path, monkeypatch):
+    """A photograph as the sky is found from any working folder, and saved elsewhere it is still
+    the same file; other texts stay as they are."""
+    (tmp_path / "here").mkdir()
+    (tmp_path / "there").mkdir()
+    (tmp_path / "here" / "sky.exr").write_bytes(b"")
+    (tmp_path / "here" / "a.toml").write_text(
+        'scene = "a.obj"\n[settings.photo_sky]\nphoto = "sky.exr"\nother = "kept.exr"\n'
+    )
+    monkeypatch.chdir(tmp_path / "there")
+    project = load_project(tmp_path / "here" / "a.toml")
+    assert Path(project.settings["photo_sky"]["photo"]) == tmp_path / "here" / "sky.exr"
+    assert project.settings["photo_sky"]["other"] == "kept.exr"
+    save_project("b.toml", project)
+    assert '"../here/sky.exr"' in Path("b.toml").read_text()
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

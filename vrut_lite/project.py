@@ -164,7 +164,7 @@ class Project(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def load_project(path: str | Path) -> Project:
-    """Read a project file; the scene's path is relative to it.
+    """Read a project file; paths are relative to it, also those among the settings.
 
     Raises:
         UserError: the file is missing, no TOML, or has unknown or invalid entries.
@@ -196,6 +196,7 @@ def load_project(path: str | Path) -> Project:
     if not project.scene:
         raise UserError(f'the project {file} names no scene: add a line scene = "FILE"')
     project = _with_paths(project, lambda path: str(file.parent / path))
+    project = _with_named_files(project, file.parent, str)
     if project.weather and not says_place:
         return with_weather(project, project.weather)
     return project
@@ -224,6 +225,25 @@ def _with_paths(project: Project, change: Callable[[str], str]) -> Project:
     )
 
 
+def _with_named_files(project: Project, folder: Path, change: Callable[[Path], str]) -> Project:
+    """The project with texts among its settings changed that name a file, seen from a folder.
+
+    Modules have settings that are paths; the host does not know which.
+    """
+
+    def changed(value: Any) -> Any:
+        if not (isinstance(value, str) and value):
+            return value
+        path = os.path.join(folder, os.path.expanduser(value))
+        return change(Path(path)) if os.path.isfile(path) else value
+
+    settings = {
+        module: {name: changed(value) for name, value in values.items()}
+        for module, values in project.settings.items()
+    }
+    return msgspec.structs.replace(project, settings=settings)
+
+
 def project_of_path(path: str | None) -> Project:
     """The project in a project file; of a scene's file, or none, a project with defaults.
 
@@ -236,14 +256,16 @@ def project_of_path(path: str | None) -> Project:
 
 
 def save_project(path: str | Path, project: Project) -> None:
-    """Write a project file; the scene's path is made relative to it.
+    """Write a project file; paths are made relative to it.
 
     Raises:
         UserError: it cannot be written.
     """
     file = Path(path)
     folder = file.resolve().parent
-    text = project_text(_with_paths(project, lambda path: _relative(path, folder)))
+    project = _with_paths(project, lambda path: _relative(path, folder))
+    project = _with_named_files(project, Path(), lambda path: _relative(str(path), folder))
+    text = project_text(project)
     try:
         with atomic_output(file) as unfinished:
             unfinished.write_text(text, encoding="utf-8")

@@ -6,9 +6,8 @@ The window imports it by the entry point `vrut_lite.panels`; nothing else here i
 from functools import partial
 from typing import NamedTuple
 
-from PySide6.QtCore import QRect, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QLabel, QProgressBar, QWidget
+from PySide6.QtGui import QShowEvent
+from PySide6.QtWidgets import QLabel, QProgressBar, QWidget
 
 from light_transport.false_colours import (
     FalseColours,
@@ -16,16 +15,15 @@ from light_transport.false_colours import (
     error_picture,
     light_picture,
 )
+from light_transport.legend import Legend
 from light_transport.messages import NAME, BakeGrown, HourOutdated
 from light_transport.module import HOUR, LAYOUT, RAYS
-from vrut_lite.app import theme
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.engine.stage import Stage
 from vrut_lite.app.fitted_picture import FittedPicture
-from vrut_lite.app.widgets import faint_label, panel_column, rgb_image
+from vrut_lite.app.widgets import Chooser, faint_label, panel_column
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
 from vrut_lite.daylight.scene import SceneOpened
-from vrut_lite.geometry.false_colours import scale_pixels
 
 _NOTHING = "No light map: the scene is lit by the open sky."
 _LIGHT, _SIZE, _ERROR = "Light", "Texel size", "Error"
@@ -35,7 +33,6 @@ _MEANINGS = {
     _SIZE: ("edge of the texels", lambda edge_m: f"{edge_m:.3g} m"),
     _ERROR: ("noise that the rays leave, of the light there", lambda share: f"{share:.2%}"),
 }
-_BAR_PX, _LEGEND_PX = 10, 30
 
 
 class Shown(NamedTuple):
@@ -64,12 +61,12 @@ class LightMapPanel(QWidget):
         self.progress = QProgressBar()
         self.facts = QLabel(_NOTHING)
         self.facts.setWordWrap(True)
-        self.kind = QComboBox()
+        self.kind = Chooser()
         self.kind.addItems([_LIGHT, _SIZE, _ERROR])
         self.kind.setAccessibleName("what the picture of the light map shows")
         self.kind.currentIndexChanged.connect(self._renew)
         self.view = FittedPicture("light map", (320, 320), smooth=False)
-        self.legend = _Legend()
+        self.legend = Legend()
         self.meaning = faint_label("", wraps=True)
         column = panel_column(self)
         for part in (self.progress, self.facts, self.kind, self.view, self.legend, self.meaning):
@@ -165,34 +162,3 @@ def _seconds(stage: Stage) -> tuple[float, float]:
             elif remark.text == HOUR:
                 hour_ns = took_ns
     return bake_ns / 1e9, hour_ns / 1e9
-
-
-class _Legend(QWidget):
-    """The scale of colours, with values at its ends and in its middle."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.values: list[str] = []
-        self.setFixedHeight(_LEGEND_PX)
-
-    def show_values(self, values: list[str]) -> None:
-        """Show the values of the darkest, middle and brightest colour; none hides the scale."""
-        self.values = values
-        self.setAccessibleName("scale: " + ", ".join(values) if values else "no scale")
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """A bar, and the values below it."""
-        if not self.values:
-            return
-        painter = QPainter(self)
-        painter.drawImage(QRect(0, 0, self.width(), _BAR_PX), rgb_image(scale_pixels(256)))
-        painter.setPen(QColor(theme.TEXT))
-        below = QRect(0, _BAR_PX, self.width(), _LEGEND_PX - _BAR_PX)
-        sides = (
-            Qt.AlignmentFlag.AlignLeft,
-            Qt.AlignmentFlag.AlignHCenter,
-            Qt.AlignmentFlag.AlignRight,
-        )
-        for value, side in zip(self.values, sides, strict=True):
-            painter.drawText(below, side | Qt.AlignmentFlag.AlignVCenter, value)

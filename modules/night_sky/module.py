@@ -6,7 +6,7 @@ sky.
 """
 
 import math
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -15,6 +15,7 @@ import numpy as np
 from night_sky.settings import NightSkySettings
 from vrut_lite.array import Array
 from vrut_lite.daylight.haze import SetHaze, haze_of
+from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import (
     SLOT,
     MoonDiscChanged,
@@ -52,8 +53,8 @@ _FAINTEST = 4e-13
 class NightSky(Module):
     """Holds the slot `night`.
 
-    The ledger counts "moon", "glow" and "stars" made, and skips "night: off", "night: unwanted",
-    "glow: turned unseen" and "stars: unwanted".
+    The ledger counts "moon", "path", "glow" and "stars" made, and skips "night: off", "night:
+    unwanted", "glow: turned unseen" and "stars: unwanted".
     """
 
     manifest = Manifest(name=NAME, title="Night sky", version="0.1.0", provides=(SLOT,))
@@ -68,6 +69,7 @@ class NightSky(Module):
         self._glow: Array | None = None
         self._air_of: SetHaze | None = None
         self._air: NightAir | None = None
+        self._path_of: tuple[object, ...] = ()
 
     @handles(ClockMoved)
     @handles(SetPlace)
@@ -96,7 +98,9 @@ class NightSky(Module):
                     NightLightChanged(instant=clock.instant, moon=None, glow_rgb=None, source=NAME)
                 )
                 self._post(_no_stars())
+            self._tell_path(clock.instant, None)
             return
+        self._tell_path(clock.instant, place)
         if all(self.link.wanted(kind) is None for kind in PRODUCTS):
             self.ledger.skip("night: unwanted")
             return
@@ -135,6 +139,28 @@ class NightSky(Module):
         else:
             self._post(stars_seen(at, air))
             self.ledger.did("stars")
+
+    def _tell_path(self, instant: datetime, place: SetPlace | None) -> None:
+        """Post the moon's path of a date and a place; one without places where there is no night.
+
+        Nothing is posted where nobody wants it, or where it is known.
+        """
+        made_of = instant.astimezone(UTC).date(), place
+        if self.link.wanted(MoonPathChanged) is None or made_of == self._path_of:
+            return
+        self._path_of = made_of
+        if place is None:
+            none = Array(np.zeros((0, 3), np.float32))
+            self._post(
+                MoonPathChanged(
+                    start=instant, step_s=1.0, direction=none, rises_s=(), sets_s=(), source=NAME
+                )
+            )
+            return
+        from night_sky.path import moon_path
+
+        self._post(moon_path(instant, place, NAME))
+        self.ledger.did("path")
 
     def _present_air(self) -> "NightAir":
         from night_sky.night_air import night_air

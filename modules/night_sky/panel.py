@@ -13,6 +13,7 @@ from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclip
 from night_sky.sky_axes import Watch, watch
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.widgets import aligned_form
+from vrut_lite.daylight.moon_phase import phase_text
 from vrut_lite.daylight.night import NightLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, local_text
@@ -21,8 +22,6 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock
 
 _UNKNOWN = "\N{EM DASH}"
 _BELOW = "below the horizon"
-# Lit shares that have a name.
-_NEW, _FULL, _HALF = 0.02, 0.98, (0.47, 0.53)
 
 
 class MoonPanel(QWidget):
@@ -88,20 +87,6 @@ class MoonPanel(QWidget):
         clock, place = self._session.last(ClockMoved), self._session.last(SetPlace)
         if clock is not None and place is not None:
             self._session.send(SetClock(instant=event(_watch(clock.instant, place))))
-
-
-def phase_text(lit_fraction: float, waxes: bool) -> str:
-    """The phase's name and the lit share."""
-    way = "waxing" if waxes else "waning"
-    if lit_fraction < _NEW:
-        name = "new moon"
-    elif lit_fraction > _FULL:
-        name = "full moon"
-    elif _HALF[0] < lit_fraction < _HALF[1]:
-        name = "first quarter" if waxes else "last quarter"
-    else:
-        name = f"{way} {'crescent' if lit_fraction < _HALF[0] else 'gibbous'}"
-    return f"{name}, {lit_fraction:.0%} lit"
 
 
 def _watch(instant: datetime, place: SetPlace) -> Watch:

@@ -23,6 +23,7 @@ from vrut_lite.daylight.light_map import (
     ProbeGrid,
     SurfaceLightChanged,
 )
+from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import (
     MoonDiscChanged,
     MoonLight,
@@ -220,6 +221,10 @@ SOUND = [
         direction=UP, angular_radius_rad=0.0045, flattening=0.9, to_sun=UP,
         axes=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), lit_rgb=(1.0, 1.0, 1.0),
         dark_rgb=(0.0, 0.0, 0.0), albedo=Array(np.ones((4, 8), np.float32)), source="s",
+    ),
+    MoonPathChanged(
+        start=NOON, step_s=1200.0, direction=Array(np.array([UP], np.float32)), rises_s=(60.0,),
+        sets_s=(), source="s",
     ),
     StillAsked(camera=VIEW_LIGHT.camera, size_px=(16, 9)),
     VIEW_LIGHT,

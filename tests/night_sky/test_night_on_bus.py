@@ -10,6 +10,7 @@ from dynamic_skylight.twilight_curve import illuminance_lx
 from night_sky.module import NightSky
 
 from vrut_lite.array import Array
+from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
 from vrut_lite.daylight.night_glow import glow_cube, map_directions
 from vrut_lite.daylight.place import SetPlace
@@ -253,3 +254,22 @@ def test_the_map_of_the_glow_keeps_its_light_as_a_cube():
     # The mean over the hemisphere survives.
     even = glow_cube(Array(np.ones((45, 90, 3), np.float32)), 64, (0.0, 0.0, 0.0))
     assert np.allclose(even[texel_directions(64)[..., 1] > 0.0], 1.0, atol=1e-6)
+
+
+def test_the_moons_path_is_told_to_who_wants_it():
+    """At each rise and set of it the moon's own light has its upper limb on the horizon, which is
+    another search; without the night there is no path."""
+    night = Night()
+    night.want()
+    night.at(FULL_MOON)
+    assert night.kernel.last(MoonPathChanged) is None
+    night.tell(Demand(consumer="test", message=MoonPathChanged.__name__))
+    path = night.kernel.last(MoonPathChanged)
+    assert path.rises_s
+    assert path.sets_s
+    for instant in path.instants(path.rises_s + path.sets_s):
+        moon = night.at(instant).kernel.last(NightLightChanged).moon
+        limb = moon.place.apparent_elevation_rad + moon.angular_radius_rad
+        assert abs(np.degrees(limb)) < 0.06
+    night.tell(SetSetting(module="night_sky", name="night", value=False))
+    assert night.kernel.last(MoonPathChanged).direction.shape[0] == 0

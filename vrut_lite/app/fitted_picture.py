@@ -39,13 +39,20 @@ class FittedPicture(QWidget):
         self._image = None if pixels is None else rgb_image(pixels)
         self.update()
 
+    @property
+    def picture_place(self) -> QRect:
+        """Where the picture lies in the widget; empty without one."""
+        if self._image is None:
+            return QRect()
+        size = self._image.size().scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
+        place = QRect(0, 0, size.width(), size.height())
+        place.moveCenter(self.rect().center())
+        return place
+
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the picture in the middle."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(theme.BACKGROUND))
         if self._image is not None:
-            size = self._image.size().scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
-            place = QRect(0, 0, size.width(), size.height())
-            place.moveCenter(self.rect().center())
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, self._smooth)
-            painter.drawImage(place, self._image)
+            painter.drawImage(self.picture_place, self._image)

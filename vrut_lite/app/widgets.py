@@ -7,14 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QSize, Qt, QTimer
 from PySide6.QtGui import QFontMetrics, QImage, QResizeEvent
-from PySide6.QtWidgets import QFormLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+
+# Characters of an entry that a narrow drop-down shows.
+_FEWEST_CHARACTERS = 6
 
 
 def aligned_form(parent: QWidget | None = None) -> QFormLayout:
-    """A form with vertically centred labels; fields take the free width."""
+    """A form with vertically centred labels; fields take the free width, or the line below."""
     form = QFormLayout(parent)
     form.setLabelAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
     form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
     form.setHorizontalSpacing(12)
     form.setVerticalSpacing(6)
     return form
@@ -28,8 +32,10 @@ def panel_column(panel: QWidget) -> QVBoxLayout:
 
 
 def heading(text: str = "") -> QLabel:
-    """A label in the theme's style of headings."""
-    return _label(text, "heading")
+    """A label in the theme's style of headings; a long one takes several lines."""
+    label = _label(text, "heading")
+    label.setWordWrap(True)
+    return label
 
 
 def faint_label(text: str = "", wraps: bool = False) -> QLabel:
@@ -37,6 +43,16 @@ def faint_label(text: str = "", wraps: bool = False) -> QLabel:
     label = _label(text, "faint")
     label.setWordWrap(wraps)
     return label
+
+
+class Chooser(QComboBox):
+    """A drop-down that may be narrower than its longest entry: a name must not widen a window."""
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the beginning of an entry, and the arrow."""
+        hint = super().minimumSizeHint()
+        least_px = _FEWEST_CHARACTERS * self.fontMetrics().averageCharWidth() + 40
+        return QSize(min(hint.width(), least_px), hint.height())
 
 
 class ShortenedLabel(QLabel):

@@ -6,6 +6,7 @@ from vrut_lite.daylight.clouds import CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.light_map import LightMapLaid, SurfaceLightChanged
+from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import MoonDiscChanged, NightLightChanged, StarsChanged
 from vrut_lite.daylight.picture import PictureClicked, Resize, SetExposure
 from vrut_lite.daylight.place import SetPlace
@@ -57,6 +58,7 @@ DERIVED: tuple[type[Derived], ...] = (
     NightLightChanged,
     StarsChanged,
     MoonDiscChanged,
+    MoonPathChanged,
     ViewLightChanged,
 )
 DAYLIGHT_MESSAGES: tuple[type[Message], ...] = INPUTS + DERIVED

@@ -1,5 +1,6 @@
 """The sun's day as the window samples it, against the module's own almanac."""
 
+import dataclasses
 from datetime import UTC, date, datetime, timedelta
 from zoneinfo import ZoneInfo
 
@@ -7,8 +8,11 @@ import numpy as np
 import pytest
 from dynamic_skylight.sun.events import sun_events
 
-from vrut_lite.app.engine.day import MARKS, day_of
+from vrut_lite.app.engine.day import MARKS, Day, day_of
+from vrut_lite.app.engine.moon_day import moon_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
+from vrut_lite.array import Array
+from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.place import SetPlace
 
 PLACES = [
@@ -86,3 +90,32 @@ def test_shares_of_the_day_lead_there_and_back(second):
     for share in np.linspace(0.0, 0.999, 7):
         assert abs(day.share_of(day.instant_at(share)) - share) * day.length_s <= 0.5
     assert day.start <= day.instant_at(-1.0) < day.instant_at(2.0) < day.end
+
+
+def test_the_moon_of_a_day_is_cut_out_of_its_path():
+    """A moon that is up from 20:00 until 6:00 next morning is up twice in a civil day; a path that
+    does not reach over the day is of another one."""
+    midnight = datetime(2026, 6, 21, tzinfo=UTC)
+    hours = np.arange(-14, 37)
+    up = np.where((hours % 24 >= 20) | (hours % 24 < 6), 1.0, -1.0)
+    path = MoonPathChanged(
+        start=midnight - timedelta(hours=14),
+        step_s=3600.0,
+        direction=Array(np.stack([0.0 * up, up, 0.0 * up], axis=-1).astype(np.float32)),
+        rises_s=(10 * 3600.0, 34 * 3600.0),
+        sets_s=(20 * 3600.0, 44 * 3600.0),
+        source="test",
+    )
+    path.check()
+    seconds, none = np.linspace(0.0, 86400.0, 25), np.zeros(25)
+    next_one = midnight + timedelta(days=1)
+    day = Day(midnight, next_one, UTC, seconds, none, none, np.zeros((25, 3)), {})
+    moon = moon_of(day, path)
+    assert moon.marks == {
+        "moonrise": midnight + timedelta(hours=20),
+        "moonset": midnight + timedelta(hours=6),
+    }
+    assert moon.up == [(0.0, 0.25), (20 / 24, 1.0)]
+    assert np.array_equal(moon.direction[:, 1] > 0.0, up[14:39] > 0.0)
+    later = dataclasses.replace(day, start=next_one, end=next_one + timedelta(days=1))
+    assert moon_of(later, path) is None

@@ -3,8 +3,9 @@
 from datetime import UTC, datetime
 
 import pytest
-from night_sky.panel import MoonPanel, phase_text
+from night_sky.panel import MoonPanel
 
+from vrut_lite.daylight.moon_phase import phase_text
 from vrut_lite.daylight.night import MoonLight, NightLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sun import SunMoved

@@ -53,6 +53,22 @@ def test_marks_are_gone_to_by_a_click(driver, qtbot):
         driver.until(lambda wanted=wanted: driver.session.last(ClockMoved).instant == wanted)
 
 
+def test_the_moons_rise_is_gone_to_by_a_click(driver, qtbot):
+    """Told by whichever module knows the moon: marked, underlined while it is up, told beside the
+    sun."""
+    driver.until(lambda: driver.window.desk.scout.moon is not None)
+    moon = driver.window.desk.scout.moon
+    wanted = moon.marks["moonrise"]
+    spot = driver.bar.mark_place("moonrise").toPoint()
+    qtbot.mouseClick(driver.bar, Qt.MouseButton.LeftButton, pos=spot)
+    driver.until(lambda: driver.session.last(ClockMoved).instant == wanted)
+    panel = driver.panel("sun")
+    driver.until(lambda: "azimuth" in panel.moon.text())
+    assert f"from {driver.local():%H:%M}" in panel.moon_hours.text()
+    since, until = moon.up[-1]
+    assert since < driver.window.desk.scout.day.share_of(wanted) + 1e-9 < until
+
+
 def test_arrows_step_and_home_goes_to_sunrise(driver, qtbot):
     """All of the bar is reached from the keyboard: 5 minutes, an hour with Ctrl, Home, End."""
     driver.bar.setFocus()

@@ -7,7 +7,6 @@ from PySide6.QtCore import QPoint, Qt
 from vrut_lite.app.panels.year_strip import cloud_pixels
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.discovery import discover
 from vrut_lite.kernel.messages import ClockMoved
 
 HOURS = np.arange(8760)
@@ -29,8 +28,6 @@ YEAR = SetWeather(
 
 @pytest.fixture
 def driver(shared_headless_window, monkeypatch):
-    if not any(SetWeather in dict(module.handlers()) for module in discover()[0]):
-        pytest.skip("no installed module follows the weather")
     monkeypatch.setattr("vrut_lite.app.window.files.read_weather", lambda path: YEAR)
     return shared_headless_window
 

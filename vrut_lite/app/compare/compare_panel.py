@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.app.compare.sky_comparison import (
@@ -22,7 +22,7 @@ from vrut_lite.app.haze_field import HazeField, depth_text
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.setting_row import label_of, tooltip_of
 from vrut_lite.app.view.viewport import Viewport
-from vrut_lite.app.widgets import aligned_form, faint_label, panel_column
+from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, panel_column
 
 if TYPE_CHECKING:
     from vrut_lite.app.compare.sky_plots import SkyPlots
@@ -38,9 +38,9 @@ class ComparePanel(QWidget):
         super().__init__()
         self.comparison = SkyComparison(session, self)
         self._modules: list[ModuleInfo] = []
-        self.choosers = (QComboBox(), QComboBox())
+        self.choosers = (Chooser(), Chooser())
         self.discs = (SkyDisc("left sky"), SkyDisc("right sky"))
-        self.hazes = (faint_label(), faint_label())
+        self.hazes = (faint_label(wraps=True), faint_label(wraps=True))
         self.fields: dict[str, NumberField] = {}
         self._form = aligned_form()
         self.aerosol, self.ratio, self.status = (faint_label(wraps=True) for _ in range(3))

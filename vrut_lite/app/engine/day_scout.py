@@ -1,4 +1,4 @@
-"""Keeps the sun's day of the window's place and date, computed in the background."""
+"""Keeps the sun's and the moon's day of the window's place and date."""
 
 from datetime import date, datetime
 from typing import NamedTuple
@@ -6,11 +6,15 @@ from typing import NamedTuple
 from PySide6.QtCore import QObject, Signal
 
 from vrut_lite.app.engine.day import Day, day_of
+from vrut_lite.app.engine.moon_day import MoonDay, moon_of
 from vrut_lite.app.engine.second_kernel import SecondKernel
 from vrut_lite.app.engine.session import Session
+from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import Place, time_zone_at
-from vrut_lite.kernel.messages import ClockMoved, SettingChanged, SlotChanged
+from vrut_lite.kernel.messages import ClockMoved, Demand, SettingChanged, SlotChanged
+
+_CONSUMER = "the window's day"
 
 
 class _Wanted(NamedTuple):
@@ -21,18 +25,29 @@ class _Wanted(NamedTuple):
 
 
 class DayScout(QObject):
-    """Emits `day_changed` (a `Day`) whenever place, date or the sun's module change it."""
+    """Emits `day_changed` (a `Day`) whenever place, date or the sun's module change it.
+
+    The day is computed in the background. `moon_changed` (a `MoonDay`, or None) follows, if a
+    module tells the moon's path.
+    """
 
     day_changed = Signal(object)
+    moon_changed = Signal(object)
 
     def __init__(self, session: Session, parent: QObject | None = None):
         super().__init__(parent)
         self.day: Day | None = None
+        self.moon: MoonDay | None = None
         self._wanted: _Wanted | None = None
         self._session = session
-        session.ready.connect(lambda _: self._look())
+        session.ready.connect(lambda _: self._begin())
+        session.listen(MoonPathChanged, lambda _: self._look_for_moon())
         for kind in (SetPlace, ClockMoved, SlotChanged, SettingChanged):
             session.listen(kind, lambda _: self._look())
+
+    def _begin(self) -> None:
+        self._session.send(Demand(consumer=_CONSUMER, message=MoonPathChanged.__name__))
+        self._look()
 
     def _look(self) -> None:
         place, clock = self._session.last(SetPlace), self._session.last(ClockMoved)
@@ -59,6 +74,12 @@ class DayScout(QObject):
         if wanted is self._wanted and day is not None:
             self.day = day
             self.day_changed.emit(day)
+            self._look_for_moon()
+
+    def _look_for_moon(self) -> None:
+        path = self._session.last(MoonPathChanged)
+        self.moon = None if path is None or self.day is None else moon_of(self.day, path)
+        self.moon_changed.emit(self.moon)
 
 
 def place_of(message: SetPlace) -> Place:

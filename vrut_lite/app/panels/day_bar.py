@@ -1,4 +1,4 @@
-"""The day as a bar: coloured by its light, with the sun's events to click and a cursor to drag."""
+"""The day as a bar: coloured by its light, with events to click and a cursor to drag."""
 
 from collections.abc import Callable
 from datetime import datetime, timedelta
@@ -20,6 +20,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.day import Day
+from vrut_lite.app.engine.moon_day import MoonDay
 
 # The colour of daylight by the sun's elevation in degrees, from night to a high sun.
 _LIGHT = (
@@ -30,6 +31,8 @@ _LIGHT = (
 _MARGIN_PX, _TOP_PX, _BAND_PX, _FOOT_PX = 16, 26, 26, 20
 _REACH_PX = 7.0
 _LABELLED = ("sunrise", "noon", "sunset")
+# The moon is up along a line at the band's foot.
+_MOON, _MOON_PX = QColor("#dfe4f0"), 3
 _STEP, _WIDE_STEP = timedelta(minutes=5), timedelta(hours=1)
 
 
@@ -41,6 +44,7 @@ class DayBar(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._day: Day | None = None
+        self._moon: MoonDay | None = None
         self._stops: list[tuple[float, QColor]] = []
         self._instant: datetime | None = None
         self._dragging = False
@@ -69,6 +73,17 @@ class DayBar(QWidget):
         ]
         self.update()
 
+    def show_moon(self, moon: MoonDay | None) -> None:
+        """Mark when the moon rises and sets, and underline while it is up."""
+        self._moon = moon
+        self.update()
+
+    @property
+    def _marks(self) -> dict[str, datetime]:
+        """The events of sun and moon."""
+        assert self._day is not None
+        return self._day.marks | ({} if self._moon is None else self._moon.marks)
+
     def show_instant(self, instant: datetime) -> None:
         """Move the cursor to an instant."""
         self._instant = instant
@@ -88,7 +103,7 @@ class DayBar(QWidget):
     def mark_place(self, name: str) -> QPointF:
         """The point to click for an event."""
         assert self._day is not None
-        return QPointF(self.place_of(self._day.marks[name]).x(), _TOP_PX - 5.0)
+        return QPointF(self.place_of(self._marks[name]).x(), _TOP_PX - 5.0)
 
     @property
     def _way_px(self) -> float:
@@ -102,7 +117,7 @@ class DayBar(QWidget):
             return
         mark = self._mark_at(event.position())
         if mark is not None:
-            self.instant_chosen.emit(self._day.marks[mark])
+            self.instant_chosen.emit(self._marks[mark])
             return
         self._dragging = True
         self._drag_to(event.position())
@@ -145,7 +160,7 @@ class DayBar(QWidget):
         assert self._day is not None
         mark = self._mark_at(position)
         if mark is not None:
-            when = self._day.marks[mark].astimezone(self._day.zone)
+            when = self._marks[mark].astimezone(self._day.zone)
             return f"{mark} {when:%H:%M:%S}"
         instant = self._instant_at(position)
         local = instant.astimezone(self._day.zone)
@@ -169,8 +184,7 @@ class DayBar(QWidget):
         if self._day is None or position.y() >= _TOP_PX:
             return None
         near = {
-            name: abs(self.place_of(when).x() - position.x())
-            for name, when in self._day.marks.items()
+            name: abs(self.place_of(when).x() - position.x()) for name, when in self._marks.items()
         }
         name = min(near, key=lambda mark: near[mark], default=None)
         # The labels beside the marks can be clicked too.
@@ -192,6 +206,8 @@ class DayBar(QWidget):
         painter.drawRoundedRect(band, 4, 4)
         self._paint_hours(painter, band)
         self._paint_marks(painter)
+        if self._moon is not None:
+            self._paint_moon(painter, band, self._moon)
         if self._instant is not None:
             self._paint_hand(painter, band, self._instant)
 
@@ -230,6 +246,15 @@ class DayBar(QWidget):
                 local = when.astimezone(self._day.zone)
                 place = QRectF(x - 60, 0, 120, _TOP_PX - 9)
                 painter.drawText(place, Qt.AlignmentFlag.AlignCenter, f"{name} {local:%H:%M}")
+
+    def _paint_moon(self, painter: QPainter, band: QRectF, moon: MoonDay) -> None:
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(_MOON)
+        for since, until in moon.up:
+            left, right = (band.left() + share * band.width() for share in (since, until))
+            painter.drawRect(QRectF(left, band.bottom() - _MOON_PX, right - left, _MOON_PX))
+        for when in moon.marks.values():
+            painter.drawEllipse(QPointF(self.place_of(when).x(), _TOP_PX - 4.5), 2.8, 2.8)
 
     def _paint_hand(self, painter: QPainter, band: QRectF, instant: datetime) -> None:
         x = self.place_of(instant).x()

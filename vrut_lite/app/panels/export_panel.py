@@ -8,7 +8,6 @@ from pathlib import Path
 import msgspec
 from PySide6.QtCore import QTime
 from PySide6.QtWidgets import (
-    QComboBox,
     QFileDialog,
     QHBoxLayout,
     QProgressBar,
@@ -28,7 +27,7 @@ from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_sequence import DaySequence, instants_of, one_process
 from vrut_lite.app.panels.file_title import file_title, scene_and_place
 from vrut_lite.app.panels.size_chooser import SizeChooser
-from vrut_lite.app.widgets import aligned_form, faint_label, panel_column
+from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, panel_column
 from vrut_lite.errors import UserError
 from vrut_lite.pictures.film import FILM_FORMATS
 from vrut_lite.pictures.image_files import picture_format
@@ -124,7 +123,7 @@ class ExportPanel(QWidget):
         self.step_minutes.setRange(1, 120)
         self.step_minutes.setValue(20)
         self.step_minutes.setSuffix(" min")
-        self.kind = QComboBox()
+        self.kind = Chooser()
         self.kind.setAccessibleName("kind of file of a day")
         self.kind.addItems(list(_KINDS))
         self.day = QPushButton("Pictures of the day\N{HORIZONTAL ELLIPSIS}")

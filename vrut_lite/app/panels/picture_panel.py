@@ -3,12 +3,12 @@
 from typing import Any, get_args
 
 import msgspec
-from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton, QWidget
+from PySide6.QtWidgets import QCheckBox, QPushButton, QWidget
 
 from vrut_lite.app.engine.engine import Shown
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.number_field import NumberField
-from vrut_lite.app.widgets import aligned_form, faint_label
+from vrut_lite.app.widgets import Chooser, aligned_form, faint_label
 from vrut_lite.daylight.picture import HIGHEST_K, LOWEST_K, SetExposure, ToneMap
 
 _TONE_TITLES = {
@@ -33,12 +33,12 @@ class PicturePanel(QWidget):
         self.meter = QPushButton("Meter now")
         self.ev100 = NumberField(_LOWEST_EV, _HIGHEST_EV, "EV", decimals=2)
         self.compensation_ev = NumberField(-5.0, 5.0, "EV", decimals=2)
-        self.tone_map = QComboBox()
+        self.tone_map = Chooser()
         for name in get_args(ToneMap):
             self.tone_map.addItem(_TONE_TITLES[name], name)
         self.white_temperature_k = NumberField(LOWEST_K, HIGHEST_K, "K", whole=True)
         self.white_duv = NumberField(-0.05, 0.05, decimals=4)
-        self.metered = faint_label()
+        self.metered = faint_label(wraps=True)
         self.reset = QPushButton("Reset")
         self._lay_out()
         self._connect()

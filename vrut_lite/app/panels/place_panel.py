@@ -43,7 +43,7 @@ class PlacePanel(QWidget):
         self.found.setVisible(False)
         self.found.setMaximumHeight(130)
         self.map = WorldMap()
-        self.name, self.zone = heading(), faint_label()
+        self.name, self.zone = heading(), faint_label(wraps=True)
         self.latitude_deg = NumberField(-90.0, 90.0, "\N{DEGREE SIGN}", decimals=4)
         self.longitude_deg = NumberField(-180.0, 180.0, "\N{DEGREE SIGN}", decimals=4)
         self.altitude_m = NumberField(LOWEST_M, HIGHEST_M, "m", decimals=0)

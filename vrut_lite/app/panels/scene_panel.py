@@ -3,12 +3,12 @@
 from time import perf_counter
 
 import msgspec
-from PySide6.QtWidgets import QComboBox, QPushButton, QVBoxLayout
+from PySide6.QtWidgets import QPushButton, QVBoxLayout
 
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.presets import PresetStore
-from vrut_lite.app.widgets import aligned_form, faint_label, make_timer
+from vrut_lite.app.widgets import Chooser, aligned_form, faint_label, make_timer
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
 from vrut_lite.kernel.messages import SetSetting
 
@@ -31,8 +31,8 @@ class ScenePanel(ModulePanel):
         super().__init__(session, module, presets)
         self._opened: LoadScene | None = None
         self.extent = faint_label(wraps=True)
-        self.up, self.unit, self.camera = QComboBox(), QComboBox(), QComboBox()
-        self.variant = QComboBox()
+        self.up, self.unit, self.camera = Chooser(), Chooser(), Chooser()
+        self.variant = Chooser()
         self.play = QPushButton("Play")
         self.play.setCheckable(True)
         self.play.hide()

@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 
 from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.number_field import NumberField, Scale
+from vrut_lite.app.widgets import Chooser
 from vrut_lite.kernel.settings import SettingSpec
 
 # Endings of names that are left out, since the unit stands beside the number.
@@ -90,7 +91,9 @@ class SettingRow(QObject):
     def _name(self, parent: QWidget) -> QLabel | QCheckBox:
         """A label; for a number that may be none, a check box that is off for none."""
         if not self.spec.may_be_none or self.spec.choices:
-            return QLabel(label_of(self.spec), parent)
+            label = QLabel(label_of(self.spec), parent)
+            label.setWordWrap(True)
+            return label
         box = QCheckBox(label_of(self.spec), parent)
         box.toggled.connect(lambda on: self.edited.emit(self._start() if on else None))
         return box
@@ -116,7 +119,7 @@ class SettingRow(QObject):
         return self._text()
 
     def _choice(self) -> tuple[QWidget, Callable[[Any], None]]:
-        box = QComboBox()
+        box = Chooser()
         if self.spec.may_be_none:
             box.addItem(LEFT_OPEN, None)
         for choice in self.spec.choices:

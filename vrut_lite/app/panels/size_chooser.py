@@ -1,6 +1,8 @@
 """The size of an exported picture: the window's, a usual one, or any."""
 
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
+
+from vrut_lite.app.widgets import Chooser
 
 # A screen's, prints' and the web's; None: the picture in the window.
 _USUAL: dict[str, tuple[int, int] | None] = {
@@ -19,7 +21,7 @@ class SizeChooser(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.usual = QComboBox()
+        self.usual = Chooser()
         self.usual.setAccessibleName("size of the picture")
         self.usual.addItems(list(_USUAL))
         self.width_px, self.height_px = _pixels("width in pixels"), _pixels("height in pixels")

@@ -1,13 +1,7 @@
 """The holders of the slots, and the settings of the holder of the sky."""
 
 import msgspec
-from PySide6.QtWidgets import (
-    QComboBox,
-    QLabel,
-    QStackedWidget,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.roster import Roster
@@ -16,7 +10,7 @@ from vrut_lite.app.haze_field import HazeField
 from vrut_lite.app.panels.module_panel import ModulePanel
 from vrut_lite.app.panels.number_field import NumberField
 from vrut_lite.app.panels.presets import PresetStore
-from vrut_lite.app.widgets import aligned_form
+from vrut_lite.app.widgets import Chooser, aligned_form
 from vrut_lite.daylight.haze import AEROSOL_TYPES, DEFAULT_HAZE, SetHaze
 from vrut_lite.daylight.tolerance import DEFAULT_TOLERANCE, SetTolerance
 from vrut_lite.kernel.messages import ChooseSlot, Fault, SlotChanged
@@ -25,8 +19,6 @@ SHOWN_SLOT = "sky"
 _EMPTY = "none"
 _LOWEST_PERCENT = 0.1
 
-_SHORT = QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
-
 
 class SkyPanel(QWidget):
     """A chooser for each slot that several modules can hold, the haze and the tolerance."""
@@ -34,16 +26,14 @@ class SkyPanel(QWidget):
     def __init__(self, session: Session, presets: PresetStore):
         super().__init__()
         self._session, self._presets = session, presets
-        self.choosers: dict[str, QComboBox] = {}
+        self.choosers: dict[str, Chooser] = {}
         self.panels: dict[str, ModulePanel] = {}
         self.haze = HazeField(
             "Haze above the place; a sky whose settings name a turbidity or bring a preset has "
             "its own"
         )
         self.haze.setAccessibleName("haze")
-        self.aerosol = QComboBox()
-        self.aerosol.setMinimumContentsLength(12)
-        self.aerosol.setSizeAdjustPolicy(_SHORT)
+        self.aerosol = Chooser()
         self.aerosol.setAccessibleName("aerosol")
         for name in AEROSOL_TYPES:
             self.aerosol.addItem(name.replace("-", " ").capitalize(), name)
@@ -61,7 +51,6 @@ class SkyPanel(QWidget):
         )
         self._choices = aligned_form()
         self._choices.setContentsMargins(10, 10, 10, 0)
-        self._stack = QStackedWidget()
         self.lack = QLabel()
         self.lack.setWordWrap(True)
         self.lack.setContentsMargins(10, 4, 10, 0)
@@ -71,7 +60,9 @@ class SkyPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(self._choices)
         column.addWidget(self.lack)
-        column.addWidget(self._stack, 1)
+        # One panel is seen at a time, and it alone counts for the width.
+        self._settings = QVBoxLayout()
+        column.addLayout(self._settings, 1)
         self.haze.edited.connect(lambda depth: self._change_haze(optical_depth_550=depth))
         self.aerosol.activated.connect(lambda _: self._change_aerosol())
         session.listen(SetHaze, self._show_haze)
@@ -88,10 +79,7 @@ class SkyPanel(QWidget):
         # What one module alone can hold is no choice.
         contested = [slot for slot in roster.slots if len(roster.providers(slot)) > 1]
         for slot in sorted(contested, key=lambda slot: (slot != SHOWN_SLOT, slot)):
-            chooser = QComboBox()
-            # A long name must not make the window wide.
-            chooser.setMinimumContentsLength(12)
-            chooser.setSizeAdjustPolicy(_SHORT)
+            chooser = Chooser()
             chooser.setAccessibleName(slot)
             chooser.setPlaceholderText(_EMPTY)
             for module in roster.providers(slot):
@@ -104,8 +92,9 @@ class SkyPanel(QWidget):
         self._choices.addRow("Tolerance", self.tolerance)
         for module in roster.providers(SHOWN_SLOT):
             panel = ModulePanel(self._session, module.name, self._presets)
+            panel.hide()
             self.panels[module.name] = panel
-            self._stack.addWidget(panel)
+            self._settings.addWidget(panel)
         self._show_holders()
 
     def _change_haze(self, **changes: object) -> None:
@@ -140,7 +129,8 @@ class SkyPanel(QWidget):
         chooser = self.choosers[slot]
         chooser.setCurrentIndex(chooser.findData(holder) if holder else -1)
         if slot == SHOWN_SLOT and holder in self.panels:
-            self._stack.setCurrentWidget(self.panels[holder])
+            for name, panel in self.panels.items():
+                panel.setVisible(name == holder)
 
 
 def lack_line(slots: list[str]) -> str:

@@ -1,14 +1,17 @@
-"""The sun's elevation and azimuth, shown and editable."""
+"""The sun's elevation and azimuth, shown and editable; the moon's place, phase and light."""
 
-from datetime import datetime
+from datetime import datetime, tzinfo
 from math import degrees
 
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 
 from vrut_lite.app.engine.day_scout import DayScout
+from vrut_lite.app.engine.moon_day import MoonDay
 from vrut_lite.app.engine.session import Session
 from vrut_lite.app.quantities import lux_text
 from vrut_lite.app.widgets import aligned_form
+from vrut_lite.daylight.moon_phase import phase_text
+from vrut_lite.daylight.night import NightLightChanged
 from vrut_lite.daylight.sky_light import SkyLightChanged
 from vrut_lite.daylight.sun import SunMoved
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
@@ -17,6 +20,7 @@ from vrut_lite.kernel.messages import ClockMoved, SetClock
 _TWILIGHTS = ((-6.0, "civil twilight"), (-12.0, "nautical twilight"),
               (-18.0, "astronomical twilight"))  # fmt: skip
 _NO_SUN = "none, it is below the horizon"
+_NO_MOON = "below the horizon"
 
 
 class SunPanel(QWidget):
@@ -30,6 +34,9 @@ class SunPanel(QWidget):
             0.0, 360.0, "From north, clockwise; type an azimuth: the nearest hour that has it"
         )
         self.phase, self.sunlight, self.skylight = QLabel(), QLabel(), QLabel()
+        self.moon, self.moon_hours = QLabel(_NO_MOON), QLabel()
+        for label in (self.sunlight, self.skylight, self.moon, self.moon_hours):
+            label.setWordWrap(True)
         form = aligned_form(self)
         form.setContentsMargins(10, 10, 10, 10)
         form.addRow("Elevation", self.elevation)
@@ -37,10 +44,14 @@ class SunPanel(QWidget):
         form.addRow("Phase", self.phase)
         form.addRow("Sun, facing it", self.sunlight)
         form.addRow("Sky, level ground", self.skylight)
+        form.addRow("Moon", self.moon)
+        form.addRow("Moon is up", self.moon_hours)
         self.elevation.valueChanged.connect(lambda _: self._go_to_elevation())
         self.azimuth.valueChanged.connect(lambda _: self._go_to_azimuth())
         session.listen(SunMoved, self._show_sun)
         session.listen(SkyLightChanged, self._show_light)
+        session.listen(NightLightChanged, self._show_moon)
+        scout.moon_changed.connect(self._show_moon_hours)
 
     def _go_to_elevation(self) -> None:
         day, now = self._scout.day, self._now()
@@ -91,6 +102,30 @@ class SunPanel(QWidget):
         self.sunlight.setText(moon + lux_text(lux) if lux > 0.0 else _NO_SUN)
         up = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, [0.0, 1.0, 0.0])
         self.skylight.setText(lux_text(float(luminance(up)) * LUMENS_PER_WATT))
+
+    def _show_moon(self, night: NightLightChanged) -> None:
+        moon = night.moon
+        if moon is None:
+            self.moon.setText(_NO_MOON)
+            return
+        height_deg = degrees(moon.place.apparent_elevation_rad)
+        self.moon.setText(
+            f"{phase_text(moon.lit_fraction, moon.waxes)}; {height_deg:.1f}\N{DEGREE SIGN} high, "
+            f"azimuth {degrees(moon.place.azimuth_rad):.1f}\N{DEGREE SIGN}"
+        )
+
+    def _show_moon_hours(self, moon: MoonDay | None) -> None:
+        day = self._scout.day
+        self.moon_hours.setText("" if moon is None or day is None else up_text(moon, day.zone))
+
+
+def up_text(moon: MoonDay, zone: tzinfo) -> str:
+    """When the moon rises and sets on a day, in the order of the day."""
+    if not moon.marks:
+        return "all day" if moon.up else "not today"
+    words = {"moonrise": "from", "moonset": "until"}
+    marks = sorted(moon.marks.items(), key=lambda mark: mark[1])
+    return ", ".join(f"{words[name]} {when.astimezone(zone):%H:%M}" for name, when in marks)
 
 
 def phase_of(sun: SunMoved) -> str:

@@ -5,7 +5,6 @@ from time import perf_counter
 
 from PySide6.QtCore import QDate, QObject, Qt, QTime, Signal
 from PySide6.QtWidgets import (
-    QComboBox,
     QDateEdit,
     QHBoxLayout,
     QToolButton,
@@ -20,7 +19,7 @@ from vrut_lite.app.icons import put_sign
 from vrut_lite.app.panels.clock_field import ClockField
 from vrut_lite.app.panels.day_bar import DayBar
 from vrut_lite.app.panels.year_strip import YearStrip
-from vrut_lite.app.widgets import ShortenedLabel, make_timer
+from vrut_lite.app.widgets import Chooser, ShortenedLabel, make_timer
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.place_time import FIRST_YEAR, LAST_YEAR, Place, parse_instant, time_zone_at
 from vrut_lite.daylight.weather import SetWeather
@@ -113,6 +112,7 @@ class TimePanel(QWidget):
         self.year.instant_chosen.connect(self.go_to)
         self.player.playing_changed.connect(self._playing_changed)
         scout.day_changed.connect(self._show_day)
+        scout.moon_changed.connect(self.bar.show_moon)
         session.listen(SetPlace, self._show_place)
         session.listen(ClockMoved, self._show_clock)
         session.listen(SetWeather, self.year.show_weather)
@@ -142,7 +142,7 @@ class TimePanel(QWidget):
         self.play = _sign_button("play", "Play or pause (Space)")
         self.play.setCheckable(True)
         self.play.clicked.connect(self.toggle_play)
-        self.speed = QComboBox()
+        self.speed = Chooser()
         self.speed.setToolTip("Speed of playing time")
         for title, rate in SPEEDS.items():
             self.speed.addItem(title, rate)
@@ -158,7 +158,7 @@ class TimePanel(QWidget):
         self.after.clicked.connect(lambda: self.step_days(1))
         self.date, self.clock = QDateEdit(), ClockField()
         self.date.setCalendarPopup(True)
-        self.date.setDisplayFormat("d MMMM yyyy")
+        self.date.setDisplayFormat("d MMM yyyy")
         self.date.setDateRange(QDate(FIRST_YEAR, 1, 1), QDate(LAST_YEAR, 12, 31))
         self.date.setKeyboardTracking(False)
         self.date.dateChanged.connect(lambda date: self._go_to_local(date, self.clock.time))

@@ -1,4 +1,4 @@
-"""The sun's paths of the day and of the solstices, drawn over the picture."""
+"""The sun's paths of the day and of the solstices, and the moon's, drawn over the picture."""
 
 from datetime import timedelta
 
@@ -9,14 +9,16 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
 from vrut_lite.app import theme
 from vrut_lite.app.engine.day import Day
+from vrut_lite.app.engine.moon_day import MoonDay
 from vrut_lite.app.view.solstices import SOLSTICES, sun_circle
 from vrut_lite.app.view.view_projection import project_directions
 from vrut_lite.daylight.camera import MoveCamera
+from vrut_lite.daylight.night import NightLightChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sun import SunMoved
 
 _MARGIN = 0.2
-_SOLSTICE_COLOUR = "#c9d8ec"
+_SOLSTICE_COLOUR, _MOON_COLOUR = "#c9d8ec", "#aab6d6"
 
 
 class SunPath(QObject):
@@ -29,6 +31,8 @@ class SunPath(QObject):
         self.shown = False
         self._day: Day | None = None
         self._sun: SunMoved | None = None
+        self._moon_day: MoonDay | None = None
+        self._moon: NightLightChanged | None = None
         self._solstices: dict[str, NDArray[np.float64]] = {}
 
     def show(self, shown: bool) -> None:
@@ -51,6 +55,16 @@ class SunPath(QObject):
         self._sun = sun
         self.changed.emit()
 
+    def set_moon_day(self, moon: MoonDay | None) -> None:
+        """Show the moon's path of the day."""
+        self._moon_day = moon
+        self.changed.emit()
+
+    def set_moon(self, night: NightLightChanged) -> None:
+        """Mark the moon's position."""
+        self._moon = night
+        self.changed.emit()
+
     def paint(self, painter: QPainter, place: QRectF, camera: MoveCamera) -> None:
         """Draw over a picture of this camera that fills `place`."""
         if not self.shown or self._day is None:
@@ -66,7 +80,9 @@ class SunPath(QObject):
         self._paint_solstices(painter, place, camera)
         self._paint_hours(painter, place, camera)
         if self._sun is not None:
-            self._paint_sun(painter, place, camera, self._sun)
+            self._paint_body(painter, place, camera, self._sun, 9.0)
+        if self._moon_day is not None:
+            self._paint_moon(painter, place, camera, self._moon_day.direction)
 
     def _paint_solstices(self, painter: QPainter, place: QRectF, camera: MoveCamera) -> None:
         for name, directions in self._solstices.items():
@@ -103,15 +119,38 @@ class SunPath(QObject):
             painter.setPen(QColor(theme.ACCENT))
             painter.drawText(spot + QPointF(5, -5), f"{hour.astimezone(day.zone):%H}")
 
-    def _paint_sun(
-        self, painter: QPainter, place: QRectF, camera: MoveCamera, sun: SunMoved
+    def _paint_moon(
+        self,
+        painter: QPainter,
+        place: QRectF,
+        camera: MoveCamera,
+        directions: NDArray[np.float64],
     ) -> None:
+        points = project_directions(directions, camera, place.width() / place.height())
+        painter.setPen(QPen(QColor(_MOON_COLOUR), 1.2, Qt.PenStyle.DashDotLine))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPath(_path(points, directions[:, 1] >= 0.0, place))
+        moon = None if self._moon is None else self._moon.moon
+        if moon is None or moon.place.visible_disc_fraction == 0.0:
+            return
+        spot = self._paint_body(painter, place, camera, moon.place, 7.0)
+        if spot is not None:
+            painter.setPen(QColor(_MOON_COLOUR))
+            painter.drawText(spot + QPointF(10, -6), "moon")
+
+    def _paint_body(
+        self, painter: QPainter, place: QRectF, camera: MoveCamera, body: SunMoved, radius_px: float
+    ) -> QPointF | None:
+        """A ring where a body stands; None if that is not in the picture."""
         aspect = place.width() / place.height()
-        (point,) = project_directions([sun.direction], camera, aspect)
-        if _inside(point):
-            painter.setPen(QPen(QColor("#ffffff"), 1.5))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawEllipse(_on(place, point), 9, 9)
+        (point,) = project_directions([body.direction], camera, aspect)
+        if not _inside(point):
+            return None
+        spot = _on(place, point)
+        painter.setPen(QPen(QColor("#ffffff"), 1.5))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawEllipse(spot, radius_px, radius_px)
+        return spot
 
 
 def _path(points: np.ndarray, chosen: np.ndarray, place: QRectF) -> QPainterPath:

@@ -1,8 +1,9 @@
 """The docks of the window: the host's own, and those of the modules.
 
 A module may bring a panel: the entry point of its name in the group `vrut_lite.panels` names a
-QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. It is
-imported when the window is ready, so that the rest of a module needs no Qt.
+QWidget class with a `title` and, for a shortcut, `keys`; it is called with the `Session`. Further
+ones are named `module.panel`. They are imported when the window is ready, so that the rest of a
+module needs no Qt.
 """
 
 from collections.abc import Callable
@@ -34,6 +35,8 @@ from vrut_lite.scene.manager import NAME as SCENE
 
 PANEL_GROUP = "vrut_lite.panels"
 Area = Qt.DockWidgetArea
+# A panel that needs more than this is scrolled sideways: it must not widen the window.
+_WIDEST_PX = 300
 
 
 class DockSpec(NamedTuple):
@@ -71,9 +74,9 @@ DOCKS: list[DockSpec] = [
     DockSpec("time", "Time", "time", lambda desk: TimePanel(desk.session, desk.scout),
              scrolled=False),
     DockSpec("modules", "Modules", "tools", lambda desk: ModuleManager(desk.session),
-             shown=False, scrolled=False),
+             shown=False),
     DockSpec("messages", "Messages", "tools", lambda desk: MessageInspector(desk.session),
-             shown=False, scrolled=False),
+             shown=False),
 ]  # fmt: skip
 
 
@@ -102,7 +105,7 @@ def module_docks(roster: Roster) -> ModulePanels:
     ]
     failures = []
     for point in sorted(entry_points(group=PANEL_GROUP), key=lambda point: point.name):
-        if point.name in roster.modules:
+        if point.name.partition(".")[0] in roster.modules:
             try:
                 docks.append(_own_dock(point.name, point.load()))
             except BaseException as error:
@@ -111,8 +114,8 @@ def module_docks(roster: Roster) -> ModulePanels:
     return ModulePanels(docks, failures)
 
 
-class _UpAndDown(QScrollArea):
-    """As wide as its panel needs: what is cut off at the side cannot be scrolled to."""
+class _Scrolled(QScrollArea):
+    """As wide as its panel needs, up to `_WIDEST_PX`, whatever font the panel is written in."""
 
     def minimumSizeHint(self) -> QSize:
         """Room for the panel's width and the bar."""
@@ -120,7 +123,8 @@ class _UpAndDown(QScrollArea):
         if panel is None:
             return hint
         bar_px = self.verticalScrollBar().sizeHint().width()
-        return QSize(panel.minimumSizeHint().width() + bar_px, hint.height())
+        width_px = min(panel.minimumSizeHint().width() + bar_px, _WIDEST_PX)
+        return QSize(width_px, hint.height())
 
     def eventFilter(self, panel: QObject, event: QEvent) -> bool:
         """Qt asks for the least width once; rows come to panels later."""
@@ -130,11 +134,10 @@ class _UpAndDown(QScrollArea):
 
 
 def scrolled(panel: QWidget) -> QScrollArea:
-    """An area that scrolls a panel up and down."""
-    area = _UpAndDown()
+    """An area that scrolls a panel up and down, and sideways where it is wider than its dock."""
+    area = _Scrolled()
     area.setWidgetResizable(True)
     area.setFrameShape(QFrame.Shape.NoFrame)
-    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
     area.setWidget(panel)
     return area
 
@@ -149,7 +152,6 @@ def _own_dock(module: str, panel: Callable[[Session], QWidget]) -> DockSpec:
         "tools",
         lambda desk: panel(desk.session),
         shown=False,
-        scrolled=False,
         keys=keys,
     )
 

@@ -38,6 +38,7 @@ from vrut_lite.app.window.menus import Menus
 from vrut_lite.app.window.shortcut_list import ShortcutList
 from vrut_lite.app.window.status_line import StatusLine
 from vrut_lite.app.window.views import Views
+from vrut_lite.daylight.night import NightLightChanged
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.scene import LoadScene, SceneOpened
@@ -106,7 +107,9 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         session, desk = self.session, self.desk
         desk.scout.day_changed.connect(desk.sun_path.set_day)
+        desk.scout.moon_changed.connect(desk.sun_path.set_moon_day)
         session.listen(SunMoved, desk.sun_path.set_sun)
+        session.listen(NightLightChanged, desk.sun_path.set_moon)
         session.listen(SettingChanged, self.menus.show_section)
         session.listen(SettingChanged, self.menus.show_values)
         session.listen(SetPlace, desk.sun_path.set_place)
