@@ -38,8 +38,8 @@ _LIGHT_SIZE = 32
 # the ground is dark.
 _AIR_GLOWS = 0.5
 # From this elevation of the sun down the night is added, fully a degree lower: it is 3e-4 of the
-# light then. The last of the sun's light is told from the night's above the lower elevation.
-_NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG = 0.5, 1.0, -19.0
+# light then. The last of the sun's light fades over a degree, to the elevation where it is gone.
+_NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG, _FADES_OUT_DEG = 0.5, 1.0, -19.0, 1.0
 # Dandekar and Turtle (1971): the zenith in totality over that of day.
 _LEFT_IN_TOTALITY = 1e-4
 # Below this irradiance (W m^-2) a body lights no air.
@@ -52,9 +52,10 @@ def night_share(sun: SunMoved) -> float:
     return min(max((_NIGHT_FROM_DEG - degrees) / _FADES_IN_DEG, 0.0), 1.0)
 
 
-def sun_is_gone(sun: SunMoved) -> bool:
-    """Whether the sun is so low that none of its light is left."""
-    return math.degrees(sun.elevation_rad) < _SUN_GONE_DEG
+def sun_share(sun: SunMoved) -> float:
+    """The share of the sun's light that is shown: 0 once it is too low to be told from night."""
+    degrees = math.degrees(sun.elevation_rad)
+    return min(max((degrees - _SUN_GONE_DEG) / _FADES_OUT_DEG, 0.0), 1.0)
 
 
 def key_body(sun: SunMoved, moon: MoonLight | None, eye_height_m: float) -> Body:
@@ -80,7 +81,7 @@ class SkyAtNight(Sky):
         glow: the map of `NightLightChanged`; None where it is not known.
         share: of the night's light, from 0 by day to 1.
         key: the body that casts shadows.
-        sunlit: whether any of the sun's light is left.
+        sun_share: of the sun's light that is shown; see the function.
         sun_left_rgb: of the sun's light, below 1 in its eclipses.
     """
 
@@ -90,13 +91,18 @@ class SkyAtNight(Sky):
     glow: Array | None
     share: float
     key: Body
-    sunlit: bool = True
+    sun_share: float = 1.0
     sun_left_rgb: Vector = NO_ECLIPSE
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether any of the sun's light is left."""
+        return self.sun_share > 0.0
 
     @cached_property
     def _sun_left(self) -> FloatArray:
         """Share (3,) of the sky's light: in totality air beyond the shadow lights it."""
-        return np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
+        return self.sun_share * np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
 
     @cached_property
     def _moon_share(self) -> FloatArray:
@@ -209,7 +215,7 @@ class SkyAtNight(Sky):
         if volume is None or isinstance(volume.light, GpuTexture):
             return volume
         sun, moon, glow = self._on_level_ground
-        alone = moon / self._moon_share if by_moon else sun / self._sun_left
+        alone = moon / self._moon_share if by_moon else sun / np.maximum(self._sun_left, 1e-30)
         lit = alone > _DARKEST_IRRADIANCE
         factor = np.where(lit, (sun + moon) / np.where(lit, alone, 1.0), 0.0)
         light = light_of(volume).astype(np.float64) * (volume.radiance_scale * factor)
