@@ -117,6 +117,13 @@ class SkyAtNight(Sky):
         lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
         return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * lit)
 
+    def _dark_cube(self, like: Background) -> Float32Array:
+        """The glow's share, one's own to change."""
+        assert not isinstance(like.cube, GpuTexture)
+        if self.glow is None or self.share == 0.0:
+            return np.zeros(like.cube.shape, np.float32)
+        return self._glow_cube(like.cube.shape[1]) * np.float32(self.share)
+
     def _glow_cube(self, size: int) -> NDArray[np.float32]:
         """All of the glow over lit ground."""
         assert self.glow is not None
@@ -137,25 +144,18 @@ class SkyAtNight(Sky):
         # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
         base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
         first = background_of(base)
-        cube, ground, seen = (
-            _radiance(first),
-            np.asarray(first.ground_rgb, float),
-            first.seen_sun_rgb,
-        )
         share = self._moon_share if base is self.by_moon else self._sun_left
-        if (share != 1.0).any():
-            cube *= share.astype(np.float32)
-            ground = share * ground
-            seen = None if seen is None else share * seen
+        ground = share * np.asarray(first.ground_rgb, float)
+        seen = None if first.seen_sun_rgb is None else share * first.seen_sun_rgb
+        cube = self._dark_cube(first)
+        _add(cube, first, share)
         if self.by_moon is not None and base is not self.by_moon:
             by_moon = background_of(self.by_moon)
-            cube += _radiance(by_moon) * self._moon_share.astype(np.float32)
+            _add(cube, by_moon, self._moon_share)
             ground = ground + self._moon_share * by_moon.ground_rgb
             if self.key == "moon" and by_moon.seen_sun_rgb is not None:
                 seen = self._moon_share * by_moon.seen_sun_rgb
-        if self.glow is not None and self.share > 0.0:
-            glow = self._glow_cube(cube.shape[1])
-            cube += glow if self.share == 1.0 else glow * np.float32(self.share)
+        if self.glow is not None:
             ground = ground + self.share * self._glow_ground
         return Background(cube, ground, 1.0, first.ground_through_air, seen_sun_rgb=seen)
 
@@ -243,7 +243,15 @@ _NOBODY = Sky()
 _BLACK = (0.0, 0.0, 0.0)
 
 
-def _radiance(background: Background) -> Float32Array:
-    """The cube in float32, one's own to change."""
-    assert not isinstance(background.cube, GpuTexture)
-    return background.cube.astype(np.float32) * np.float32(background.scale)
+def _add(total: Float32Array, more: Background, share: FloatArray) -> None:
+    """Add a share (3,) of a cube."""
+    assert not isinstance(more.cube, GpuTexture)
+    factor = (more.scale * share).astype(np.float32)
+    if more.cube.dtype == np.float16:
+        # Imported on first use: by day nothing is compiled.
+        from vrut_lite.daylight.night_kernels import add_halves
+
+        halves = more.cube.reshape(-1, 3).view(np.uint16)
+        add_halves(total.reshape(-1, 3), halves, factor)
+    elif factor.any():
+        total += more.cube * factor
