@@ -4,6 +4,7 @@ All presets share the host's solar spectrum (ASTM G-173), so that their skies sh
 `Atmosphere.earth` alone keeps the one of Bruneton's demonstration, up to 7 % from it.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
@@ -27,6 +28,8 @@ COLOUR_NM = (630.0, 540.0, 450.0)
 _KNOWN_NM = (360.0, 830.0)
 HAZY_TURBIDITY = 6.0
 TWILIGHT_TOP_M = 120_000.0
+# Lower, the sun leaves less than a tenth of the light of a moonless night.
+LOWEST_SUN_DEG = -18.5
 # Bruneton's 2017 demonstration: Rayleigh at 1 micrometre in 1/m, 300 Dobson units in a tent
 # whose integral is 15 km.
 _RAYLEIGH_AT_1_UM, _OZONE_DU, _TENT_M = 1.24062e-6, 300.0, 15_000.0
@@ -92,6 +95,12 @@ def earth_2008(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
 def earth_twilight(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
     """The clear air up to 120 km, where the light of a sun 12 degrees down still comes from."""
     return replace(earth_spectral(wavelength_nm), top_altitude_m=TWILIGHT_TOP_M)
+
+
+def earth_at_night(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:
+    """The air of the module's `earth`: that of `earth_twilight`, for suns to 18.5 degrees down."""
+    lowest = math.sin(math.radians(LOWEST_SUN_DEG))
+    return replace(earth_twilight(wavelength_nm), mu_s_min=lowest)
 
 
 def mars_like(wavelength_nm: ArrayLike = RGB_NM) -> Atmosphere:

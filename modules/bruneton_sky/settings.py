@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere, MiePhaseForm, raise_ground
-from bruneton_sky.presets import earth_spectral, preset
+from bruneton_sky.presets import earth_at_night, earth_spectral, preset
 from bruneton_sky.solver import MOST_ORDERS
 from vrut_lite.daylight.aerosol import (
     ANGSTROM_EXPONENT,
@@ -260,11 +260,10 @@ def _preset(
             return air
         depth = float(optical_depth_of_turbidity(settings.turbidity))
         return air.with_aerosol(depth, ANGSTROM_EXPONENT)
-    earth = earth_spectral(wavelength_nm)
-    # One lobe needs no table: its closed form is exact.
     if haze.one_lobe:
-        return earth.with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
-    return earth.with_optics(haze.optics, haze.optical_depth_550)
+        # The published air. One lobe needs no table: its closed form is exact.
+        return earth_spectral(wavelength_nm).with_aerosol(haze.optical_depth_550, ANGSTROM_EXPONENT)
+    return earth_at_night(wavelength_nm).with_optics(haze.optics, haze.optical_depth_550)
 
 
 def _with_fog(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:

@@ -6,10 +6,10 @@ import numpy as np
 
 from night_sky.moon import Moon
 from night_sky.moon_light import earthshine_radiance_rgb, irradiance_rgb
-from night_sky.refraction import apparent_elevation
 from night_sky.sky_axes import unit
 from vrut_lite.array import Array
 from vrut_lite.daylight.night import MoonDiscChanged
+from vrut_lite.daylight.refraction import apparent_elevation
 from vrut_lite.numeric_types import FloatArray, Vector
 
 # Selenographic longitude and latitude (deg) and diameter (km) of the maria (IAU gazetteer), and how

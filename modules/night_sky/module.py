@@ -106,6 +106,7 @@ class NightSky(Module):
             return
         # Imported when needed: whoever only lists modules needs no ephemeris.
         from night_sky.disc import disc_of
+        from night_sky.earth_shadow import earth_shadow, light_left
         from night_sky.eclipse import sun_left
         from night_sky.moon import moon_at
         from night_sky.sky_axes import sun_elevation_rad, watch
@@ -116,7 +117,8 @@ class NightSky(Module):
         air = self._present_air()
         moon = moon_at(at)
         by_day = math.degrees(sun_elevation_rad(at)) > _DAY_DEG
-        light = moon_light(moon, place.north_offset_rad)
+        shadow = earth_shadow(at, moon, self.settings.danjon)
+        light = moon_light(moon, place.north_offset_rad, light_left(moon, shadow))
         left = _vector(sun_left(at))
         self.ledger.did("moon")
         self._post(
@@ -130,7 +132,7 @@ class NightSky(Module):
         )
         if light is not None and self.link.wanted(MoonDiscChanged) is not None:
             disc = disc_of(moon, air.through(np.array(moon.direction[1])), NAME)
-            self._post(msgspec.structs.replace(disc, sun_left_rgb=left))
+            self._post(msgspec.structs.replace(disc, sun_left_rgb=left, shadow=shadow))
         if self.link.wanted(StarsChanged) is None:
             self.ledger.skip("stars: unwanted")
         elif by_day or not self.settings.show_stars:
@@ -191,14 +193,17 @@ class NightSky(Module):
         self.link.post(message)
 
 
-def moon_light(moon: "Moon", north_offset_rad: float) -> MoonLight | None:
-    """The moon as a source of light; None where it is too low to be one."""
+def moon_light(
+    moon: "Moon", north_offset_rad: float, left_rgb: FloatArray | float = 1.0
+) -> MoonLight | None:
+    """The moon as a source of light, with what the Earth's shadow leaves of it; None where it is
+    too low to be one."""
     from night_sky.moon_light import irradiance_rgb, sun_rgb
 
     true = math.asin(min(max(float(moon.true_direction[1]), -1.0), 1.0))
     if math.degrees(true) < _MOON_GONE_DEG:
         return None
-    light = irradiance_rgb(moon.phase)
+    light = irradiance_rgb(moon.phase) * left_rgb
     x, y, z = _vector(moon.direction)
     return MoonLight(
         place=SunMoved(

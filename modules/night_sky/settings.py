@@ -41,3 +41,13 @@ class NightSkySettings(msgspec.Struct, frozen=True):
             source="Noll et al. 2012",
         ),
     ] = 130.0
+    danjon: Annotated[
+        float,
+        setting(
+            "How bright the eclipsed moon is on Danjon's scale: 0 hardly visible, 2 deep red, 4 "
+            "bright copper",
+            0.0,
+            4.0,
+            source="Danjon 1920",
+        ),
+    ] = 2.0

@@ -1,13 +1,14 @@
 """Rotations between the axes of J2000, of the ecliptic, of the moon and of a place."""
 
 from datetime import UTC, datetime
+from functools import lru_cache
 from typing import NamedTuple
 
 import astronomy
 import numpy as np
 from numpy.typing import ArrayLike
 
-from night_sky.refraction import apparent_elevation
+from vrut_lite.daylight.refraction import apparent_elevation
 from vrut_lite.geometry.frames import world_from_enu
 from vrut_lite.numeric_types import FloatArray
 
@@ -79,8 +80,16 @@ def refracted(direction: FloatArray) -> FloatArray:
 
 def body_km(body: astronomy.Body, at: Watch) -> FloatArray:
     """Vector (3,) from the observer to a body, J2000, light time and aberration included, km."""
-    seen = astronomy.Equator(body, at.time, at.observer, False, True)
-    return np.array([seen.vec.x, seen.vec.y, seen.vec.z]) * AU_KM
+    where = at.observer.latitude, at.observer.longitude, at.observer.height
+    return np.array(_body_km(body, at.time.ut, *where))
+
+
+@lru_cache(maxsize=16)
+def _body_km(body: astronomy.Body, days: float, *where: float) -> tuple[float, float, float]:
+    """The same, for all who ask in one hour."""
+    time, observer = astronomy.Time(days), astronomy.Observer(*where)
+    seen = astronomy.Equator(body, time, observer, False, True).vec
+    return seen.x * AU_KM, seen.y * AU_KM, seen.z * AU_KM
 
 
 def ecliptic_of_j2000() -> FloatArray:

@@ -128,10 +128,10 @@ def test_where_a_sky_is_computed_is_no_new_air(lit: SkyOnBus) -> None:
 
 def test_an_impossible_atmosphere_is_refused_once(lit: SkyOnBus) -> None:
     """One sentence; the sky stays, and a moved sun does not repeat the complaint."""
-    lit.sun(30.0, ground_m=8e4)
-    lit.sun(50.0, ground_m=8e4)
+    lit.sun(30.0, ground_m=1.3e5)
+    lit.sun(50.0, ground_m=1.3e5)
     (said,) = lit.faults
-    assert "no such atmosphere: a ground at 80000 m lies outside" in said
+    assert "no such atmosphere: a ground at 130000 m lies outside" in said
     lit.sun(50.0)
     assert len(blue(lit)) == 2
 

@@ -25,6 +25,7 @@ from vrut_lite.daylight.light_map import (
 )
 from vrut_lite.daylight.moon_path import MoonPathChanged
 from vrut_lite.daylight.night import (
+    EarthShadow,
     MoonDiscChanged,
     MoonLight,
     NightLightChanged,
@@ -221,6 +222,9 @@ SOUND = [
         direction=UP, angular_radius_rad=0.0045, flattening=0.9, to_sun=UP,
         axes=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), lit_rgb=(1.0, 1.0, 1.0),
         dark_rgb=(0.0, 0.0, 0.0), albedo=Array(np.ones((4, 8), np.float32)), source="s",
+        shadow=EarthShadow(
+            direction=UP, umbra_rad=0.01, penumbra_rad=0.02, umbra_rgb=(1e-4, 1e-5, 1e-5)
+        ),
     ),
     MoonPathChanged(
         start=NOON, step_s=1200.0, direction=Array(np.array([UP], np.float32)), rises_s=(60.0,),

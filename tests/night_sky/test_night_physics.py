@@ -4,17 +4,18 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from night_sky.earth_shadow import earth_shadow, light_left
 from night_sky.eclipse import left_of_disc, sun_left
 from night_sky.events import next_full_moon, next_rise_and_set, next_solar_eclipse
 from night_sky.glow import Sources, airglow_cd, glow
 from night_sky.moon import moon_at
 from night_sky.moon_light import Phase, earthshine_radiance_rgb, irradiance_rgb
 from night_sky.night_air import SENT_DOWN, night_air
-from night_sky.refraction import apparent_elevation, refraction_rad, trace
 from night_sky.sky_axes import unit, watch
 from night_sky.stars import LUX_OF_MAGNITUDE_0, irradiance_of, stars_at
 
 from vrut_lite.daylight.haze import SetHaze
+from vrut_lite.daylight.refraction import apparent_elevation, refraction_rad, trace
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 
 CLEAR = SetHaze(optical_depth_550=0.05)
@@ -224,3 +225,32 @@ def test_full_moon_rise_and_set_are_the_almanacs():
     assert abs((next_full_moon(at) - datetime(2026, 1, 3, 10, 3, tzinfo=UTC)).total_seconds()) < 60
     rise, fall = next_rise_and_set(at)
     assert datetime(2026, 1, 1, 12, tzinfo=UTC) < rise < fall
+
+
+# 28 August 2026: partial, 0.930 of the moon's diameter in the umbra, seen from Lisbon; 31 December
+# 2028: total. Times and sizes are NASA's (Espenak, Five Millennium Canon of Lunar Eclipses).
+@pytest.mark.parametrize(
+    ("instant", "place", "covered"),
+    [
+        (datetime(2026, 8, 28, 4, 13, tzinfo=UTC), (38.7, -9.1), 0.930),
+        (datetime(2028, 12, 31, 16, 52, tzinfo=UTC), (35.0, 105.0), 1.246),
+        (datetime(2026, 8, 28, 2, 34, tzinfo=UTC), (38.7, -9.1), 0.0),
+    ],
+)
+def test_the_umbra_covers_as_much_of_the_moon_as_published(instant, place, covered):
+    at = watch(instant, *place)
+    moon = moon_at(at)
+    shadow = earth_shadow(at, moon, 2.0)
+    apart = np.linalg.norm(np.cross(moon.direction, shadow.direction))
+    magnitude = (shadow.umbra_rad + moon.angular_radius_rad - apart) / moon.angular_radius_rad / 2.0
+    assert magnitude == pytest.approx(covered, abs=0.025)
+
+
+def test_an_eclipsed_moon_is_as_dark_as_danjons_scale_is_chosen():
+    """Of a total eclipse four to three hundred millionths of the light are left, red the most."""
+    at = watch(datetime(2028, 12, 31, 16, 52, tzinfo=UTC), 35.0, 105.0)
+    moon = moon_at(at)
+    left = [light_left(moon, earth_shadow(at, moon, number)) for number in (0.0, 2.0, 4.0)]
+    assert left[0].max() < left[1].max() < left[2].max() < 3e-3
+    assert all(red > green > blue for red, green, blue in left)
+    assert light_left(moon, None).min() == 1.0

@@ -103,6 +103,20 @@ def test_the_moon_gives_the_picture_its_light_at_any_width(backend, radius):
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize(("elevation", "height"), [(0.25, 27.0), (2.0, 29.7), (40.0, 32.0)])
+def test_the_setting_sun_is_flattened(backend, elevation, height):
+    """As wide as ever, 27.0' high on the horizon; heights by the table of refraction."""
+    sun = {"sun_direction": around(elevation, 0.0), "sun_irradiance": (1.0,) * 3}
+    light(backend, uniform_sky(0.0), **sun)
+    target = np.array([0.0, 1.0, 0.0]) + 100.0 * around(elevation, 0.0)
+    field = np.radians(0.75)
+    seen = look(backend, (0.0, 1.0, 0.0), tuple(target), field).radiance[..., 1] > 0.0
+    minutes = np.degrees(field) * 60.0 / SIZE[1]
+    assert seen.any(axis=1).sum() * minutes == pytest.approx(height, abs=0.9)
+    assert seen.any(axis=0).sum() * minutes == pytest.approx(32.0, abs=0.9)
+
+
+@pytest.mark.gl
 def test_a_half_moon_is_lit_on_the_suns_side(backend):
     """The sun to the right of the picture, at a right angle: the right half shines."""
     backend.change(moon_disc=moon_at(around(26.565, 0.0), (1.0, 0.0, 0.0), radius=0.1))

@@ -144,7 +144,7 @@ def illuminance(path: Path) -> None:
         kernel.close()
     axes[0].set_ylabel("lx", fontsize=9)
     figure.tight_layout()
-    figure.savefig(path, dpi=70)
+    figure.savefig(path, dpi=70, bbox_inches="tight")
 
 
 def _lux(kernel: Kernel, instant: datetime) -> float:

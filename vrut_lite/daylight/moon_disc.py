@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vrut_lite.daylight.night import MoonDiscChanged
+from vrut_lite.daylight.night import EDGE_OVER_MIDDLE, EarthShadow, MoonDiscChanged
 from vrut_lite.numeric_types import FloatArray
 
 # Samples across the disc, which is some twelve pixels wide in the largest maps.
@@ -22,16 +22,28 @@ def moon_samples(moon: MoonDiscChanged) -> tuple[FloatArray, FloatArray]:
     mu = np.sqrt(1.0 - x * x - y * y)
     normal = x[:, None] * right + y[:, None] * upper - mu[:, None] * middle
     mu_sun = np.maximum(normal @ np.asarray(moon.to_sun), 0.0)
-    radiance = _albedo(moon, normal)[:, None] * (
-        (mu_sun / np.maximum(mu_sun + mu, 1e-4))[:, None] * np.asarray(moon.lit_rgb)
-        + np.asarray(moon.dark_rgb)
-    )
     sine = np.sin(moon.angular_radius_rad)
     place = middle + sine * (x[:, None] * right + (moon.flattening * y)[:, None] * upper)
     place /= np.linalg.norm(place, axis=1, keepdims=True)
+    lit = (mu_sun / np.maximum(mu_sun + mu, 1e-4))[:, None] * np.asarray(moon.lit_rgb)
+    if moon.shadow is not None:
+        lit = lit * shadow_share(moon.shadow, place)
+    radiance = _albedo(moon, normal)[:, None] * (lit + np.asarray(moon.dark_rgb))
     solid_angle = moon.flattening * (2.0 * sine / _ACROSS) ** 2
     up = place[:, 1] > 0.0
     return place[up], radiance[up] * solid_angle
+
+
+def shadow_share(shadow: EarthShadow, direction: FloatArray) -> FloatArray:
+    """Share (n, 3) of sunlight on the moon in directions (n, 3): the sun cut by a straight edge."""
+    beside = np.linalg.norm(np.cross(direction, shadow.direction), axis=-1)
+    t = (beside - shadow.umbra_rad) / (shadow.penumbra_rad - shadow.umbra_rad)
+    x = np.clip(2.0 * t - 1.0, -1.0, 1.0)
+    sun = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / np.pi
+    inner = np.minimum(beside / shadow.umbra_rad, 1.0)
+    copper = EDGE_OVER_MIDDLE ** (inner * inner)
+    left = copper[..., None] * np.asarray(shadow.umbra_rgb)
+    return np.asarray(sun[..., None] + (1.0 - sun[..., None]) * np.minimum(left, 1.0))
 
 
 def _albedo(moon: MoonDiscChanged, normal: FloatArray) -> FloatArray:

@@ -16,6 +16,8 @@ from vrut_lite.numeric_types import Vector
 SLOT = "night"
 NO_ECLIPSE: Vector = (1.0, 1.0, 1.0)
 _WIDEST_RAD = 0.25 * math.pi
+# Of the light in the Earth's umbra.
+EDGE_OVER_MIDDLE = 30.0
 
 
 class MoonLight(msgspec.Struct, frozen=True, kw_only=True):
@@ -114,6 +116,26 @@ class StarsChanged(Derived, frozen=True, kw_only=True):
             checks.contents(self, "irradiance_rgb", 0.0, MOST_LIGHT)
 
 
+class EarthShadow(msgspec.Struct, frozen=True, kw_only=True):
+    """The Earth's shadow where the moon is, as a place sees it.
+
+    Sunlight is whole outside `penumbra_rad` of `direction` and gone within `umbra_rad`; there
+    `umbra_rgb` of it is left at the middle, `EDGE_OVER_MIDDLE` times as much at the edge.
+    """
+
+    direction: Vector
+    umbra_rad: float
+    penumbra_rad: float
+    umbra_rgb: Vector
+
+    def check(self) -> None:
+        """Two circles, and a share of light."""
+        checks.direction(self, "direction")
+        checks.number(self, "umbra_rad", 1e-6, _WIDEST_RAD)
+        checks.number(self, "penumbra_rad", self.umbra_rad, _WIDEST_RAD)
+        checks.light(self, "umbra_rgb", 1.0)
+
+
 class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     """The moon's disc: a sphere lit by the sun after Lommel and Seeliger.
 
@@ -122,7 +144,8 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     is relative, its rows from the moon's north, its columns from longitude -180 deg to the east.
     `axes` (9 numbers, row by row) are the moon's own in world axes: x to the mean Earth, z north.
     `flattening` is the disc's height over its width: refraction raises the lower limb more.
-    `sun_left_rgb` is below 1 while the moon hides a part of the sun.
+    `sun_left_rgb` is below 1 while the moon hides a part of the sun. `shadow` is the Earth's, near
+    a full moon that it reaches.
     """
 
     slot: ClassVar[str | None] = SLOT
@@ -137,9 +160,13 @@ class MoonDiscChanged(Derived, frozen=True, kw_only=True):
     albedo: Array
     source: str
     sun_left_rgb: Vector = NO_ECLIPSE
+    shadow: EarthShadow | None = None
 
     def check(self) -> None:
         """A disc in the sky."""
+        checks.instance(self, "shadow", (EarthShadow, type(None)))
+        if self.shadow is not None:
+            self.shadow.check()
         checks.direction(self, "direction")
         checks.direction(self, "to_sun")
         checks.number(self, "angular_radius_rad", 1e-6, _WIDEST_RAD)

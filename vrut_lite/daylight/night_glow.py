@@ -12,10 +12,10 @@ from vrut_lite.numeric_types import FloatArray, Vector
 
 
 class _LookUp(NamedTuple):
-    """For the upper texels (m,) of a cube: indices of four nodes (4, m) and their weights."""
+    """The upper texels (m,) of a cube; indices of four nodes (m, 4) of each, and their weights."""
 
-    upper: NDArray[np.bool_]
-    nodes: NDArray[np.intp]
+    upper: NDArray[np.int32]
+    nodes: NDArray[np.int32]
     weights: NDArray[np.float32]
 
 
@@ -36,13 +36,13 @@ def glow_cube(glow: Array, size: int, ground_rgb: Vector) -> NDArray[np.float32]
     """
     values = glow.values
     found = _look_up(size, *values.shape[:2])
+    # Imported on first use: by day nothing is compiled.
+    from vrut_lite.daylight.night_kernels import fill_upper
+
     cube = np.empty((6, size, size, 3), np.float32)
     cube[...] = ground_rgb
-    flat = values.reshape(-1, 3)
-    light = flat[found.nodes[0]] * found.weights[0][:, None]
-    for node, weight in zip(found.nodes[1:], found.weights[1:], strict=True):
-        light += flat[node] * weight[:, None]
-    cube[found.upper] = light
+    flat = np.ascontiguousarray(values.reshape(-1, 3), np.float32)
+    fill_upper(cube.reshape(-1, 3), found.upper, found.nodes, found.weights, flat)
     cube.flags.writeable = False
     return cube
 
@@ -59,4 +59,9 @@ def _look_up(size: int, rows: int, columns: int) -> _LookUp:
     near, far = c % columns, (c + 1) % columns
     nodes = np.stack([r * columns + near, r * columns + far])
     weights = np.stack([(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u])
-    return _LookUp(upper, np.concatenate([nodes, nodes + columns]), weights.astype(np.float32))
+    nodes = np.concatenate([nodes, nodes + columns])
+    return _LookUp(
+        np.flatnonzero(upper).astype(np.int32),
+        np.ascontiguousarray(nodes.T, np.int32),
+        np.ascontiguousarray(weights.T, np.float32),
+    )

@@ -38,8 +38,8 @@ _LIGHT_SIZE = 32
 # the ground is dark.
 _AIR_GLOWS = 0.5
 # From this elevation of the sun down the night is added, fully a degree lower: it is 3e-4 of the
-# light then. The last of the sun's light is told from the night's above the lower elevation.
-_NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG = 0.5, 1.0, -19.0
+# light then. The last of the sun's light fades over a degree, to the elevation where it is gone.
+_NIGHT_FROM_DEG, _FADES_IN_DEG, _SUN_GONE_DEG, _FADES_OUT_DEG = 0.5, 1.0, -19.0, 1.0
 # Dandekar and Turtle (1971): the zenith in totality over that of day.
 _LEFT_IN_TOTALITY = 1e-4
 # Below this irradiance (W m^-2) a body lights no air.
@@ -52,9 +52,10 @@ def night_share(sun: SunMoved) -> float:
     return min(max((_NIGHT_FROM_DEG - degrees) / _FADES_IN_DEG, 0.0), 1.0)
 
 
-def sun_is_gone(sun: SunMoved) -> bool:
-    """Whether the sun is so low that none of its light is left."""
-    return math.degrees(sun.elevation_rad) < _SUN_GONE_DEG
+def sun_share(sun: SunMoved) -> float:
+    """The share of the sun's light that is shown: 0 once it is too low to be told from night."""
+    degrees = math.degrees(sun.elevation_rad)
+    return min(max((degrees - _SUN_GONE_DEG) / _FADES_OUT_DEG, 0.0), 1.0)
 
 
 def key_body(sun: SunMoved, moon: MoonLight | None, eye_height_m: float) -> Body:
@@ -80,7 +81,7 @@ class SkyAtNight(Sky):
         glow: the map of `NightLightChanged`; None where it is not known.
         share: of the night's light, from 0 by day to 1.
         key: the body that casts shadows.
-        sunlit: whether any of the sun's light is left.
+        sun_share: of the sun's light that is shown; see the function.
         sun_left_rgb: of the sun's light, below 1 in its eclipses.
     """
 
@@ -90,13 +91,18 @@ class SkyAtNight(Sky):
     glow: Array | None
     share: float
     key: Body
-    sunlit: bool = True
+    sun_share: float = 1.0
     sun_left_rgb: Vector = NO_ECLIPSE
+
+    @property
+    def sunlit(self) -> bool:
+        """Whether any of the sun's light is left."""
+        return self.sun_share > 0.0
 
     @cached_property
     def _sun_left(self) -> FloatArray:
         """Share (3,) of the sky's light: in totality air beyond the shadow lights it."""
-        return np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
+        return self.sun_share * np.maximum(self.sun_left_rgb, _LEFT_IN_TOTALITY)
 
     @cached_property
     def _moon_share(self) -> FloatArray:
@@ -110,6 +116,13 @@ class SkyAtNight(Sky):
             return np.zeros(3)
         lit = horizontal_irradiance(glow_cube(self.glow, _LIGHT_SIZE, _BLACK))
         return np.asarray(self.by_sun.ground_albedo_rgb() / np.pi * lit)
+
+    def _dark_cube(self, like: Background) -> Float32Array:
+        """The glow's share, one's own to change."""
+        assert not isinstance(like.cube, GpuTexture)
+        if self.glow is None or self.share == 0.0:
+            return np.zeros(like.cube.shape, np.float32)
+        return self._glow_cube(like.cube.shape[1]) * np.float32(self.share)
 
     def _glow_cube(self, size: int) -> NDArray[np.float32]:
         """All of the glow over lit ground."""
@@ -131,25 +144,18 @@ class SkyAtNight(Sky):
         # Of a sun that is gone the moon's sky tells whether the ground is seen through air.
         base = self.by_moon if self.by_moon is not None and not self.sunlit else self.by_sun
         first = background_of(base)
-        cube, ground, seen = (
-            _radiance(first),
-            np.asarray(first.ground_rgb, float),
-            first.seen_sun_rgb,
-        )
         share = self._moon_share if base is self.by_moon else self._sun_left
-        if (share != 1.0).any():
-            cube *= share.astype(np.float32)
-            ground = share * ground
-            seen = None if seen is None else share * seen
+        ground = share * np.asarray(first.ground_rgb, float)
+        seen = None if first.seen_sun_rgb is None else share * first.seen_sun_rgb
+        cube = self._dark_cube(first)
+        _add(cube, first, share)
         if self.by_moon is not None and base is not self.by_moon:
             by_moon = background_of(self.by_moon)
-            cube += _radiance(by_moon) * self._moon_share.astype(np.float32)
+            _add(cube, by_moon, self._moon_share)
             ground = ground + self._moon_share * by_moon.ground_rgb
             if self.key == "moon" and by_moon.seen_sun_rgb is not None:
                 seen = self._moon_share * by_moon.seen_sun_rgb
-        if self.glow is not None and self.share > 0.0:
-            glow = self._glow_cube(cube.shape[1])
-            cube += glow if self.share == 1.0 else glow * np.float32(self.share)
+        if self.glow is not None:
             ground = ground + self.share * self._glow_ground
         return Background(cube, ground, 1.0, first.ground_through_air, seen_sun_rgb=seen)
 
@@ -209,7 +215,7 @@ class SkyAtNight(Sky):
         if volume is None or isinstance(volume.light, GpuTexture):
             return volume
         sun, moon, glow = self._on_level_ground
-        alone = moon / self._moon_share if by_moon else sun / self._sun_left
+        alone = moon / self._moon_share if by_moon else sun / np.maximum(self._sun_left, 1e-30)
         lit = alone > _DARKEST_IRRADIANCE
         factor = np.where(lit, (sun + moon) / np.where(lit, alone, 1.0), 0.0)
         light = light_of(volume).astype(np.float64) * (volume.radiance_scale * factor)
@@ -237,7 +243,15 @@ _NOBODY = Sky()
 _BLACK = (0.0, 0.0, 0.0)
 
 
-def _radiance(background: Background) -> Float32Array:
-    """The cube in float32, one's own to change."""
-    assert not isinstance(background.cube, GpuTexture)
-    return background.cube.astype(np.float32) * np.float32(background.scale)
+def _add(total: Float32Array, more: Background, share: FloatArray) -> None:
+    """Add a share (3,) of a cube."""
+    assert not isinstance(more.cube, GpuTexture)
+    factor = (more.scale * share).astype(np.float32)
+    if more.cube.dtype == np.float16:
+        # Imported on first use: by day nothing is compiled.
+        from vrut_lite.daylight.night_kernels import add_halves
+
+        halves = more.cube.reshape(-1, 3).view(np.uint16)
+        add_halves(total.reshape(-1, 3), halves, factor)
+    elif factor.any():
+        total += more.cube * factor

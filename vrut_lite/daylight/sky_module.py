@@ -35,7 +35,7 @@ from vrut_lite.daylight.sky import (
     SkyRadianceChanged,
     SpectrumSeen,
 )
-from vrut_lite.daylight.sky_at_night import SkyAtNight, key_body, night_share, sun_is_gone
+from vrut_lite.daylight.sky_at_night import SkyAtNight, key_body, night_share, sun_share
 from vrut_lite.daylight.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
 from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
 from vrut_lite.daylight.sun import KeyLightChanged, SunMoved
@@ -228,7 +228,7 @@ class SkyModule(Module):
         hour = now = Hour(sun, altitude_m, self._view[0], night_apart=night is not None)
         if self._sky is not None and self._hour is not None:
             hour = self._hour.unless_unseen(now, self._sky.unseen(self._hour, quality))
-            if night is not None and sun_is_gone(sun) and sun_is_gone(self._hour.sun):
+            if night is not None and sun_share(sun) == sun_share(self._hour.sun) == 0.0:
                 hour = msgspec.structs.replace(hour, sun=self._hour.sun)
             if hour != now:
                 self.ledger.skip("sun or eye moved unseen")
@@ -279,7 +279,7 @@ class SkyModule(Module):
             glow=night.glow_rgb,
             share=share,
             key=key_body(hour.sun, moon, hour.eye_height_m),
-            sunlit=not sun_is_gone(hour.sun),
+            sun_share=sun_share(hour.sun),
             sun_left_rgb=night.sun_left_rgb,
         )
 

@@ -1,6 +1,8 @@
 """Order after order of scattering on the solver's nodes."""
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +33,10 @@ _FEW_ORDERS, MOST_ORDERS = 4, 20
 # those below the horizon too, where orders count most. The rest is smaller by day (0.05 % of the
 # sky at turbidity 3, 0.2 % at 4); in thick haze and fog orders fall off slowly: it is larger.
 _ORDER_TOLERANCE, _THICK_TOLERANCE, _FOG_TOLERANCE = 0.02, 0.01, 0.005
+
+# Altitudes are spread by the root of the height: those of air of the first top serve for as dense
+# nodes in deeper air, up to so much deeper.
+_USUAL_TOP_M, _MOST_DEEPER = 60_000.0, 2.0
 
 
 class _Sum(NamedTuple):
@@ -112,10 +118,13 @@ def order_tolerance(atmosphere: Atmosphere) -> float:
 
 
 def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
-    """The sizes for a picture of this air."""
+    """The sizes for a picture of this air; deep air has more altitudes, as dense at the ground."""
     if atmosphere.foggy:
-        return SolverSizes.in_fog()
-    return SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes.in_clear_air()
+        sizes = SolverSizes.in_fog()
+    else:
+        sizes = SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes.in_clear_air()
+    deeper = min(max(atmosphere.top_altitude_m / _USUAL_TOP_M, 1.0), _MOST_DEEPER)
+    return replace(sizes, altitude=math.ceil(sizes.altitude * math.sqrt(deeper)))
 
 
 def _sum_orders(

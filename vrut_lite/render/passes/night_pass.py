@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from OpenGL import GL
 
-from vrut_lite.daylight.night import MoonDiscChanged, StarsChanged
+from vrut_lite.daylight.night import EDGE_OVER_MIDDLE, MoonDiscChanged, StarsChanged
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.passes.view import View
@@ -116,6 +116,13 @@ class NightPass:
         screen.set("moon_axes", np.reshape(moon.axes, (3, 3)).T.ravel())
         screen.set("lit_radiance", moon.lit_rgb)
         screen.set("dark_radiance", moon.dark_rgb)
+        shadow = moon.shadow
+        screen.set("umbra", 0.0 if shadow is None else shadow.umbra_rad)
+        if shadow is not None:
+            screen.set("shadow_direction", shadow.direction)
+            screen.set("penumbra", shadow.penumbra_rad)
+            screen.set("umbra_share", shadow.umbra_rgb)
+            screen.set("edge_over_middle", EDGE_OVER_MIDDLE)
         self._albedo.use(location=0)
         screen.program["albedo"].value = 0
         wide_px = 2.0 * max(_focal_px(size, view)) * moon.angular_radius_rad

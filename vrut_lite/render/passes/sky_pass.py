@@ -3,9 +3,11 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from OpenGL import GL
 
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonDiscChanged
+from vrut_lite.daylight.refraction import flattening
 from vrut_lite.daylight.sky import ViewShader
 from vrut_lite.render.light import Light
 from vrut_lite.render.passes.background_view import BackgroundView
@@ -16,6 +18,8 @@ from vrut_lite.render.shader_files import Defines
 
 # Less of the sun than can be told from none.
 _LEAST_LEFT = 1e-6
+# Height over which air thins by a factor e, and with it refraction at the eye.
+_THINS_M = 8430.0
 
 
 class SunDisc:
@@ -121,6 +125,7 @@ class SkyPass:
         screen.set("sun_disc_radiance", disc.mean_radiance)
         screen.set("sun_solid_angle", disc.solid_angle)
         screen.set("sun_angular_radius", disc.angular_radius_rad)
+        _set_flattening(screen, light.sun_direction, disc.angular_radius_rad, view.eye_m)
         hiding = disc.hidden_by
         screen.set("hiding_moon", (0.0, -1.0, 0.0) if hiding is None else hiding.direction)
         screen.set("hiding_radius", 0.0 if hiding is None else hiding.angular_radius_rad)
@@ -141,3 +146,16 @@ class SkyPass:
         for screen in self._screens.values():
             screen.release()
         self._tiles.release()
+
+
+def _set_flattening(
+    screen: FullScreen, sun_direction: ArrayLike, radius_rad: float, eye_m: ArrayLike
+) -> None:
+    """What refraction does to the disc, as far as there is air at the eye."""
+    sun = np.asarray(sun_direction, dtype=float)
+    right = np.cross(sun, [0.0, 1.0, 0.0])
+    right /= max(float(np.linalg.norm(right)), 1e-9)
+    elevation = float(np.arcsin(np.clip(sun[1], -1.0, 1.0)))
+    air = np.exp(-max(float(np.asarray(eye_m)[1]), 0.0) / _THINS_M)
+    screen.set("sun_upper", np.cross(right, sun))
+    screen.set("flattening", air * np.array(flattening(elevation, radius_rad)))

@@ -10,6 +10,11 @@ uniform vec3 to_sun;
 uniform mat3 moon_axes;
 uniform vec3 lit_radiance;
 uniform vec3 dark_radiance;
+uniform vec3 shadow_direction;       // of the Earth
+uniform float umbra;                 // 0: none
+uniform float penumbra;
+uniform vec3 umbra_share;            // of sunlight, in its middle
+uniform float edge_over_middle;
 uniform sampler2D albedo;
 uniform int steps;                   // of a pixel, right and up
 
@@ -17,6 +22,17 @@ in vec3 ray;
 out vec4 frag_radiance;
 
 const float PI = 3.14159265;
+
+// The twin of shadow_share in daylight/moon_disc.py.
+vec3 sunlight_left(vec3 d) {
+    if (umbra <= 0.0) return vec3(1.0);
+    float beside = length(cross(d, shadow_direction));
+    float x = clamp(2.0 * (beside - umbra) / (penumbra - umbra) - 1.0, -1.0, 1.0);
+    float sun = 0.5 + (x * sqrt(1.0 - x * x) + asin(x)) / PI;
+    float inner = min(beside / umbra, 1.0);
+    vec3 copper = min(umbra_share * pow(edge_over_middle, inner * inner), 1.0);
+    return sun + (1.0 - sun) * copper;
+}
 
 vec3 moon(vec3 d) {
     if (d.y <= 0.0 || dot(d, moon_direction) <= 0.0) return vec3(0.0);
@@ -29,7 +45,7 @@ vec3 moon(vec3 d) {
     vec3 own = moon_axes * n;
     vec2 at = vec2(atan(own.y, own.x) / (2.0 * PI) + 0.5, 0.5 - asin(clamp(own.z, -1.0, 1.0)) / PI);
     float shade = mu_sun / max(mu_sun + mu, 1e-4);
-    return textureLod(albedo, at, 0.0).r * (lit_radiance * shade + dark_radiance);
+    return textureLod(albedo, at, 0.0).r * (lit_radiance * sunlight_left(d) * shade + dark_radiance);
 }
 
 void main() {

@@ -6,6 +6,8 @@ uniform float sky_scale;
 uniform vec3 sun_direction;
 uniform vec3 sun_disc_radiance;      // mean over the disc
 uniform float sun_angular_radius;
+uniform vec3 sun_upper;              // across sun_direction, from the horizon up
+uniform vec2 flattening;             // by refraction: see daylight/refraction.py
 uniform vec3 hiding_moon;            // in an eclipse
 uniform float hiding_radius;         // 0: none
 uniform vec3 limb_darkening[6];      // polynomial in cos psi, constant first, mean 1
@@ -29,17 +31,27 @@ uniform float sun_solid_angle;
 //!background
 #endif
 
+// Where a direction truly lies about the sun's middle, right and up, in radians.
+vec2 about_sun(vec3 d) {
+    // The cross product keeps its precision where acos of the dot product has none.
+    vec3 across = cross(d, sun_direction);
+    float upper = dot(d, sun_upper), angle = asin(min(1.0, length(across)));
+    if (dot(d, sun_direction) <= 0.0) return vec2(3.0, 0.0);
+    if (angle > 4.0 * sun_angular_radius) return vec2(angle, 0.0);
+    return vec2(dot(across, sun_upper), upper - flattening.x * upper - flattening.y * upper * upper);
+}
+
 vec3 sun_disc(vec3 d, vec3 mean_radiance) {
-    // asin of the cross product keeps its precision where acos of the dot product has none.
-    float angle = dot(d, sun_direction) > 0.0 ? asin(min(1.0, length(cross(d, sun_direction)))) : 3.0;
+    vec2 at = about_sun(d);
+    float angle = length(at);
     float edge = max(fwidth(angle), 1e-6);
     float covered = clamp((sun_angular_radius - angle) / edge + 0.5, 0.0, 1.0);
     float ratio = min(angle / sun_angular_radius, 1.0);
     float c = sqrt(max(0.0, 1.0 - ratio * ratio));
     vec3 darkening = limb_darkening[5];
     for (int k = 4; k >= 0; --k) darkening = darkening * c + limb_darkening[k];
-    if (hiding_radius > 0.0 && dot(d, hiding_moon) > 0.0) {
-        float beside = asin(min(1.0, length(cross(d, hiding_moon)))) - hiding_radius;
+    if (hiding_radius > 0.0) {
+        float beside = length(at - about_sun(hiding_moon)) - hiding_radius;
         covered *= clamp(beside / edge + 0.5, 0.0, 1.0);
     }
     return mean_radiance * max(darkening, 0.0) * covered;

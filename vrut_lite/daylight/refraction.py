@@ -49,6 +49,28 @@ def apparent_elevation(true_elevation_rad: ArrayLike) -> FloatArray:
     return true + np.interp(true, at - bent, bent)
 
 
+class Flattening(NamedTuple):
+    """How much less high a disc looks than it is.
+
+    A place t radians above its apparent middle truly lies t - slope t - curvature t^2 above it.
+    """
+
+    slope: float
+    curvature: float
+
+
+def flattening(apparent_elevation_rad: float, angular_radius_rad: float) -> Flattening:
+    """That of a disc whose middle is seen at this elevation, through three places of it.
+
+    The disc's half that the horizon hides is flattened as the other one.
+    """
+    middle = max(apparent_elevation_rad, 0.0)
+    low, at, high = refraction_rad(middle + angular_radius_rad * np.array([0.0, 0.5, 1.0]))
+    step = 0.5 * angular_radius_rad
+    curvature = (high - 2.0 * at + low) / (2.0 * step * step)
+    return Flattening(float((at - low) / step - curvature * step), float(curvature))
+
+
 @lru_cache(maxsize=1)
 def _table() -> tuple[FloatArray, FloatArray]:
     degrees = np.concatenate([

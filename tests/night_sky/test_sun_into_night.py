@@ -1,0 +1,113 @@
+"""The sun's part of the light of level ground, from high noon to the last of twilight."""
+
+import numpy as np
+import pytest
+from bruneton_sky import SolvedSky
+from bruneton_sky.ground_light import SKYLIGHT_EXPONENT
+from bruneton_sky.module import BrunetonSky
+from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of, spectral_atmosphere_of
+from bruneton_sky.solver_job import solve_air
+from bruneton_sky.sun_light import sun_irradiance_rgb as bruneton_sun_rgb
+from dynamic_skylight.hosek_wilkie.levelled_sky import LevelledSky
+from dynamic_skylight.module import DynamicSkyLight
+from dynamic_skylight.sun.refraction import geometric_elevation
+from dynamic_skylight.twilight import BLEND_APPARENT_RAD, NIGHT_ILLUMINANCE_LX
+from dynamic_skylight.twilight_curve import illuminance_lx
+
+from vrut_lite.daylight.clear_sun import sun_irradiance_rgb
+from vrut_lite.daylight.equal_haze import equal_sky
+from vrut_lite.daylight.haze import DEFAULT_HAZE
+from vrut_lite.daylight.sky import AmbientChanged
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance, rgb_from_spectrum
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.testing.sky_on_bus import SkyOnBus
+
+# Apparent elevations; and those where models meet.
+SUNS_DEG = np.concatenate([
+    np.arange(60.0, 3.0, -9.0), np.arange(3.0, -3.0, -0.5), np.arange(-3.0, -18.1, -1.5)
+])  # fmt: skip
+STEPS = (0.92, 0.0, -0.25, -0.83, -2.5, -7.0, -12.0)
+
+
+def sky_of(kind):
+    sky = SkyOnBus(kind)
+    sky.want(KeyLightChanged, AmbientChanged)
+    return sky
+
+
+def lux(sky, degrees):
+    """Of sun and sky on level ground."""
+    sky.sun(float(degrees))
+    key, ambient = sky.kernel.last(KeyLightChanged), sky.kernel.last(AmbientChanged)
+    light = evaluate_irradiance(ambient.irradiance_sh_rgb.values, (0.0, 1.0, 0.0))
+    light = light + np.array(key.irradiance_rgb) * max(key.direction[1], 0.0)
+    return float(luminance(light)) * LUMENS_PER_WATT
+
+
+@pytest.fixture(scope="module", params=[DynamicSkyLight, BrunetonSky], ids=["hosek", "bruneton"])
+def sky(request):
+    return sky_of(request.param)
+
+
+def test_the_suns_light_falls_with_it_and_has_no_step(sky):
+    """Noon to night: each sun gives less than a higher one; within a minute of arc at every place
+    where models, sun and night meet, a fiftieth less at most, or as the curve of twilight falls.
+    """
+    night = NIGHT_ILLUMINANCE_LX if sky.name == "dynamic_skylight" else 0.0
+    light = [lux(sky, e) for e in SUNS_DEG]
+    assert (np.diff(light) < 0.0).all()
+    assert light[-1] - night < 1e-3
+    for degrees in STEPS:
+        above, below = (lux(sky, degrees + d) for d in (0.008, -0.008))
+        assert 0.0 <= np.log(above / below) < 0.03
+
+
+def hosek_lux(apparent_rad):
+    """Of the model's sky of equal haze, summed over the hemisphere directly."""
+    turbidity, level = equal_sky(DEFAULT_HAZE.optical_depth_550, apparent_rad)
+    sky = LevelledSky(turbidity, 0.1, apparent_rad, level)
+    x, w = np.polynomial.legendre.leggauss(48)
+    cos_theta, w = 0.5 * (x[:, None] + 1.0), 0.5 * w[:, None]
+    azimuth = (np.arange(96) + 0.5) * np.pi / 96
+    sine = np.sqrt(1.0 - cos_theta**2)
+    cos_gamma = cos_theta * np.sin(apparent_rad) + sine * np.cos(apparent_rad) * np.cos(azimuth)
+    theta = np.broadcast_to(np.arccos(cos_theta), cos_gamma.shape)
+    seen = luminance(sky.radiance(theta, np.arccos(np.clip(cos_gamma, -1.0, 1.0))))
+    return float((seen * cos_theta * w).mean(axis=1).sum() * 2.0 * np.pi) * LUMENS_PER_WATT
+
+
+def hosek_reference(degrees):
+    """By day the model and the sun behind the air; then the published curve, with the model's last
+    excess over it fading evenly in its logarithm to -7 deg."""
+    apparent = float(np.radians(degrees))
+    geometric = float(np.degrees(geometric_elevation(apparent)))
+    direct = float(luminance(sun_irradiance_rgb(DEFAULT_HAZE, apparent))) * LUMENS_PER_WATT
+    if apparent >= BLEND_APPARENT_RAD:
+        return hosek_lux(apparent) + direct * np.sin(apparent)
+    rest = illuminance_lx(-18.0)
+    excess = hosek_lux(BLEND_APPARENT_RAD) / float(illuminance_lx(0.5) - rest)
+    share = max((geometric + 7.0) / 7.5, 0.0)
+    return float(illuminance_lx(geometric) - rest) * excess**share
+
+
+@pytest.mark.parametrize("degrees", [60.0, 30.0, 10.0, 3.0, 1.2, -0.5, -2.0, -5.0, -9.0, -15.0])
+def test_hosek_and_wilkies_light_is_its_reference_curve(degrees):
+    sky = sky_of(DynamicSkyLight)
+    night = NIGHT_ILLUMINANCE_LX * min(max(0.5 - degrees, 0.0), 1.0)
+    assert lux(sky, degrees) - night == pytest.approx(hosek_reference(degrees), rel=0.01)
+
+
+@pytest.mark.long
+def test_brunetons_light_is_that_of_a_finer_solution():
+    """To 1 % while the sun is less than 4 deg down, to 4 % in the last of twilight."""
+    sky, air = sky_of(BrunetonSky), atmosphere_of(BrunetonSkySettings())
+    suns = np.array([60.0, 30.0, 10.0, 3.0, 1.0, -1.0, -2.5, -3.5, -6.0, -9.0, -12.0, -15.0, -17.5])
+    mu = np.sin(np.radians(suns))
+    _, spectral = SolvedSky(field=solve_air(air, rung="finest")).irradiance(0.0, mu)
+    exact = rgb_from_spectrum(spectral, air.wavelength_nm, SKYLIGHT_EXPONENT)
+    many = spectral_atmosphere_of(BrunetonSkySettings())
+    for degrees, down, light in zip(suns, mu, exact, strict=True):
+        direct = bruneton_sun_rgb(many, 0.0, down, 1.0) * max(down, 0.0)
+        expected = float(luminance(light + direct)) * LUMENS_PER_WATT
+        assert lux(sky, degrees) == pytest.approx(expected, rel=0.01 if degrees > -4.0 else 0.04)
