@@ -107,9 +107,10 @@ class KeyShadows:
 def free_rays(tree, receivers, free_start, directions, scratch, first, last, out):  # type: ignore[no-untyped-def]
     """Fill out[:, first:last] with the rays of rows, a bit each, that reach directions (D, 3).
 
-    What is in the way towards one direction mostly is towards those beside it. A texel has one ray, from anywhere in it: a patch has the mean of its texels. A group has
-    _RAYS_OF_A_GROUP. `free_start` (N,): see `KeyRays`. Rays that would begin into their surface
-    are laid along it, for the key light itself may stand above.
+    What is in the way towards one direction mostly is towards those beside it too. A texel has one
+    ray, from anywhere in it: a patch has the mean of its texels. A group has _RAYS_OF_A_GROUP.
+    `free_start` (N,): see `KeyRays`. Rays that would begin into their surface are laid along it,
+    for the key light itself may stand above.
     """
     stack, _, _, shifts, weights, place, normal, face, towards = scratch
     geometry, texels, probes, groups = receivers
