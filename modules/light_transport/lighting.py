@@ -71,18 +71,18 @@ def key_shares(scene: RayScene, finished: Finished, hour: Hour) -> Float32Array:
     shadows, towards = finished.key_shadows, np.asarray(hour.key_direction, np.float64)
     ray = shadows.rays.ray
 
-    def cast(direction: FloatArray) -> NDArray[np.uint8]:
-        reached = np.empty(scene.rows, np.uint8)
+    def cast(directions: FloatArray) -> NDArray[np.uint8]:
+        reached = np.empty((len(directions), scene.rows), np.uint8)
         scene.over_rows(
             scene.rows,
             lambda a, b: free_rays(
-                scene.tree, scene.receivers, ray, direction, scratch(), a, b, reached
+                scene.tree, scene.receivers, ray, directions, scratch(), a, b, reached
             ),
         )
         return reached
 
     numbers, weights = directions_around(hour.key_direction)
-    around = tuple(shadows.towards(number, cast) for number in numbers)
+    around = tuple(shadows.towards(numbers, cast))
     scene.over_rows(
         scene.rows,
         lambda a, b: lit_shares(scene.receivers, towards, around, weights, scratch(), a, b, share),

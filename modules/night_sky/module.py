@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from night_sky.sky_axes import Watch
 
 NAME = "night_sky"
+_DEMANDED = {StarsChanged.__name__, MoonDiscChanged.__name__, *(kind.__name__ for kind in PRODUCTS)}
 # Rows and columns of the glow's map, and how long one serves: a quarter of a texel.
 _ROWS, _COLUMNS = 45, 90
 _GLOW_SERVES = timedelta(minutes=4)
@@ -74,13 +75,16 @@ class NightSky(Module):
     @handles(ClockMoved)
     @handles(SetPlace)
     @handles(SetHaze)
-    @handles(Demand)
     @handles(SlotChanged)
-    def inputs_changed(
-        self, _message: ClockMoved | SetPlace | SetHaze | Demand | SlotChanged
-    ) -> None:
-        """Another hour, place or air; or the first who wants light."""
+    def inputs_changed(self, _message: ClockMoved | SetPlace | SetHaze | SlotChanged) -> None:
+        """Another hour, place or air."""
         self._update()
+
+    @handles(Demand)
+    def on_demand(self, message: Demand) -> None:
+        """The first who wants light; other messages' demands change no night."""
+        if message.message in _DEMANDED:
+            self._update()
 
     def settings_changed(self, name: str) -> None:
         """Tell the night anew."""

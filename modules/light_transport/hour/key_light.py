@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from light_transport.hour.key_lattice import FARTHEST, direction_of
-from light_transport.kernels import hot
+from light_transport.kernels import dot, hot
 from light_transport.rays.patches import Patches
 from light_transport.rays.ray_starts import begin, shift
 from light_transport.rays.ray_table import TRIED
@@ -90,24 +90,27 @@ class KeyShadows:
         return rays + sum(kept.nbytes for kept in self._kept.values())
 
     def towards(
-        self, number: int, cast: Callable[[FloatArray], NDArray[np.uint8]]
-    ) -> NDArray[np.uint8]:
-        """`free_rays` (N,) towards a fixed direction, cast unless it is kept."""
-        found = self._kept.get(number)
-        if found is None:
-            found = cast(direction_of(number))
-            latest = list(self._kept.items())[1 - _MOST_KEPT :]
-            self._kept = {**dict(latest), number: found}
-        return found
+        self, numbers: list[int], cast: Callable[[FloatArray], NDArray[np.uint8]]
+    ) -> list[NDArray[np.uint8]]:
+        """`free_rays` (N,) towards each of some fixed directions, cast together unless kept."""
+        kept = self._kept
+        missing = [number for number in numbers if number not in kept]
+        if missing:
+            found = cast(np.array([direction_of(number) for number in missing]))
+            latest = list(kept.items())[len(missing) - _MOST_KEPT :]
+            kept = {**dict(latest), **dict(zip(missing, found, strict=True))}
+            self._kept = kept
+        return [kept[number] for number in numbers]
 
 
 @hot
-def free_rays(tree, receivers, free_start, direction, scratch, first, last, out):  # type: ignore[no-untyped-def]
-    """Fill out[first:last] with the rays of rows, a bit each, that reach a fixed direction (3,).
+def free_rays(tree, receivers, free_start, directions, scratch, first, last, out):  # type: ignore[no-untyped-def]
+    """Fill out[:, first:last] with the rays of rows, a bit each, that reach directions (D, 3).
 
-    A texel has one ray, from anywhere in it: a patch has the mean of its texels. A group has
-    _RAYS_OF_A_GROUP. `free_start` (N,): see `KeyRays`. Rays that would begin into their surface
-    are laid along it, for the key light itself may stand above.
+    What is in the way towards one direction mostly is towards those beside it too. A texel has one
+    ray, from anywhere in it: a patch has the mean of its texels. A group has _RAYS_OF_A_GROUP.
+    `free_start` (N,): see `KeyRays`. Rays that would begin into their surface are laid along it,
+    for the key light itself may stand above.
     """
     stack, _, _, shifts, weights, place, normal, face, towards = scratch
     geometry, texels, probes, groups = receivers
@@ -115,7 +118,7 @@ def free_rays(tree, receivers, free_start, direction, scratch, first, last, out)
     first_group = first_probe + len(probes.place)
     likely = MISS
     for row in range(first, last):
-        out[row] = 0
+        out[:, row] = 0
         if first_probe <= row < first_group or free_start[row] >= TRIED:
             continue
         rays = 1 if row < first_probe else _RAYS_OF_A_GROUP
@@ -125,27 +128,28 @@ def free_rays(tree, receivers, free_start, direction, scratch, first, last, out)
             begin(
                 geometry, texels, probes, groups, row, number, shifts, weights, place, normal, face
             )
-            cosine = face[0] * direction[0] + face[1] * direction[1] + face[2] * direction[2]
-            if cosine < -FARTHEST:
-                continue
-            for k in range(3):
-                towards[k] = direction[k] - min(cosine, 0.0) * face[k]
-            found = blocker(
-                tree,
-                np.float32(place[0]),
-                np.float32(place[1]),
-                np.float32(place[2]),
-                np.float32(towards[0]),
-                np.float32(towards[1]),
-                np.float32(towards[2]),
-                mixed(row, s),
-                stack,
-                likely,
-            )
-            if found == MISS:
-                out[row] |= np.uint8(1 << s)
-            else:
-                likely = found
+            for d in range(len(directions)):
+                cosine = dot(face, directions[d])
+                if cosine < -FARTHEST:
+                    continue
+                for k in range(3):
+                    towards[k] = directions[d, k] - min(cosine, 0.0) * face[k]
+                found = blocker(
+                    tree,
+                    np.float32(place[0]),
+                    np.float32(place[1]),
+                    np.float32(place[2]),
+                    np.float32(towards[0]),
+                    np.float32(towards[1]),
+                    np.float32(towards[2]),
+                    mixed(row, s),
+                    stack,
+                    likely,
+                )
+                if found == MISS:
+                    out[d, row] |= np.uint8(1 << s)
+                else:
+                    likely = found
 
 
 @hot
@@ -173,7 +177,7 @@ def lit_shares(receivers, direction, around, share_of, scratch, first, last, out
                 begin(
                     geometry, texels, probes, groups, row, s, shifts, weights, place, normal, face
                 )
-            cosine = face[0] * direction[0] + face[1] * direction[1] + face[2] * direction[2]
+            cosine = dot(face, direction)
             if cosine > 0.0:
                 seen = 0.0
                 for k in range(3):

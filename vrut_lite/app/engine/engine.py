@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
 from vrut_lite.app.engine.adaptation import Adaptation
+from vrut_lite.app.engine.finer_light import FinerLight, is_only_finer
 from vrut_lite.app.engine.pacing import Kind, Pacing, scaled
 from vrut_lite.app.engine.roster import roster_of
 from vrut_lite.app.engine.stage import Stage
@@ -71,6 +72,7 @@ class Engine:
         self._ending = threading.Event()
         self._pacing = Pacing()
         self._adaptation = Adaptation()
+        self._finer_light = FinerLight()
         self._finish_at_s: float | None = None
         # A finished picture was given up, and nothing visible has changed since.
         self._in_vain = False
@@ -219,6 +221,8 @@ class Engine:
         wakes_at_s = self._adaptation.wakes_at_s
         if stage.state.missing:
             return
+        if is_only_finer(self._drawn, stage.state):
+            self._drawn, self._finish_at_s = stage.state, now_s
         if stage.state is not self._drawn or (wakes_at_s is not None and now_s >= wakes_at_s):
             self._drawn, self._in_vain = stage.state, False
             self._draw_one(stage, self._kind_of(stage))
@@ -265,6 +269,7 @@ class Engine:
         self._pacing.drew(scale, seconds, kind)
         if not still:
             self._moved_from = state
+        self._finer_light.drew(stage.kernel, still)
         self._tell(PICTURE, Shown(picture, still, seconds, stage.pass_seconds, adaptation.held))
 
     def _hear(self, message: Message, sender: str) -> None:
