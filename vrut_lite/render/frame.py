@@ -166,15 +166,16 @@ class Frame:
         self._surface_light.show_view(state.light_of_view if still else None)
         with self.measure("reflection"):
             reflection = self._reflection(light, seen, still)
+        quick = not still and state.shows == "picture" and self._choices.takes_over
         with self.measure("shadow"):
             always = not self._skips.shadow
-            shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always)
+            shadows = self._shadow.update(self._meshes, scene, light, view.eye_m, always, quick)
         with self.measure("lamps"):
             self._lamps.update(self._meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
             air = self._clouds.prepare(scene, view, light, air, state.size_px)
-        if not still and state.shows == "picture" and self._choices.takes_over:
+        if quick:
             return self._draw_moving(
                 scene, seen, view, light, disc, shadows, reflection, air, state
             )

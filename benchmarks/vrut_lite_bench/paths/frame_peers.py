@@ -141,32 +141,38 @@ class _Peer:
     """pyrender's renderer as it comes; on the GL thread only."""
 
     def __init__(self, host: Host, size: tuple[int, int]):
-        pyrender = import_pyrender()
+        import_pyrender()
+        from pyrender.camera import PerspectiveCamera
+        from pyrender.constants import RenderFlags
+        from pyrender.light import DirectionalLight
+        from pyrender.mesh import Mesh
+        from pyrender.renderer import Renderer
+        from pyrender.scene import Scene
+
         state = host.state
         camera, light = state.camera, state.key_light
         assert state.scene is not None
         assert camera is not None
         assert light is not None
         ours = PyrenderScene(state.scene)
-        self._scene = pyrender.Scene(bg_color=[0.4, 0.6, 0.9], ambient_light=[0.3, 0.3, 0.3])
+        self._scene = Scene(bg_color=[0.4, 0.6, 0.9], ambient_light=[0.3, 0.3, 0.3])
         meshes: dict[int, Any] = {}
         for placed in ours.placed:
             key = id(placed.primitive)
-            meshes[key] = meshes.get(key) or pyrender.Mesh([placed.primitive])
+            meshes[key] = meshes.get(key) or Mesh([placed.primitive])
             self._scene.add(meshes[key], pose=placed.world_from_model)
         eye_m = np.asarray(camera.eye_m, dtype=float)
-        seen = pyrender.PerspectiveCamera(
+        seen = PerspectiveCamera(
             camera.vertical_field_of_view_rad, znear=0.05, zfar=10.0 * ours.radius_m + 1000.0
         )
         pose = np.linalg.inv(look_at(np.zeros(3), np.asarray(camera.target_m) - eye_m))
         pose[:3, 3] = eye_m
         self._scene.add(seen, pose=pose)
-        sun = pyrender.DirectionalLight(intensity=_LIGHT_WATTS)
+        sun = DirectionalLight(intensity=_LIGHT_WATTS)
         towards = np.asarray(light.direction)
         self._scene.add(sun, pose=np.linalg.inv(look_at(np.zeros(3), -towards)))
-        self.renderer = pyrender.Renderer(*size)
-        flags = pyrender.RenderFlags
-        self._flags = flags.OFFSCREEN | flags.SHADOWS_DIRECTIONAL
+        self.renderer = Renderer(*size)
+        self._flags = RenderFlags.OFFSCREEN | RenderFlags.SHADOWS_DIRECTIONAL
 
     def draw(self, context: Any) -> Any:
         colour, _ = self.renderer.render(self._scene, self._flags)

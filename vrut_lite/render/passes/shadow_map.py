@@ -4,7 +4,7 @@ Each holds all the scene's depth, so that penumbras are as wide as their casters
 
 In a scene of kilometres a texel of one map is metres wide, too wide for shadows of a person's size.
 A second map then covers the eye's surroundings. Each is drawn when scene, sun
-or place have changed.
+or place have changed, in quick pictures with a quarter of the texels.
 """
 
 import math
@@ -19,7 +19,7 @@ from vrut_lite.render.passes.mesh_renderer import MeshRenderer
 from vrut_lite.render.passes.shadow_ranges import ShadowRanges
 from vrut_lite.render.pyrender_scene import PyrenderScene
 
-SHADOW_SIZE = 4096
+SHADOW_SIZE, QUICK_SIZE = 4096, 2048
 # Half the width of the near map: its texels are then a hand's breadth.
 NEAR_RADIUS_M = 400.0
 # One map is enough for a scene that is not many times larger.
@@ -35,14 +35,17 @@ class ShadowMap:
     unchanged.
     """
 
-    def __init__(self, context: Any, ledger: Ledger, name: str = "shadow map"):
+    def __init__(
+        self, context: Any, ledger: Ledger, name: str = "shadow map", size: int = SHADOW_SIZE
+    ):
         self._ledger = ledger
         self._name = name
-        self._texture = context.depth_texture((SHADOW_SIZE, SHADOW_SIZE))
+        self._size = size
+        self._texture = context.depth_texture((size, size))
         self._texture.compare_func = "<="
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._buffer = context.framebuffer(depth_attachment=self._texture)
-        self._ranges = ShadowRanges(context, SHADOW_SIZE)
+        self._ranges = ShadowRanges(context, size)
         self._context = context
         self._tint: Any = None
         self._tint_buffer: Any = None
@@ -60,7 +63,7 @@ class ShadowMap:
     ) -> Shadow:
         """The shadows in a sphere of the scene; `always` draws them also when nothing changed."""
         depth_m = scene.radius_m + float(np.linalg.norm(centre_m - scene.centre_m))
-        texel_m = 2.0 * radius_m / SHADOW_SIZE
+        texel_m = 2.0 * radius_m / self._size
         shadow = Shadow(
             texture=self._texture,
             matrix=light_matrix(light.sun_direction, radius_m, depth_m),
@@ -71,7 +74,7 @@ class ShadowMap:
             spread=math.tan(light.sun_radius_rad) * 2.0 * depth_m / texel_m,
             aspect=radius_m / depth_m,
         )
-        now = (scene, light.sun_direction, tuple(centre_m))
+        now = _content(scene, light, centre_m)
         if not always and not any(light.sun_irradiance):
             self._ledger.skip(f"{self._name}: no sun to cast one")
         elif not always and self._drawn == now:
@@ -84,11 +87,15 @@ class ShadowMap:
                 self._tint_alone.clear(1.0, 1.0, 1.0, 1.0)
                 # With the depth: what is behind solid things tints nothing.
                 self._tint_buffer.use()
-                meshes.draw_tint(scene, shadow, SHADOW_SIZE)
+                meshes.draw_tint(scene, shadow, self._size)
             self._ranges.update(self._texture)
             self._drawn = now
             self._ledger.did(self._name)
         return shadow
+
+    def shows(self, scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64]) -> bool:
+        """Whether it was drawn for this scene, sun and place."""
+        return self._drawn == _content(scene, light, centre_m)
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
@@ -102,7 +109,7 @@ class ShadowMap:
         if not scene.dims_sun:
             return None
         if self._tint is None:
-            size = (SHADOW_SIZE, SHADOW_SIZE)
+            size = (self._size, self._size)
             self._tint = self._context.texture(size, 4, dtype="f2")
             self._tint.repeat_x = self._tint.repeat_y = False
             self._tint_buffer = self._context.framebuffer([self._tint], self._texture)
@@ -111,13 +118,15 @@ class ShadowMap:
 
 
 class ShadowMaps:
-    """The scene's map, and one around the eye, made when a large scene first needs it."""
+    """The scene's map, and one around the eye, each made when it is first needed.
+
+    A quick picture draws maps of fewer texels, unless the fine ones are of its sun.
+    """
 
     def __init__(self, context: Any, ledger: Ledger):
         self._context = context
         self._ledger = ledger
-        self._scene = ShadowMap(context, ledger)
-        self._near: ShadowMap | None = None
+        self._maps: dict[tuple[str, int], ShadowMap] = {}
 
     def update(
         self,
@@ -126,23 +135,39 @@ class ShadowMaps:
         light: Light,
         eye_m: NDArray[np.float64],
         always: bool,
+        quick: bool = False,
     ) -> Shadows:
         """The shadows that an eye (3,) sees; `always` draws them also when nothing changed."""
+
+        def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
+            found = self._map(name, SHADOW_SIZE)
+            if quick and not found.shows(scene, light, centre_m):
+                found = self._map(name, QUICK_SIZE)
+            return found.update(meshes, scene, light, centre_m, radius_m, always)
+
         bounds = scene.centre_m, scene.radius_m
-        whole = self._scene.update(meshes, scene, light, *bounds, always)
+        whole = shadow("shadow map", *bounds)
         centre_m = near_centre_m(eye_m, light.sun_direction, *bounds)
         if centre_m is None:
             return Shadows(whole, None)
-        if self._near is None:
-            self._near = ShadowMap(self._context, self._ledger, "near shadow map")
-        near = self._near.update(meshes, scene, light, centre_m, NEAR_RADIUS_M, always)
-        return Shadows(whole, near)
+        return Shadows(whole, shadow("near shadow map", centre_m, NEAR_RADIUS_M))
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        self._scene.release()
-        if self._near is not None:
-            self._near.release()
+        for each in self._maps.values():
+            each.release()
+
+    def _map(self, name: str, size: int) -> ShadowMap:
+        if (name, size) not in self._maps:
+            self._maps[name, size] = ShadowMap(self._context, self._ledger, name, size)
+        return self._maps[name, size]
+
+
+def _content(
+    scene: PyrenderScene, light: Light, centre_m: NDArray[np.float64]
+) -> tuple[PyrenderScene, Any, tuple[float, ...]]:
+    """What a map is drawn of."""
+    return scene, light.sun_direction, tuple(centre_m)
 
 
 def light_matrix(direction: ArrayLike, radius_m: float, depth_m: float) -> NDArray[np.float64]:

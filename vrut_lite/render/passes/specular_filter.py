@@ -159,6 +159,7 @@ class SpecularFilter:
         program["face"].value = face
         program["alpha"].value = LEVEL_ROUGHNESS[level] ** 2
         program["samples"].value = _SAMPLES << level
+        self._source.filter = (self._context.LINEAR_MIPMAP_NEAREST, self._context.LINEAR)
         self._source.use(location=0)
         self._next.bind_to_image(0, read=False, write=True, level=level)
         groups = -(-(self._next.size[0] >> level) // _GROUP)

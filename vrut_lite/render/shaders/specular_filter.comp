@@ -10,7 +10,7 @@ uniform float alpha;
 uniform int samples;
 
 const float PI = 3.141592653589793;
-const float GOLDEN_ANGLE = 2.399963229728653;
+const mat2 GOLDEN_TURN = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
 
 //!include cube_texel.glsl
 
@@ -28,13 +28,14 @@ void main() {
     float texel_sr = 4.0 * PI / (6.0 * pow(float(textureSize(sky, 0).x), 2.0));
     vec3 sum = vec3(0.0);
     float weight = 0.0;
+    vec2 turned = vec2(1.0, 0.0);
     for (int i = 0; i < samples; ++i) {
         float u = (float(i) + 0.5) * share;
         float nh2 = (1.0 - u) / (1.0 + (a2 - 1.0) * u);
         float nl = 2.0 * nh2 - 1.0;
         float across_length = 2.0 * sqrt(max(0.0, nh2 * (1.0 - nh2)));
-        float turn = GOLDEN_ANGLE * float(i);
-        vec3 l = across_length * (cos(turn) * across + sin(turn) * along) + nl * n;
+        vec3 l = across_length * (turned.x * across + turned.y * along) + nl * n;
+        turned = GOLDEN_TURN * turned;
         // Each sample stands for the solid angle share / pdf, with pdf = D(h) / 4: it is looked
         // up in the mip level whose texels are as large (Krivanek and Colbert 2008).
         float d = nh2 * (a2 - 1.0) + 1.0;
