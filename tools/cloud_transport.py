@@ -17,7 +17,6 @@ from vrut_lite.daylight.cloud_transport import (
     FILE,
     FLUX_DEPTHS,
     FLUX_SINES,
-    MODES,
     NODE_DEPTHS,
     NODE_SINES,
     NODE_VIEWS,
@@ -27,6 +26,8 @@ from vrut_lite.numeric_types import FloatArray
 
 STREAMS = 16
 _THINNEST = 1e-7
+_LEAST_DEPTH = 0.02
+_AZIMUTHS = 17
 
 
 class Layer(NamedTuple):
@@ -136,6 +137,13 @@ def beams_between(above: Layer, below: Layer) -> Between:
     return Between(down, reflected + below.reflect @ down)
 
 
+def even_between(above: Layer, below: Layer) -> Between:
+    """Radiance between two layers, lit from above by even light of radiance 1; mode 0."""
+    there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
+    down = np.linalg.solve(there_and_back, above.transmit.sum(axis=1, keepdims=True))
+    return Between(np.asarray(down), below.reflect @ down)
+
+
 def together(above: Layer, below: Layer) -> Layer:
     """Two layers as one."""
     there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
@@ -163,22 +171,26 @@ def flux_table() -> tuple[FloatArray, FloatArray]:
 
 
 def source_table() -> FloatArray:
-    """Sources (sines, below, above, views, MODES + 1), as `cloud_transport` has them."""
-    count = NODE_DEPTHS.size
-    table = np.zeros((NODE_SINES.size, count, count, NODE_VIEWS.size, MODES + 1))
-    for number in range(MODES):
+    """Sources (sines, below, above, views, 4), as `cloud_transport` has them."""
+    azimuth = np.linspace(0.0, np.pi, _AZIMUTHS)
+    # Between two layers of nothing there is no light, whose logarithm would be needed.
+    depths = np.maximum(NODE_DEPTHS, _LEAST_DEPTH)
+    shape = (NODE_SINES.size, depths.size, depths.size, NODE_VIEWS.size)
+    sources, even = np.zeros((*shape, _AZIMUTHS)), np.zeros(shape)
+    for number in range(STREAMS):
         mode = Mode(number, NODE_SINES)
-        layers = [mode.layer(depth) if depth else mode.nothing() for depth in NODE_DEPTHS]
+        layers = [mode.layer(depth) for depth in depths]
+        wave = (1.0 if number == 0 else 2.0) * np.cos(number * azimuth)
         for a, above in enumerate(layers):
             for b, below in enumerate(layers):
                 source = mode.source(NODE_VIEWS, beams_between(above, below))
-                table[:, b, a, :, number] = source.T * (1.0 if number == 0 else 2.0)
+                sources[:, b, a] += source.T[..., None] * wave
                 if number == 0:
-                    there_and_back = np.eye(mode.mu.size) - above.reflect @ below.reflect
-                    down = np.linalg.solve(there_and_back, above.transmit.sum(axis=1))
-                    even = Between(down[:, None], (below.reflect @ down)[:, None])
-                    table[:, b, a, :, MODES] = mode.source(NODE_VIEWS, even).T
-    return table
+                    even[:, b, a] = mode.source(NODE_VIEWS, even_between(above, below))[:, 0]
+    # In the logarithm all azimuths weigh alike, and nothing gets negative.
+    waves = np.cos(np.arange(3) * azimuth[:, None])
+    logs = np.log(sources) @ np.linalg.pinv(waves).T
+    return np.concatenate([logs, even[..., None]], axis=-1)
 
 
 def main() -> None:

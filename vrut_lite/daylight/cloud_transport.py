@@ -6,10 +6,11 @@ scaled optical depth, (1 - forward_share) times the real one. All that is public
 depths unless it says "scaled".
 
 Source of multiply scattered light (sr^-1 times the sun's irradiance), per scaled depth, for an
-azimuth phi between sun and view: c0 + c1 cos(phi) + c2 cos(2 phi). It depends on the depths above
-and below, the sine of the sun's elevation and the view's cosine mu to the layer's normal, positive
-where one looks up to the sun's side. A fourth number is the source by even light of radiance 1 from
-above; even light from below gives 1 minus it, since even light all round stays even.
+azimuth phi between sun and view: exp(c0 + c1 cos(phi) + c2 cos(2 phi)), within 1.3 % rms. It
+depends on the depths above and below, the sine of the sun's elevation and the view's cosine mu to
+the layer's normal, positive where one looks up to the sun's side. A fourth number is the source by
+even light of radiance 1 from above; even light from below gives 1 minus it, since even light all
+round stays even.
 """
 
 from functools import lru_cache
@@ -24,17 +25,16 @@ from vrut_lite.numeric_types import FloatArray
 
 FILE = Path(__file__).parent / "data" / "cloud_transport.npz"
 _DROPLETS = Path(__file__).parent / "data" / "fog_droplets.npz"
-# Fourier modes in azimuth of the source.
-MODES = 3
 # Of the fluxes: scaled depths, and sines of the sun's elevation.
 FLUX_DEPTHS = np.geomspace(0.01, 400.0, 48)
 FLUX_SINES = np.linspace(0.02, 1.0, 50)
-# Of the source: scaled depths above and below, sines, and the view's cosines.
-DEPTH_SCALE, MOST_DEPTH, LEAST_SINE = 0.3, 60.0, 0.04
-_DEPTHS, _SINES, _VIEWS = 16, 10, 16
+# Of the source: scaled depths above and below, sines of the sun's elevations, denser near the
+# horizon, and of the view's, evenly spaced: an azimuth's part is linear in the angle to the normal.
+DEPTH_SCALE, MOST_DEPTH, LOWEST_RAD = 0.3, 60.0, 0.04
+_DEPTHS, _SINES, _VIEWS = 16, 12, 16
 NODE_DEPTHS = DEPTH_SCALE * np.expm1(np.linspace(0.0, np.log1p(MOST_DEPTH / DEPTH_SCALE), _DEPTHS))
-NODE_SINES = LEAST_SINE + (1.0 - LEAST_SINE) * np.linspace(0.0, 1.0, _SINES) ** 2
-NODE_VIEWS = np.linspace(-1.0, 1.0, _VIEWS)
+NODE_SINES = np.sin(LOWEST_RAD + (0.5 * np.pi - LOWEST_RAD) * np.linspace(0.0, 1.0, _SINES) ** 2)
+NODE_VIEWS = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _VIEWS))
 
 
 class TransportTables(NamedTuple):
@@ -44,7 +44,7 @@ class TransportTables(NamedTuple):
         forward_share: of scattered light, which delta-M takes for not scattered.
         sun_transmittance: (FLUX_DEPTHS, FLUX_SINES) of sunlight on the level, direct and diffuse.
         even_transmittance: (FLUX_DEPTHS,) of even light.
-        source: (sines, below, above, views, MODES + 1) float32.
+        source: (sines, below, above, views, 4) float32: c0, c1, c2, and by even light.
     """
 
     forward_share: float
