@@ -209,7 +209,7 @@ def _density_on_ray(field, d, along, at_m, fine_m, pixel_rad):  # type: ignore[n
     strength, top = column_in(field, x, z, log_width)
     height = min(max(over_base_m / field.thickness_m, 0.0), 1.0)
     envelope = envelope_in(strength, top, height)
-    return envelope, top, density_in(field, envelope, x, z, over_base_m, log_width)
+    return envelope, density_in(field, envelope, x, z, over_base_m, log_width)
 
 
 @compiled
@@ -230,7 +230,7 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             step_m = min(step_m, _MOST_DEPTH / (lights.diffused * field.extinction_per_m))
         step_m = min(step_m, end_m - t)
         at_m = t + (0.5 if inside else dither) * step_m
-        envelope, top, density = _density_on_ray(field, d, along, at_m, fine_m, pixel_rad)
+        envelope, density = _density_on_ray(field, d, along, at_m, fine_m, pixel_rad)
         if coarse and envelope > 0.0:
             clear = 0
             continue
@@ -239,7 +239,7 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             near, far = max(clear_m, t - fine_m), at_m
             for _ in range(_SURFACE_HALVINGS):
                 middle = 0.5 * (near + far)
-                if _density_on_ray(field, d, along, middle, fine_m, pixel_rad)[2] > 0.0:
+                if _density_on_ray(field, d, along, middle, fine_m, pixel_rad)[1] > 0.0:
                     far = middle
                 else:
                     near = middle
