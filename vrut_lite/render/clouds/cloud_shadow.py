@@ -11,23 +11,21 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.cloud_grid import GROWTH, LEAST_SINE, NEAR_M
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings, ShadowPlane
+from vrut_lite.render.clouds.light_volume import CloudLightVolume
 from vrut_lite.render.passes.full_screen import FullScreen
 
 UNIT = 14
 _SIZE = 512
-_NEAR_M, _FARTHEST_M = 6_000.0, 70_000.0
-_GROWTH = 1.0 - _NEAR_M / _FARTHEST_M
 # Distance of the eye from the middle at which near texels become too wide.
 _OFF_CENTRE_M = 1_500.0
 # At the zenith it moves shadows of a base at 1.5 km by a texel.
 _SUN_STEP_RAD = 0.01
-# A lower sun casts this sun's shadows: its own would be longer than the map.
-_LEAST_SINE = 0.04
 
 
 class CloudShadowMap:
@@ -44,6 +42,8 @@ class CloudShadowMap:
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._buffer = context.framebuffer([self._texture])
+        self._volume = CloudLightVolume(context)
+        self._is_cast = False
         self._layer: CloudLayer | None = None
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
@@ -61,24 +61,34 @@ class CloudShadowMap:
         """
         layer, eye_m = clouds.layer, around.eye_m[[0, 2]]
         assert layer is not None
-        if not any(light.sun_irradiance):
-            self._ledger.skip("cloud shadow map: no sun to cast one")
-            clouds.bind(light, sky_irradiance, around, _plane(eye_m))
-            return False
         blown_m = np.zeros(2) if self._layer is None else _difference(layer, self._layer)
-        if self._holds(layer, light.sun_direction, eye_m - blown_m):
-            self._ledger.skip("cloud shadow map: it still holds")
+        holds = self._holds(layer, light.sun_direction, eye_m - blown_m)
+        if holds:
             clouds.bind(light, sky_irradiance, around, _plane(self._centre_m + blown_m))
         else:
             clouds.bind(light, sky_irradiance, around, _plane(eye_m))
-            self._draw(clouds)
+            self._volume.draw(clouds)
+            self._ledger.did("cloud light volume")
             self._layer, self._sun, self._centre_m = layer, light.sun_direction, eye_m
+            self._is_cast = False
+        if not any(light.sun_irradiance):
+            self._ledger.skip("cloud shadow map: no sun to cast one")
+            return False
+        if self._is_cast:
+            self._ledger.skip("cloud shadow map: it still holds")
+        else:
+            self._draw(clouds)
+            self._is_cast = True
         self._texture.use(location=UNIT)
         return True
 
+    def bind_light(self) -> None:
+        """Set the inputs of the light in clouds."""
+        self._volume.bind()
+
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        for thing in (self._buffer, self._texture, self._screen):
+        for thing in (self._buffer, self._texture, self._screen, self._volume):
             thing.release()
 
     def _holds(self, layer: CloudLayer, sun: Vector, eye_m: NDArray) -> bool:
@@ -86,7 +96,7 @@ class CloudShadowMap:
         if self._layer is None or not _is_blown(layer, self._layer):
             return False
         # A low sun's shadows move farther.
-        step_rad = _SUN_STEP_RAD * max(sun[1], _LEAST_SINE)
+        step_rad = _SUN_STEP_RAD * max(sun[1], LEAST_SINE)
         moved = float(np.linalg.norm(np.subtract(sun, self._sun)))
         away_m = float(np.abs(eye_m - self._centre_m).max())
         return moved <= step_rad and away_m <= _OFF_CENTRE_M
@@ -101,7 +111,7 @@ class CloudShadowMap:
 
 
 def _plane(centre_m: NDArray[np.float64]) -> ShadowPlane:
-    return ShadowPlane(centre_m, _NEAR_M, _GROWTH, _LEAST_SINE, _SIZE)
+    return ShadowPlane(centre_m, NEAR_M, GROWTH, LEAST_SINE, _SIZE)
 
 
 def _difference(layer: CloudLayer, before: CloudLayer) -> NDArray[np.float64]:

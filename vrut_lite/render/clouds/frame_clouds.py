@@ -94,6 +94,8 @@ class FrameClouds:
         if not before_meshes:
             self._ledger.skip("clouds: before meshes, all below them")
         pixels = 1 if still else COARSER
+        assert self._shadow is not None
+        self._shadow.bind_light()
         self._pass.draw(self._clouds, targets, view, air.mesh, pixels, before_meshes)
         self._ledger.did("clouds")
 
