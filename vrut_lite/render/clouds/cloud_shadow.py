@@ -1,16 +1,18 @@
-"""The cloud shadow map: the layer's optical depth towards the sun for places around the eye.
+"""The cloud shadow map: the layers' optical depth towards the sun for places around the eye.
 
-Texels lie at its base and grow away from the middle: x = near u / (1 - growth |u|), u in [-1, 1]
-along each axis. The wind shifts the map; it is drawn again when sun or layer change, or the eye has
-left its middle.
+Texels lie at the lowest base and grow away from the middle: x = near u / (1 - growth |u|), u in
+[-1, 1] along each axis. The lowest wind shifts the map; it is drawn again when sun or layers
+change, when the eye has left its middle, or when layers have been blown apart.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.cloud_layers import mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
@@ -24,6 +26,8 @@ _NEAR_M, _FARTHEST_M = 6_000.0, 70_000.0
 _GROWTH = 1.0 - _NEAR_M / _FARTHEST_M
 # Distance of the eye from the middle at which near texels become too wide.
 _OFF_CENTRE_M = 1_500.0
+# Layers that have been blown apart by less than a texel in the middle still cast the same shadow.
+_APART_M = 2.0 * _NEAR_M / _SIZE
 # At the zenith it moves shadows of a base at 1.5 km by a texel.
 _SUN_STEP_RAD = 0.01
 # A lower sun casts this sun's shadows: its own would be longer than the map.
@@ -44,46 +48,54 @@ class CloudShadowMap:
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._buffer = context.framebuffer([self._texture])
-        self._layer: CloudLayer | None = None
+        self._layers: tuple[CloudLayer, ...] = ()
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
 
     def bind(
         self,
-        clouds: CloudsOnGpu,
-        light: ClearLight,
+        clouds: Sequence[CloudsOnGpu],
+        lights: Sequence[ClearLight],
         sky_irradiance: NDArray[np.float64],
         around: CloudSurroundings,
     ) -> bool:
         """Bind clouds and shadows of this frame; whether there is a sun that casts any.
 
-        `sky_irradiance` (3,): of level ground by sky and clouds.
+        Args:
+            clouds: the layers from low to high.
+            lights: on each; the last is that of the clear sky.
+            sky_irradiance: (3,), of level ground by sky and clouds.
         """
-        layer, eye_m = clouds.layer, around.eye_m[[0, 2]]
-        assert layer is not None
-        if not any(light.sun_irradiance):
+        layers, eye_m = tuple(c.layer for c in clouds if c.layer), around.eye_m[[0, 2]]
+        sun, casts = lights[-1].sun_direction, any(lights[-1].sun_irradiance)
+        centre_m, draws = eye_m, False
+        if not casts:
             self._ledger.skip("cloud shadow map: no sun to cast one")
-            clouds.bind(light, sky_irradiance, around, _plane(eye_m))
-            return False
-        blown_m = np.zeros(2) if self._layer is None else _difference(layer, self._layer)
-        if self._holds(layer, light.sun_direction, eye_m - blown_m):
-            self._ledger.skip("cloud shadow map: it still holds")
-            clouds.bind(light, sky_irradiance, around, _plane(self._centre_m + blown_m))
         else:
-            clouds.bind(light, sky_irradiance, around, _plane(eye_m))
+            blown_m = _blown(layers, self._layers)[0] if self._layers else np.zeros(2)
+            draws = not self._holds(layers, sun, eye_m - blown_m)
+            if not draws:
+                self._ledger.skip("cloud shadow map: it still holds")
+                centre_m = self._centre_m + blown_m
+        covered = 1.0 - mean_sun_share(layers, float(sun[1]))
+        for cloud, light in zip(clouds, lights, strict=True):
+            cloud.bind(light, sky_irradiance, around, _plane(centre_m), covered)
+        if draws:
             self._draw(clouds)
-            self._layer, self._sun, self._centre_m = layer, light.sun_direction, eye_m
-        self._texture.use(location=UNIT)
-        return True
+            self._layers, self._sun, self._centre_m = layers, sun, eye_m
+        clouds[0].bind_again()
+        if casts:
+            self._texture.use(location=UNIT)
+        return casts
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
         for thing in (self._buffer, self._texture, self._screen):
             thing.release()
 
-    def _holds(self, layer: CloudLayer, sun: Vector, eye_m: NDArray) -> bool:
+    def _holds(self, layers: tuple[CloudLayer, ...], sun: Vector, eye_m: NDArray) -> bool:
         """Whether the map serves this eye, after the shift by the wind since then."""
-        if self._layer is None or not _is_blown(layer, self._layer):
+        if not _are_blown(layers, self._layers):
             return False
         # A low sun's shadows move farther.
         step_rad = _SUN_STEP_RAD * max(sun[1], _LEAST_SINE)
@@ -91,12 +103,20 @@ class CloudShadowMap:
         away_m = float(np.abs(eye_m - self._centre_m).max())
         return moved <= step_rad and away_m <= _OFF_CENTRE_M
 
-    def _draw(self, clouds: CloudsOnGpu) -> None:
+    def _draw(self, clouds: Sequence[CloudsOnGpu]) -> None:
         self._buffer.use()
-        clouds.bind_noises()
         context = self._context
         context.disable(context.DEPTH_TEST | context.BLEND | context.CULL_FACE)
-        self._screen.draw()
+        context.blend_func = context.ONE, context.ONE
+        lowest_m = clouds[0].base_m
+        for cloud in clouds:
+            cloud.bind_again()
+            cloud.bind_noises()
+            self._screen.set("rise_m", cloud.base_m - lowest_m)
+            self._screen.draw()
+            # Optical depths of layers add up.
+            context.enable(context.BLEND)
+        context.disable(context.BLEND)
         self._ledger.did("cloud shadow map")
 
 
@@ -104,11 +124,20 @@ def _plane(centre_m: NDArray[np.float64]) -> ShadowPlane:
     return ShadowPlane(centre_m, _NEAR_M, _GROWTH, _LEAST_SINE, _SIZE)
 
 
-def _difference(layer: CloudLayer, before: CloudLayer) -> NDArray[np.float64]:
-    return np.subtract(layer.drift_m, before.drift_m)
+def _blown(layers: tuple[CloudLayer, ...], before: tuple[CloudLayer, ...]) -> NDArray[np.float64]:
+    """How far (n, 2) the wind has carried layers that both have."""
+    return np.array(
+        [np.subtract(now.drift_m, was.drift_m) for now, was in zip(layers, before, strict=False)]
+    )
 
 
-def _is_blown(layer: CloudLayer, before: CloudLayer) -> bool:
-    """Whether two layers differ by the wind's drift alone."""
-    same = layer.shape.values is before.shape.values
-    return same and msgspec.structs.replace(layer, drift_m=before.drift_m) == before
+def _are_blown(layers: tuple[CloudLayer, ...], before: tuple[CloudLayer, ...]) -> bool:
+    """Whether layers differ by the wind's drift alone, and have drifted together."""
+    if not before or len(layers) != len(before):
+        return False
+    blown_m = _blown(layers, before)
+    return bool(np.abs(blown_m - blown_m[0]).max() < _APART_M) and all(
+        now.shape.values is was.shape.values
+        and msgspec.structs.replace(now, drift_m=was.drift_m) == was
+        for now, was in zip(layers, before, strict=True)
+    )
