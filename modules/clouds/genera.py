@@ -29,11 +29,11 @@ class Typical(NamedTuple):
     particles: Particles = "droplets"
 
 
-_HEAPS = CloudForm(least_height=0.1, growth=0.5, side_fade=0.14, top_fade=0.8, fraying=0.36)
+_HEAPS = CloudForm(least_height=0.1, growth=0.55, side_fade=0.3, top_fade=0.8, fraying=0.36)
 _SHEET = CloudForm(
     weather_periods_m=(61_000.0, 38_700.0), shape_period_m=9_100.0, detail_period_m=1_900.0,
-    least_height=0.55, growth=0.6, side_fade=0.5, base_fade=0.3, top_fade=0.6, fraying=0.2,
-    sharpness=2.0,
+    least_height=0.5, growth=0.7, side_fade=0.3, base_fade=0.3, top_fade=0.6, fraying=0.2,
+    sharpness=4.0,
 )  # fmt: skip
 GENERA: dict[Genus, Typical] = {
     "Cu": Typical("cumulus", 0.35, 1300.0, 1500.0, 0.05, "cells", _HEAPS),
@@ -41,8 +41,8 @@ GENERA: dict[Genus, Typical] = {
         "stratocumulus", 0.8, 900.0, 600.0, 0.04, "cells",
         CloudForm(
             weather_periods_m=(23_000.0, 14_700.0), shape_period_m=3_700.0, detail_period_m=610.0,
-            least_height=0.35, growth=0.5, side_fade=0.25, base_fade=0.12, top_fade=0.7,
-            fraying=0.3, sharpness=4.0,
+            least_height=0.2, growth=0.8, side_fade=0.3, base_fade=0.12, top_fade=0.8,
+            fraying=0.3, sharpness=3.5,
         ),
     ),
     "St": Typical("stratus", 1.0, 250.0, 400.0, 0.05, "sheet", _SHEET),
@@ -50,9 +50,9 @@ GENERA: dict[Genus, Typical] = {
     "Cb": Typical(
         "cumulonimbus", 0.2, 900.0, 9500.0, 0.04, "cells",
         CloudForm(
-            weather_periods_m=(97_000.0, 61_300.0), shape_period_m=9_700.0, detail_period_m=1_300.0,
-            least_height=0.1, growth=0.35, side_fade=0.1, anvil=0.9, base_fade=0.02, top_fade=0.22,
-            fraying=0.34, sharpness=5.0,
+            weather_periods_m=(211_000.0, 131_000.0), shape_period_m=9_700.0,
+            detail_period_m=1_300.0, least_height=0.12, growth=0.28, side_fade=0.16, anvil=0.3,
+            base_fade=0.02, top_fade=0.7, fraying=0.34, sharpness=5.0,
         ),
     ),
     "Ac": Typical(
@@ -65,11 +65,11 @@ GENERA: dict[Genus, Typical] = {
     ),
     "As": Typical("altostratus", 1.0, 3400.0, 1500.0, 0.012, "sheet", _SHEET),
     "Ci": Typical(
-        "cirrus", 0.45, 8500.0, 1200.0, 0.0012, "fibres",
+        "cirrus", 0.45, 8500.0, 1200.0, 0.0015, "fibres",
         CloudForm(
             weather_periods_m=(83_000.0, 51_700.0), second_share=0.2, shape_period_m=4_300.0,
-            detail_period_m=1_100.0, stretch=7.0, lean=3.0, least_height=0.6, growth=0.6,
-            side_fade=0.45, base_fade=0.4, top_fade=0.5, fraying=0.35, sharpness=1.6,
+            detail_period_m=700.0, stretch=9.0, lean=4.0, least_height=0.6, growth=0.6,
+            side_fade=0.7, base_fade=0.4, top_fade=0.5, fraying=0.6, sharpness=1.2,
         ),
         "ice",
     ),
@@ -77,8 +77,8 @@ GENERA: dict[Genus, Typical] = {
         "cirrostratus", 1.0, 8500.0, 1500.0, 0.0006, "sheet",
         CloudForm(
             weather_periods_m=(97_000.0, 61_300.0), shape_period_m=13_700.0,
-            detail_period_m=2_900.0, stretch=5.0, lean=2.0, least_height=0.7, growth=0.7,
-            side_fade=0.7, base_fade=0.4, top_fade=0.5, fraying=0.2, sharpness=1.3,
+            detail_period_m=2_900.0, stretch=3.0, lean=2.0, least_height=0.8, growth=0.8,
+            side_fade=0.3, base_fade=0.3, top_fade=0.4, fraying=0.1, sharpness=1.6,
         ),
         "ice",
     ),

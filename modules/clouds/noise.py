@@ -38,7 +38,7 @@ def weather_map(
     fields = _octaves(perlin, at, _FIELDS, 5, seed)
     if pattern == "cells":
         cells = worley(at, _CELLS, seed) + 0.4 * worley(at, 2 * _CELLS, seed + 1)
-        fields = 1.1 * fields + 0.75 * cells
+        fields = 0.7 * fields + 0.85 * cells
     elif pattern == "fibres":
         fields = 0.8 * fields + 0.9 * _fibres(at, fields, seed)
     ranks = np.empty(fields.size)

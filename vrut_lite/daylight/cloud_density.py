@@ -22,8 +22,8 @@ NOISE_TURN_RAD = 0.3
 # which make a period: a volume that repeats would show as rows of the same cloud.
 WARP = 0.3
 WARP_WAVES = (0.306, 0.414)
-# Heights, as shares of a cloud's own, between which an anvil spreads.
-ANVIL_FROM, ANVIL_TO = 0.68, 0.88
+# An anvil: where it begins, as a share of the layer's thickness, and over which shares it fades.
+ANVIL_FROM, ANVIL_BASE_FADE, ANVIL_TOP_FADE = 0.72, 0.1, 0.12
 
 
 class Column(NamedTuple):
@@ -40,7 +40,7 @@ class Column(NamedTuple):
 def column_of(weather: ArrayLike, threshold: float, form: CloudForm) -> Column:
     """Clouds (...,) of weather (...,) in [0, 1]."""
     above = np.asarray(weather, dtype=float) - threshold
-    growth = np.clip((above + form.anvil * form.side_fade) / form.growth, 0.0, 1.0)
+    growth = np.clip(above / form.growth, 0.0, 1.0)
     return Column(
         side=above / form.side_fade,
         top=form.least_height + (1.0 - form.least_height) * growth * (2.0 - growth),
@@ -50,12 +50,15 @@ def column_of(weather: ArrayLike, threshold: float, form: CloudForm) -> Column:
 def envelope(column: Column, height: ArrayLike, form: CloudForm) -> FloatArray:
     """Envelope (...,) of the noise at heights (...,), given as shares of the layer's thickness."""
     h = np.asarray(height, dtype=float)
-    of_cloud = h / column.top
-    spread = np.clip((of_cloud - ANVIL_FROM) / (ANVIL_TO - ANVIL_FROM), 0.0, 1.0)
-    side = np.clip(column.side + form.anvil * spread * spread, 0.0, 1.0)
     base = np.clip(h / form.base_fade, 0.0, 1.0)
-    top = np.clip((1.0 - of_cloud) / form.top_fade, 0.0, 1.0)
-    return np.asarray(side * base * np.sqrt(top))
+    top = np.clip((1.0 - h / column.top) / form.top_fade, 0.0, 1.0)
+    cloud = np.clip(column.side, 0.0, 1.0) * base * np.sqrt(top)
+    if form.anvil == 0.0:
+        return np.asarray(cloud)
+    from_base = np.clip((h - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0, 1.0)
+    to_top = np.clip((1.0 - h) / ANVIL_TOP_FADE, 0.0, 1.0)
+    anvil = np.clip(column.side + form.anvil, 0.0, 1.0) * from_base * to_top
+    return np.maximum(cloud, anvil)
 
 
 def density_of(

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_density import (
+    ANVIL_BASE_FADE,
     ANVIL_FROM,
-    ANVIL_TO,
+    ANVIL_TOP_FADE,
     NOISE_TURN_RAD,
     PLANET_RADIUS_M,
     WARP,
@@ -170,7 +171,7 @@ def column_in(field, x, z, log_width):  # type: ignore[no-untyped-def]
         texels, levels, lod, o[2] + (c * x - s * z) / second_m, o[3] + (s * x + c * z) / second_m
     )
     above = weather - field.threshold
-    growth = min(max((above + form.anvil * form.side_fade) / form.growth, 0.0), 1.0)
+    growth = min(max(above / form.growth, 0.0), 1.0)
     top = form.least_height + (1.0 - form.least_height) * growth * (2.0 - growth)
     return above / form.side_fade, top
 
@@ -179,12 +180,14 @@ def column_in(field, x, z, log_width):  # type: ignore[no-untyped-def]
 def envelope_in(field, side, top, height):  # type: ignore[no-untyped-def]
     """Envelope of the noise in a column, at a height given as a share of the layer's thickness."""
     form = field.form
-    of_cloud = height / top
-    spread = min(max((of_cloud - ANVIL_FROM) / (ANVIL_TO - ANVIL_FROM), 0.0), 1.0)
-    side = min(max(side + form.anvil * spread * spread, 0.0), 1.0)
     base = min(max(height / form.base_fade, 0.0), 1.0)
-    round_top = min(max((1.0 - of_cloud) / form.top_fade, 0.0), 1.0)
-    return side * base * math.sqrt(round_top)
+    round_top = min(max((1.0 - height / top) / form.top_fade, 0.0), 1.0)
+    cloud = min(max(side, 0.0), 1.0) * base * math.sqrt(round_top)
+    if form.anvil == 0.0:
+        return cloud
+    from_base = min(max((height - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0), 1.0)
+    to_top = min(max((1.0 - height) / ANVIL_TOP_FADE, 0.0), 1.0)
+    return max(cloud, min(max(side + form.anvil, 0.0), 1.0) * from_base * to_top)
 
 
 @compiled

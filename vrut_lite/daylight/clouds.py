@@ -32,7 +32,7 @@ class CloudForm(msgspec.Struct, frozen=True, kw_only=True):
         growth: weather above the threshold over which a cloud grows to its full height.
         least_height: of the smallest cloud, as a share of the layer's thickness.
         side_fade: weather above the threshold over which a cloud's side fades in.
-        anvil: how far tops spread beyond the sides below, in `side_fade`; 0 where they do not.
+        anvil: how far an anvil spreads beyond the clouds below, in `side_fade`; 0 without one.
         base_fade, top_fade: shares of a cloud's height over which its base and its top fade.
         fraying: weight of the detail.
         sharpness: of edges, where the noise crosses the envelope.

@@ -9,7 +9,7 @@ const float WEATHER_TURN_RAD = 0.65;
 const float NOISE_TURN_RAD = 0.3;
 const float WARP = 0.3;
 const vec2 WARP_WAVES = vec2(0.306, 0.414);
-const float ANVIL_FROM = 0.68, ANVIL_TO = 0.88;
+const float ANVIL_FROM = 0.72, ANVIL_BASE_FADE = 0.1, ANVIL_TOP_FADE = 0.12;
 const float WHOLE_TURN = 6.283185307179586;
 
 vec2 turned(vec2 p, float angle) {
@@ -35,19 +35,20 @@ Column cloud_column(vec2 level, float width_m) {
     float weather = mix(textureLod(cloud_weather, first, lod.x).r,
                         textureLod(cloud_weather, second, lod.y).r, clouds.second_share);
     float above = weather - clouds.threshold;
-    float growth = clamp((above + clouds.anvil * clouds.side_fade) / clouds.growth, 0.0, 1.0);
+    float growth = clamp(above / clouds.growth, 0.0, 1.0);
     return Column(above / clouds.side_fade,
                   clouds.least_height + (1.0 - clouds.least_height) * growth * (2.0 - growth));
 }
 
 // `height`: over the base, as a share of the layer's thickness.
 float cloud_envelope(Column column, float height) {
-    float of_cloud = height / column.top;
-    float spread = clamp((of_cloud - ANVIL_FROM) / (ANVIL_TO - ANVIL_FROM), 0.0, 1.0);
-    float side = clamp(column.side + clouds.anvil * spread * spread, 0.0, 1.0);
     float base = clamp(height / clouds.base_fade, 0.0, 1.0);
-    float top = clamp((1.0 - of_cloud) / clouds.top_fade, 0.0, 1.0);
-    return side * base * sqrt(top);
+    float top = clamp((1.0 - height / column.top) / clouds.top_fade, 0.0, 1.0);
+    float cloud = clamp(column.side, 0.0, 1.0) * base * sqrt(top);
+    if (clouds.anvil == 0.0) return cloud;
+    float from_base = clamp((height - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0, 1.0);
+    float to_top = clamp((1.0 - height) / ANVIL_TOP_FADE, 0.0, 1.0);
+    return max(cloud, clamp(column.side + clouds.anvil, 0.0, 1.0) * from_base * to_top);
 }
 
 float cloud_noise(sampler3D volume, vec3 at, float period_m, float width_m) {
