@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
 from vrut_lite.daylight.cloud_density_kernels import (
@@ -19,79 +20,164 @@ from vrut_lite.daylight.cloud_density_kernels import (
     narrowed,
     place_on_ray,
 )
+from vrut_lite.daylight.cloud_grid import LEAST_SINE
+from vrut_lite.daylight.cloud_light_volume import depths_at
+from vrut_lite.daylight.cloud_transport import (
+    DEPTH_SCALE,
+    LOWEST_RAD,
+    MOST_DEPTH,
+    NODE_DEPTHS,
+    NODE_SINES,
+    NODE_VIEWS,
+)
 from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
-_OCTAVES = np.array(((2.0, 1.0), (0.8, 0.03), (0.28, 0.0066)))
-_DIFFUSION, _MEAN_DENSITY = 0.2, 0.5
-_SUN_STEPS, _REACH, _FIRST_STEP, _STEP_GROWTH = 6, 1.6, 0.01954572, 1.9
+_NEAR_REACH = 0.07
 LOWEST_SUN = -0.1
 _MOST_STEPS, _STEPS_TO_COARSE, _SURFACE_HALVINGS = 256, 8, 4
 _FINE, _FINE_OF_DISTANCE, _COARSE = 0.02, 0.004, 3.0
-_FEWEST_STEPS, _SHORTEST_STEP_M, _MOST_DEPTH = 40.0, 1.0, 1.2
+_FEWEST_STEPS, _SHORTEST_STEP_M, _MOST_DEPTH = 40.0, 1.0, 1.0
 # The longest fine steps, of wide rays. Rays end sooner than the shader's, which are fewer.
-_LEAST_FINE, _OPAQUE = 0.06, 0.01
-_NEVER, _FOUR_PI = 1e30, 4.0 * math.pi
+_LEAST_FINE, _OPAQUE = 0.06, 0.02
+_NEVER = 1e30
+_DEPTH_NODES = NODE_DEPTHS.size - 1.0
+_OF_LOG_DEPTH = _DEPTH_NODES / math.log1p(MOST_DEPTH / DEPTH_SCALE)
+_OF_VIEW = (NODE_VIEWS.size - 1.0) / math.pi
+_SINE_NODES = NODE_SINES.size - 1.0
+_SINE_RANGE_RAD = 0.5 * math.pi - LOWEST_RAD
+_LEVEL = 1e-6
 
 
 class Lights(NamedTuple):
-    """Light on the layer: `suns` (2, n, 3) at base and top by the sun's height."""
+    """Light on the layer: `suns` (2, n, 3) at base and top by the sun's height.
+
+    Attributes:
+        phase: (nodes, 3) of the droplets, uniform in sin(theta / 2).
+        volume: (heights + 1, n, n, 4) optical depths, see cloud_light_volume.py.
+        source: (sines, below, above, views, 4), see cloud_transport.py.
+        diffused: share of extinction that counts, after delta-M.
+    """
 
     sun: FloatArray
     suns: FloatArray
     from_above: FloatArray
     from_below: FloatArray
     phase: FloatArray
+    volume: NDArray[np.float32]
+    source: NDArray[np.float32]
+    diffused: float
 
 
 @compiled
-def _sun_optical_depth(field, sun, x, z, over_base_m, width_m):  # type: ignore[no-untyped-def]
-    """Optical depth towards the sun, to the end of the layer."""
-    rise = sun[1]
-    room_m = field.thickness_m - over_base_m if rise > 0.0 else over_base_m
-    reach_m = min(_REACH * field.thickness_m, max(room_m, 0.0) / max(abs(rise), 1e-6))
-    step_m, gone_m, depth = _FIRST_STEP * reach_m, 0.0, 0.0
-    for _ in range(_SUN_STEPS):
-        at_m = gone_m + 0.5 * step_m
-        depth += step_m * density_at(
-            field,
-            x + sun[0] * at_m,
-            z + sun[2] * at_m,
-            over_base_m + rise * at_m,
-            max(width_m, 0.5 * step_m),
-        )
-        gone_m += step_m
-        step_m *= _STEP_GROWTH
-    return depth * field.extinction_per_m
+def _depth_node(scaled):  # type: ignore[no-untyped-def]
+    return min(math.log1p(scaled / DEPTH_SCALE) * _OF_LOG_DEPTH, _DEPTH_NODES)
 
 
 @compiled
-def _add_source(field, lights, x, z, over_base_m, top, phase, width_m, seen, radiance):  # type: ignore[no-untyped-def]
-    """Add `seen` times the radiance per optical depth that a place in the cloud sends."""
-    height = over_base_m / field.thickness_m
-    sun = lights.sun
-    depth = _sun_optical_depth(field, sun, x, z, over_base_m, width_m)
-    scattered = phase * math.exp(-depth)
-    for k in range(3):
-        scattered += _OCTAVES[k, 0] * math.exp(-_OCTAVES[k, 1] * depth) / _FOUR_PI
-    full_depth = field.extinction_per_m * field.thickness_m * _MEAN_DENSITY
-    above = 1.0 + _DIFFUSION * max(top - height, 0.0) * full_depth
-    below = 1.0 + _DIFFUSION * height * full_depth
+def _view_node(mu):  # type: ignore[no-untyped-def]
+    return (math.asin(min(max(mu, -1.0), 1.0)) + 0.5 * math.pi) * _OF_VIEW
+
+
+@compiled
+def _sine_node(sine):  # type: ignore[no-untyped-def]
+    over = (math.asin(min(max(sine, 0.0), 1.0)) - LOWEST_RAD) / _SINE_RANGE_RAD
+    return math.sqrt(max(over, 0.0)) * _SINE_NODES
+
+
+@compiled
+def _look_up(table, below, above, view, first, count, out):  # type: ignore[no-untyped-def]
+    """Numbers of a table (below, above, views, 4) at nodes, into `out` from `first` on."""
+    b, a = min(int(below), table.shape[0] - 2), min(int(above), table.shape[1] - 2)
+    v = min(int(view), table.shape[2] - 2)
+    s, t, r = below - b, above - a, view - v
+    for c in range(first, first + count):
+        total = 0.0
+        for i in range(2):
+            near = table[b + i, a, v, c] * (1.0 - r) + table[b + i, a, v + 1, c] * r
+            far = table[b + i, a + 1, v, c] * (1.0 - r) + table[b + i, a + 1, v + 1, c] * r
+            total += (s if i else 1.0 - s) * (near * (1.0 - t) + far * t)
+        out[c] = total
+
+
+@compiled
+def sun_source(source, above, below, sine, view, nu, out):  # type: ignore[no-untyped-def]
+    """Diffuse source (sr^-1) of a sun of irradiance 1: scaled depths, cosines of the slab."""
+    a, b, v = _depth_node(above), _depth_node(below), _view_node(view)
+    node = _sine_node(sine)
+    i = min(int(node), source.shape[0] - 2)
+    level = math.sqrt(max((1.0 - view * view) * (1.0 - sine * sine), _LEVEL))
+    wave = min(max((nu - view * sine) / level, -1.0), 1.0)
+    logs = 0.0
+    for k in range(2):
+        _look_up(source[i + k], b, a, v, 0, 3, out)
+        log = out[0] + out[1] * wave + out[2] * (2.0 * wave * wave - 1.0)
+        logs += log * (node - i if k else 1.0 - node + i)
+    return math.exp(logs)
+
+
+@compiled
+def _add_source(
+    field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
+):  # type: ignore[no-untyped-def]
+    """Add `seen` times the radiance per optical depth that a place in the cloud sends.
+
+    `rise`: sine of the view's elevation there; `work`: (8,) room for look-ups.
+    """
+    sun, diffused = lights.sun, lights.diffused
+    # Near depth from the density itself, the rest from the volume, which is coarse.
+    reach_m = _NEAR_REACH * field.thickness_m
+    near = 0.0
+    for k in range(2):
+        at_m, step_m = (0.15, 0.3) if k == 0 else (0.65, 0.7)
+        near += step_m * density_at(
+            field, x + sun[0] * at_m * reach_m, z + sun[2] * at_m * reach_m,
+            over_base_m + sun[1] * at_m * reach_m, max(width_m, 0.5 * step_m * reach_m),
+        )  # fmt: skip
+    near *= field.extinction_per_m * reach_m
+    ahead_x, ahead_z = x + sun[0] * reach_m, z + sun[2] * reach_m
+    ahead = (over_base_m + sun[1] * reach_m) / field.thickness_m
+    depths = work[4:8]
+    depths_at(lights.volume, ahead, ahead_x, ahead_z, depths)
+    to_sun = near + depths[0]
+    along_sun = max(depths[0] + depths[1], to_sun)
+    upright = depths[2] + depths[3]
+    lit = math.exp(-diffused * to_sun)
     sine = sun[1] + (x * sun[0] + z * sun[2]) / PLANET_RADIUS_M
+    # A slab as deep as the cloud along the sun and upright: a plane layer's, or a side's.
+    low = min(max(sine, LEAST_SINE), 1.0)
+    facing = min(max(upright / max(along_sun, 1e-9), low), 1.0)
+    upward = math.sqrt((1.0 - facing * facing) / max(1.0 - low * low, _LEVEL))
+    upward = min(upward, 1.0)
+    view = upward * rise + (facing - upward * low) * nu
+    above = diffused * facing * to_sun
+    below = diffused * facing * (along_sun - to_sun)
+    diffuse = sun_source(lights.source, above, below, facing, view, nu, work)
+    over = min(max(depths[2] + near * max(sun[1], 0.0), 0.0), upright)
+    _look_up(
+        lights.source[0], _depth_node(diffused * (upright - over)), _depth_node(diffused * over),
+        _view_node(rise), 3, 1, work,
+    )  # fmt: skip
+    even = work[3]
+    height = over_base_m / field.thickness_m
     last = lights.suns.shape[1] - 1
     row = math.sqrt(min(max((sine - LOWEST_SUN) / (1.0 - LOWEST_SUN), 0.0), 1.0)) * last
     i = min(int(row), last - 1)
     for c in range(3):
         base = lights.suns[0, i, c] + (row - i) * (lights.suns[0, i + 1, c] - lights.suns[0, i, c])
         high = lights.suns[1, i, c] + (row - i) * (lights.suns[1, i + 1, c] - lights.suns[1, i, c])
-        sky = 0.5 * (lights.from_above[c] / above + lights.from_below[c] / below)
+        scattered = phase[c] / diffused * lit + diffuse
+        sky = lights.from_below[c] + even * (lights.from_above[c] - lights.from_below[c])
         radiance[c] += seen * ((base + height * (high - base)) * scattered + sky)
 
 
 @compiled
-def _henyey_greenstein(beside, g):  # type: ignore[no-untyped-def]
-    spread = (1.0 - g) * (1.0 - g) + 2.0 * g * beside
-    return (1.0 - g * g) / (_FOUR_PI * spread * math.sqrt(spread))
+def _phase_into(table, beside, out):  # type: ignore[no-untyped-def]
+    """Phase function (3,) at 1 - the cosine."""
+    place = math.sqrt(min(max(0.5 * beside, 0.0), 1.0)) * (table.shape[0] - 1)
+    i = min(int(place), table.shape[0] - 2)
+    for c in range(3):
+        out[c] = table[i, c] + (place - i) * (table[i + 1, c] - table[i, c])
 
 
 @compiled
@@ -123,11 +209,11 @@ def _density_on_ray(field, d, along, at_m, fine_m, pixel_rad):  # type: ignore[n
     side, top = column_in(field, x, z, log_width)
     height = min(max(over_base_m / field.thickness_m, 0.0), 1.0)
     envelope = envelope_in(field, side, top, height)
-    return envelope, top, density_in(field, envelope, x, z, over_base_m, log_width)
+    return envelope, density_in(field, envelope, x, z, over_base_m, log_width)
 
 
 @compiled
-def _march(field, lights, d, along, first_m, end_m, pixel_rad, dither, phase, out):  # type: ignore[no-untyped-def]
+def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase, work, out):  # type: ignore[no-untyped-def]
     """March through one piece of a ray; `out`: radiance, transmittance, distance, weight."""
     t, clear_m, clear, inside = first_m, first_m, _STEPS_TO_COARSE, False
     # Wide rays take longer steps.
@@ -141,10 +227,10 @@ def _march(field, lights, d, along, first_m, end_m, pixel_rad, dither, phase, ou
         coarse = clear >= _STEPS_TO_COARSE
         step_m = _COARSE * fine_m if coarse else fine_m
         if inside:
-            step_m = min(step_m, _MOST_DEPTH / field.extinction_per_m)
+            step_m = min(step_m, _MOST_DEPTH / (lights.diffused * field.extinction_per_m))
         step_m = min(step_m, end_m - t)
         at_m = t + (0.5 if inside else dither) * step_m
-        envelope, top, density = _density_on_ray(field, d, along, at_m, fine_m, pixel_rad)
+        envelope, density = _density_on_ray(field, d, along, at_m, fine_m, pixel_rad)
         if coarse and envelope > 0.0:
             clear = 0
             continue
@@ -153,17 +239,20 @@ def _march(field, lights, d, along, first_m, end_m, pixel_rad, dither, phase, ou
             near, far = max(clear_m, t - fine_m), at_m
             for _ in range(_SURFACE_HALVINGS):
                 middle = 0.5 * (near + far)
-                if _density_on_ray(field, d, along, middle, fine_m, pixel_rad)[2] > 0.0:
+                if _density_on_ray(field, d, along, middle, fine_m, pixel_rad)[1] > 0.0:
                     far = middle
                 else:
                     near = middle
             t = far
             continue
         if density > 0.0:
-            kept = math.exp(-field.extinction_per_m * density * step_m)
+            kept = math.exp(-lights.diffused * field.extinction_per_m * density * step_m)
             seen = out[3] * (1.0 - kept)
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
-            _add_source(field, lights, x, z, over_base_m, top, phase, width_m, seen, out)
+            rise = d[1] + at_m / PLANET_RADIUS_M
+            _add_source(
+                field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out
+            )
             out[4] += seen * at_m
             out[5] += seen
             out[3] *= kept
@@ -186,7 +275,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)
     base_m2 = _squares_m2(field.base_m, field.eye_altitude_m)
     ground_m2 = _squares_m2(min(0.0, field.eye_altitude_m), field.eye_altitude_m)
-    march = np.empty(6)
+    march, phase, work = np.empty(6), np.empty(3), np.empty(8)
     for n in range(directions.shape[0]):
         d = directions[n]
         along = eye_radius_m * d[1]
@@ -199,22 +288,62 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
         beside = 0.0
         for c in range(3):
             beside += 0.5 * (d[c] - lights.sun[c]) ** 2
-        forward = _henyey_greenstein(beside, lights.phase[0])
-        phase = _henyey_greenstein(beside, lights.phase[1])
-        phase += lights.phase[2] * (forward - phase)
+        _phase_into(lights.phase, beside, phase)
         # The R2 sequence (Roberts 2018) along the rays: neighbours begin their steps elsewhere.
         dither = (0.5 + 0.7548776662466927 * n) % 1.0
         march[:] = 0.0
         march[3] = 1.0
         if base[2] < 0.0:
-            _march(field, lights, d, along, first_m, end_m, pixel_rad, dither, phase, march)
+            _march(
+                field,
+                lights,
+                d,
+                along,
+                1.0 - beside,
+                first_m,
+                end_m,
+                pixel_rad,
+                dither,
+                phase,
+                work,
+                march,
+            )
         else:
             near_m, far_m = min(end_m, base[0]), max(first_m, base[1])
-            _march(field, lights, d, along, first_m, near_m, pixel_rad, dither, phase, march)
+            _march(
+                field,
+                lights,
+                d,
+                along,
+                1.0 - beside,
+                first_m,
+                near_m,
+                pixel_rad,
+                dither,
+                phase,
+                work,
+                march,
+            )
             if march[3] >= _OPAQUE:
-                _march(field, lights, d, along, far_m, end_m, pixel_rad, dither, phase, march)
+                _march(
+                    field,
+                    lights,
+                    d,
+                    along,
+                    1.0 - beside,
+                    far_m,
+                    end_m,
+                    pixel_rad,
+                    dither,
+                    phase,
+                    work,
+                    march,
+                )
         hidden = march[3] if march[3] < _OPAQUE else 0.0
+        passed = march[3] - hidden
+        through = passed ** (1.0 / lights.diffused)
+        behind = lights.from_above if d[1] > 0.0 else lights.from_below
         for c in range(3):
-            out[n, c] = march[c] / (1.0 - hidden)
-        out[n, 3] = march[3] - hidden
+            out[n, c] = march[c] / (1.0 - hidden) + (passed - through) * behind[c]
+        out[n, 3] = through
         out[n, 4] = march[4] / march[5] if march[5] > 0.0 else 0.0

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from vrut_lite.daylight.cloud_density import (
     distance_up_m,
 )
-from vrut_lite.daylight.cloud_density_kernels import optical_depths
+from vrut_lite.daylight.cloud_density_kernels import Field, optical_depths
 from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
+from vrut_lite.daylight.cloud_light_volume import light_volume
 from vrut_lite.daylight.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
+from vrut_lite.daylight.cloud_transport import droplets, transport_tables
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.numeric_types import FloatArray, Vector
@@ -57,7 +59,8 @@ def clouds_seen(
         directions: (..., 3), unit vectors.
         pixel_rad: the angle that each ray stands for.
     """
-    field, lights = cloud_field(layer, eye_m), _lights(layer, light)
+    field = cloud_field(layer, eye_m)
+    lights = _lights(layer, light, field)
     rays = np.ascontiguousarray(directions, dtype=float).reshape(-1, 3)
     out = np.empty((len(rays), 5))
 
@@ -89,15 +92,19 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
     return float(np.exp(-depths).mean())
 
 
-def _lights(layer: CloudLayer, light: ClearLight) -> Lights:
+def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
     row = np.linspace(0.0, 1.0, _SUNS)
     sines = LOWEST_SUN + (1.0 - LOWEST_SUN) * row * row
     levels_m = layer.base_m, layer.base_m + layer.thickness_m
+    tables, sun = transport_tables(), np.asarray(light.sun_direction, dtype=float)
     return Lights(
-        sun=np.asarray(light.sun_direction, dtype=float),
+        sun=sun,
         suns=light.sun_passed
         * np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
-        phase=np.asarray(layer.phase, dtype=float),
+        phase=np.ascontiguousarray(droplets().values[::-1].T),
+        volume=light_volume(field, sun).depths,
+        source=tables.source,
+        diffused=1.0 - tables.forward_share,
     )

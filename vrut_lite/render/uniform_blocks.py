@@ -119,7 +119,7 @@ CLOUDS = UniformBlock(
         "threshold": ("float", "of the weather, above which there is cloud"),
         "weather_origin": ("vec4", "the eye in the two views of the weather, in periods"),
         "noise_origin": ("vec4", "the eye in shape and detail, in periods"),
-        "phase": ("vec3", "g forward, g backward, share of the first"),
+        "diffused": ("float", "share of extinction that counts, after delta-M"),
         "pixel_rad": ("float", "what a pixel of the cloud picture spans"),
         "top_squares_m2": ("float", "squared radius less the eye's, of the layer's top"),
         "base_squares_m2": ("float", "the same of its base"),

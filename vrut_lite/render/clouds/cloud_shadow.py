@@ -12,26 +12,25 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.cloud_grid import GROWTH, LEAST_SINE, NEAR_M
 from vrut_lite.daylight.cloud_layers import mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.numeric_types import Vector
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu, CloudSurroundings, ShadowPlane
+from vrut_lite.render.clouds.light_volume import CloudLightVolume
 from vrut_lite.render.passes.full_screen import FullScreen
 
 UNIT = 14
 _SIZE = 512
-_NEAR_M, _FARTHEST_M = 6_000.0, 70_000.0
-_GROWTH = 1.0 - _NEAR_M / _FARTHEST_M
 # Distance of the eye from the middle at which near texels become too wide.
 _OFF_CENTRE_M = 1_500.0
-# Layers that have been blown apart by less than a texel in the middle still cast the same shadow.
-_APART_M = 2.0 * _NEAR_M / _SIZE
+# Layers that have been blown apart by less than this still cast the same shadow: the sun's disc
+# blurs that of an upper layer as far.
+_APART_M = 100.0
 # At the zenith it moves shadows of a base at 1.5 km by a texel.
 _SUN_STEP_RAD = 0.01
-# A lower sun casts this sun's shadows: its own would be longer than the map.
-_LEAST_SINE = 0.04
 
 
 class CloudShadowMap:
@@ -48,6 +47,9 @@ class CloudShadowMap:
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._buffer = context.framebuffer([self._texture])
+        # Of each layer, from low to high.
+        self._volumes: list[CloudLightVolume] = []
+        self._is_cast = False
         self._layers: tuple[CloudLayer, ...] = ()
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
@@ -67,30 +69,37 @@ class CloudShadowMap:
             sky_irradiance: (3,), of level ground by sky and clouds.
         """
         layers, eye_m = tuple(c.layer for c in clouds if c.layer), around.eye_m[[0, 2]]
-        sun, casts = lights[-1].sun_direction, any(lights[-1].sun_irradiance)
-        centre_m, draws = eye_m, False
-        if not casts:
-            self._ledger.skip("cloud shadow map: no sun to cast one")
-        else:
-            blown_m = _blown(layers, self._layers)[0] if self._layers else np.zeros(2)
-            draws = not self._holds(layers, sun, eye_m - blown_m)
-            if not draws:
-                self._ledger.skip("cloud shadow map: it still holds")
-                centre_m = self._centre_m + blown_m
+        sun = lights[-1].sun_direction
+        blown_m = _blown(layers, self._layers)[0] if self._layers else np.zeros(2)
+        holds = self._holds(layers, sun, eye_m - blown_m)
+        centre_m = self._centre_m + blown_m if holds else eye_m
         covered = 1.0 - mean_sun_share(layers, float(sun[1]))
         for cloud, light in zip(clouds, lights, strict=True):
             cloud.bind(light, sky_irradiance, around, _plane(centre_m), covered)
-        if draws:
-            self._draw(clouds)
+        if not holds:
+            self._draw_volumes(clouds)
             self._layers, self._sun, self._centre_m = layers, sun, eye_m
+            self._is_cast = False
+        casts = any(lights[-1].sun_irradiance)
+        if not casts:
+            self._ledger.skip("cloud shadow map: no sun to cast one")
+        elif self._is_cast:
+            self._ledger.skip("cloud shadow map: it still holds")
+        else:
+            self._draw(clouds)
+            self._is_cast = True
         clouds[0].bind_again()
         if casts:
             self._texture.use(location=UNIT)
         return casts
 
+    def bind_light(self, number: int) -> None:
+        """Set the inputs of the light in a layer, by its number from low to high."""
+        self._volumes[number].bind()
+
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        for thing in (self._buffer, self._texture, self._screen):
+        for thing in (self._buffer, self._texture, self._screen, *self._volumes):
             thing.release()
 
     def _holds(self, layers: tuple[CloudLayer, ...], sun: Vector, eye_m: NDArray) -> bool:
@@ -98,10 +107,18 @@ class CloudShadowMap:
         if not _are_blown(layers, self._layers):
             return False
         # A low sun's shadows move farther.
-        step_rad = _SUN_STEP_RAD * max(sun[1], _LEAST_SINE)
+        step_rad = _SUN_STEP_RAD * max(sun[1], LEAST_SINE)
         moved = float(np.linalg.norm(np.subtract(sun, self._sun)))
         away_m = float(np.abs(eye_m - self._centre_m).max())
         return moved <= step_rad and away_m <= _OFF_CENTRE_M
+
+    def _draw_volumes(self, clouds: Sequence[CloudsOnGpu]) -> None:
+        while len(self._volumes) < len(clouds):
+            self._volumes.append(CloudLightVolume(self._context))
+        for cloud, volume in zip(clouds, self._volumes, strict=False):
+            cloud.bind_again()
+            volume.draw(cloud)
+            self._ledger.did("cloud light volume")
 
     def _draw(self, clouds: Sequence[CloudsOnGpu]) -> None:
         self._buffer.use()
@@ -121,7 +138,7 @@ class CloudShadowMap:
 
 
 def _plane(centre_m: NDArray[np.float64]) -> ShadowPlane:
-    return ShadowPlane(centre_m, _NEAR_M, _GROWTH, _LEAST_SINE, _SIZE)
+    return ShadowPlane(centre_m, NEAR_M, GROWTH, LEAST_SINE, _SIZE)
 
 
 def _blown(layers: tuple[CloudLayer, ...], before: tuple[CloudLayer, ...]) -> NDArray[np.float64]:

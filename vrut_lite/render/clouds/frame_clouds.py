@@ -89,6 +89,7 @@ class FrameClouds:
         if not self._drawn:
             return
         assert self._pass is not None
+        assert self._shadow is not None
         pixels, highest_m = 1 if still else COARSER, scene.centre_m[1] + scene.radius_m
         # Farther layers first, so that nearer ones are blended over them.
         eye_m = float(view.eye_m[1])
@@ -97,6 +98,7 @@ class FrameClouds:
             if not before_meshes:
                 self._ledger.skip("clouds: before meshes, all below them")
             cloud.bind_again()
+            self._shadow.bind_light(self._drawn.index(cloud))
             self._pass.draw(cloud, targets, view, air.mesh, pixels, before_meshes)
             self._ledger.did("clouds")
         # What is drawn next is shaded by the map, which lies at the lowest base.

@@ -1,66 +1,97 @@
-// Light from a point in a cloud towards the eye.
+// Light from a point in a cloud towards the eye: the twin of daylight/cloud_march_kernels.py.
 
-layout(binding = 3) uniform sampler2D sun_aloft;  // the sun at base and top, by its height
+layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and top, by its height
+layout(binding = 5) uniform sampler3D light_volume;    // depths to and from the sun, up, down
+layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
+layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle
 
-const float CLOUD_PI = 3.141592653589793;
-// Light scattered more than once, as isotropic terms (Wrenninge 2013's octaves): share, and
-// extinction relative to the cloud's. How far from discrete ordinates: docs/clouds.md.
-const vec2 OCTAVES[3] = vec2[3](vec2(2.0, 1.0), vec2(0.8, 0.03), vec2(0.28, 0.0066));
-// 3/4 (1 - g) of Eddington's two streams: the transmittance of tau is 1 / (1 + this * tau).
-const float DIFFUSION = 0.2;
-// Of a cloud's full density, in the mean over the paths of light from the sky.
-const float MEAN_DENSITY = 0.5;
-const int SUN_STEPS = 6;
-// All steps as a share of the layer's thickness, the first as a share of all; how others grow.
-const float REACH = 1.6, FIRST_STEP = 0.01954572, STEP_GROWTH = 1.9;
-// Sines of the sun's elevation that the table spans.
+// Depths this near, as a share of the thickness, come from the density itself: the volume is
+// coarse.
+const float NEAR_REACH = 0.07;
+// As daylight/cloud_transport.py has its nodes.
+const float DEPTH_SCALE = 0.3, MOST_DEPTH = 60.0, LOWEST_RAD = 0.04, HALF_PI = 1.5707963;
+const float DEPTHS = 16.0, SINES = 12.0, VIEWS = 16.0;
+// Sines of the sun's elevation that the table of sunlight spans.
 const float LOWEST_SUN = -0.1;
 
-float henyey_greenstein(float beside, float g) {
-    float spread = (1.0 - g) * (1.0 - g) + 2.0 * g * beside;
-    return (1.0 - g * g) / (4.0 * CLOUD_PI * pow(spread, 1.5));
+struct CloudRay {
+    vec3 d;
+    float nu;     // cosine of the angle to the sun
+    vec3 phase;   // that of the droplets, over the share that diffuses
+};
+
+CloudRay cloud_ray(vec3 d) {
+    vec3 chord = d - clouds.sun_direction;
+    float squared = dot(chord, chord);
+    float angles = float(textureSize(droplets_phase, 0).x);
+    float place = (min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5) / angles;
+    vec3 phase = textureLod(droplets_phase, vec2(place, 0.5), 0.0).rgb / clouds.diffused;
+    return CloudRay(d, 1.0 - 0.5 * squared, phase);
 }
 
-// `beside`: 1 - the cosine of the angle to the sun.
-float cloud_phase(float beside) {
-    return mix(henyey_greenstein(beside, clouds.phase.y), henyey_greenstein(beside, clouds.phase.x),
-               clouds.phase.z);
+vec2 depth_nodes(vec2 scaled) {
+    float of_log = (DEPTHS - 1.0) / log(1.0 + MOST_DEPTH / DEPTH_SCALE);
+    return min(log(1.0 + scaled / DEPTH_SCALE) * of_log, DEPTHS - 1.0);
 }
 
-// Towards the sun, until the layer ends.
-float sun_optical_depth(vec2 level, float over_base_m, float width_m) {
-    float rise = clouds.sun_direction.y;
-    float room_m = rise > 0.0 ? clouds.thickness_m - over_base_m : over_base_m;
-    float reach_m = min(REACH * clouds.thickness_m, max(room_m, 0.0) / max(abs(rise), 1e-6));
-    float step_m = FIRST_STEP * reach_m, gone_m = 0.0, depth = 0.0;
-    for (int i = 0; i < SUN_STEPS; ++i) {
-        float at_m = gone_m + 0.5 * step_m;
-        depth += step_m * cloud_density_at(level + clouds.sun_direction.xz * at_m,
-                                           over_base_m + rise * at_m, max(width_m, 0.5 * step_m));
-        gone_m += step_m;
-        step_m *= STEP_GROWTH;
-    }
-    return depth * clouds.extinction_per_m;
+vec4 transport_at(float sine_node, vec2 above_below, float mu) {
+    vec2 depths = depth_nodes(above_below);
+    float view = (asin(clamp(mu, -1.0, 1.0)) / HALF_PI * 0.5 + 0.5) * (VIEWS - 1.0);
+    vec3 at = vec3(view, depths.x, sine_node * DEPTHS + depths.y) + 0.5;
+    return textureLod(cloud_transport, at / vec3(VIEWS, DEPTHS, SINES * DEPTHS), 0.0);
+}
+
+// Of a sun of irradiance 1, sr^-1; `sine` and `mu` are cosines to the slab's normal.
+float sun_source(vec2 above_below, float sine, float mu, float nu) {
+    float over = (asin(clamp(sine, 0.0, 1.0)) - LOWEST_RAD) / (HALF_PI - LOWEST_RAD);
+    float node = sqrt(max(over, 0.0)) * (SINES - 1.0), low = min(floor(node), SINES - 2.0);
+    vec3 logs = mix(transport_at(low, above_below, mu).rgb,
+                    transport_at(low + 1.0, above_below, mu).rgb, node - low);
+    float level = sqrt(max((1.0 - mu * mu) * (1.0 - sine * sine), 1e-6));
+    float wave = clamp((nu - mu * sine) / level, -1.0, 1.0);
+    return exp(logs.x + logs.y * wave + logs.z * (2.0 * wave * wave - 1.0));
+}
+
+vec4 depths_at(vec2 level, float height) {
+    vec2 grid = level + clouds.shadow_origin_m;
+    vec2 place = grid / (clouds.shadow_near_m + clouds.shadow_growth * abs(grid));
+    float edges = float(textureSize(light_volume, 0).z);
+    float edge = clamp(height, 0.0, 1.0) * (edges - 1.0) + 0.5;
+    return textureLod(light_volume, vec3(0.5 * place + 0.5, edge / edges), 0.0);
 }
 
 // The sun sinks and rises with the way along the planet.
-vec3 sun_at(vec2 level, float height) {
-    float sine = clouds.sun_direction.y + dot(level, clouds.sun_direction.xz) / PLANET_RADIUS_M;
+vec3 sun_at(float sine, float height) {
     float row = sqrt(clamp((sine - LOWEST_SUN) / (1.0 - LOWEST_SUN), 0.0, 1.0));
     vec2 size = vec2(textureSize(sun_aloft, 0));
     return textureLod(sun_aloft, (vec2(row, height) * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 
-// Radiance per optical depth, W m^-2 sr^-1.
-vec3 cloud_source(vec2 level, float over_base_m, Column column, float phase, float width_m) {
-    float height = over_base_m / clouds.thickness_m;
-    float depth = sun_optical_depth(level, over_base_m, width_m);
-    float scattered = phase * exp(-depth);
-    for (int k = 0; k < 3; ++k)
-        scattered += OCTAVES[k].x * exp(-OCTAVES[k].y * depth) / (4.0 * CLOUD_PI);
-    float full_depth = clouds.extinction_per_m * clouds.thickness_m * MEAN_DENSITY;
-    float above = max(column.top - height, 0.0) * full_depth, below = height * full_depth;
-    vec3 sky = 0.5 * (clouds.light_from_above / (1.0 + DIFFUSION * above)
-                      + clouds.light_from_below / (1.0 + DIFFUSION * below));
-    return sun_at(level, height) * scattered + sky;
+// Radiance per diffused optical depth, W m^-2 sr^-1.
+vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float width_m) {
+    vec3 sun = clouds.sun_direction;
+    float reach_m = NEAR_REACH * clouds.thickness_m, near = 0.0;
+    near += 0.3 * cloud_density_at(level + sun.xz * (0.15 * reach_m), over_base_m
+                                   + sun.y * (0.15 * reach_m), max(width_m, 0.15 * reach_m));
+    near += 0.7 * cloud_density_at(level + sun.xz * (0.65 * reach_m), over_base_m
+                                   + sun.y * (0.65 * reach_m), max(width_m, 0.35 * reach_m));
+    near *= clouds.extinction_per_m * reach_m;
+    vec4 depths = depths_at(level + sun.xz * reach_m,
+                            (over_base_m + sun.y * reach_m) / clouds.thickness_m);
+    float to_sun = near + depths.r, along_sun = max(depths.r + depths.g, to_sun);
+    float upright = depths.b + depths.a;
+    float sine = sun.y + dot(level, sun.xz) / PLANET_RADIUS_M;
+    float rise = ray.d.y + at_m / PLANET_RADIUS_M;
+    // A slab as deep as the cloud along the sun and upright: a plane layer's, or a side's.
+    float low = clamp(sine, clouds.sun_slope, 1.0);
+    float facing = clamp(upright / max(along_sun, 1e-9), low, 1.0);
+    float upward = min(sqrt((1.0 - facing * facing) / max(1.0 - low * low, 1e-6)), 1.0);
+    float mu = upward * rise + (facing - upward * low) * ray.nu;
+    vec2 slab = clouds.diffused * facing * vec2(to_sun, along_sun - to_sun);
+    float diffuse = sun_source(slab, facing, mu, ray.nu);
+    float over = clamp(depths.b + near * max(sun.y, 0.0), 0.0, upright);
+    float even = transport_at(0.0, clouds.diffused * vec2(over, upright - over), rise).a;
+    vec3 scattered = ray.phase * exp(-clouds.diffused * to_sun) + diffuse;
+    return sun_at(sine, over_base_m / clouds.thickness_m) * scattered
+         + mix(clouds.light_from_below, clouds.light_from_above, even);
 }

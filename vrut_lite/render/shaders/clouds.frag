@@ -25,10 +25,10 @@ const float FINE = 0.02, FINE_OF_DISTANCE = 0.004, COARSE = 3.0;
 // Fine steps of a piece, at least, however far it is.
 const float FEWEST_STEPS = 40.0, SHORTEST_STEP_M = 1.0;
 const int STEPS_TO_COARSE = 8;
-// Optical depth of a step in a cloud's full density.
-const float MOST_DEPTH = 1.2;
+// Diffused optical depth of a step in a cloud's full density.
+const float DEEPEST_STEP = 1.0;
 const int SURFACE_HALVINGS = 4;
-const float OPAQUE = 0.003;
+const float OPAQUE = 0.02;
 const float NEVER = 1e30;
 
 // Distances to where the ray enters and leaves a sphere, and half the chord; none if negative.
@@ -66,17 +66,21 @@ struct March {
     vec4 at_mesh;
 };
 
+// Delta-M takes what is scattered into the forward peak for passed: of this, the sky behind is seen
+// as even light, and only what was not scattered as a picture.
 vec4 through_air_of(March march, vec3 d) {
-    vec3 radiance = march.radiance;
+    float seen = pow(march.transmittance, 1.0 / clouds.diffused);
+    vec3 behind = d.y > 0.0 ? clouds.light_from_above : clouds.light_from_below;
+    vec3 radiance = march.radiance + (march.transmittance - seen) * behind;
 #ifdef AIR
     if (march.weight > 0.0) {
         AirRay ray = air_ray(d);
         AirLight light = air_before(ray, march.distance_m / march.weight);
         radiance = radiance * light.transmittance
-                 + (1.0 - march.transmittance) * (light.shaded + light.sunlit);
+                 + (1.0 - seen) * (light.shaded + light.sunlit);
     }
 #endif
-    return vec4(radiance, march.transmittance);
+    return vec4(radiance, seen);
 }
 
 struct Place {
@@ -114,8 +118,10 @@ float surface_between(vec3 d, float along, float clear_m, float cloudy_m, float 
     return cloudy_m;
 }
 
-void march_piece(inout March march, vec3 d, vec2 piece, float along, float dither, float phase,
+void march_piece(inout March march, CloudRay ray, vec2 piece, float along, float dither,
                  float mesh_m) {
+    vec3 d = ray.d;
+    float diffused_per_m = clouds.diffused * clouds.extinction_per_m;
     float t = piece.x, clear_m = piece.x;
     float coarsest_m = max((piece.y - piece.x) / FEWEST_STEPS, SHORTEST_STEP_M);
     int clear = STEPS_TO_COARSE;
@@ -124,7 +130,7 @@ void march_piece(inout March march, vec3 d, vec2 piece, float along, float dithe
         float fine_m = min(max(FINE * clouds.thickness_m, FINE_OF_DISTANCE * t), coarsest_m);
         bool coarse = clear >= STEPS_TO_COARSE;
         float step_m = coarse ? COARSE * fine_m : fine_m;
-        if (inside) step_m = min(step_m, MOST_DEPTH / clouds.extinction_per_m);
+        if (inside) step_m = min(step_m, DEEPEST_STEP / diffused_per_m);
         step_m = min(step_m, piece.y - t);
         // From a surface on, steps need no dither: they follow it.
         float at_m = t + (inside ? 0.5 : dither) * step_m;
@@ -147,10 +153,10 @@ void march_piece(inout March march, vec3 d, vec2 piece, float along, float dithe
         if (density > 0.0) {
             // Light is constant over a step: its integral is exact (Hillaire 2016, "Physically
             // Based Sky, Atmosphere and Cloud Rendering in Frostbite").
-            float kept = exp(-clouds.extinction_per_m * density * step_m);
+            float kept = exp(-diffused_per_m * density * step_m);
             float seen = march.transmittance * (1.0 - kept);
-            march.radiance += seen * cloud_source(place.level, place.over_base_m, place.column,
-                                                  phase, place.width_m);
+            march.radiance += seen * cloud_source(ray, at_m, place.level, place.over_base_m,
+                                                  place.width_m);
             march.distance_m += seen * at_m;
             march.weight += seen;
             march.transmittance *= kept;
@@ -173,14 +179,13 @@ void main() {
     if (depth > 0.0) mesh_m = near_m / depth / dot(d, view_axis);
 #endif
     vec4 piece = pieces(along, perigee_m, last_distance(along, perigee_m));
-    vec3 chord_to_sun = d - clouds.sun_direction;
-    float phase = cloud_phase(0.5 * dot(chord_to_sun, chord_to_sun));
+    CloudRay view = cloud_ray(d);
     // A pattern fixed to the picture (Jimenez 2014, "interleaved gradient noise").
     float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     March march = March(vec3(0.0), 1.0, 0.0, 0.0, vec4(0.0, 0.0, 0.0, -1.0));
-    march_piece(march, d, piece.xy, along, dither, phase, mesh_m);
+    march_piece(march, view, piece.xy, along, dither, mesh_m);
     if (march.transmittance >= OPAQUE)
-        march_piece(march, d, piece.zw, along, dither, phase, mesh_m);
+        march_piece(march, view, piece.zw, along, dither, mesh_m);
     // The rest behind an opaque cloud is rounding.
     float hidden = march.transmittance < OPAQUE ? 1.0 : 0.0;
     march.radiance /= 1.0 - hidden * march.transmittance;
