@@ -47,8 +47,8 @@ def rough_layer(**changes):
 
 
 def clouds_of(layer):
-    """The message."""
-    return CloudsChanged(layer=layer, source="test")
+    """The message of one layer, or of none."""
+    return CloudsChanged(layers=() if layer is None else (layer,), source="test")
 
 
 def henyey_greenstein(nu, g):

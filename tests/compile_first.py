@@ -26,14 +26,14 @@ OTHERS = """
 import numpy as np
 from bruneton_sky import Atmosphere
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
-from clouds.layer import cloud_layer
+from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from dynamic_skylight import HosekWilkieSky
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 half = np.array([0.5])
 fast_scattered_without_phase(Atmosphere.earth(), 0.0, half, 0.5, half, 4)
-layer = cloud_layer(CloudSettings(coverage=0.5))
+layer = make_layers(CloudSettings(coverage=0.5))[1][0]
 up = np.array([0.0, 1.0, 0.0])
 clouds_seen(layer, ClearLight(up, up, np.zeros((25, 3))), np.zeros(3), up[None], 0.01)
 sun_share(layer, up, np.zeros(3), 0.0)

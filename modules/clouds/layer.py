@@ -1,19 +1,18 @@
-"""Makes a `CloudLayer` from settings; solves for the weather threshold that gives the coverage."""
+"""Makes layers of clouds; solves for the weather threshold that gives a layer its coverage."""
 
 import msgspec
 import numpy as np
 
-from clouds.noise import noises
-from clouds.settings import CloudSettings
+from clouds.genera import GENERA
+from clouds.noise import detail_volume, shape_volume, weather_map
+from clouds.settings import Layer
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import (
-    DETAIL_PERIOD_M,
-    SHAPE_PERIOD_M,
-    WEATHER_PERIODS_M,
     column_of,
     density_of,
+    detail_at,
     envelope,
-    noise_at,
+    shape_at,
     weather_at,
 )
 from vrut_lite.daylight.clouds import CloudLayer
@@ -28,8 +27,11 @@ _HALVINGS = 12
 _LOWEST, _HIGHEST = -0.5, 1.0
 # Coverage of a closed layer: to close its last gaps clouds would lose all shape.
 _CLOSED = 0.997
-# Columns of less optical depth count as clear sky.
-_LEAST_OPTICAL_DEPTH = 0.5
+# Columns of less optical depth count as clear sky, in thin layers those of less than this share of
+# what a full column has.
+_LEAST_OPTICAL_DEPTH, _LEAST_SHARE = 0.5, 0.05
+# Layers of one seed are not of one noise.
+_SEEDS_APART = 1_000_003
 
 
 class _Samples:
@@ -39,55 +41,63 @@ class _Samples:
         # The R2 sequence (Roberts 2018): evenly spread, without a pattern.
         index = np.arange(_COLUMNS * _COLUMNS)
         spread = np.stack([index * 0.7548776662466927, index * 0.5698402909980532], axis=-1) % 1.0
-        level = spread * 7.0 * max(*WEATHER_PERIODS_M, SHAPE_PERIOD_M, DETAIL_PERIOD_M)
+        form = layer.form
+        periods_m = (*form.weather_periods_m, form.shape_period_m, form.detail_period_m)
+        level = spread * 7.0 * max(periods_m)
+        self.form = form
         self.height = (np.arange(_HEIGHTS) + 0.5) / _HEIGHTS
         self.weather = weather_at(layer, level)
         over_base = self.height * layer.thickness_m
         there = np.broadcast_to(level[:, None], (len(level), _HEIGHTS, 2))
-        still = (0.0, 0.0)
-        self.shape = noise_at(layer.shape.values, SHAPE_PERIOD_M, still, there, over_base)
-        self.detail = noise_at(layer.detail.values, DETAIL_PERIOD_M, still, there, over_base)
+        self.shape = shape_at(layer, there, over_base)
+        self.detail = detail_at(layer, there, over_base)
 
     def column_density(self, threshold: float) -> FloatArray:
         """Mean density of each column (columns,)."""
-        column = column_of(self.weather[:, None], threshold)
-        densities = density_of(envelope(column, self.height), self.shape, self.detail)
+        column = column_of(self.weather[:, None], threshold, self.form)
+        covered = envelope(column, self.height, self.form)
+        densities = density_of(covered, self.shape, self.detail, self.form)
         return np.asarray(densities.mean(axis=1))
 
 
-def cloud_layer(settings: CloudSettings) -> CloudLayer:
-    """The layer for these settings, without drift."""
-    weather, shape, detail = noises(settings.seed)
-    layer = CloudLayer(
-        base_m=settings.base_m,
-        thickness_m=settings.thickness_m,
-        extinction_per_m=settings.extinction_per_m,
-        coverage=settings.coverage,
+def cloud_layer(layer: Layer, seed: int) -> CloudLayer:
+    """A layer of clouds, without drift."""
+    genus = GENERA[layer.genus]
+    # Noise is of the genus, so that a layer that changes its numbers keeps its clouds.
+    own_seed = seed + _SEEDS_APART * list(GENERA).index(layer.genus)
+    made = CloudLayer(
+        base_m=layer.base_m,
+        thickness_m=layer.thickness_m,
+        extinction_per_m=layer.extinction_per_m,
+        coverage=layer.coverage,
         threshold=_LOWEST,
         column_density=0.0,
         drift_m=(0.0, 0.0),
         phase=PHASE,
-        weather=Array(weather),
-        shape=Array(shape),
-        detail=Array(detail),
+        weather=Array(weather_map(own_seed, genus.pattern)),
+        shape=Array(shape_volume(seed)),
+        detail=Array(detail_volume(seed)),
+        particles=genus.particles,
+        form=genus.form,
     )
-    return with_coverage(layer, settings.coverage)
+    return with_coverage(made, layer.coverage)
 
 
 def with_coverage(layer: CloudLayer, coverage: float) -> CloudLayer:
     """The layer with the threshold at which this share of the zenith is cloud."""
     samples = _Samples(layer)
     full_depth = layer.extinction_per_m * layer.thickness_m
+    least_depth = min(_LEAST_OPTICAL_DEPTH, _LEAST_SHARE * full_depth)
     low, high = _LOWEST, _HIGHEST
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        covered = samples.column_density(middle) * full_depth > _LEAST_OPTICAL_DEPTH
+        covered = samples.column_density(middle) * full_depth > least_depth
         if covered.mean() > min(coverage, _CLOSED):
             low = middle
         else:
             high = middle
     densities = samples.column_density(low)
-    clouds = densities * full_depth > _LEAST_OPTICAL_DEPTH
+    clouds = densities * full_depth > least_depth
     return msgspec.structs.replace(
         layer,
         coverage=coverage,

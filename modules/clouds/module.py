@@ -1,4 +1,4 @@
-"""The module `clouds`: makes a layer from its settings and moves it with the clock.
+"""The module `clouds`: makes layers from its settings and moves them with the clock.
 
 Without coverage or without demand nothing is made and nothing compiled.
 """
@@ -8,7 +8,7 @@ import math
 import msgspec
 import numpy as np
 
-from clouds.settings import CloudSettings
+from clouds.settings import CloudSettings, Layer
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
@@ -16,28 +16,32 @@ from vrut_lite.kernel.messages import ClockMoved, Demand, JobResult
 from vrut_lite.kernel.module import Link, Manifest, Module, handles
 
 NAME = "clouds"
-JOB = "layer"
+JOB = "layers"
 # Less drift than this is less than the noise can show.
 LEAST_DRIFT_M = 0.5
-_WIND = ("wind_speed_m_s", "wind_azimuth_deg")
+_WIND = tuple(
+    prefix + name
+    for prefix in ("", "middle_", "high_")
+    for name in ("wind_speed_m_s", "wind_azimuth_deg")
+)
 
 
 class Clouds(Module):
     """Posts `CloudsChanged`.
 
-    The ledger counts "clouds" posted and "layer" made, and skips as "no coverage", "unwanted",
-    "unchanged" and "layer outdated" (the settings changed while it was made).
+    The ledger counts "clouds" posted and "layers" made, and skips as "no coverage", "unwanted",
+    "unchanged" and "layers outdated" (the settings changed while it was made).
     """
 
-    manifest = Manifest(name=NAME, title="Clouds", version="0.1.0")
+    manifest = Manifest(name=NAME, title="Clouds", version="0.2.0")
     settings_type = CloudSettings
     settings: CloudSettings
 
     def __init__(self, link: Link, settings: CloudSettings):
         super().__init__(link, settings)
         self._asked: CloudSettings | None = None
-        self._layer: CloudLayer | None = None
-        self._posted: CloudLayer | None = None
+        self._layers: tuple[CloudLayer, ...] = ()
+        self._posted: tuple[CloudLayer, ...] = ()
 
     @handles(ClockMoved)
     @handles(SetPlace)
@@ -47,8 +51,8 @@ class Clouds(Module):
         self._update()
 
     @handles(JobResult)
-    def layer_made(self, result: JobResult) -> None:
-        """Post the new layer, unless the settings have changed meanwhile.
+    def layers_made(self, result: JobResult) -> None:
+        """Post the new layers, unless the settings have changed meanwhile.
 
         Raises:
             RuntimeError: the job failed.
@@ -56,78 +60,75 @@ class Clouds(Module):
         if result.error:
             self._asked = None
             raise RuntimeError(f"the clouds could not be made: {result.error}")
-        made_for, layer = result.value
+        made_for, layers = result.value
         if made_for != self._asked:
-            self.ledger.skip("layer outdated")
+            self.ledger.skip("layers outdated")
             return
-        self._layer = layer
-        self.ledger.did("layer")
+        self._layers = layers
+        self.ledger.did("layers")
         self._update()
 
     def settings_changed(self, name: str) -> None:
-        """Make a new layer, move it, or remove it."""
+        """Make new layers, move them, or remove them."""
         self._update()
 
     def _update(self) -> None:
-        if self.settings.coverage == 0.0:
+        if not self.settings.layers:
             self.ledger.skip("clouds: no coverage")
             self._forget()
         elif self.link.wanted(CloudsChanged) is None:
             self.ledger.skip("clouds: unwanted")
         elif self._asked != _without_wind(self.settings):
             self._asked = _without_wind(self.settings)
-            self._layer = None
-            self.link.start_job(JOB, make_layer, self._asked)
-        elif self._layer is not None:
-            drift_m = self._drift_m()
-            self._post(msgspec.structs.replace(self._layer, drift_m=drift_m))
+            self._layers = ()
+            self.link.start_job(JOB, make_layers, self._asked)
+        elif self._layers:
+            self._post(self._blown())
 
     def _forget(self) -> None:
-        """Drop the layer; post this once if a layer was posted before."""
+        """Drop the layers; post this once if there were any."""
         if self._asked is not None:
             self.link.cancel_job(JOB)
-            self._asked = self._layer = None
-        if self._posted is not None:
-            self._post(None)
+            self._asked, self._layers = None, ()
+        if self._posted:
+            self._post(())
 
-    def _post(self, layer: CloudLayer | None) -> None:
-        if layer is not None and _looks_like(layer, self._posted):
+    def _post(self, layers: tuple[CloudLayer, ...]) -> None:
+        if layers and _look_like(layers, self._posted):
             self.ledger.skip("clouds: unchanged")
             return
-        self.link.post(CloudsChanged(layer=layer, source=NAME))
-        self._posted = layer
+        self.link.post(CloudsChanged(layers=layers, source=NAME))
+        self._posted = layers
         self.ledger.did("clouds")
 
-    def _drift_m(self) -> tuple[float, float]:
+    def _blown(self) -> tuple[CloudLayer, ...]:
+        """The layers where the wind has carried them."""
         clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
-        if clock is None:
-            return (0.0, 0.0)
-        return drift_m(
-            self.settings,
-            clock.instant.timestamp(),
-            0.0 if place is None else place.north_offset_rad,
+        seconds = 0.0 if clock is None else clock.instant.timestamp()
+        north_offset_rad = 0.0 if place is None else place.north_offset_rad
+        return tuple(
+            msgspec.structs.replace(made, drift_m=drift_m(layer, seconds, north_offset_rad))
+            for made, layer in zip(self._layers, self.settings.layers, strict=True)
         )
 
 
-def make_layer(settings: CloudSettings) -> tuple[CloudSettings, CloudLayer]:
-    """The background job; it returns its settings too, to identify the layer."""
+def make_layers(settings: CloudSettings) -> tuple[CloudSettings, tuple[CloudLayer, ...]]:
+    """The background job; it returns its settings too, to identify the layers."""
     # Imported here because it imports numba, which is needed only if there are clouds.
     from clouds.layer import cloud_layer
 
-    return settings, cloud_layer(settings)
+    return settings, tuple(cloud_layer(layer, settings.seed) for layer in settings.layers)
 
 
-def drift_m(
-    settings: CloudSettings, seconds: float, north_offset_rad: float = 0.0
-) -> tuple[float, float]:
-    """Drift of the clouds by the wind since time 0, along world x and z, in m.
+def drift_m(layer: Layer, seconds: float, north_offset_rad: float = 0.0) -> tuple[float, float]:
+    """Drift of a layer by its wind since time 0, along world x and z, in m.
 
     It is a function of the clock alone, so that a time always shows the same clouds. In double
     precision it is exact to 0.1 mm for seconds since 1970.
     """
-    towards = math.radians(settings.wind_azimuth_deg) + math.pi
+    towards = math.radians(layer.wind_azimuth_deg) + math.pi
     east_north_up = direction_from_angles(towards, 0.0)
-    x, _, z = settings.wind_speed_m_s * seconds * world_from_enu(east_north_up, north_offset_rad)
+    x, _, z = layer.wind_speed_m_s * seconds * world_from_enu(east_north_up, north_offset_rad)
     return (float(x), float(z))
 
 
@@ -135,10 +136,15 @@ def _without_wind(settings: CloudSettings) -> CloudSettings:
     return msgspec.structs.replace(settings, **dict.fromkeys(_WIND, 0.0))
 
 
-def _looks_like(layer: CloudLayer, posted: CloudLayer | None) -> bool:
-    """Whether a layer shows what was posted last; each new layer has its own noise arrays."""
-    if posted is None or layer.shape is not posted.shape:
+def _look_like(layers: tuple[CloudLayer, ...], posted: tuple[CloudLayer, ...]) -> bool:
+    """Whether layers show what was posted last; new ones have noise arrays of their own."""
+    if len(layers) != len(posted):
         return False
-    moved_m = float(np.hypot(*np.subtract(layer.drift_m, posted.drift_m)))
-    moved_back = msgspec.structs.replace(layer, drift_m=posted.drift_m)
-    return moved_m < LEAST_DRIFT_M and moved_back == posted
+    for now, was in zip(layers, posted, strict=True):
+        moved_m = float(np.hypot(*np.subtract(now.drift_m, was.drift_m)))
+        same = now.weather is was.weather
+        if not (same and moved_m < LEAST_DRIFT_M):
+            return False
+        if msgspec.structs.replace(now, drift_m=was.drift_m) != was:
+            return False
+    return True

@@ -5,48 +5,58 @@ All are made from integer hashes of a seed, and are periodic without a seam.
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from clouds.genera import Pattern
 from vrut_lite.numeric_types import FloatArray
 
 WEATHER_SIZE, SHAPE_SIZE, DETAIL_SIZE = 512, 128, 64
 # Cells of the coarsest octave in a period.
 _FIELDS, _CELLS = 7, 19
 _BILLOWS, _FRINGES = 5, 3
+# Fibres of the coarsest octave along a period, how many times as many across, and how far fields
+# bend them, in periods.
+_ALONG, _ACROSS, _BEND = 3, 9, 0.12
 # Share of a volume's values that is clipped at either end.
 _CUT = 0.005
 
 
-class Noises(NamedTuple):
-    """Weather (n, n) uint16, uniformly distributed; shape and detail (n, n, n) uint8, y first."""
+@lru_cache(maxsize=8)
+def weather_map(
+    seed: int, pattern: Pattern = "cells", size: int = WEATHER_SIZE
+) -> NDArray[np.uint16]:
+    """Where clouds stand: values (size, size), uniformly distributed.
 
-    weather: NDArray[np.uint16]
-    shape: NDArray[np.uint8]
-    detail: NDArray[np.uint8]
-
-
-@lru_cache(maxsize=2)
-def noises(seed: int) -> Noises:
-    """The noises of a seed; those of the last two seeds are cached."""
-    return Noises(weather_map(seed), shape_volume(seed), detail_volume(seed))
-
-
-def weather_map(seed: int, size: int = WEATHER_SIZE) -> NDArray[np.uint16]:
-    """Convection cells, grouped in fields: values (size, size), uniformly distributed."""
+    Cells of convection are grouped in fields; a sheet has fields alone; fibres run along the first
+    axis of the world, in tufts.
+    """
     from clouds.noise_kernels import perlin, worley
 
     at = _places((1, size, size))
     fields = _octaves(perlin, at, _FIELDS, 5, seed)
-    cells = worley(at, _CELLS, seed) + 0.4 * worley(at, 2 * _CELLS, seed + 1)
-    mixed = 1.1 * fields + 0.75 * cells
-    ranks = np.empty(mixed.size)
-    ranks[np.argsort(mixed, kind="stable")] = np.arange(mixed.size)
-    return np.round(ranks / (mixed.size - 1) * 65535.0).astype(np.uint16).reshape(size, size)
+    if pattern == "cells":
+        cells = worley(at, _CELLS, seed) + 0.4 * worley(at, 2 * _CELLS, seed + 1)
+        fields = 0.7 * fields + 0.85 * cells
+    elif pattern == "fibres":
+        fields = 0.8 * fields + 0.9 * _fibres(at, fields, seed)
+    ranks = np.empty(fields.size)
+    ranks[np.argsort(fields, kind="stable")] = np.arange(fields.size)
+    return np.round(ranks / (fields.size - 1) * 65535.0).astype(np.uint16).reshape(size, size)
 
 
+def _fibres(at: FloatArray, fields: FloatArray, seed: int) -> FloatArray:
+    """Noise (n,) drawn out along x, and bent by the fields (n,)."""
+    from clouds.noise_kernels import perlin
+
+    # A slanted cut through a volume: so many times as many cells across as along, and yet periodic.
+    bent = at[:, 1] + _BEND * fields
+    cut = np.stack([bent, bent * _ACROSS, at[:, 2]], axis=-1)
+    return _octaves(perlin, cut, _ALONG, 4, seed + 50)
+
+
+@lru_cache(maxsize=2)
 def shape_volume(seed: int, size: int = SHAPE_SIZE) -> NDArray[np.uint8]:
     """Billows (size, size, size): Worley's noise, modulated by Perlin's."""
     from clouds.noise_kernels import perlin, worley
@@ -57,6 +67,7 @@ def shape_volume(seed: int, size: int = SHAPE_SIZE) -> NDArray[np.uint8]:
     return _stretched(mixed).reshape(size, size, size)
 
 
+@lru_cache(maxsize=2)
 def detail_volume(seed: int, size: int = DETAIL_SIZE) -> NDArray[np.uint8]:
     """Inverted small billows (size, size, size): largest farthest from their centres."""
     from clouds.noise_kernels import worley

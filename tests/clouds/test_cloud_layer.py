@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cloud_stage import slab
-from clouds.layer import cloud_layer
+from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from long_parameters import mostly_long
 
@@ -18,6 +18,13 @@ from vrut_lite.daylight.cloud_density import (
 from vrut_lite.daylight.sun_aloft import sun_aloft
 
 EYE = np.zeros(3)
+
+
+def cloud_layer(settings):
+    """The only layer of these settings."""
+    return make_layers(settings)[1][0]
+
+
 UP = np.array([0.0, 1.0, 0.0])
 
 

@@ -52,7 +52,7 @@ def ledger(kernel):
 
 def test_without_coverage_nothing_is_made(kernel, heard, monkeypatch):
     """There is no message by default, no job and no import of compiled noise."""
-    monkeypatch.setattr(clouds_module, "make_layer", None)
+    monkeypatch.setattr(clouds_module, "make_layers", None)
     tell(kernel, WANTED, SetClock(instant=NOON), SetClock(instant=NOON + timedelta(hours=1)))
     assert heard == []
     assert not ledger(kernel).done
@@ -65,13 +65,13 @@ def test_without_demand_nothing_is_made(kernel, heard):
     assert heard == []
     assert not ledger(kernel).done
     tell(kernel, WANTED)
-    assert heard[-1].layer.coverage == 0.5
+    assert heard[-1].layers[0].coverage == 0.5
 
 
 def test_switching_off_removes_the_clouds_once(kernel, heard):
     """A posted layer is withdrawn exactly once."""
     tell(kernel, WANTED, SetClock(instant=NOON), coverage_of(0.3), coverage_of(0.0))
-    assert [message.layer is None for message in heard] == [False, True]
+    assert [len(message.layers) for message in heard] == [1, 0]
     tell(kernel, SetClock(instant=NOON + timedelta(hours=1)))
     assert len(heard) == 2
 
@@ -88,17 +88,19 @@ def test_the_wind_moves_the_pattern(kernel, heard, azimuth_deg, towards):
         coverage_of(0.3),
         SetClock(instant=NOON + timedelta(minutes=1)),
     )
-    before, after = heard[-2].layer, heard[-1].layer
+    before, after = heard[-2].layers[0], heard[-1].layers[0]
     moved = np.subtract(after.drift_m, before.drift_m)
     np.testing.assert_allclose(moved, 600.0 * np.array(towards), atol=1e-3)
     assert after.shape is before.shape, "the wind makes no new noise"
-    assert ledger(kernel).done["layer"] == 1
+    assert ledger(kernel).done["layers"] == 1
 
 
 def test_a_turned_world_turns_the_wind():
     """With -z pointing east of north by 90 degrees, wind from the west blows ahead, along -z."""
-    settings = CloudSettings(wind_speed_m_s=5.0, wind_azimuth_deg=270.0)
-    np.testing.assert_allclose(drift_m(settings, 2.0, np.pi / 2), (0.0, -10.0), atol=1e-12)
+    settings = CloudSettings(coverage=0.5, wind_speed_m_s=5.0, wind_azimuth_deg=270.0)
+    np.testing.assert_allclose(
+        drift_m(settings.layers[0], 2.0, np.pi / 2), (0.0, -10.0), atol=1e-12
+    )
 
 
 def test_a_drift_below_half_a_metre_is_not_posted(kernel, heard):

@@ -11,7 +11,7 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.aerosols.own import OwnAerosol
 from vrut_lite.daylight.air import AirChanged, AirVolume
 from vrut_lite.daylight.camera import MoveCamera
-from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
+from vrut_lite.daylight.clouds import CloudForm, CloudLayer, CloudsChanged
 from vrut_lite.daylight.gpu_job import GpuJob
 from vrut_lite.daylight.ground_disc import GroundDisc
 from vrut_lite.daylight.haze import SetHaze
@@ -105,6 +105,7 @@ SCENE = SceneOpened(
 VIEW = ViewShader(source="void main() {}", uniforms={"a": 1.0, "b": (1, 2.0)})
 NESTED = (
     AirVolume
+    | CloudForm
     | CloudLayer
     | ViewShader
     | SceneGeometry
@@ -203,7 +204,7 @@ SOUND = [
     ),
     SpectrumSeen(direction=UP, wavelength_nm=(400.0, 500.0), radiance=(1.0, 2.0), source="s"),
     AirChanged(volume=AIR, source="s"),
-    CloudsChanged(layer=CLOUDS, source="s"),
+    CloudsChanged(layers=(CLOUDS,), source="s"),
     AmbientChanged(irradiance_sh_rgb=Array(np.ones((25, 3), np.float32)), source="s"),
     SkyRadianceChanged(
         cube=CUBE, radiance_scale=0.5, ground_radiance_rgb=(1.0, 1.0, 0.0), source="s"

@@ -31,7 +31,7 @@ def clear_sky(above=(2.0, 3.0, 5.0), albedo=0.2):
 
 def summed(layer, view=ON_GROUND, sky=None):
     sky = sky or clear_sky()
-    return light_under_clouds(layer, ClearSky(*sky, radiance_of(sky[0])), view, 32, "test")
+    return light_under_clouds((layer,), ClearSky(*sky, radiance_of(sky[0])), view, 32, "test")
 
 
 def cube_of(light):

@@ -31,3 +31,13 @@ def test_settings_that_were_not_recorded_are_what_they_were():
     assert settings_in_todays_words({"sun_colour": "disc"})["sky_level"] == "published"
     both = {"sun_colour": "air", "sky_level": "equal-haze"}
     assert settings_in_todays_words(both) == both
+
+
+def test_one_layer_of_clouds_is_a_list_of_one():
+    """Clouds had one layer of droplets, or none."""
+    one, none = (
+        in_todays_words("CloudsChanged", {"layer": layer, "source": "clouds"})[1]
+        for layer in ({"base_m": 900.0}, None)
+    )
+    assert (one["layers"][0]["base_m"], one["layers"][0]["particles"]) == (900.0, "droplets")
+    assert none == {"layers": [], "source": "clouds"}

@@ -44,7 +44,7 @@ def ask(owner, layer, points, body):
 
         clouds, shadow = CloudsOnGpu(context), CloudShadowMap(context, Ledger())
         clouds.show(layer)
-        assert shadow.bind(clouds, LIGHT, np.zeros(3), CloudSurroundings(EYE, 0.0, 1e-3))
+        assert shadow.bind([clouds], [LIGHT], np.zeros(3), CloudSurroundings(EYE, 0.0, 1e-3))
         clouds.bind_noises()
         shader = probe(context, body)
         given = context.buffer(points.astype(np.float32).tobytes())

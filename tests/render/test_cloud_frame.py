@@ -42,7 +42,7 @@ def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
     The sky is black: what is seen is the slab's own light.
     """
     layer = slab(extinction_per_m=extinction_per_m)
-    stage.change(clouds=layer)
+    stage.change(clouds=(layer,))
     target = np.array(EYE) + np.array(towards)
     picture = look(stage, EYE, target, 0.01)
     view = np.array(towards) / np.linalg.norm(towards)
@@ -57,7 +57,7 @@ def test_a_slab_lets_the_sky_through(stage):
     bright = np.full((6, 16, 16, 3), 1000.0)
     light(stage, bright, sun_direction=(0.6, -0.8, 0.0))
     stage.change(ambient=light_messages(BLACK)[2])
-    stage.change(clouds=layer)
+    stage.change(clouds=(layer,))
     view = np.array([0.0, 0.8, 0.6])
     picture = look(stage, EYE, np.array(EYE) + view, 0.01)
     transmittance = slab_radiance(layer, EYE, view, np.array([0.6, 0.8, 0.0]))[1]
@@ -77,7 +77,7 @@ def test_ground_under_an_overcast_slab(stage):
     clear = light_messages(np.zeros((6, 32, 32, 3)), (0.6, 0.8, 0.0), (90.0, 80.0, 70.0))
     sky = ClearSky(*clear, radiance_of(clear[0]))
     view = Viewpoint(EYE, (0.0, 0.0, 0.0), 0.0)
-    stage.change(clouds=layer, sky_light=light_under_clouds(layer, sky, view, 32, "test"))
+    stage.change(clouds=(layer,), sky_light=light_under_clouds((layer,), sky, view, 32, "test"))
     stage.change(ground_albedo_rgb=(0.5,) * 3)
     sun = np.array([0.6, 0.8, 0.0])
     irradiance = np.array([90.0, 80.0, 70.0])
@@ -96,7 +96,7 @@ def test_ground_under_an_overcast_slab(stage):
 def test_a_cloud_is_seen_through_the_air(stage):
     """L T + (1 - T) S of an opaque layer as far off as its base: the air is even, to 1 %."""
     layer = slab(extinction_per_m=0.1)
-    stage.change(clouds=layer)
+    stage.change(clouds=(layer,))
     view = np.array([0.0, 0.3, np.sqrt(1.0 - 0.09)])
     bare = look(stage, EYE, np.array(EYE) + view, 0.005).radiance.mean(axis=(0, 1))
     extinction, source = np.array([2e-5, 5e-5, 1e-4]), np.array([3.0, 5.0, 9.0])
@@ -130,7 +130,7 @@ def test_clouds_are_finite_and_not_negative_for_every_eye(stage, sun):
     up = max(sun[1], 0.0)
     sky = np.full((6, 16, 16, 3), 4.0)
     light(stage, sky, sun_direction=sun, sun_irradiance=(90.0 * up,) * 3)
-    stage.change(clouds=rough_layer())
+    stage.change(clouds=(rough_layer(),))
     for eye, target in EYES:
         for still in (True, False):
             picture = look(stage, eye, target, 1.0, still)
@@ -149,9 +149,9 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
         }
         backend.change(scene=opened(square(tmp_path, material, nodes=nodes)))
         light(backend, BLACK, sun_direction=(0.6, 0.8, 0.0), sun_irradiance=(90.0, 80.0, 70.0))
-        backend.change(clouds=layer)
+        backend.change(clouds=(layer,))
         covered = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
-        backend.change(clouds=None)
+        backend.change(clouds=())
         bare = look(backend, (0, 4000, 0), (0, 0, -1), 0.1).radiance.mean(axis=(0, 1))
         assert (covered[1] > 1.0) == hidden
         if not hidden:
@@ -161,12 +161,12 @@ def test_clouds_stand_behind_what_is_nearer(backend, tmp_path):
 def test_off_costs_nothing(stage):
     """Before there were clouds and after they went: the same picture bit for bit, and no work."""
     before = look(stage, EYE, (1.0, 2.2, 0.0))
-    assert stage.backend._frame._clouds._clouds is None, (
+    assert stage.backend._frame._clouds._made == [], (
         "nothing is compiled for clouds that never were"
     )
-    stage.change(clouds=rough_layer())
+    stage.change(clouds=(rough_layer(),))
     with_clouds = look(stage, EYE, (1.0, 2.2, 0.0))
-    stage.change(clouds=None)
+    stage.change(clouds=())
     done = stage.ledger.done.copy()
     after = look(stage, EYE, (1.0, 2.2, 0.0))
     assert np.array_equal(before.radiance, after.radiance)
@@ -178,9 +178,9 @@ def test_off_costs_nothing(stage):
 def test_the_shadow_map_is_kept_while_it_holds(stage):
     """Wind alone moves the map; a sun that moved by 2 degrees needs another."""
     layer = rough_layer()
-    stage.change(clouds=layer)
+    stage.change(clouds=(layer,))
     look(stage, EYE, (1.0, 2.2, 0.0))
-    stage.change(clouds=msgspec.structs.replace(layer, drift_m=(40.0, 10.0)))
+    stage.change(clouds=(msgspec.structs.replace(layer, drift_m=(40.0, 10.0)),))
     look(stage, EYE, (1.0, 2.2, 0.0))
     assert stage.ledger.done["cloud shadow map"] == 1
     assert stage.ledger.skipped["cloud shadow map: it still holds"] == 1

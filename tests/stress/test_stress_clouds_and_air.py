@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from bruneton_sky import single_scattering
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from clouds.layer import cloud_layer, with_coverage
+from clouds.layer import with_coverage
+from clouds.module import make_layers
 from clouds.settings import CloudSettings
 from dynamic_skylight.air import air_is_seen, air_volume
 from dynamic_skylight.daylight import Daylight
@@ -25,13 +26,13 @@ EYE = np.array([0.0, 2.0, 0.0])
 @cache
 def layer():
     """A layer of coverage 0.5; its noise takes seconds, once a process."""
-    return cloud_layer(CloudSettings(coverage=0.5))
+    return make_layers(CloudSettings(coverage=0.5))[1][0]
 
 
 def places(stress, count):
     """Points (count, 3) in the layer, at its faces, below, above, far away and in space."""
     top = layer().base_m + layer().thickness_m
-    level = stress.within(2 * count, -2e5, 2e5, [0.0, clouds.SHAPE_PERIOD_M]).reshape(count, 2)
+    level = stress.within(2 * count, -2e5, 2e5, [0.0, 5300.0]).reshape(count, 2)
     level = np.where(stress.random.random((count, 1)) < 0.05, level * 1e3, level)
     height = stress.within(count, 0.0, 2.0 * top, [layer().base_m, top, 1e-6])
     height = np.where(stress.random.random(count) < 0.05, 4e8, height)
@@ -65,14 +66,15 @@ def test_cloud_density_is_a_share(stress):
 
 def test_more_cloud_lets_less_through(stress):
     """Density is in [0, 1], rises with envelope and shape, and falls with detail."""
+    form = layer().form
     for count in stress.batches("clouds.density_of, envelope", 400_000):
         rising = np.sort(stress.within(count, 0.0, 1.0))
         some, other = stress.random.random(2)
-        assert_rising(clouds.density_of(rising, some, other))
-        assert_rising(clouds.density_of(some, rising, other))
-        assert_rising(-clouds.density_of(some, other, rising))
-        column = clouds.column_of(stress.within(count, 0.0, 1.0), float(some))
-        part = clouds.envelope(column, rising)
+        assert_rising(clouds.density_of(rising, some, other, form))
+        assert_rising(clouds.density_of(some, rising, other, form))
+        assert_rising(-clouds.density_of(some, other, rising, form))
+        column = clouds.column_of(stress.within(count, 0.0, 1.0), float(some), form)
+        part = clouds.envelope(column, rising, form)
         assert_light(part)
         assert part.max() <= 1.0
 

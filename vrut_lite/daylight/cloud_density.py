@@ -2,8 +2,8 @@
 
 A weather map gives place and height of clouds, a volume of noise their billows, a finer one frays
 their edges: after Schneider 2015, "The Real-Time Volumetric Cloudscapes of Horizon Zero Dawn", with
-our own height profile. The weather is the sum of two copies of one map, with different periods and
-turned against each other, so that the pattern does not repeat.
+our own height profile (a layer's `form`). The weather is the sum of two copies of one map, with
+different periods and turned against each other, so that the pattern does not repeat.
 """
 
 from typing import NamedTuple
@@ -11,65 +11,62 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.clouds import CloudForm, CloudLayer
 from vrut_lite.numeric_types import FloatArray
 
 PLANET_RADIUS_M = 6.36e6
-# Periods of the noise: of the two copies of the weather map, the shape, the detail.
-WEATHER_PERIODS_M = (37_000.0, 23_300.0)
-SHAPE_PERIOD_M = 5_300.0
-DETAIL_PERIOD_M = 830.0
-WEATHER_SHARES = (0.65, 0.35)
 # Rotation of the second weather map, and of shape and detail, so that no axes of noise coincide.
 WEATHER_TURN_RAD = 0.65
 NOISE_TURN_RAD = 0.3
-# Weather above the threshold over which a cloud grows from its least to its full height.
-GROWTH = 0.42
-# Height of the smallest cloud, as a share of the layer's.
-LEAST_HEIGHT = 0.22
-# Shares of a cloud's height over which its flat base and its round top fade.
-BASE_FADE = 0.05
-TOP_FADE = 0.75
-# Weather above the threshold over which a cloud's side fades in.
-SIDE_FADE = 0.16
-# Weight of the detail noise, and sharpness of edges.
-FRAYING = 0.32
-SHARPNESS = 5.0
+# The billows are shifted across each other by this share of their period, along waves so many of
+# which make a period: a volume that repeats would show as rows of the same cloud.
+WARP = 0.3
+WARP_WAVES = (0.306, 0.414)
+# An anvil: where it begins, as a share of the layer's thickness, and over which shares it fades.
+ANVIL_FROM, ANVIL_BASE_FADE, ANVIL_TOP_FADE = 0.72, 0.1, 0.12
 
 
 class Column(NamedTuple):
     """The clouds over places (...,), as the weather gives them.
 
-    `strength` in [0, 1] fades a cloud's side; `top` is the height of its top, as a share of the
-    layer's thickness.
+    `side` is how far a place lies within a cloud's side, 0 at its border and 1 where it has ended,
+    negative outside; `top` is the height of its top, as a share of the layer's thickness.
     """
 
-    strength: FloatArray
+    side: FloatArray
     top: FloatArray
 
 
-def column_of(weather: ArrayLike, threshold: float) -> Column:
+def column_of(weather: ArrayLike, threshold: float, form: CloudForm) -> Column:
     """Clouds (...,) of weather (...,) in [0, 1]."""
     above = np.asarray(weather, dtype=float) - threshold
-    growth = np.clip(above / GROWTH, 0.0, 1.0)
+    growth = np.clip(above / form.growth, 0.0, 1.0)
     return Column(
-        strength=np.clip(above / SIDE_FADE, 0.0, 1.0),
-        top=LEAST_HEIGHT + (1.0 - LEAST_HEIGHT) * growth * (2.0 - growth),
+        side=above / form.side_fade,
+        top=form.least_height + (1.0 - form.least_height) * growth * (2.0 - growth),
     )
 
 
-def envelope(column: Column, height: ArrayLike) -> FloatArray:
+def envelope(column: Column, height: ArrayLike, form: CloudForm) -> FloatArray:
     """Envelope (...,) of the noise at heights (...,), given as shares of the layer's thickness."""
     h = np.asarray(height, dtype=float)
-    base = np.clip(h / BASE_FADE, 0.0, 1.0)
-    top = np.clip((1.0 - h / column.top) / TOP_FADE, 0.0, 1.0)
-    return np.asarray(column.strength * base * np.sqrt(top))
+    base = np.clip(h / form.base_fade, 0.0, 1.0)
+    top = np.clip((1.0 - h / column.top) / form.top_fade, 0.0, 1.0)
+    cloud = np.clip(column.side, 0.0, 1.0) * base * np.sqrt(top)
+    if form.anvil == 0.0:
+        return np.asarray(cloud)
+    from_base = np.clip((h - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0, 1.0)
+    to_top = np.clip((1.0 - h) / ANVIL_TOP_FADE, 0.0, 1.0)
+    anvil = np.clip(column.side + form.anvil, 0.0, 1.0) * from_base * to_top
+    return np.maximum(cloud, anvil)
 
 
-def density_of(envelopes: ArrayLike, shape: ArrayLike, detail: ArrayLike) -> FloatArray:
+def density_of(
+    envelopes: ArrayLike, shape: ArrayLike, detail: ArrayLike, form: CloudForm
+) -> FloatArray:
     """Density (...,) in [0, 1] of an envelope and the two noises (...,), each in [0, 1]."""
-    kept = np.asarray(shape) - FRAYING * np.asarray(detail) + np.asarray(envelopes) - 1.0
-    return np.clip(SHARPNESS * kept, 0.0, 1.0) * (np.asarray(envelopes) > 0.0)
+    kept = np.asarray(shape) - form.fraying * np.asarray(detail) + np.asarray(envelopes) - 1.0
+    return np.clip(form.sharpness * kept, 0.0, 1.0) * (np.asarray(envelopes) > 0.0)
 
 
 def altitude_m(points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
@@ -88,21 +85,62 @@ def weather_at(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
     texels = layer.weather.values / 65535.0
     places = np.asarray(level_m, dtype=float) - layer.drift_m
     views = (places, turned(places, WEATHER_TURN_RAD))
+    shares = 1.0 - layer.form.second_share, layer.form.second_share
     parts = [
         share * _periodic(texels, view[..., ::-1] / period)
-        for share, view, period in zip(WEATHER_SHARES, views, WEATHER_PERIODS_M, strict=True)
+        for share, view, period in zip(shares, views, layer.form.weather_periods_m, strict=True)
     ]
     return np.asarray(sum(parts))
 
 
-def noise_at(
-    volume: NDArray, period_m: float, drift_m: ArrayLike, level_m: ArrayLike, over_base_m: ArrayLike
+def noise_places_m(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
+    """Places (..., 2) in the axes of the noise, at the layer's base: turned, and stretched."""
+    places = turned(np.asarray(level_m, dtype=float) - layer.drift_m, NOISE_TURN_RAD)
+    return places / (layer.form.stretch, 1.0)
+
+
+def weather_origin(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
+    """A place (2,), world x and z, in the two views of the weather (4,), in periods below 1."""
+    place = np.asarray(level_m, dtype=float) - layer.drift_m
+    views = place, turned(place, WEATHER_TURN_RAD)
+    periods_m = layer.form.weather_periods_m
+    return np.concatenate([(v / p) % 1.0 for v, p in zip(views, periods_m, strict=True)])
+
+
+def noise_origin(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
+    """The same in shape and detail (4,)."""
+    place, form = noise_places_m(layer, level_m), layer.form
+    return np.concatenate([(place / p) % 1.0 for p in (form.shape_period_m, form.detail_period_m)])
+
+
+def warp_origin(layer: CloudLayer, level_m: ArrayLike) -> FloatArray:
+    """The same in the two waves (2,) that warp the shape."""
+    place = noise_places_m(layer, level_m) / layer.form.shape_period_m
+    return np.asarray(place[::-1] * WARP_WAVES % 1.0)
+
+
+def shape_at(layer: CloudLayer, level_m: ArrayLike, over_base_m: ArrayLike) -> FloatArray:
+    """Shape (...,) in [0, 1] over places (..., 2), at heights (...,) over the base, m."""
+    period = layer.form.shape_period_m
+    at = noise_places_m(layer, level_m) / period
+    waves = np.sin(2.0 * np.pi * np.asarray(WARP_WAVES) * at[..., ::-1])
+    return _volume_at(layer, layer.shape.values, period, at + WARP * waves, over_base_m)
+
+
+def detail_at(layer: CloudLayer, level_m: ArrayLike, over_base_m: ArrayLike) -> FloatArray:
+    """Detail (...,) in [0, 1] over places (..., 2), at heights (...,) over the base, m."""
+    period = layer.form.detail_period_m
+    at = noise_places_m(layer, level_m) / period
+    return _volume_at(layer, layer.detail.values, period, at, over_base_m)
+
+
+def _volume_at(
+    layer: CloudLayer, volume: NDArray, period_m: float, at: FloatArray, over_base_m: ArrayLike
 ) -> FloatArray:
-    """Shape or detail (...,) in [0, 1] over places (..., 2), at heights (...,) over the base, m."""
-    places = turned(np.asarray(level_m, dtype=float) - np.asarray(drift_m), NOISE_TURN_RAD)
-    heights = np.broadcast_to(np.asarray(over_base_m, dtype=float), places.shape[:-1])
-    at = np.stack([heights, places[..., 1], places[..., 0]], axis=-1) / period_m
-    return _periodic(volume / 255.0, at)
+    """A volume (...,) in [0, 1] at places (..., 2) in periods, which lean with the height."""
+    heights = np.broadcast_to(np.asarray(over_base_m, dtype=float), at.shape[:-1]) / period_m
+    leant = at[..., 0] - layer.form.lean * heights / layer.form.stretch
+    return _periodic(volume / 255.0, np.stack([heights, at[..., 1], leant], axis=-1))
 
 
 def density(layer: CloudLayer, points_m: ArrayLike, eye_m: ArrayLike) -> FloatArray:
@@ -110,12 +148,11 @@ def density(layer: CloudLayer, points_m: ArrayLike, eye_m: ArrayLike) -> FloatAr
     points = np.asarray(points_m, dtype=float)
     over_base = altitude_m(points, eye_m) - layer.base_m
     height = over_base / layer.thickness_m
-    level = points[..., [0, 2]]
-    covered = envelope(column_of(weather_at(layer, level), layer.threshold), height)
-    shape = noise_at(layer.shape.values, SHAPE_PERIOD_M, layer.drift_m, level, over_base)
-    detail = noise_at(layer.detail.values, DETAIL_PERIOD_M, layer.drift_m, level, over_base)
+    level, form = points[..., [0, 2]], layer.form
+    covered = envelope(column_of(weather_at(layer, level), layer.threshold, form), height, form)
+    shape, detail = (at(layer, level, over_base) for at in (shape_at, detail_at))
     inside = (height >= 0.0) & (height <= 1.0)
-    return np.where(inside, density_of(covered, shape, detail), 0.0)
+    return np.where(inside, density_of(covered, shape, detail, form), 0.0)
 
 
 def optical_depth(

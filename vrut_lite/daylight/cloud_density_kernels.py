@@ -8,31 +8,54 @@ imports numba.
 import math
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_density import (
-    BASE_FADE,
-    DETAIL_PERIOD_M,
-    FRAYING,
-    GROWTH,
-    LEAST_HEIGHT,
+    ANVIL_BASE_FADE,
+    ANVIL_FROM,
+    ANVIL_TOP_FADE,
     NOISE_TURN_RAD,
     PLANET_RADIUS_M,
-    SHAPE_PERIOD_M,
-    SHARPNESS,
-    SIDE_FADE,
-    TOP_FADE,
-    WEATHER_PERIODS_M,
-    WEATHER_SHARES,
+    WARP,
+    WARP_WAVES,
     WEATHER_TURN_RAD,
 )
+from vrut_lite.daylight.clouds import CloudForm
 from vrut_lite.njit import SUMS_IN_ORDER, njit
 
 # As in cloud_density.glsl: weather is never smoothed so far that the threshold finds other clouds.
 SMOOTHEST_WEATHER = 2.0
 _WEATHER_TURN = (math.cos(WEATHER_TURN_RAD), math.sin(WEATHER_TURN_RAD))
+_TURN = 2.0 * math.pi
 _NOISE_TURN = (math.cos(NOISE_TURN_RAD), math.sin(NOISE_TURN_RAD))
+
+
+class Form(NamedTuple):
+    """A `CloudForm` as numbers, its fields by the same names."""
+
+    first_period_m: float
+    second_period_m: float
+    second_share: float
+    shape_period_m: float
+    detail_period_m: float
+    stretch: float
+    lean: float
+    growth: float
+    least_height: float
+    side_fade: float
+    anvil: float
+    base_fade: float
+    top_fade: float
+    fraying: float
+    sharpness: float
+
+
+def form_numbers(form: CloudForm) -> Form:
+    """A form for the kernels."""
+    first_m, second_m, *others = (*form.weather_periods_m, *msgspec.structs.astuple(form)[1:])
+    return Form(float(first_m), float(second_m), *(float(value) for value in others))
 
 
 class Field(NamedTuple):
@@ -45,7 +68,8 @@ class Field(NamedTuple):
     Attributes:
         logs: binary logarithm of texels a metre of the two views of the weather, of shape, detail.
         last: the coarsest level of weather, shape, detail that there is, or is used.
-        origin: the eye in the two views of the weather, in shape and in detail, in periods.
+        origin: the eye in the two views of the weather, in shape and in detail, in periods, and in
+            the two waves that warp the shape.
     """
 
     texels: NDArray[np.float32]
@@ -58,6 +82,7 @@ class Field(NamedTuple):
     base_m: float
     thickness_m: float
     eye_altitude_m: float
+    form: Form
 
 
 compiled = njit(cache=True, nogil=True, fastmath=SUMS_IN_ORDER)
@@ -133,30 +158,36 @@ def narrowed(width_m):  # type: ignore[no-untyped-def]
 
 @compiled
 def column_in(field, x, z, log_width):  # type: ignore[no-untyped-def]
-    """Strength and top of the clouds over a place."""
+    """Side and top of the clouds over a place."""
     c, s = _WEATHER_TURN
-    first_m, second_m = WEATHER_PERIODS_M
-    o, texels, levels = field.origin, field.texels, field.levels
+    form, o, texels, levels = field.form, field.origin, field.texels, field.levels
+    first_m, second_m = form.first_period_m, form.second_period_m
     lod = min(max(log_width + field.logs[0], 0.0), field.last[0])
-    weather = WEATHER_SHARES[0] * _weather(
+    weather = (1.0 - form.second_share) * _weather(
         texels, levels, lod, o[0] + x / first_m, o[1] + z / first_m
     )
     lod = min(max(log_width + field.logs[1], 0.0), field.last[0])
-    weather += WEATHER_SHARES[1] * _weather(
+    weather += form.second_share * _weather(
         texels, levels, lod, o[2] + (c * x - s * z) / second_m, o[3] + (s * x + c * z) / second_m
     )
     above = weather - field.threshold
-    growth = min(max(above / GROWTH, 0.0), 1.0)
-    strength = min(max(above / SIDE_FADE, 0.0), 1.0)
-    return strength, LEAST_HEIGHT + (1.0 - LEAST_HEIGHT) * growth * (2.0 - growth)
+    growth = min(max(above / form.growth, 0.0), 1.0)
+    top = form.least_height + (1.0 - form.least_height) * growth * (2.0 - growth)
+    return above / form.side_fade, top
 
 
 @compiled
-def envelope_in(strength, top, height):  # type: ignore[no-untyped-def]
+def envelope_in(field, side, top, height):  # type: ignore[no-untyped-def]
     """Envelope of the noise in a column, at a height given as a share of the layer's thickness."""
-    base = min(max(height / BASE_FADE, 0.0), 1.0)
-    round_top = min(max((1.0 - height / top) / TOP_FADE, 0.0), 1.0)
-    return strength * base * math.sqrt(round_top)
+    form = field.form
+    base = min(max(height / form.base_fade, 0.0), 1.0)
+    round_top = min(max((1.0 - height / top) / form.top_fade, 0.0), 1.0)
+    cloud = min(max(side, 0.0), 1.0) * base * math.sqrt(round_top)
+    if form.anvil == 0.0:
+        return cloud
+    from_base = min(max((height - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0), 1.0)
+    to_top = min(max((1.0 - height) / ANVIL_TOP_FADE, 0.0), 1.0)
+    return max(cloud, min(max(side + form.anvil, 0.0), 1.0) * from_base * to_top)
 
 
 @compiled
@@ -165,22 +196,27 @@ def density_in(field, envelope, x, z, over_base_m, log_width):  # type: ignore[n
     if envelope <= 0.0:
         return 0.0
     c, s = _NOISE_TURN
-    o, texels, levels = field.origin, field.texels, field.levels
-    east, south = c * x - s * z, s * x + c * z
+    form, o, texels, levels = field.form, field.origin, field.texels, field.levels
+    east = (c * x - s * z - form.lean * over_base_m) / form.stretch
+    south = s * x + c * z
+    period_m = form.shape_period_m
+    first, second = WARP_WAVES
+    # The waves know no lean: the eye's origin in them is that of the base.
+    along = (c * x - s * z) / form.stretch / period_m
+    u = o[4] + east / period_m + WARP * math.sin(_TURN * (o[8] + first * south / period_m))
+    v = o[5] + south / period_m + WARP * math.sin(_TURN * (o[9] + second * along))
     lod = min(max(log_width + field.logs[2], 0.0), field.last[1])
-    kept = envelope - 1.0 + _noise(
-        texels, levels, 1, lod, o[4] + east / SHAPE_PERIOD_M, o[5] + south / SHAPE_PERIOD_M,
-        over_base_m / SHAPE_PERIOD_M,
-    )  # fmt: skip
+    kept = envelope - 1.0 + _noise(texels, levels, 1, lod, u, v, over_base_m / period_m)
     if kept <= 0.0:
         return 0.0
-    if kept < FRAYING + 1.0 / SHARPNESS:
+    if kept < form.fraying + 1.0 / form.sharpness:
         lod = min(max(log_width + field.logs[3], 0.0), field.last[2])
-        kept -= FRAYING * _noise(
-            texels, levels, 2, lod, o[6] + east / DETAIL_PERIOD_M, o[7] + south / DETAIL_PERIOD_M,
-            over_base_m / DETAIL_PERIOD_M,
+        period_m = form.detail_period_m
+        kept -= form.fraying * _noise(
+            texels, levels, 2, lod, o[6] + east / period_m, o[7] + south / period_m,
+            over_base_m / period_m,
         )  # fmt: skip
-    return min(max(SHARPNESS * kept, 0.0), 1.0)
+    return min(max(form.sharpness * kept, 0.0), 1.0)
 
 
 @compiled
@@ -190,8 +226,8 @@ def density_at(field, x, z, over_base_m, width_m):  # type: ignore[no-untyped-de
     if height < 0.0 or height > 1.0:
         return 0.0
     log_width = narrowed(width_m)
-    strength, top = column_in(field, x, z, log_width)
-    envelope = envelope_in(strength, top, height)
+    side, top = column_in(field, x, z, log_width)
+    envelope = envelope_in(field, side, top, height)
     return density_in(field, envelope, x, z, over_base_m, log_width)
 
 

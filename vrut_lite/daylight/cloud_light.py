@@ -20,11 +20,16 @@ _DARKEST_IRRADIANCE = 1e-12
 
 
 class ClearLight(NamedTuple):
-    """The light of a sky without clouds, as in the frame's `Light`."""
+    """The light on a layer: that of a sky without clouds, as in the frame's `Light`, or of what is
+    above the layer (`cloud_layers.py`).
+
+    `sun_passed` is the share of the sun aloft that layers above let through.
+    """
 
     sun_direction: Vector
     sun_irradiance: Vector
     irradiance_sh: NDArray
+    sun_passed: float = 1.0
 
     @property
     def by_sun(self) -> FloatArray:
@@ -53,7 +58,7 @@ def scattered_share(layer: CloudLayer) -> float:
 def light_from_below(layer: CloudLayer, light: ClearLight) -> FloatArray:
     """Radiance (3,) of the ground as clouds see it, in the mean, W m^-2 sr^-1."""
     covered, sine = layer.coverage, light.sun_direction[1]
-    aloft = sun_aloft(layer.base_m + layer.thickness_m, sine) * max(sine, 0.0)
+    aloft = sun_aloft(layer.base_m + layer.thickness_m, sine) * max(sine, 0.0) * light.sun_passed
     from_clouds = (aloft + light.by_sky) * scattered_share(layer)
     lit = (1.0 - covered) * (light.by_sun + light.by_sky) + covered * from_clouds
     clear = evaluate_irradiance(light.irradiance_sh, -_UP) / np.pi

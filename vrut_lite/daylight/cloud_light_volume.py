@@ -70,10 +70,10 @@ def _fill(field, density):  # type: ignore[no-untyped-def]
             far = max(abs(x), abs(z))
             stretch = (1.0 + GROWTH * far / NEAR_M) ** 2
             log_width = narrowed(2.0 * NEAR_M / columns * stretch)
-            strength, top = column_in(field, x, z, log_width)
+            side, top = column_in(field, x, z, log_width)
             for k in range(heights):
                 height = (k + 0.5) / heights
-                envelope = envelope_in(strength, top, height)
+                envelope = envelope_in(field, side, top, height)
                 density[k, j, i] = density_in(
                     field, envelope, x, z, height * field.thickness_m, log_width
                 )

@@ -206,9 +206,9 @@ def _chord(eye_radius_m, along, perigee_m, squares_m2):  # type: ignore[no-untyp
 def _density_on_ray(field, d, along, at_m, fine_m, pixel_rad):  # type: ignore[no-untyped-def]
     x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
     log_width = narrowed(width_m)
-    strength, top = column_in(field, x, z, log_width)
+    side, top = column_in(field, x, z, log_width)
     height = min(max(over_base_m / field.thickness_m, 0.0), 1.0)
-    envelope = envelope_in(strength, top, height)
+    envelope = envelope_in(field, side, top, height)
     return envelope, density_in(field, envelope, x, z, over_base_m, log_width)
 
 

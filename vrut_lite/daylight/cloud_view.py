@@ -5,23 +5,16 @@ The frame's shaders draw the same clouds finer (render/clouds). Importing this m
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import (
-    DETAIL_PERIOD_M,
-    NOISE_TURN_RAD,
-    SHAPE_PERIOD_M,
-    WEATHER_PERIODS_M,
-    WEATHER_TURN_RAD,
     distance_up_m,
-    turned,
 )
-from vrut_lite.daylight.cloud_density_kernels import SMOOTHEST_WEATHER, Field, optical_depths
+from vrut_lite.daylight.cloud_density_kernels import Field, optical_depths
+from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.cloud_light_volume import light_volume
 from vrut_lite.daylight.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
@@ -66,7 +59,7 @@ def clouds_seen(
         directions: (..., 3), unit vectors.
         pixel_rad: the angle that each ray stands for.
     """
-    field = _field(layer, eye_m)
+    field = cloud_field(layer, eye_m)
     lights = _lights(layer, light, field)
     rays = np.ascontiguousarray(directions, dtype=float).reshape(-1, 3)
     out = np.empty((len(rays), 5))
@@ -93,33 +86,10 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
         return 1.0
     across = (np.arange(_SQUARE) + 0.5) * (2.0 / _SQUARE) - 1.0
     places = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2) * half_width_m
-    field = _field(layer, middle_m)
+    field = cloud_field(layer, middle_m)
     direction = np.asarray(sun, dtype=float)
     depths = optical_depths(field, places, direction, enter_m, leave_m, _SUN_STEPS)
     return float(np.exp(-depths).mean())
-
-
-def _field(layer: CloudLayer, eye_m: Vector) -> Field:
-    place = np.array([eye_m[0], eye_m[2]]) - layer.drift_m
-    views = place, turned(place, WEATHER_TURN_RAD)
-    weather = [(v / p) % 1.0 for v, p in zip(views, WEATHER_PERIODS_M, strict=True)]
-    noise = [(turned(place, NOISE_TURN_RAD) / p) % 1.0 for p in (SHAPE_PERIOD_M, DETAIL_PERIOD_M)]
-    texels, levels, counts = _mips(layer.weather, layer.shape, layer.detail)
-    periods_m = *WEATHER_PERIODS_M, SHAPE_PERIOD_M, DETAIL_PERIOD_M
-    edges = levels[[0, 0, 1, 2], 0, 1]
-    last = [float(count - 1) for count in counts]
-    return Field(
-        texels=texels,
-        levels=levels,
-        logs=tuple(float(log) for log in np.log2(edges / periods_m)),
-        last=(min(last[0], SMOOTHEST_WEATHER), last[1], last[2]),
-        origin=tuple(float(part) for part in np.concatenate([*weather, *noise])),
-        threshold=float(layer.threshold),
-        extinction_per_m=float(layer.extinction_per_m),
-        base_m=float(layer.base_m),
-        thickness_m=float(layer.thickness_m),
-        eye_altitude_m=float(eye_m[1]),
-    )
 
 
 def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
@@ -129,7 +99,8 @@ def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
     tables, sun = transport_tables(), np.asarray(light.sun_direction, dtype=float)
     return Lights(
         sun=sun,
-        suns=np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
+        suns=light.sun_passed
+        * np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
         phase=np.ascontiguousarray(droplets().values[::-1].T),
@@ -137,30 +108,3 @@ def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
         source=tables.source,
         diffused=1.0 - tables.forward_share,
     )
-
-
-@lru_cache(maxsize=2)
-def _mips(*noises: Array) -> tuple[NDArray[np.float32], NDArray[np.int64], list[int]]:
-    """All noises and their levels as `Field` has them, and how many levels each has."""
-    kinds = [_halved(noise.values) for noise in noises]
-    counts = [len(levels) for levels in kinds]
-    places = np.zeros((len(kinds), max(counts), 2), np.int64)
-    start = 0
-    for kind, levels in enumerate(kinds):
-        for number, level in enumerate(levels):
-            places[kind, number] = start, len(level)
-            start += level.size
-    flat = np.concatenate([level.ravel() for levels in kinds for level in levels])
-    return flat, places, counts
-
-
-def _halved(noise: NDArray) -> list[NDArray[np.float32]]:
-    """A noise in [0, 1], its means over 2 texels along each axis, and so on to an odd edge."""
-    level = (noise / np.float32(np.iinfo(noise.dtype).max)).astype(np.float32)
-    levels = [level]
-    while len(level) % 2 == 0:
-        half = len(level) // 2
-        pairs = level.reshape([edge for _ in level.shape for edge in (half, 2)])
-        level = pairs.mean(axis=tuple(range(1, pairs.ndim, 2)), dtype=np.float32)
-        levels.append(level)
-    return levels

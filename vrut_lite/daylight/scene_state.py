@@ -67,6 +67,7 @@ class SceneState:
         moved_camera: where the user looks from; None for the scene's own or the framing camera.
         size_px: the picture's width and height.
         air: what the scene is seen through; None where it would not be seen.
+        clouds: the layers, from low to high.
         light_shafts: whether the scene shades the air.
         section: what cuts the picture, not the light; None where nothing does.
         light_map: of the scene; None without one.
@@ -90,7 +91,7 @@ class SceneState:
     size_px: tuple[int, int] = (960, 540)
     exposure: SetExposure = field(default_factory=SetExposure)
     air: AirVolume | None = None
-    clouds: CloudLayer | None = None
+    clouds: tuple[CloudLayer, ...] = ()
     light_shafts: bool = False
     section: Section | None = None
     light_map: LightMapLaid | None = None

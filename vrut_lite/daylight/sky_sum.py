@@ -44,7 +44,7 @@ class SkySum(Module):
         self._wanted: Demand | None = None
         # Sources of the latest sum, posted or under way.
         self._made_from: tuple[Any, ...] = ()
-        self._layer: CloudLayer | None = None
+        self._layers: tuple[CloudLayer, ...] = ()
         self._height_m = 0.0
 
     # --- what it is made from ------------------------------------------------------------
@@ -89,15 +89,15 @@ class SkySum(Module):
 
     def _want_sky(self) -> None:
         """Demand the clear sky; nothing is read back from the GPU, so it is made as an array."""
-        wanted, exact = self._wanted, self._clouds() is not None
+        wanted, exact = self._wanted, bool(self._clouds())
         for kind in LIGHT:
             size = 0 if wanted is None else wanted.size
             self.link.demand(kind, size, "float16" if exact and wanted is not None else "")
         self.link.demand(SkyRadianceChanged, None if exact and wanted is not None else 0)
 
-    def _clouds(self) -> CloudLayer | None:
+    def _clouds(self) -> tuple[CloudLayer, ...]:
         last = self.link.last(CloudsChanged)
-        return None if last is None else last.layer
+        return () if last is None else last.layers
 
     def _update(self) -> None:
         if self._wanted is None:
@@ -109,13 +109,13 @@ class SkySum(Module):
         if background is None or key_light is None or ambient is None:
             return
         parts = (background, key_light, ambient)
-        layer = self._clouds()
-        if layer is None:
+        layers = self._clouds()
+        if not layers:
             self._hand_on(parts)
             return
         radiance = self.link.last(SkyRadianceChanged)
         if radiance is not None and not isinstance(background.cube, GpuTexture):
-            self._start(layer, (*parts, radiance))
+            self._start(layers, (*parts, radiance))
 
     def _forget(self) -> None:
         self.link.cancel_job(JOB)
@@ -137,38 +137,43 @@ class SkySum(Module):
 
     def _start(
         self,
-        layer: CloudLayer,
+        layers: tuple[CloudLayer, ...],
         parts: tuple[BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged],
     ) -> None:
         """Sum in the background, unless the change is invisible."""
         assert self._wanted is not None
-        layer, scene = self._unless_unseen(layer), self.link.last(SceneOpened)
-        self._height_m = self._seen_from(layer)
+        layers, scene = self._unless_unseen(layers), self.link.last(SceneOpened)
+        self._height_m = self._seen_from(layers)
         size = self._wanted.size or CUBE_SIZE
-        made_from = (*parts, layer, scene, self._height_m, size)
+        made_from = (*parts, layers, scene, self._height_m, size)
         if _same(made_from, self._made_from):
             self.ledger.skip("sum: no change to be seen")
             return
-        self._made_from, self._layer = made_from, layer
+        self._made_from, self._layers = made_from, layers
         middle_m, half_width_m = _square(scene)
         eye_m = (middle_m[0], self._height_m, middle_m[2])
-        self.link.start_job(JOB, sum_up, layer, *parts, eye_m, middle_m, half_width_m, size)
+        self.link.start_job(JOB, sum_up, layers, *parts, eye_m, middle_m, half_width_m, size)
 
-    def _unless_unseen(self, layer: CloudLayer) -> CloudLayer:
-        """The layer, or the earlier one where only a little wind separates them."""
-        before = self._layer
-        if before is None or msgspec.structs.replace(layer, drift_m=before.drift_m) != before:
-            return layer
-        drifted_m = float(np.hypot(*np.subtract(layer.drift_m, before.drift_m)))
-        distance_m = max(layer.base_m - self._height_m, _LEAST_DISTANCE_M)
-        return before if drifted_m < _UNSEEN_SHARE * distance_m else layer
+    def _unless_unseen(self, layers: tuple[CloudLayer, ...]) -> tuple[CloudLayer, ...]:
+        """The layers, or the earlier ones where only a little wind separates them."""
+        before = self._layers
+        if len(before) != len(layers):
+            return layers
+        for now, was in zip(layers, before, strict=True):
+            drifted_m = float(np.hypot(*np.subtract(now.drift_m, was.drift_m)))
+            distance_m = max(now.base_m - self._height_m, _LEAST_DISTANCE_M)
+            if drifted_m >= _UNSEEN_SHARE * distance_m:
+                return layers
+            if msgspec.structs.replace(now, drift_m=was.drift_m) != was:
+                return layers
+        return before
 
-    def _seen_from(self, layer: CloudLayer) -> float:
+    def _seen_from(self, layers: tuple[CloudLayer, ...]) -> float:
         """The eye's height, at least 0, or the earlier one where the difference is invisible."""
         needs, camera = self.link.last(SceneNeeds), self.link.last(MoveCamera)
         height_m = needs.eye_height_m if needs is not None else camera.eye_m[1] if camera else 0.0
         height_m = max(height_m, 0.0)
-        levels_m = layer.base_m, layer.base_m + layer.thickness_m
+        levels_m = [level for layer in layers for level in (layer.base_m, layer.top_m)]
         distance_m = max(min(abs(level - height_m) for level in levels_m), _LEAST_DISTANCE_M)
         risen_m = abs(height_m - self._height_m)
         return self._height_m if risen_m < _UNSEEN_SHARE * distance_m else height_m
@@ -179,7 +184,7 @@ class SkySum(Module):
 
 
 def sum_up(
-    layer: CloudLayer,
+    layers: tuple[CloudLayer, ...],
     background: BackgroundChanged,
     key_light: KeyLightChanged,
     ambient: AmbientChanged,
@@ -195,7 +200,7 @@ def sum_up(
 
     clear = ClearSky(background, key_light, ambient, radiance)
     view = Viewpoint(eye_m, middle_m, half_width_m)
-    return light_under_clouds(layer, clear, view, size, NAME)
+    return light_under_clouds(layers, clear, view, size, NAME)
 
 
 def _square(scene: SceneOpened | None) -> tuple[Vector, float]:

@@ -1,8 +1,8 @@
 """The light of a clear sky and of the clouds before it, summed.
 
-Radiance along a ray: clear sky x (T + (1 - T) a) + clouds x t. T is the clouds' transmittance, t
-that of the air before them, and a the share of the clear sky's light that this air sends. The air
-is that of molecules alone. Importing this module imports numba.
+Radiance along a ray: the air up to each layer sends its share of the clear sky's light, the layer
+its own through that air, and what is behind either passes by the layer's transmittance. The air is
+that of molecules alone. Importing this module imports numba.
 """
 
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
+from vrut_lite.daylight.cloud_layers import lights_on
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
@@ -66,17 +67,19 @@ class _OnGround(NamedTuple):
 
 
 def light_under_clouds(
-    layer: CloudLayer, clear: ClearSky, view: Viewpoint, size: int, source: str
+    layers: tuple[CloudLayer, ...], clear: ClearSky, view: Viewpoint, size: int, source: str
 ) -> SkyLightChanged:
-    """The sum of a clear sky and a layer of clouds; its background has about `size` texels an edge.
+    """The sum of a clear sky and layers of clouds, from low to high.
+
+    Its background has about `size` texels an edge.
 
     Raises:
         ValueError: the clear sky's background has never left the GPU.
     """
     sun = clear.key_light
     light = ClearLight(sun.direction, sun.irradiance_rgb, clear.ambient.irradiance_sh_rgb.values)
-    share = sun_share(layer, sun.direction, view.middle_m, view.half_width_m)
-    on_ground = _on_ground(layer, light, clear.radiance, view.middle_m, share)
+    share = _sun_share(layers, sun.direction, view.middle_m, view.half_width_m)
+    on_ground = _on_ground(layers, light, clear.radiance, view.middle_m, share)
     texels, scale = encode_float16(on_ground.cube)
     radiance = SkyRadianceChanged(
         cube=Array(texels),
@@ -84,13 +87,13 @@ def light_under_clouds(
         ground_radiance_rgb=_vector(on_ground.share * clear.radiance.ground_radiance_rgb),
         source=source,
     )
-    near_ground = view.eye_m[1] - view.middle_m[1] <= _NEAR_GROUND * layer.base_m
+    near_ground = view.eye_m[1] - view.middle_m[1] <= _NEAR_GROUND * layers[0].base_m
     if near_ground and size <= len(texels[0]):
         cube, scale = radiance.cube, radiance.radiance_scale
     else:
-        seen, scale = encode_float16(_from_eye(layer, light, clear, on_ground.share, view, size))
+        seen, scale = encode_float16(_from_eye(layers, light, clear, on_ground.share, view, size))
         cube = Array(seen)
-    through_to_eye = sun_share(layer, sun.direction, view.eye_m, 0.0)
+    through_to_eye = _sun_share(layers, sun.direction, view.eye_m, 0.0)
     seen_rgb = clear.background.seen_sun_irradiance_rgb or sun.irradiance_rgb
     return SkyLightChanged(
         background=msgspec.structs.replace(
@@ -109,13 +112,13 @@ def light_under_clouds(
             irradiance_sh_rgb=Array(on_ground.harmonics.astype(np.float32)), source=source
         ),
         radiance=radiance,
-        layers=("cloud layer",),
+        layers=("cloud layer",) * len(layers),
         source=source,
     )
 
 
 def _on_ground(
-    layer: CloudLayer,
+    layers: tuple[CloudLayer, ...],
     light: ClearLight,
     radiance: SkyRadianceChanged,
     place_m: Vector,
@@ -124,7 +127,7 @@ def _on_ground(
     clear = _radiance(radiance.cube, radiance.radiance_scale)
     upper = texel_directions(clear.shape[1])[..., 1] > 0.0
     added = np.zeros(clear.shape)
-    added[upper] = _seen(layer, light, clear, upper, place_m) - clear[upper]
+    added[upper] = _seen(layers, light, clear, upper, place_m) - clear[upper]
     sky = np.maximum(light.by_sky + horizontal_irradiance(added), 0.0)
     share = (sun_share * light.by_sun + sky) / light.on_ground
     added[~upper] = clear[~upper] * (share - 1.0)
@@ -132,7 +135,7 @@ def _on_ground(
 
 
 def _from_eye(
-    layer: CloudLayer,
+    layers: tuple[CloudLayer, ...],
     light: ClearLight,
     clear: ClearSky,
     ground_share: FloatArray,
@@ -148,7 +151,7 @@ def _from_eye(
     lower = texel_directions(cube.shape[1])[..., 1] <= 0.0
     cube[lower] *= ground_share
     everywhere = np.ones(lower.shape, bool)
-    return _seen(layer, light, cube, everywhere, view.eye_m).reshape(cube.shape)
+    return _seen(layers, light, cube, everywhere, view.eye_m).reshape(cube.shape)
 
 
 def _radiance(cube: Array, scale: float) -> FloatArray:
@@ -156,7 +159,7 @@ def _radiance(cube: Array, scale: float) -> FloatArray:
 
 
 def _seen(
-    layer: CloudLayer,
+    layers: tuple[CloudLayer, ...],
     light: ClearLight,
     clear: NDArray[np.floating],
     part: NDArray[np.bool_],
@@ -165,12 +168,33 @@ def _seen(
     """Radiance (n, 3) of a clear sky (6, size, size, 3) behind clouds, of those texels."""
     size = clear.shape[1]
     directions = texel_directions(size)[part]
-    seen = clouds_seen(layer, light, eye_m, directions, 0.5 * np.pi / size)
-    before, all_of_it = _air_depths(eye_m[1], directions[:, 1], seen.distance_m)
-    air_share = -np.expm1(-before) / np.maximum(-np.expm1(-all_of_it), 1e-9)
-    transmittance = seen.transmittance[:, None]
-    kept = transmittance + (1.0 - transmittance) * np.clip(air_share, 0.0, 1.0)
-    return np.asarray(clear[part] * kept + seen.radiance * np.exp(-before))
+    # What is not hidden by nearer layers, and the share of the clear sky's light of the air so far.
+    passed = np.ones((len(directions), 1))
+    kept, own, air_so_far = np.zeros((3, len(directions), 3))
+    lit_layers = zip(layers, lights_on(layers, light), strict=True)
+    for layer, light_on in sorted(lit_layers, key=lambda lit: _distance_m(lit[0], eye_m[1])):
+        seen = clouds_seen(layer, light_on, eye_m, directions, 0.5 * np.pi / size)
+        before, all_of_it = _air_depths(eye_m[1], directions[:, 1], seen.distance_m)
+        share = -np.expm1(-before) / np.maximum(-np.expm1(-all_of_it), 1e-9)
+        # Rays that meet no cloud have a distance of 0, which changes nothing.
+        share = np.maximum(np.clip(share, 0.0, 1.0), air_so_far)
+        kept += passed * (share - air_so_far)
+        own += passed * seen.radiance * np.exp(-before)
+        passed = passed * seen.transmittance[:, None]
+        air_so_far = share
+    return np.asarray(clear[part] * (kept + passed * (1.0 - air_so_far)) + own)
+
+
+def _sun_share(
+    layers: tuple[CloudLayer, ...], sun: Vector, middle_m: Vector, half_width_m: float
+) -> float:
+    """Share of the sun's light that passes all layers, in the mean over a level square."""
+    shares = [sun_share(layer, sun, middle_m, half_width_m) for layer in layers]
+    return float(np.prod(shares))
+
+
+def _distance_m(layer: CloudLayer, altitude_m: float) -> float:
+    return max(layer.base_m - altitude_m, altitude_m - layer.top_m, 0.0)
 
 
 def _air_depths(

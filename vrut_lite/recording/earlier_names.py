@@ -66,6 +66,12 @@ def in_todays_words(type_name: str, message: Plain) -> tuple[str, Plain]:
     volume = message.get("volume")
     if name == "AirChanged" and volume and isinstance(volume["aerosol_phase"], list):
         added["volume"] = {**volume, "aerosol_phase": UNKNOWN}
+    # There was one layer, of droplets; its form was the same for all.
+    if name == "CloudsChanged" and "layer" in message:
+        layer = message["layer"]
+        of_today = [{**layer, "particles": "droplets", "form": UNKNOWN}] if layer else []
+        message = {field: told for field, told in message.items() if field != "layer"}
+        added["layers"] = of_today
     value = message.get("value")
     if (
         name == "JobResult"

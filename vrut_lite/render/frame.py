@@ -120,9 +120,9 @@ class Frame:
         """Light surfaces by these too from the next frame on."""
         self._lamps.show(lamps)
 
-    def show_clouds(self, layer: CloudLayer | None) -> None:
-        """Draw these clouds from the next frame on; None where there are none."""
-        self._clouds.show(layer)
+    def show_clouds(self, layers: tuple[CloudLayer, ...]) -> None:
+        """Draw these clouds from the next frame on, from low to high."""
+        self._clouds.show(layers)
 
     def show_stars(self, stars: StarsChanged | None) -> None:
         """Draw these stars from the next frame on."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.cloud_density import sun_transmittance
+from vrut_lite.daylight.cloud_layers import sun_transmittance_of
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.lamps import MOST_DRAWN, SceneLamps
 from vrut_lite.daylight.sky import AmbientChanged
@@ -35,7 +35,7 @@ def illuminance(
     ambient: AmbientChanged,
     point_m: ArrayLike,
     normal: ArrayLike,
-    clouds: CloudLayer | None = None,
+    clouds: tuple[CloudLayer, ...] = (),
     lit: LitScene | None = None,
     lamps: SceneLamps | None = None,
 ) -> Illuminance:
@@ -55,8 +55,8 @@ def illuminance(
     cosine = max(0.0, float(n @ direction))
     sunlit = cosine > 0.0 and rays.is_free(point_m, n, direction)
     through = float(sunlit)
-    if sunlit and clouds is not None:
-        through = sun_transmittance(clouds, point_m, direction)
+    if sunlit and clouds:
+        through = sun_transmittance_of(clouds, point_m, direction)
     sky = evaluate_irradiance(ambient.irradiance_sh_rgb.values, n)
     hit = None if lit is None else rays.surface_at(point_m, n)
     if lit is not None and hit is not None:

@@ -57,7 +57,7 @@ class PyrenderBackend:
             "moon_disc": self._upload_moon,
         }
         # The uploaded parts: a texture on the GPU is valid while its message is kept.
-        self._uploaded: dict[str, Any] = dict.fromkeys(self._uploads)
+        self._uploaded: dict[str, Any] = {**dict.fromkeys(self._uploads), "clouds": ()}
         self._scene: PyrenderScene | None = None
         self._sky_texture: Any = None
         self._own_cube = _OwnCube()
@@ -182,8 +182,8 @@ class PyrenderBackend:
     def _upload_air(self, context: Any, volume: AirVolume | None) -> None:
         self._frame.show_air(volume)
 
-    def _upload_clouds(self, context: Any, layer: CloudLayer | None) -> None:
-        self._frame.show_clouds(layer)
+    def _upload_clouds(self, context: Any, layers: tuple[CloudLayer, ...]) -> None:
+        self._frame.show_clouds(layers)
 
     def _upload_stars(self, context: Any, stars: StarsChanged | None) -> None:
         self._frame.show_stars(stars)

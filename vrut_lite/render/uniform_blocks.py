@@ -135,6 +135,21 @@ CLOUDS = UniformBlock(
         "sun_slope": ("float", "least sine of the sun's height that shadows are cast by"),
         "ground_by_sky": ("vec3", "of the same, what sky and clouds give"),
         "shadow_texels": ("float", "along a side of the map"),
+        # The layer's form: daylight/clouds.py.
+        "weather_periods_m": ("vec2", "of the two copies of the weather"),
+        "noise_periods_m": ("vec2", "of shape and detail"),
+        "warp_origin": ("vec2", "the eye in the two waves that warp the shape, in periods"),
+        "second_share": ("float", "of the second copy of the weather"),
+        "stretch": ("float", "of noise along its x axis"),
+        "lean": ("float", "of that axis with the height"),
+        "growth": ("float", "weather over which clouds grow to full height"),
+        "least_height": ("float", "of the smallest cloud, of the thickness"),
+        "side_fade": ("float", "weather over which sides fade in"),
+        "anvil": ("float", "how far tops spread, in side fades"),
+        "base_fade": ("float", "of a cloud's height"),
+        "top_fade": ("float", "of a cloud's height"),
+        "fraying": ("float", "weight of the detail"),
+        "sharpness": ("float", "of edges"),
     },
 )
 SURFACE_LIGHT = UniformBlock(

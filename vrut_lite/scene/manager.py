@@ -283,8 +283,8 @@ class SceneManager(Module):
     @handles(CloudsChanged)
     def on_clouds(self, message: CloudsChanged) -> None:
         """Show these clouds; the air before them reaches farther than the scene's."""
-        moved = _altitudes_m(message.layer) != _altitudes_m(self.state.clouds)
-        self._change(clouds=message.layer)
+        moved = _tops_m(message.layers) != _tops_m(self.state.clouds)
+        self._change(clouds=message.layers)
         if moved:
             self._look()
 
@@ -374,7 +374,7 @@ class SceneManager(Module):
             return 0.0
         ground_level_m = 0.0 if scene.ground is None else scene.ground.height_m
         reach_m = air_reach_m(camera, aspect, scene.lower_m, scene.upper_m, ground_level_m)
-        return reach_m if clouds is None else max(reach_m, cloud_reach_m(camera, clouds))
+        return max(reach_m, cloud_reach_m(camera, clouds[-1])) if clouds else reach_m
 
     def _want_air(self, useful: bool) -> None:
         """Demand air where it is seen and switched on; remove it elsewhere."""
@@ -396,9 +396,9 @@ class SceneManager(Module):
         for kind in self._of_scene:
             self.link.demand(kind, None)
         clouds = self.link.last(CloudsChanged)
-        self._change(clouds=clouds and clouds.layer)
+        self._change(clouds=clouds.layers if clouds else ())
         self._take_surface_light()
 
 
-def _altitudes_m(layer: CloudLayer | None) -> tuple[float, float] | None:
-    return None if layer is None else (layer.base_m, layer.thickness_m)
+def _tops_m(layers: tuple[CloudLayer, ...]) -> list[float]:
+    return [layer.top_m for layer in layers]

@@ -189,7 +189,7 @@ def kernel():
     [
         (
             SetSetting(module="clouds", name="coverage", value="0.5"),
-            SetSetting(module="clouds", name="coverage", value=0.0),
+            SetSetting(module="clouds", name="coverage", value=None),
         ),
         (
             ChooseSlot(slot="sky", module="bruneton_sky"),
@@ -202,7 +202,7 @@ def kernel():
         (SetTolerance(tolerance=0.01), SetTolerance(tolerance=DEFAULT_TOLERANCE)),
         # Refused, without effect, or not taken back.
         (SetSetting(module="clouds", name="coverage", value=7.0), None),
-        (SetSetting(module="clouds", name="coverage", value="0"), None),
+        (SetSetting(module="clouds", name="coverage", value="none"), None),
         (SetSetting(module="nobody", name="coverage", value=0.1), None),
         (SetSetting(module="clouds", name="nothing", value=0.1), None),
         (ChooseSlot(slot="sky", module="clouds"), None),
@@ -250,7 +250,7 @@ def test_what_closely_follows_is_one_step_and_what_does_not_is_another(kernel):
         kernel.pump_until_idle()
     assert titles == ["2 changes", "coverage 0.3", "coverage 0.2"]
     settings = kernel.seats["clouds"].settings
-    assert (settings.coverage, settings.base_m, settings.thickness_m) == (0.0, 1300.0, 1500.0)
+    assert (settings.coverage, settings.base_m, settings.thickness_m) == (None, None, None)
     assert settings.seed == 5
     assert steps.redo() == "coverage 0.2"
 

@@ -1,10 +1,11 @@
-"""The cloud shadow map: the layer's optical depth towards the sun for places around the eye.
+"""The cloud shadow map: the layers' optical depth towards the sun for places around the eye.
 
-Texels lie at its base and grow away from the middle: x = near u / (1 - growth |u|), u in [-1, 1]
-along each axis. The wind shifts the map; it is drawn again when sun or layer change, or the eye has
-left its middle.
+Texels lie at the lowest base and grow away from the middle: x = near u / (1 - growth |u|), u in
+[-1, 1] along each axis. The lowest wind shifts the map; it is drawn again when sun or layers
+change, when the eye has left its middle, or when layers have been blown apart.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import msgspec
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_grid import GROWTH, LEAST_SINE, NEAR_M
+from vrut_lite.daylight.cloud_layers import mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.kernel.ledger import Ledger
@@ -24,6 +26,9 @@ UNIT = 14
 _SIZE = 512
 # Distance of the eye from the middle at which near texels become too wide.
 _OFF_CENTRE_M = 1_500.0
+# Layers that have been blown apart by less than this still cast the same shadow: the sun's disc
+# blurs that of an upper layer as far.
+_APART_M = 100.0
 # At the zenith it moves shadows of a base at 1.5 km by a texel.
 _SUN_STEP_RAD = 0.01
 
@@ -42,58 +47,64 @@ class CloudShadowMap:
         self._texture.filter = (context.LINEAR, context.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._buffer = context.framebuffer([self._texture])
-        self._volume = CloudLightVolume(context)
+        # Of each layer, from low to high.
+        self._volumes: list[CloudLightVolume] = []
         self._is_cast = False
-        self._layer: CloudLayer | None = None
+        self._layers: tuple[CloudLayer, ...] = ()
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
 
     def bind(
         self,
-        clouds: CloudsOnGpu,
-        light: ClearLight,
+        clouds: Sequence[CloudsOnGpu],
+        lights: Sequence[ClearLight],
         sky_irradiance: NDArray[np.float64],
         around: CloudSurroundings,
     ) -> bool:
         """Bind clouds and shadows of this frame; whether there is a sun that casts any.
 
-        `sky_irradiance` (3,): of level ground by sky and clouds.
+        Args:
+            clouds: the layers from low to high.
+            lights: on each; the last is that of the clear sky.
+            sky_irradiance: (3,), of level ground by sky and clouds.
         """
-        layer, eye_m = clouds.layer, around.eye_m[[0, 2]]
-        assert layer is not None
-        blown_m = np.zeros(2) if self._layer is None else _difference(layer, self._layer)
-        holds = self._holds(layer, light.sun_direction, eye_m - blown_m)
-        if holds:
-            clouds.bind(light, sky_irradiance, around, _plane(self._centre_m + blown_m))
-        else:
-            clouds.bind(light, sky_irradiance, around, _plane(eye_m))
-            self._volume.draw(clouds)
-            self._ledger.did("cloud light volume")
-            self._layer, self._sun, self._centre_m = layer, light.sun_direction, eye_m
+        layers, eye_m = tuple(c.layer for c in clouds if c.layer), around.eye_m[[0, 2]]
+        sun = lights[-1].sun_direction
+        blown_m = _blown(layers, self._layers)[0] if self._layers else np.zeros(2)
+        holds = self._holds(layers, sun, eye_m - blown_m)
+        centre_m = self._centre_m + blown_m if holds else eye_m
+        covered = 1.0 - mean_sun_share(layers, float(sun[1]))
+        for cloud, light in zip(clouds, lights, strict=True):
+            cloud.bind(light, sky_irradiance, around, _plane(centre_m), covered)
+        if not holds:
+            self._draw_volumes(clouds)
+            self._layers, self._sun, self._centre_m = layers, sun, eye_m
             self._is_cast = False
-        if not any(light.sun_irradiance):
+        casts = any(lights[-1].sun_irradiance)
+        if not casts:
             self._ledger.skip("cloud shadow map: no sun to cast one")
-            return False
-        if self._is_cast:
+        elif self._is_cast:
             self._ledger.skip("cloud shadow map: it still holds")
         else:
             self._draw(clouds)
             self._is_cast = True
-        self._texture.use(location=UNIT)
-        return True
+        clouds[0].bind_again()
+        if casts:
+            self._texture.use(location=UNIT)
+        return casts
 
-    def bind_light(self) -> None:
-        """Set the inputs of the light in clouds."""
-        self._volume.bind()
+    def bind_light(self, number: int) -> None:
+        """Set the inputs of the light in a layer, by its number from low to high."""
+        self._volumes[number].bind()
 
     def release(self) -> None:
         """Free the GL objects; another framebuffer must be bound."""
-        for thing in (self._buffer, self._texture, self._screen, self._volume):
+        for thing in (self._buffer, self._texture, self._screen, *self._volumes):
             thing.release()
 
-    def _holds(self, layer: CloudLayer, sun: Vector, eye_m: NDArray) -> bool:
+    def _holds(self, layers: tuple[CloudLayer, ...], sun: Vector, eye_m: NDArray) -> bool:
         """Whether the map serves this eye, after the shift by the wind since then."""
-        if self._layer is None or not _is_blown(layer, self._layer):
+        if not _are_blown(layers, self._layers):
             return False
         # A low sun's shadows move farther.
         step_rad = _SUN_STEP_RAD * max(sun[1], LEAST_SINE)
@@ -101,12 +112,28 @@ class CloudShadowMap:
         away_m = float(np.abs(eye_m - self._centre_m).max())
         return moved <= step_rad and away_m <= _OFF_CENTRE_M
 
-    def _draw(self, clouds: CloudsOnGpu) -> None:
+    def _draw_volumes(self, clouds: Sequence[CloudsOnGpu]) -> None:
+        while len(self._volumes) < len(clouds):
+            self._volumes.append(CloudLightVolume(self._context))
+        for cloud, volume in zip(clouds, self._volumes, strict=False):
+            cloud.bind_again()
+            volume.draw(cloud)
+            self._ledger.did("cloud light volume")
+
+    def _draw(self, clouds: Sequence[CloudsOnGpu]) -> None:
         self._buffer.use()
-        clouds.bind_noises()
         context = self._context
         context.disable(context.DEPTH_TEST | context.BLEND | context.CULL_FACE)
-        self._screen.draw()
+        context.blend_func = context.ONE, context.ONE
+        lowest_m = clouds[0].base_m
+        for cloud in clouds:
+            cloud.bind_again()
+            cloud.bind_noises()
+            self._screen.set("rise_m", cloud.base_m - lowest_m)
+            self._screen.draw()
+            # Optical depths of layers add up.
+            context.enable(context.BLEND)
+        context.disable(context.BLEND)
         self._ledger.did("cloud shadow map")
 
 
@@ -114,11 +141,20 @@ def _plane(centre_m: NDArray[np.float64]) -> ShadowPlane:
     return ShadowPlane(centre_m, NEAR_M, GROWTH, LEAST_SINE, _SIZE)
 
 
-def _difference(layer: CloudLayer, before: CloudLayer) -> NDArray[np.float64]:
-    return np.subtract(layer.drift_m, before.drift_m)
+def _blown(layers: tuple[CloudLayer, ...], before: tuple[CloudLayer, ...]) -> NDArray[np.float64]:
+    """How far (n, 2) the wind has carried layers that both have."""
+    return np.array(
+        [np.subtract(now.drift_m, was.drift_m) for now, was in zip(layers, before, strict=False)]
+    )
 
 
-def _is_blown(layer: CloudLayer, before: CloudLayer) -> bool:
-    """Whether two layers differ by the wind's drift alone."""
-    same = layer.shape.values is before.shape.values
-    return same and msgspec.structs.replace(layer, drift_m=before.drift_m) == before
+def _are_blown(layers: tuple[CloudLayer, ...], before: tuple[CloudLayer, ...]) -> bool:
+    """Whether layers differ by the wind's drift alone, and have drifted together."""
+    if not before or len(layers) != len(before):
+        return False
+    blown_m = _blown(layers, before)
+    return bool(np.abs(blown_m - blown_m[0]).max() < _APART_M) and all(
+        now.shape.values is was.shape.values
+        and msgspec.structs.replace(now, drift_m=was.drift_m) == was
+        for now, was in zip(layers, before, strict=True)
+    )

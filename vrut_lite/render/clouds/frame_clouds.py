@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from itertools import zip_longest
 from typing import Any
 
+from vrut_lite.daylight.cloud_layers import lights_on
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -34,31 +36,30 @@ class FrameClouds:
         self._context = context
         self._ledger = ledger
         self._patience = patience
-        # Made with the first layer: a frame without clouds compiles nothing of them.
-        self._clouds: CloudsOnGpu | None = None
+        # Made with the first layers: a frame without clouds compiles nothing of them.
+        self._made: list[CloudsOnGpu] = []
         self._pass: CloudPass | None = None
         self._shadow: CloudShadowMap | None = None
-        self._drawn = False
+        self._drawn: list[CloudsOnGpu] = []
 
-    def show(self, layer: CloudLayer | None) -> None:
-        """Draw this layer from the next frame on; None where there are no clouds."""
-        if self._clouds is None:
-            if layer is None:
-                return
-            self._clouds = CloudsOnGpu(self._context)
+    def show(self, layers: tuple[CloudLayer, ...]) -> None:
+        """Draw these layers from the next frame on, from low to high."""
+        if layers and self._pass is None:
             self._pass = CloudPass(self._context, self._patience)
             self._shadow = CloudShadowMap(self._context, self._ledger)
-        self._clouds.show(layer)
+        while len(self._made) < len(layers):
+            self._made.append(CloudsOnGpu(self._context))
+        for cloud, layer in zip_longest(self._made, layers):
+            cloud.show(layer)
 
     def prepare(
         self, scene: PyrenderScene, view: View, light: Light, air: FrameAir, size: tuple[int, int]
     ) -> FrameAir:
         """Bind the clouds of this frame; returns the shaders' defines."""
-        self._drawn = False
-        if self._clouds is None or self._clouds.layer is None:
+        self._drawn = [cloud for cloud in self._made if cloud.layer is not None]
+        if not self._drawn:
             self._ledger.skip("clouds: none")
             return air
-        self._drawn = True
         around = CloudSurroundings(
             eye_m=view.eye_m,
             ground_level_m=scene.ground_level_m,
@@ -67,13 +68,14 @@ class FrameClouds:
         assert self._shadow is not None
         clear = ClearLight(light.sun_direction, light.sun_irradiance, light.clear_sh)
         beneath = evaluate_irradiance(light.irradiance_sh, (0.0, 1.0, 0.0))
-        casts = self._shadow.bind(self._clouds, clear, beneath, around)
+        layers = tuple(cloud.layer for cloud in self._drawn if cloud.layer is not None)
+        casts = self._shadow.bind(self._drawn, lights_on(layers, clear), beneath, around)
         return with_cloud_shadows(air) if casts else air
 
     @property
     def are_drawn(self) -> bool:
         """Whether this frame has clouds."""
-        return self._drawn
+        return bool(self._drawn)
 
     def draw(
         self,
@@ -83,25 +85,28 @@ class FrameClouds:
         air: FrameAir,
         still: bool,
     ) -> None:
-        """Clouds over the sky, and over meshes that stand behind them."""
+        """Layers over the sky, and over meshes that stand behind them."""
         if not self._drawn:
             return
-        assert self._clouds is not None
         assert self._pass is not None
-        assert self._clouds.layer is not None
-        base_m = self._clouds.layer.base_m
-        before_meshes = max(scene.centre_m[1] + scene.radius_m, view.eye_m[1]) > base_m
-        if not before_meshes:
-            self._ledger.skip("clouds: before meshes, all below them")
-        pixels = 1 if still else COARSER
         assert self._shadow is not None
-        self._shadow.bind_light()
-        self._pass.draw(self._clouds, targets, view, air.mesh, pixels, before_meshes)
-        self._ledger.did("clouds")
+        pixels, highest_m = 1 if still else COARSER, scene.centre_m[1] + scene.radius_m
+        # Farther layers first, so that nearer ones are blended over them.
+        eye_m = float(view.eye_m[1])
+        for cloud in sorted(self._drawn, key=lambda c: c.distance_m(eye_m), reverse=True):
+            before_meshes = max(highest_m, view.eye_m[1]) > cloud.base_m
+            if not before_meshes:
+                self._ledger.skip("clouds: before meshes, all below them")
+            cloud.bind_again()
+            self._shadow.bind_light(self._drawn.index(cloud))
+            self._pass.draw(cloud, targets, view, air.mesh, pixels, before_meshes)
+            self._ledger.did("clouds")
+        # What is drawn next is shaded by the map, which lies at the lowest base.
+        self._drawn[0].bind_again()
 
     def release(self) -> None:
         """Free the GL objects."""
-        for thing in (self._clouds, self._pass, self._shadow):
+        for thing in (*self._made, self._pass, self._shadow):
             if thing is not None:
                 thing.release()
 

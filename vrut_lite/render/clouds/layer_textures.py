@@ -6,13 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.daylight.cloud_density import (
-    DETAIL_PERIOD_M,
-    NOISE_TURN_RAD,
     PLANET_RADIUS_M,
-    SHAPE_PERIOD_M,
-    WEATHER_PERIODS_M,
-    WEATHER_TURN_RAD,
-    turned,
+    noise_origin,
+    warp_origin,
+    weather_origin,
 )
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.cloud_transport import transport_tables
@@ -29,6 +26,11 @@ from OpenGL import GL  # noqa: E402  (pyrender's repairs must come first)
 # As cloud_density.glsl and cloud_light.glsl bind them.
 _WEATHER_UNIT, _SHAPE_UNIT, _DETAIL_UNIT, _SUN_UNIT = 0, 1, 2, 3
 _SUNS, _LOWEST_SUN = 256, -0.1
+# Fields of `CloudForm` that the block has by the same names.
+_OF_FORM = (
+    "weather_periods_m", "second_share", "stretch", "lean", "growth", "least_height", "side_fade",
+    "anvil", "base_fade", "top_fade", "fraying", "sharpness",
+)  # fmt: skip
 
 
 class CloudSurroundings(NamedTuple):
@@ -67,8 +69,19 @@ class CloudsOnGpu:
         self._noises: list[Any] = []
         self._uploaded: tuple[NDArray, ...] = ()
         self._suns: Any = None
-        self._levels_m: tuple[float, float] | None = None
+        self._sun_of: tuple[float, ...] | None = None
         self.layer: CloudLayer | None = None
+
+    @property
+    def base_m(self) -> float:
+        """Altitude of the layer's base."""
+        assert self.layer is not None
+        return self.layer.base_m
+
+    def distance_m(self, altitude_m: float) -> float:
+        """How far above or below the layer an altitude is; 0 in it."""
+        assert self.layer is not None
+        return max(self.layer.base_m - altitude_m, altitude_m - self.layer.top_m, 0.0)
 
     def show(self, layer: CloudLayer | None) -> None:
         """Show this layer from the next frame on; None where there are no clouds."""
@@ -80,10 +93,6 @@ class CloudsOnGpu:
         if [id(noise) for noise in noises] != [id(noise) for noise in self._uploaded]:
             self._upload(*noises)
             self._uploaded = noises
-        levels_m = layer.base_m, layer.base_m + layer.thickness_m
-        if levels_m != self._levels_m:
-            self._light(levels_m)
-            self._levels_m = levels_m
 
     def bind(
         self,
@@ -91,13 +100,25 @@ class CloudsOnGpu:
         sky_irradiance: NDArray[np.float64],
         around: CloudSurroundings,
         plane: ShadowPlane,
+        covered_share: float,
     ) -> None:
         """Hand layer, light and surroundings to all shaders that are drawn with next.
 
-        `sky_irradiance` (3,): of level ground by sky and clouds.
+        Args:
+            light: on this layer.
+            sky_irradiance: (3,), of level ground by sky and clouds.
+            covered_share: of the sun that all layers hold back in the mean.
         """
         assert self.layer is not None
-        self._block.write(_packed(self.layer, light, sky_irradiance, around, plane))
+        sun_of = self.layer.base_m, self.layer.top_m, light.sun_passed
+        if sun_of != self._sun_of:
+            self._light(*sun_of)
+            self._sun_of = sun_of
+        self._block.write(_packed(self.layer, light, sky_irradiance, around, plane, covered_share))
+        self.bind_again()
+
+    def bind_again(self) -> None:
+        """Hand what `bind` was given to the shaders that are drawn with next."""
         self._block.bind_to_uniform_block(CLOUDS.binding)
 
     def bind_noises(self) -> None:
@@ -131,16 +152,16 @@ class CloudsOnGpu:
         for volume in self._noises[1:]:
             volume.repeat_z = True
 
-    def _light(self, levels_m: tuple[float, float]) -> None:
+    def _light(self, base_m: float, top_m: float, passed: float) -> None:
         """The sun at base and top, for all heights of the sun: denser towards the lowest."""
         row = np.linspace(0.0, 1.0, _SUNS)
         sines = _LOWEST_SUN + (1.0 - _LOWEST_SUN) * row * row
-        table = np.stack([sun_aloft(level, sines) for level in levels_m]).astype(np.float32)
+        table = passed * np.stack([sun_aloft(level, sines) for level in (base_m, top_m)])
         if self._suns is None:
             self._suns = self._context.texture((_SUNS, 2), 3, dtype="f4", alignment=1)
             self._suns.filter = (self._context.LINEAR, self._context.LINEAR)
             self._suns.repeat_x = self._suns.repeat_y = False
-        self._suns.write(table.tobytes(), alignment=1)
+        self._suns.write(table.astype(np.float32).tobytes(), alignment=1)
 
     def _release_textures(self) -> None:
         if self._noises:
@@ -156,11 +177,12 @@ def _packed(
     sky_irradiance: NDArray[np.float64],
     around: CloudSurroundings,
     plane: ShadowPlane,
+    covered_share: float,
 ) -> bytes:
     """The uniform block `CLOUDS`."""
     eye = around.eye_m
-    level = eye[[0, 2]]
-    base, top = layer.base_m, layer.base_m + layer.thickness_m
+    level, form = eye[[0, 2]], layer.form
+    base, top = layer.base_m, layer.top_m
     ground = min(around.ground_level_m, float(eye[1]))
     eye_altitude_m = float(eye[1])
     return CLOUDS.packed(
@@ -170,8 +192,8 @@ def _packed(
         thickness_m=layer.thickness_m,
         extinction_per_m=layer.extinction_per_m,
         threshold=layer.threshold,
-        weather_origin=_weather_origin(layer, level),
-        noise_origin=_noise_origin(layer, level),
+        weather_origin=weather_origin(layer, level),
+        noise_origin=noise_origin(layer, level),
         diffused=1.0 - transport_tables().forward_share,
         pixel_rad=around.pixel_rad,
         top_squares_m2=_squares_m2(top, eye_altitude_m),
@@ -180,7 +202,7 @@ def _packed(
         eye_altitude_m=eye_altitude_m,
         light_from_above=light.by_sky / np.pi,
         light_from_below=light_from_below(layer, light),
-        covered_share=layer.coverage,
+        covered_share=covered_share,
         shadow_origin_m=level - plane.centre_m,
         shadow_near_m=plane.near_m,
         shadow_growth=plane.growth,
@@ -188,6 +210,9 @@ def _packed(
         sun_slope=plane.least_sine,
         ground_by_sky=sky_irradiance / light.on_ground,
         shadow_texels=plane.texels,
+        noise_periods_m=(form.shape_period_m, form.detail_period_m),
+        warp_origin=warp_origin(layer, level),
+        **{name: getattr(form, name) for name in _OF_FORM},
     )
 
 
@@ -195,15 +220,3 @@ def _squares_m2(altitude_m: float, eye_altitude_m: float) -> float:
     """The difference of two radii's squares, factored."""
     radii_m = 2.0 * PLANET_RADIUS_M + altitude_m + eye_altitude_m
     return (altitude_m - eye_altitude_m) * radii_m
-
-
-def _weather_origin(layer: CloudLayer, level_m: NDArray) -> NDArray[np.float64]:
-    """The eye's place in the two views of the weather, in periods; the wind wrapped here."""
-    place = level_m - layer.drift_m
-    views = place, turned(place, WEATHER_TURN_RAD)
-    return np.concatenate([(v / p) % 1.0 for v, p in zip(views, WEATHER_PERIODS_M, strict=True)])
-
-
-def _noise_origin(layer: CloudLayer, level_m: NDArray) -> NDArray[np.float64]:
-    place = turned(level_m - layer.drift_m, NOISE_TURN_RAD)
-    return np.concatenate([(place / period) % 1.0 for period in (SHAPE_PERIOD_M, DETAIL_PERIOD_M)])

@@ -5,19 +5,12 @@ layout(binding = 1) uniform sampler3D cloud_shape;
 layout(binding = 2) uniform sampler3D cloud_detail;
 
 const float PLANET_RADIUS_M = 6.36e6;
-const vec2 WEATHER_PERIODS_M = vec2(37000.0, 23300.0);
-const float SHAPE_PERIOD_M = 5300.0;
-const float DETAIL_PERIOD_M = 830.0;
-const vec2 WEATHER_SHARES = vec2(0.65, 0.35);
 const float WEATHER_TURN_RAD = 0.65;
 const float NOISE_TURN_RAD = 0.3;
-const float GROWTH = 0.42;
-const float LEAST_HEIGHT = 0.22;
-const float BASE_FADE = 0.05;
-const float TOP_FADE = 0.75;
-const float SIDE_FADE = 0.16;
-const float FRAYING = 0.32;
-const float SHARPNESS = 5.0;
+const float WARP = 0.3;
+const vec2 WARP_WAVES = vec2(0.306, 0.414);
+const float ANVIL_FROM = 0.72, ANVIL_BASE_FADE = 0.1, ANVIL_TOP_FADE = 0.12;
+const float WHOLE_TURN = 6.283185307179586;
 
 vec2 turned(vec2 p, float angle) {
     float c = cos(angle), s = sin(angle);
@@ -25,7 +18,7 @@ vec2 turned(vec2 p, float angle) {
 }
 
 struct Column {
-    float strength;
+    float side;
     float top;
 };
 
@@ -34,43 +27,53 @@ struct Column {
 const float SMOOTHEST_WEATHER = 2.0;
 
 Column cloud_column(vec2 level, float width_m) {
-    vec2 texels_m = WEATHER_PERIODS_M / float(textureSize(cloud_weather, 0).x);
+    vec2 texels_m = clouds.weather_periods_m / float(textureSize(cloud_weather, 0).x);
     vec2 lod = min(log2(max(vec2(width_m) / texels_m, 1e-6)), SMOOTHEST_WEATHER);
-    vec2 first = clouds.weather_origin.xy + level / WEATHER_PERIODS_M.x;
-    vec2 second = clouds.weather_origin.zw + turned(level, WEATHER_TURN_RAD) / WEATHER_PERIODS_M.y;
-    float weather = WEATHER_SHARES.x * textureLod(cloud_weather, first, lod.x).r
-                  + WEATHER_SHARES.y * textureLod(cloud_weather, second, lod.y).r;
+    vec2 first = clouds.weather_origin.xy + level / clouds.weather_periods_m.x;
+    vec2 second = clouds.weather_origin.zw
+                + turned(level, WEATHER_TURN_RAD) / clouds.weather_periods_m.y;
+    float weather = mix(textureLod(cloud_weather, first, lod.x).r,
+                        textureLod(cloud_weather, second, lod.y).r, clouds.second_share);
     float above = weather - clouds.threshold;
-    float growth = clamp(above / GROWTH, 0.0, 1.0);
-    return Column(clamp(above / SIDE_FADE, 0.0, 1.0),
-                  LEAST_HEIGHT + (1.0 - LEAST_HEIGHT) * growth * (2.0 - growth));
+    float growth = clamp(above / clouds.growth, 0.0, 1.0);
+    return Column(above / clouds.side_fade,
+                  clouds.least_height + (1.0 - clouds.least_height) * growth * (2.0 - growth));
 }
 
 // `height`: over the base, as a share of the layer's thickness.
 float cloud_envelope(Column column, float height) {
-    float base = clamp(height / BASE_FADE, 0.0, 1.0);
-    float top = clamp((1.0 - height / column.top) / TOP_FADE, 0.0, 1.0);
-    return column.strength * base * sqrt(top);
+    float base = clamp(height / clouds.base_fade, 0.0, 1.0);
+    float top = clamp((1.0 - height / column.top) / clouds.top_fade, 0.0, 1.0);
+    float cloud = clamp(column.side, 0.0, 1.0) * base * sqrt(top);
+    if (clouds.anvil == 0.0) return cloud;
+    float from_base = clamp((height - ANVIL_FROM) / ANVIL_BASE_FADE, 0.0, 1.0);
+    float to_top = clamp((1.0 - height) / ANVIL_TOP_FADE, 0.0, 1.0);
+    return max(cloud, clamp(column.side + clouds.anvil, 0.0, 1.0) * from_base * to_top);
 }
 
-float cloud_noise(sampler3D volume, vec2 origin, float period_m, vec2 level, float over_base_m,
-                  float width_m) {
-    vec2 at = origin + turned(level, NOISE_TURN_RAD) / period_m;
+float cloud_noise(sampler3D volume, vec3 at, float period_m, float width_m) {
     float lod = log2(max(width_m * float(textureSize(volume, 0).x) / period_m, 1e-6));
-    return textureLod(volume, vec3(at, over_base_m / period_m), lod).r;
+    return textureLod(volume, at, lod).r;
 }
 
 // Density in [0, 1]: the noise cut by the envelope; where the detail cannot change it,
 // it is not looked up.
 float cloud_density(float envelope, vec2 level, float over_base_m, float width_m) {
     if (envelope <= 0.0) return 0.0;
-    float kept = cloud_noise(cloud_shape, clouds.noise_origin.xy, SHAPE_PERIOD_M, level,
-                             over_base_m, width_m) + envelope - 1.0;
+    vec2 at_base = turned(level, NOISE_TURN_RAD) / vec2(clouds.stretch, 1.0);
+    vec2 at = at_base - vec2(clouds.lean * over_base_m / clouds.stretch, 0.0);
+    float period_m = clouds.noise_periods_m.x;
+    vec2 waves = sin(WHOLE_TURN * (clouds.warp_origin + WARP_WAVES * at_base.yx / period_m));
+    vec3 in_shape = vec3(clouds.noise_origin.xy + at / period_m + WARP * waves,
+                         over_base_m / period_m);
+    float kept = cloud_noise(cloud_shape, in_shape, period_m, width_m) + envelope - 1.0;
     if (kept <= 0.0) return 0.0;
-    if (kept < FRAYING + 1.0 / SHARPNESS)
-        kept -= FRAYING * cloud_noise(cloud_detail, clouds.noise_origin.zw, DETAIL_PERIOD_M, level,
-                                      over_base_m, width_m);
-    return clamp(SHARPNESS * kept, 0.0, 1.0);
+    if (kept < clouds.fraying + 1.0 / clouds.sharpness) {
+        period_m = clouds.noise_periods_m.y;
+        vec3 in_detail = vec3(clouds.noise_origin.zw + at / period_m, over_base_m / period_m);
+        kept -= clouds.fraying * cloud_noise(cloud_detail, in_detail, period_m, width_m);
+    }
+    return clamp(clouds.sharpness * kept, 0.0, 1.0);
 }
 
 float cloud_density_at(vec2 level, float over_base_m, float width_m) {

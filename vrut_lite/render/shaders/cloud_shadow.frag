@@ -1,9 +1,11 @@
 #version 430 core
-// The cloud shadow map: the layer's optical depth along the sun, from places at its base.
+// The cloud shadow map: a layer's optical depth along the sun, from places at the lowest base.
 
 //!include cloud_block.glsl
 //!include cloud_density.glsl
 
+// From the lowest base to this layer's.
+uniform float rise_m;
 in vec2 at;
 out float optical_depth;
 
@@ -21,7 +23,7 @@ void main() {
     float depth = 0.0;
     for (int i = 0; i < STEPS; ++i) {
         float over_base_m = (float(i) + 0.5) * step_m;
-        depth += cloud_density_at(level + slope * over_base_m, over_base_m, width_m);
+        depth += cloud_density_at(level + slope * (rise_m + over_base_m), over_base_m, width_m);
     }
     optical_depth = depth * step_m / sine * clouds.extinction_per_m;
 }

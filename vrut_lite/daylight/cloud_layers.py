@@ -1,0 +1,76 @@
+"""Several layers of clouds: how each dims the light of those below it.
+
+In the mean over places: a layer lets a share of the sun through, and sends part of the rest down
+from its base, evenly.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vrut_lite.daylight.cloud_density import sun_transmittance
+from vrut_lite.daylight.cloud_light import ClearLight, scattered_share
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
+from vrut_lite.numeric_types import FloatArray
+
+# Below this sine slant paths through a layer end at its mean gaps.
+_LEAST_SINE = 0.05
+_DOWN = np.array([0.0, -1.0, 0.0])
+
+
+def mean_sun_share(layers: Iterable[CloudLayer], sine: float) -> float:
+    """Share of the sun that passes layers, in the mean; `sine` of its elevation."""
+    share = 1.0
+    for layer in layers:
+        hidden = -np.expm1(-layer.optical_depth / max(sine, _LEAST_SINE))
+        share *= 1.0 - layer.coverage * float(hidden)
+    return share
+
+
+def sun_transmittance_of(layers: Iterable[CloudLayer], point_m: ArrayLike, sun: ArrayLike) -> float:
+    """Transmittance of all layers from a point (3,) towards the sun's direction (3,)."""
+    share = 1.0
+    for layer in layers:
+        share *= sun_transmittance(layer, point_m, sun)
+    return share
+
+
+def lights_on(layers: tuple[CloudLayer, ...], clear: ClearLight) -> tuple[ClearLight, ...]:
+    """The light on each layer, from low to high, under those above it."""
+    lights = [clear]
+    for layer in layers[:0:-1]:
+        lights.append(_below(layer, lights[-1], clear))
+    return tuple(reversed(lights))
+
+
+def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLight:
+    """The light under a layer, whose own is `light`."""
+    sine = float(clear.sun_direction[1])
+    share = mean_sun_share((layer,), sine)
+    gaps, diffuse = 1.0 - layer.coverage, scattered_share(layer)
+    straight = (share - gaps) / max(layer.coverage, 1e-9)
+    by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine)
+    from_base = layer.coverage * max(diffuse - straight, 0.0) * by_sun
+    by_sky = light.by_sky * (gaps + layer.coverage * diffuse) + from_base
+    dimmed = share * np.asarray(light.sun_irradiance)
+    on_ground = dimmed * max(sine, 0.0) + by_sky
+    # The ground reflects the same share of what falls on it.
+    from_ground = evaluate_irradiance(light.irradiance_sh, _DOWN) * on_ground / light.on_ground
+    return ClearLight(
+        clear.sun_direction,
+        (float(dimmed[0]), float(dimmed[1]), float(dimmed[2])),
+        _two_sided(by_sky, from_ground),
+        light.sun_passed * share,
+    )
+
+
+def _two_sided(upward: FloatArray, downward: FloatArray) -> FloatArray:
+    """Harmonics (25, 3) whose irradiance on a plane that faces up and down is this (3,) each."""
+    even, odd = basis(-_DOWN)[:2]
+    harmonics = np.zeros((25, 3))
+    harmonics[0] = 0.5 * (upward + downward) / even
+    harmonics[1] = 0.5 * (upward - downward) / odd
+    return harmonics
