@@ -1,5 +1,6 @@
 """`vrut-lite study`: integration rules and sky models against truth and measurements."""
 
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from rich.progress import Progress
 from vrut_lite.errors import UserError
 
 if TYPE_CHECKING:
+    from vrut_lite_studies.report.folder import Folder
     from vrut_lite_studies.report.study import Plan
 
 _TIMES, _QUICK_TIMES = "06:00,06:35,07:00,08:00,09:30,11:45", "06:00,06:35,08:00,11:45"
@@ -41,8 +43,18 @@ _TIMES, _QUICK_TIMES = "06:00,06:35,07:00,08:00,09:30,11:45", "06:00,06:35,08:00
     help="Rows of the figures, hours of the measured day, or of 27 May 2013 in Ithaca. "
     f"[default: {_TIMES}]",
 )
+@click.option(
+    "--peers",
+    is_flag=True,
+    help="Instead: skies of Blender, Radiance, mitsuba and ours against one truth; half an hour.",
+)
 def study(
-    output: str, quick: bool, measurements: str | None, models: str | None, times: str | None
+    output: str,
+    quick: bool,
+    measurements: str | None,
+    models: str | None,
+    times: str | None,
+    peers: bool,
 ) -> None:
     """Compare integration rules and sky models; write a page with figures and tables.
 
@@ -53,26 +65,45 @@ def study(
     Example: vrut-lite study --quick -o study
 
     Example: vrut-lite study --measurements scans/ --models oneil,simpson-16x8 --times 06:35,11:45
+
+    Example: vrut-lite study --peers -o peers
     """
     if find_spec("matplotlib") is None:
         raise UserError("the study needs the extra `studies`: pip install 'vrut-lite[studies]'")
+    if peers and (measurements or models or times):
+        raise UserError("--peers goes with --quick and --output alone")
     # Imported late, so that --help need not wait for compilers.
-    from vrut_lite_studies.report.folder import PAGE, study_folder
-    from vrut_lite_studies.report.study import write_study
+    from vrut_lite_studies.report.folder import PAGE
 
-    plan = _plan(quick, measurements, models, times)
+    if peers:
+        from vrut_lite_studies.peers.page import steps, write_peers
+
+        _write(output, steps(), lambda folder, tell: write_peers(folder, quick, tell))
+    else:
+        from vrut_lite_studies.report.study import write_study
+
+        plan = _plan(quick, measurements, models, times)
+        _write(output, plan.steps(), lambda folder, tell: write_study(plan, folder, tell))
+    click.echo(f"the page is {Path(output) / PAGE}")
+
+
+def _write(
+    output: str, steps: int, write: Callable[["Folder", Callable[[str], None]], None]
+) -> None:
+    """Run one of the studies, its files in a folder, its progress on a bar."""
+    from vrut_lite_studies.report.folder import study_folder
+
     console = Console(stderr=True)
     with (
         study_folder(Path(output)) as folder,
         Progress(console=console, refresh_per_second=4, disable=not console.is_terminal) as bars,
     ):
-        bar = bars.add_task("", total=plan.steps())
+        bar = bars.add_task("", total=steps)
 
         def tell(what: str) -> None:
             bars.update(bar, description=what, advance=1)
 
-        write_study(plan, folder, tell)
-    click.echo(f"the page is {Path(output) / PAGE}")
+        write(folder, tell)
 
 
 def _plan(quick: bool, measurements: str | None, models: str | None, times: str | None) -> "Plan":

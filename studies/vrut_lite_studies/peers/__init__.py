@@ -1,0 +1,1 @@
+"""Skies of other programs beside ours, each against one truth in the same air."""
