@@ -71,6 +71,21 @@ def test_light_that_is_set_is_seen_at_once_and_that_of_the_hour_by_and_by(backen
     assert change_of_light(before, replace(before, tolerance=0.1)) is None
 
 
+def test_shadows_of_a_moved_sun_are_coarse_for_as_long_as_it_moves(backend, box_file):
+    """A quarter of the texels show the same shadows, and no finished picture shows them."""
+    show_box(backend, box_file)
+    moved = {**SUN, "sun_direction": sun_at(25.0, 70.0)}
+    light(backend, uniform_sky(0.1), **moved)
+    finished = look(backend, around(0), TARGET).radiance
+    light(backend, uniform_sky(0.1), **SUN)
+    look(backend, around(0), TARGET)
+    light(backend, uniform_sky(0.1), **moved)
+    moving = look(backend, around(0), TARGET, still=False).radiance
+    off = np.abs(moving / finished - 1.0).max(axis=-1)
+    assert 0.0 < (off > 0.02).mean() < 0.03
+    np.testing.assert_array_equal(look(backend, around(0), TARGET).radiance, finished)
+
+
 def test_a_renderer_is_tried_once_and_its_row_of_the_table_known(gl_owner, tmp_path, monkeypatch):
     """Its time is kept by name and version; a damaged file is as none."""
     kept = tmp_path / "devices.json"

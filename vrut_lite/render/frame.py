@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.clouds import CloudLayer
@@ -184,7 +185,7 @@ class Frame:
         shifts = _SHIFTS_PX if finished else _SHIFTS_PX[:1]
         self._meshes.read_finer(scene, np.log2(len(shifts)) / 2.0)
         self.ledger.did("picture", len(shifts))
-        resolved = np.zeros((*targets.size[::-1], 4), np.float32)
+        resolved: NDArray[np.float32] | None = None
         for shift_px in shifts:
             self._patience.check()
             targets.multisampled.use()
@@ -206,7 +207,11 @@ class Frame:
                 )
             with self.measure("resolve"):
                 self._context.copy_framebuffer(targets.resolved, targets.multisampled)
-            resolved += targets.read_resolved() / np.float32(len(shifts))
+            read = targets.read_resolved()
+            resolved = read if resolved is None else resolved + read
+        assert resolved is not None
+        if len(shifts) > 1:
+            resolved /= np.float32(len(shifts))
         if state.shows != "picture":
             return in_false_colours(resolved, state.shows)
         radiance = np.ascontiguousarray(resolved[..., :3])

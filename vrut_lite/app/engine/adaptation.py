@@ -116,6 +116,8 @@ class Adaptation:
             step_s = min(now_s - self._stepped_s, _LONGEST_STEP_S)
             way_ev = self._seen_ev100 - self._ev100
             self._ev100 += way_ev * (1.0 - exp(-step_s / _TIME_CONSTANT_S))
+        # Counted from here: the time that drawing takes passes for the eye too.
+        self._stepped_s = now_s
         return msgspec.structs.replace(state.exposure, mode="manual", ev100=self._ev100)
 
     def drew(self, picture: Picture, exposure: SetExposure, now_s: float) -> None:
@@ -127,7 +129,6 @@ class Adaptation:
         elif self._follows:
             # Every third pixel each way tells as much of a picture that is seen for a moment.
             self._seen_ev100 = automatic_ev100(picture.radiance[1::3, 1::3])
-        self._stepped_s = now_s
         if not self._arrived:
             self.wakes_at_s = now_s + _STEP_S
         elif self._dragged:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from vrut_lite.daylight.picture import SetExposure
 from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
 from vrut_lite.pictures import exposure, tone_map
@@ -27,8 +29,9 @@ class TonePass:
         display.use()
         radiance.use(location=0)
         matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-        screen.set("white_balance", matrix.T.ravel())
-        screen.set("exposure_scale", exposure.scale_of(ev100))
+        if wish.tone_map == "agx":
+            matrix = tone_map.INSET @ matrix
+        screen.set("from_radiance", exposure.scale_of(ev100) * matrix.T.ravel())
         self._context.disable(
             self._context.DEPTH_TEST | self._context.CULL_FACE | self._context.BLEND
         )
@@ -36,12 +39,14 @@ class TonePass:
 
     def _screen(self, curve: str) -> FullScreen:
         screen = FullScreen(self._context, "tone_map.frag", _CURVES[curve])
-        screen.set("inset", tone_map.INSET.T.ravel())
-        screen.set("outset", tone_map.OUTSET.T.ravel())
+        # One matrix for what mixes each colour with its grey, and the way out.
+        grey = np.outer(np.ones(3), (1.0 - tone_map.SATURATION) * np.asarray(LUMINANCE_WEIGHTS))
+        outset = tone_map.OUTSET @ (grey + tone_map.SATURATION * np.eye(3))
+        screen.set("outset", outset.T.ravel())
+        screen.set("darkest", 2.0**tone_map.DARKEST_LOG2)
         screen.set("darkest_log2", tone_map.DARKEST_LOG2)
-        screen.set("brightest_log2", tone_map.BRIGHTEST_LOG2)
+        screen.set("per_log2", 1.0 / (tone_map.BRIGHTEST_LOG2 - tone_map.DARKEST_LOG2))
         screen.set("contrast", tone_map.CONTRAST)
-        screen.set("saturation", tone_map.SATURATION)
         screen.set("exponential_rate", float(tone_map.EXPONENTIAL_RATE))
         screen.set("luminance_weights", LUMINANCE_WEIGHTS)
         if "sigmoid" in screen.program:

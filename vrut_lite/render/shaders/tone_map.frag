@@ -2,16 +2,14 @@
 // Exposure, white balance, a tone curve and a dither: the twin of pictures/display.py.
 
 uniform sampler2D radiance;
-uniform float exposure_scale;
-uniform mat3 white_balance;
+uniform mat3 from_radiance;  // exposure, white balance, and AgX's inset
 uniform float exponential_rate;
-uniform mat3 inset;
-uniform mat3 outset;
+uniform mat3 outset;         // AgX's, after its saturation
+uniform float darkest;
 uniform float darkest_log2;
-uniform float brightest_log2;
+uniform float per_log2;
 uniform float sigmoid[7];
 uniform float contrast;
-uniform float saturation;
 uniform vec3 luminance_weights;
 
 in vec2 at;
@@ -31,19 +29,14 @@ vec3 srgb_encode(vec3 c) {
 }
 
 vec3 agx(vec3 picture) {
-    vec3 x = (log2(max(inset * picture, exp2(darkest_log2))) - darkest_log2)
-             / (brightest_log2 - darkest_log2);
-    x = clamp(x, 0.0, 1.0);
+    vec3 x = clamp((log2(max(picture, darkest)) - darkest_log2) * per_log2, 0.0, 1.0);
     vec3 c = vec3(sigmoid[6]);
     for (int k = 5; k >= 0; --k) c = c * x + sigmoid[k];
-    c = pow(max(c, 0.0), vec3(contrast));
-    float grey = dot(c, luminance_weights);
-    return clamp(outset * mix(vec3(grey), c, saturation), 0.0, 1.0);
+    return clamp(outset * pow(max(c, 0.0), vec3(contrast)), 0.0, 1.0);
 }
 
 void main() {
-    vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
-    picture = white_balance * picture * exposure_scale;
+    vec3 picture = from_radiance * texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
 #if defined(AGX)
     vec3 encoded = agx(picture);
 #elif defined(EXPONENTIAL)
