@@ -3,6 +3,7 @@
 numba is imported where work begins, so that programs without a light map do not wait for it.
 """
 
+import itertools
 import os
 from copy import copy
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
@@ -177,14 +178,25 @@ def first_rays(rows: int) -> int:
     return max(min(_FIRST_RAYS, wanted), _FEWEST_FIRST)
 
 
-def with_rays(bake: "Unwritten[Bake]", count: int, control: JobControl) -> Round | None:
-    """A bake with more rays of each texel; None if it was cancelled."""
+def with_rays(
+    bake: "Unwritten[Bake]", count: int, wanted: int, control: JobControl
+) -> Round | None:
+    """A bake with more rays of each texel, of those `wanted` at last; None if it was cancelled."""
     from light_transport.kept_rays import add_kept_rays
+    from light_transport.ray_scene import BLOCK_ROWS
 
     # Light is made of the rays before, meanwhile.
     grown = copy(bake.value)
     grown.threads = _all_threads()
-    if not add_kept_rays(grown, count, control.cancelled):
+    done = itertools.count()
+
+    def is_cancelled() -> bool:
+        """Asked before each block of rows."""
+        rays = grown.rays + min(next(done) * BLOCK_ROWS / grown.rows, 1.0) * count
+        control.progress(rays / wanted, f"{rays:.0f} of {wanted} rays")
+        return control.cancelled()
+
+    if not add_kept_rays(grown, count, is_cancelled):
         return None
     # Hours follow each other while time plays: they leave the other cores to the frame.
     grown.threads = 1

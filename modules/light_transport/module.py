@@ -239,7 +239,7 @@ class LightTransport(Module):
         rays = self._round.rays if self._round is not None else 0
         count = min(rays or self._laid.first_rays, self._quality.rays - rays)
         if count > 0:
-            self.link.start_job(RAYS, with_rays, self._laid.bake, count)
+            self.link.start_job(RAYS, with_rays, self._laid.bake, count, self._quality.rays)
 
     def _take_round(self, done: Round) -> None:
         assert self._laid is not None

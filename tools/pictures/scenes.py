@@ -2,10 +2,10 @@
 
     python -m tools.pictures.scenes SHEET.jpg [FOLDER]
 
-Prague's sun at sea level, 21 June, turbidity 3 and ground of albedo 0.1 for both. Each picture
-is what `vrut-lite render SCENE --at HOUR --place 50.0755,14.4378,0 --sky MODULE --turbidity 3
---albedo 0.1 --size 480x300` writes; with a FOLDER they are kept there at that size. Printed are
-two Markdown tables: the light on level ground, and each picture's exposure.
+Prague's sun at sea level, 21 June, the default air and ground of albedo 0.1 for both. Each picture
+is what `vrut-lite render SCENE --at HOUR --place 50.0755,14.4378,0 --sky MODULE --albedo 0.1 --size
+480x300` writes; with a FOLDER they are kept there at that size. Printed are two Markdown tables:
+the light on level ground, and each picture's exposure.
 """
 
 import sys
@@ -36,7 +36,7 @@ DRAWN = (
 HOURS = ("07:00", "12:30", "21:10")
 # At sea level, where both skies have the same optical depth.
 _DAY, _PLACE = "2026-06-21", "50.0755,14.4378,0"
-_TURBIDITY, _ALBEDO = 3.0, 0.1
+_ALBEDO = 0.1
 _SIZE, _THUMBNAIL = (480, 300), (320, 200)
 # Rows of the sky that the table's light is summed over.
 _SKY_HEIGHT = 256
@@ -72,7 +72,7 @@ def project_of(scene: str, sky: str) -> Project:
         place=_PLACE,
         at=f"{_DAY}T{HOURS[0]}",
         slots={"sky": sky},
-        settings={sky: {"turbidity": _TURBIDITY, "albedo": _ALBEDO}},
+        settings={sky: {"albedo": _ALBEDO}},
         size=_SIZE,
     )
 

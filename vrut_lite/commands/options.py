@@ -74,7 +74,8 @@ def daylight_options(command: Command) -> Command:
                      help="How far radiance may be off, as 1% or 0.01: sizes, orders and "
                      f"thresholds follow. Default {DEFAULT_TOLERANCE:.0%}."),
         click.option("--set", "assignments", multiple=True, metavar="MODULE.NAME=VALUE",
-                     help="One setting of one module; may be repeated."),
+                     help="One setting of one module; may be repeated. What a still waits for, as "
+                     "light between surfaces, has a setting `on`."),
     ]  # fmt: skip
     for option in reversed(shared):
         command = option(command)

@@ -1,14 +1,20 @@
 """Progress on a terminal; elsewhere nothing, and rich, which draws it, is not imported."""
 
+import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, TypeVar
+
+from vrut_lite.kernel.trace import Remark, Trace
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 T = TypeVar("T")
+_LOOK_S = 0.3
+_SHARE = re.compile(r"(.*): (\d+)% ?(.*)")
 
 
 def tracked(steps: Iterable[T], name: str, total: int | None = None) -> Iterable[T]:
@@ -33,9 +39,56 @@ def advancing_bar(name: str, total: int) -> Iterator[Callable[[int], None]]:
         yield lambda steps: progress.advance(task, steps)
 
 
-def busy_with(name: str) -> AbstractContextManager[object]:
-    """Shows, while entered, what is being done."""
-    return _console().status(name) if _on_terminal() else nullcontext()
+def busy_with(name: str, trace: Trace | None = None) -> AbstractContextManager[object]:
+    """Shows, while entered, what is being done; with a kernel's trace, how far its jobs are."""
+    if not _on_terminal():
+        return nullcontext()
+    return _console().status(name) if trace is None else _following(name, trace)
+
+
+@contextmanager
+def _following(name: str, trace: Trace) -> Iterator[object]:
+    """A line that tells how far the work is that the trace told of last."""
+    ended = threading.Event()
+    with _console().status(name) as status:
+
+        def follow() -> None:
+            while not ended.wait(_LOOK_S):
+                status.update(f"{name}{progress_text(trace.remarks())}")
+
+        thread = threading.Thread(target=follow, daemon=True)
+        thread.start()
+        try:
+            yield status
+        finally:
+            ended.set()
+            thread.join()
+
+
+def progress_text(remarks: Sequence[Remark]) -> str:
+    """How far the job is that told its progress last, and the seconds that it still takes.
+
+    Seconds are those of an even pace since the job's first remark. Empty where no job has told
+    any, or where the last has ended.
+    """
+    told = [
+        (remark, share)
+        for remark in remarks
+        if remark.kind == "progress" and (share := _SHARE.fullmatch(remark.text)) is not None
+    ]
+    if not told:
+        return ""
+    last, found = told[-1]
+    job = last.module, found[1]
+    own = [(r, int(share[2])) for r, share in told if (r.module, share[1]) == job]
+    (first, began), done = own[0], int(found[2])
+    if done >= 100:
+        return ""
+    line = f": {found[3] or f'{done} %'}"
+    seconds = (last.end_ns - first.end_ns) / 1e9
+    if done > began:
+        line += f", {seconds * (100 - done) / (done - began):.0f} s to go"
+    return line
 
 
 def _on_terminal() -> bool:

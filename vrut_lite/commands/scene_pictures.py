@@ -46,7 +46,7 @@ class ScenePlan:
         host = self._open_host()
         try:
             host.inject(*setting_inputs(self.project, host.kernel), *inputs)
-            with busy_with(f"opening {self.project.scene}"):
+            with busy_with(f"opening and lighting {self.project.scene}", host.kernel.trace):
                 host.settle()
         except BaseException:
             host.close()

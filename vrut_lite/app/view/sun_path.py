@@ -130,27 +130,23 @@ class SunPath(QObject):
         painter.setPen(QPen(QColor(_MOON_COLOUR), 1.2, Qt.PenStyle.DashDotLine))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPath(_path(points, directions[:, 1] >= 0.0, place))
+        seen = [n for n in np.flatnonzero(directions[:, 1] >= 0.0) if _inside(points[n])]
+        if seen:
+            painter.drawText(_on(place, points[seen[len(seen) // 2]]) + QPointF(6, -6), "moon")
         moon = None if self._moon is None else self._moon.moon
-        if moon is None or moon.place.visible_disc_fraction == 0.0:
-            return
-        spot = self._paint_body(painter, place, camera, moon.place, 7.0)
-        if spot is not None:
-            painter.setPen(QColor(_MOON_COLOUR))
-            painter.drawText(spot + QPointF(10, -6), "moon")
+        if moon is not None and moon.place.visible_disc_fraction > 0.0:
+            self._paint_body(painter, place, camera, moon.place, 7.0)
 
     def _paint_body(
         self, painter: QPainter, place: QRectF, camera: MoveCamera, body: SunMoved, radius_px: float
-    ) -> QPointF | None:
-        """A ring where a body stands; None if that is not in the picture."""
+    ) -> None:
+        """A ring where a body stands."""
         aspect = place.width() / place.height()
         (point,) = project_directions([body.direction], camera, aspect)
-        if not _inside(point):
-            return None
-        spot = _on(place, point)
-        painter.setPen(QPen(QColor("#ffffff"), 1.5))
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawEllipse(spot, radius_px, radius_px)
-        return spot
+        if _inside(point):
+            painter.setPen(QPen(QColor("#ffffff"), 1.5))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawEllipse(_on(place, point), radius_px, radius_px)
 
 
 def _path(points: np.ndarray, chosen: np.ndarray, place: QRectF) -> QPainterPath:
