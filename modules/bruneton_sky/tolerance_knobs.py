@@ -219,7 +219,7 @@ def _timed_table(finer: float) -> SkyView:
     return sky_view(_usual(BrunetonSkySettings()), _TIMED.height_m, _TIMED.sun, finer)
 
 
-_TIMED_AIR = atmosphere_of(BrunetonSkySettings())
+_TIMED_AIR = atmosphere_of(BrunetonSkySettings(aerosol="one-lobe"))
 KNOBS = ToleranceKnobs(
     fronts=FRONTS,
     knobs={

@@ -24,10 +24,9 @@ from vrut_lite.daylight.haze import SetHaze
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour
-from vrut_lite.daylight.sun import SunMoved
-from vrut_lite.geometry.frames import world_from_enu
-from vrut_lite.kernel.messages import ClockMoved, SlotChanged
-from vrut_lite.kernel.module import Link, Manifest, handles
+from vrut_lite.daylight.sun import SunMoved, sun_moved
+from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.kernel.module import Manifest, handles
 
 
 class DynamicSkyLight(SkyModule):
@@ -41,11 +40,6 @@ class DynamicSkyLight(SkyModule):
     )
     settings_type = DynamicSkyLightSettings
     settings: DynamicSkyLightSettings
-
-    def __init__(self, link: Link, settings: DynamicSkyLightSettings):
-        super().__init__(link, settings)
-        # What the sun that was posted last was made from.
-        self._sun_of: tuple[object, ...] | None = None
 
     # --- the sky -------------------------------------------------------------------------
 
@@ -84,7 +78,7 @@ class DynamicSkyLight(SkyModule):
     def settings_changed(self, name: str) -> None:
         """Work out again what depends on the setting."""
         if name == "sun_method":
-            self._move_sun()
+            self.move_sun()
         else:
             super().settings_changed(name)
 
@@ -94,34 +88,25 @@ class DynamicSkyLight(SkyModule):
     @handles(SetPlace)
     def hour_changed(self, _message: ClockMoved | SetPlace) -> None:
         """The hour or the place changed: so may the sun."""
-        self._move_sun()
+        self.move_sun()
 
-    @handles(SlotChanged)
-    def sun_slot_changed(self, message: SlotChanged) -> None:
-        """Another sun may have been told in between: tell this one again."""
-        if message.name == "sun":
-            self._sun_of = None
-            self._move_sun()
-
-    def _move_sun(self) -> None:
+    def move_sun(self) -> None:
+        """Tell the sun of the clock's instant, if it is another."""
         clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
         if clock is None or place is None or not self.link.holds("sun"):
             return
-        sun_of = clock, place, self.settings.sun_method
-        if sun_of == self._sun_of:
-            self.ledger.skip("SunMoved unchanged")
-            return
-        # The kernel has checked the place, and knows more years than the ephemeris is good for.
-        where = place.latitude_deg, place.longitude_deg, self.settings.sun_method, place.altitude_m
-        sun = position_at(clock.instant, *where)
-        east, up, south = world_from_enu(sun.direction, place.north_offset_rad).tolist()
-        self._post(
-            SunMoved(
-                direction=(east, up, south),
-                azimuth_rad=sun.azimuth_rad,
-                elevation_rad=sun.elevation_rad,
-                apparent_elevation_rad=sun.apparent_elevation_rad,
-                visible_disc_fraction=sun.visible_disc_fraction,
+        method = self.settings.sun_method
+
+        def sun() -> SunMoved:
+            # The kernel has checked the place, and knows more years than the ephemeris is good for.
+            where = place.latitude_deg, place.longitude_deg, method, place.altitude_m
+            found = position_at(clock.instant, *where)
+            return sun_moved(
+                found.azimuth_rad,
+                found.elevation_rad,
+                found.apparent_elevation_rad,
+                found.visible_disc_fraction,
+                place.north_offset_rad,
             )
-        )
-        self._sun_of = sun_of
+
+        self._post_sun((clock, place, method), sun)

@@ -6,8 +6,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from weather_sky.cie import OVERCAST, SUNLESS, general_sky
-from weather_sky.distribution import Distribution, Overcast
+from vrut_lite.daylight.cie_skies import OVERCAST, SUNLESS, general_sky
+from vrut_lite.daylight.sky_distribution import Distribution, Overcast
 from weather_sky.perez import (
     LOWEST_SUN_RAD,
     SOLAR_CONSTANT_W_M2,

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vrut_lite.daylight.sky_distribution import Distribution, Overcast
 from vrut_lite.numeric_types import FloatArray
-from weather_sky.distribution import Distribution, Overcast
 
 
 class Nodes(NamedTuple):

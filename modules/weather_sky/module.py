@@ -7,11 +7,10 @@ changes from hour to hour as the file does. Without one the sun follows the cloc
 from vrut_lite.daylight.place import SetPlace
 from vrut_lite.daylight.sky_module import SkyModule
 from vrut_lite.daylight.sky_of_hour import Hour
-from vrut_lite.daylight.sun import SunMoved
+from vrut_lite.daylight.sun import sun_moved
 from vrut_lite.daylight.weather import SetWeather
-from vrut_lite.geometry.frames import world_from_enu
-from vrut_lite.kernel.messages import ClockMoved, SlotChanged
-from vrut_lite.kernel.module import Link, Manifest, handles
+from vrut_lite.kernel.messages import ClockMoved
+from vrut_lite.kernel.module import Manifest, handles
 from weather_sky.conditions import Conditions
 from weather_sky.light import WeatherLight
 from weather_sky.settings import WeatherSettings
@@ -32,11 +31,6 @@ class WeatherSky(SkyModule):
     )
     settings_type = WeatherSettings
     settings: WeatherSettings
-
-    def __init__(self, link: Link, settings: WeatherSettings):
-        super().__init__(link, settings)
-        # What the sun that was posted last was made from.
-        self._sun_of: tuple[object, ...] | None = None
 
     # --- the sky -------------------------------------------------------------------------
 
@@ -74,7 +68,7 @@ class WeatherSky(SkyModule):
     @handles(SetWeather)
     def weather_set(self, _message: SetWeather) -> None:
         """Another year: another sun, and another sky."""
-        self._move_sun()
+        self.move_sun()
         self._update()
 
     # --- the sun -------------------------------------------------------------------------
@@ -83,17 +77,11 @@ class WeatherSky(SkyModule):
     @handles(SetPlace)
     def hour_changed(self, _message: ClockMoved | SetPlace) -> None:
         """The hour or the place changed: so may sun and sky."""
-        self._move_sun()
+        self.move_sun()
         self._update()
 
-    @handles(SlotChanged)
-    def sun_slot_changed(self, message: SlotChanged) -> None:
-        """Another sun may have been told in between: tell this one again."""
-        if message.name == "sun":
-            self._sun_of = None
-            self._move_sun()
-
-    def _move_sun(self) -> None:
+    def move_sun(self) -> None:
+        """Tell the sun of the hour, if it is another."""
         clock, place = self.link.last(ClockMoved), self.link.last(SetPlace)
         if clock is None or place is None or not self.link.holds("sun"):
             return
@@ -103,19 +91,14 @@ class WeatherSky(SkyModule):
             # Hours of the file's standard time, which may be off by half an hour or a quarter.
             since = (seconds + weather.utc_offset_h * _HOUR_S) % _HOUR_S
             seconds = float(middle_of_sunlit(seconds - since, *where))
-        sun_of = seconds, place
-        if sun_of == self._sun_of:
-            self.ledger.skip("SunMoved unchanged")
-            return
-        sun = suns_at(seconds, *where)
-        x, up, z = world_from_enu(sun.east_north_up, place.north_offset_rad).tolist()
-        self._post(
-            SunMoved(
-                direction=(x, up, z),
-                azimuth_rad=float(sun.azimuth_rad),
-                elevation_rad=float(sun.elevation_rad),
-                apparent_elevation_rad=float(sun.apparent_elevation_rad),
-                visible_disc_fraction=float(sun.disc_fraction),
-            )
+        found = suns_at(seconds, *where)
+        self._post_sun(
+            (seconds, place),
+            lambda: sun_moved(
+                float(found.azimuth_rad),
+                float(found.elevation_rad),
+                float(found.apparent_elevation_rad),
+                float(found.disc_fraction),
+                place.north_offset_rad,
+            ),
         )
-        self._sun_of = sun_of

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vrut_lite.daylight.sky_distribution import Distribution
 from vrut_lite.numeric_types import FloatArray
-from weather_sky.distribution import Distribution
 
 SOLAR_CONSTANT_W_M2 = 1367.0
 # Below it air mass and clearness mean little; the sun of a sunlit half hour stands there.

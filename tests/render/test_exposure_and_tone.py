@@ -5,8 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vrut_lite.geometry import colour
+from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.display import display_picture, dither
+from vrut_lite.pictures.night_eye import seen_by_eye
 
 
 @pytest.mark.parametrize("luminance_cd_m2", [500.0, 4000.0, 30000.0])
@@ -120,9 +123,24 @@ def test_the_tone_curve_stays_in_range_and_rises(rgb, factor):
 @given(st.lists(st.floats(-1.0, 1e8), min_size=3, max_size=3))
 def test_every_curve_shows_something_for_any_radiance(rgb):
     """The values lie in range without NaN, also for colours outside the gamut."""
-    for curve in ("agx", "exponential", "none"):
+    for curve in ("agx", "exponential", "none", "eye"):
         shown = tone_map.tone_mapped(rgb, curve)
         assert ((shown >= 0.0) & (shown <= 1.0)).all()
+
+
+def test_by_night_the_eye_sees_no_colour_and_by_day_all():
+    """Below 5.6e-3 cd/m² rods alone see, above 5.6 cones (Ward Larson et al. 1997); to rods blue
+    is brighter than red of the same luminance (Purkinje)."""
+    red, blue = np.array([1.0, 0.1, 0.1]), np.array([0.1, 0.1, 1.0])
+    red, blue = red / colour.luminance(red), blue / colour.luminance(blue)
+    night = seen_by_eye(np.array([red, blue]) * 1e-3 / LUMENS_PER_WATT)
+    hue = night / night.sum(axis=-1, keepdims=True)
+    np.testing.assert_allclose(hue[0], hue[1], rtol=1e-9)
+    assert colour.luminance(night[1]) > 3.0 * colour.luminance(night[0])
+    day = np.array([red, blue]) * 10.0 / LUMENS_PER_WATT
+    np.testing.assert_allclose(seen_by_eye(day), day, rtol=1e-12)
+    white = seen_by_eye(np.full(3, 1e-3 / LUMENS_PER_WATT))
+    assert colour.luminance(white) * LUMENS_PER_WATT == pytest.approx(1e-3, rel=0.01)
 
 
 def test_the_papers_curve_and_none_are_what_they_say():

@@ -9,9 +9,11 @@ import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import astronomy
 import numpy as np
 from night_sky.moon import moon_at
-from night_sky.sky_axes import watch
+from night_sky.sky_axes import body_km, refracted, watch
+from numpy.typing import NDArray
 from PIL import Image
 
 from tools.pictures.drawing import Captioned, scene_project, sheet, shots
@@ -22,10 +24,12 @@ from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.bus import Kernel
 from vrut_lite.kernel.messages import ChooseSlot, SetClock
+from vrut_lite.numeric_types import FloatArray
 from vrut_lite.project import CameraView, Exposure, Project, parse_place
 
 WIDTH_PX = 1400
 PRAGUE, BURGOS = "50.0755,14.4378,200", "42.34,-3.70,850"
+LISBON, XIAN = "38.7,-9.1,50", "34.3,108.9,400"
 # The moon rises two hours after sunset.
 NIGHT = {
     "sunset": "2026-04-04T19:30",
@@ -49,6 +53,16 @@ DAYS = [
     datetime(2026, month, day, 12, tzinfo=UTC)
     for month, day in ((1, 3), (3, 26), (6, 14), (10, 10))
 ]
+# The sun on the horizon, and the exposure of each.
+LOW_SUNS = {"2026-06-21T21:08": 17.0, "2026-06-21T21:12": 15.0, "2026-06-21T21:14": 14.0}
+# The moon in the Earth's shadow: 28 August 2026 over Lisbon, 31 December 2028 over Xi'an.
+UMBRA = (
+    ("2026-08-28T03:55", 12.0, 2.0),
+    ("2026-08-28T05:13", 4.0, 2.0),
+    ("2029-01-01T00:52", 3.0, 4.0),
+    ("2029-01-01T00:52", 1.0, 2.0),
+    ("2029-01-01T00:52", -3.0, 0.0),
+)
 # Light between surfaces adds little by night, and takes long.
 OPEN_SKY = {"light_transport": {"on": False}}
 _EYE_M = (0.0, 60.0, 0.0)
@@ -99,28 +113,60 @@ def orion_and_eclipse() -> list[Captioned]:
 
 def moons() -> list[Captioned]:
     """The moon through a long lens, the right way up for Prague, and the eclipsed sun."""
-    pictures = [_aimed(PRAGUE, at, Exposure(mode="manual", ev100=ev)) for at, ev in PHASES.items()]
-    return [*pictures, _aimed(BURGOS, "2026-08-12T20:21", Exposure(mode="manual", ev100=27.5))]
+    pictures = [_moon(PRAGUE, at, ev) for at, ev in PHASES.items()]
+    return [*pictures, _moon(BURGOS, "2026-08-12T20:21", 27.5)]
 
 
-def _aimed(place: str, at: str, exposure: Exposure) -> Captioned:
-    """A picture of 0.8 deg around the moon."""
-    project = Project(place=place, at=at)
-    where = parse_place(place)
-    moon = moon_at(watch(project.instant(), *where))
-    target = tuple((np.add(_EYE_M, 1000.0 * moon.direction)).tolist())
-    camera = CameraView(eye_m=_EYE_M, target_m=target, vertical_field_of_view_deg=1.0)
+def horizon_and_umbra() -> list[Captioned]:
+    """The sun on the horizon, and the moon in the Earth's shadow by Danjon's scale."""
+    pictures: list[Captioned] = []
+    for at, ev in LOW_SUNS.items():
+        here = watch(Project(place=PRAGUE, at=at).instant(), *parse_place(PRAGUE))
+        sun = here.world @ body_km(astronomy.Body.Sun, here)
+        sun = refracted(sun / np.linalg.norm(sun))
+        height = np.degrees(np.arcsin(sun[1]))
+        pictures.append((f"sun {height:.2f}°, EV {ev:g}", _aimed(sun, PRAGUE, at, ev)))
+    for at, ev, danjon in UMBRA:
+        seen = _moon(LISBON if at < "2028" else XIAN, at, ev, danjon)[1]
+        pictures.append((f"{at[:10]}, L = {danjon:g}, EV {ev:g}", seen))
+    return pictures
+
+
+def terrain() -> list[Captioned]:
+    """The same night over a valley under Bruneton's sky, exposed automatically."""
+    project = scene_project(
+        "large/terrain.toml", size=(280, 210), place=PRAGUE, settings=OPEN_SKY,
+        slots={"sky": "bruneton_sky"},
+    )  # fmt: skip
+    taken = shots(project, list(NIGHT.values()))
+    return [
+        (f"{name}, EV {shot.picture.ev100:.1f}", shot.picture.display)
+        for name, shot in zip(NIGHT, taken, strict=True)
+    ]
+
+
+def _moon(place: str, at: str, ev100: float, danjon: float = 2.0) -> Captioned:
+    """A picture of 1 deg around the moon."""
+    moon = moon_at(watch(Project(place=place, at=at).instant(), *parse_place(place)))
+    seen = _aimed(moon.direction, place, at, ev100, danjon)
+    return f"{at[5:10]}, {moon.lit_fraction:.0%} lit", seen
+
+
+def _aimed(
+    direction: FloatArray, place: str, at: str, ev100: float, danjon: float = 2.0
+) -> NDArray[np.uint8]:
+    target = tuple((np.add(_EYE_M, 1000.0 * direction)).tolist())
     project = scene_project(
         "pavilion.gltf",
         size=(175, 175),
-        camera=camera,
+        camera=CameraView(eye_m=_EYE_M, target_m=target, vertical_field_of_view_deg=1.0),
         place=place,
         at=at,
-        exposure=exposure,
-        settings=OPEN_SKY,
+        exposure=Exposure(mode="manual", ev100=ev100),
+        settings={**OPEN_SKY, "night_sky": {"danjon": danjon}},
     )
     (taken,) = shots(project, [at])
-    return f"{at[5:10]}, {moon.lit_fraction:.0%} lit", taken.picture.display
+    return taken.picture.display
 
 
 def illuminance(path: Path) -> None:
@@ -161,7 +207,13 @@ def _lux(kernel: Kernel, instant: datetime) -> float:
 def main(folder: str) -> None:
     """Draw figure and sheet."""
     illuminance(Path(folder) / "night_illuminance.png")
-    rows = [sheet(street(), 5), sheet(orion_and_eclipse(), 2), sheet(moons(), 8)]
+    rows = [
+        sheet(street(), 5),
+        sheet(terrain(), 5),
+        sheet(orion_and_eclipse(), 2),
+        sheet(moons(), 8),
+        sheet(horizon_and_umbra(), 8),
+    ]
     paper = Image.new("RGB", (WIDTH_PX, sum(row.height for row in rows)))
     top = 0
     for row in rows:

@@ -52,8 +52,8 @@ FORMATS = (".png", ".jpg", ".exr")
 )
 @click.option(
     "--tone-map",
-    metavar="agx|exponential|none",
-    help="Like film (default), 1 - exp(-k L) as in papers, or cut off.",
+    metavar="agx|exponential|none|eye",
+    help="Like film (default), 1 - exp(-k L) as in papers, cut off, or as the eye sees by night.",
 )
 @click.option(
     "--white",

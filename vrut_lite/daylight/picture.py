@@ -6,7 +6,7 @@ from vrut_lite import checks
 from vrut_lite.kernel.messages import Input
 from vrut_lite.numeric_types import Vector
 
-ToneMap = Literal["agx", "exponential", "none"]
+ToneMap = Literal["agx", "exponential", "none", "eye"]
 LARGEST_PICTURE_PX = 16384
 # Stops of exposure whose powers of two stay finite in 32 bits.
 _MOST_STOPS = 100.0

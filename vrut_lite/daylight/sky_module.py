@@ -12,6 +12,7 @@ The ledger counts, by the messages' type names, what was posted ("BackgroundChan
 not ("BackgroundChanged unwanted", "BackgroundChanged unchanged").
 """
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import msgspec
@@ -70,6 +71,8 @@ class SkyModule(Module):
 
     def __init__(self, link: Link, settings: Any):
         super().__init__(link, settings)
+        # What the sun was made from that was posted last, by a sky that is the sun too.
+        self._sun_of: tuple[object, ...] | None = None
         # The sources of each message that was posted last.
         self._posted: dict[type[Derived], tuple[object, ...]] = {}
         # The latest sky, and the hour that it shows.
@@ -147,6 +150,20 @@ class SkyModule(Module):
         elif message.name == "sky":
             self._posted.clear()
             self._update()
+        elif message.name == "sun":
+            self._sun_of = None
+            self.move_sun()
+
+    def move_sun(self) -> None:
+        """Tell where the sun stands, by `_post_sun`: of a sky that provides the slot "sun" too."""
+
+    def _post_sun(self, made_from: tuple[object, ...], made: Callable[[], SunMoved]) -> None:
+        """Post the sun, made if it is from other sources than the last one."""
+        if made_from == self._sun_of:
+            self.ledger.skip("SunMoved unchanged")
+            return
+        self._post(made())
+        self._sun_of = made_from
 
     def settings_changed(self, name: str) -> None:
         """Post the sky of the new settings."""

@@ -5,6 +5,7 @@ from typing import ClassVar, Literal, get_args
 
 from vrut_lite import checks
 from vrut_lite.daylight.limits import MOST_LIGHT
+from vrut_lite.geometry.frames import direction_from_angles, world_from_enu
 from vrut_lite.kernel.messages import Derived
 from vrut_lite.numeric_types import Vector
 
@@ -33,6 +34,25 @@ class SunMoved(Derived, frozen=True, kw_only=True):
         checks.number(self, "elevation_rad", -_UP_RAD, _UP_RAD)
         checks.number(self, "apparent_elevation_rad", -_UP_RAD, _UP_RAD)
         checks.number(self, "visible_disc_fraction", 0.0, 1.0)
+
+
+def sun_moved(
+    azimuth_rad: float,
+    elevation_rad: float,
+    apparent_elevation_rad: float,
+    visible_disc_fraction: float,
+    north_offset_rad: float,
+) -> SunMoved:
+    """The message of a sun, azimuth from north, over a place whose -Z is so far from north."""
+    seen = direction_from_angles(azimuth_rad, apparent_elevation_rad)
+    x, y, z = world_from_enu(seen, north_offset_rad).tolist()
+    return SunMoved(
+        direction=(x, y, z),
+        azimuth_rad=float(azimuth_rad),
+        elevation_rad=float(elevation_rad),
+        apparent_elevation_rad=float(apparent_elevation_rad),
+        visible_disc_fraction=float(visible_disc_fraction),
+    )
 
 
 class KeyLightChanged(Derived, frozen=True, kw_only=True):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.pictures.night_eye import seen_by_eye
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
@@ -29,6 +30,8 @@ def display_picture(
     """
     if ev100 is None:
         ev100 = exposure.automatic_ev100(radiance if inside is None else radiance[inside])
+    if curve == "eye":
+        radiance = seen_by_eye(radiance)
     balanced = radiance if white_balance is None else radiance @ white_balance.T
     encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), curve)
     if bits == 16:

@@ -40,9 +40,10 @@ SIGMOID = (-0.00232, 0.1191, 0.4298, -6.868, 31.96, -40.14, 15.5)
 def tone_mapped(picture: ArrayLike, curve: ToneMap = "agx") -> NDArray[np.float64]:
     """Display-encoded sRGB (..., 3) in [0, 1] of linear picture values (..., 3).
 
-    "agx"; "exponential", 1 - exp(-k L); "none", which cuts off at 1.
+    "agx"; "exponential", 1 - exp(-k L); "none", which cuts off at 1; "eye" is AgX, of what
+    `night_eye.py` has made of the radiance before.
     """
-    if curve == "agx":
+    if curve in ("agx", "eye"):
         return agx(picture)
     values = np.maximum(np.asarray(picture, dtype=float), 0.0)
     return srgb_encode(-np.expm1(-EXPONENTIAL_RATE * values) if curve == "exponential" else values)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.solver.delta_m import thinned
+from bruneton_sky.solver.delta_m import forward_share, thinned
 from bruneton_sky.solver.nodes import Nodes, fed_phase_tables, make_nodes, make_transmittance
 from bruneton_sky.solver.sizes import SolverSizes
 from bruneton_sky.solver.source_field import SourceField
@@ -37,6 +37,9 @@ _ORDER_TOLERANCE, _THICK_TOLERANCE, _FOG_TOLERANCE = 0.02, 0.01, 0.005
 # Altitudes are spread by the root of the height: those of air of the first top serve for as dense
 # nodes in deeper air, up to so much deeper.
 _USUAL_TOP_M, _MOST_DEEPER = 60_000.0, 2.0
+# Share of scattered light beyond 16 degrees of harmonics from which on 24 are kept: dust has 0.13,
+# salt 0.12, continental aerosol 0.02. Of dust from 300 km the rms error falls from 0.6 to 0.2 %.
+_SHARP, _SHARP_DEGREE = 0.05, 24
 
 
 class _Sum(NamedTuple):
@@ -118,13 +121,22 @@ def order_tolerance(atmosphere: Atmosphere) -> float:
 
 
 def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
-    """The sizes for a picture of this air; deep air has more altitudes, as dense at the ground."""
+    """The sizes for a picture of this air.
+
+    Deep air has more altitudes, as dense at the ground. Dust and salt, of whose sharp phase
+    functions delta-M takes much away, have more harmonics.
+    """
     if atmosphere.foggy:
         sizes = SolverSizes.in_fog()
     else:
         sizes = SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes.in_clear_air()
     deeper = min(max(atmosphere.top_altitude_m / _USUAL_TOP_M, 1.0), _MOST_DEEPER)
-    return replace(sizes, altitude=math.ceil(sizes.altitude * math.sqrt(deeper)))
+    sharp = forward_share(atmosphere, sizes.degree).max() > _SHARP
+    return replace(
+        sizes,
+        altitude=math.ceil(sizes.altitude * math.sqrt(deeper)),
+        degree=_SHARP_DEGREE if sharp else sizes.degree,
+    )
 
 
 def _sum_orders(

@@ -3,11 +3,12 @@
 Luminance is relative; a daylight factor is a ratio.
 """
 
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 from light_transport.hour.hour import Hour
+from vrut_lite.daylight.cie_skies import OVERCAST, general_sky
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.spherical_harmonics import irradiance_coefficients
 from vrut_lite.numeric_types import FloatArray
@@ -23,25 +24,11 @@ _CUBE = 64
 _RADIANCE = 100.0
 
 
-class _Gradation(NamedTuple):
-    """Luminance over that of the zenith is (1 + a exp(b / sin h)) / (1 + a exp(b))."""
-
-    a: float
-    b: float
-
-
-_GRADATIONS: dict[CieSky, _Gradation] = {"1": _Gradation(4.0, -0.70), "5": _Gradation(0.0, -1.0)}
-
-
 def relative_luminance(sky: CieSky, sine: FloatArray) -> FloatArray:
     """Luminance over that of the zenith at directions whose height has this sine, 0 to 1."""
-    sine = np.asarray(sine, float)
-    if sky == "16":
-        # Moon and Spencer 1942.
-        return np.asarray((1.0 + 2.0 * sine) / 3.0)
-    a, b = _GRADATIONS[sky]
-    gradation = 1.0 + a * np.exp(b / np.maximum(sine, 1e-6))
-    return np.asarray(gradation / (1.0 + a * np.exp(b)))
+    shape = OVERCAST if sky == "16" else general_sky(int(sky))
+    zenith = shape.relative_luminance(1.0, 0.0)
+    return np.asarray(shape.relative_luminance(sine, 0.0) / zenith)
 
 
 def cie_hour(sky: CieSky, ground_albedo: float) -> Hour:

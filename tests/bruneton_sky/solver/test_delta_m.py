@@ -4,13 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bruneton_sky import SolvedSky
 from bruneton_sky import solve as solve_sky
 from bruneton_sky.presets import earth_spectral
 from bruneton_sky.single_scattering import optical_depth_to_top
 from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
-from bruneton_sky.solver import SolverSizes, multiple_scattering, solve
+from bruneton_sky.solver import SolverSizes, multiple_scattering, real_time_sizes, solve
 from bruneton_sky.solver.delta_m import forward_share, kept_coefficients, thinned
 from bruneton_sky.solver.grid import SunGrid, azimuths
+from bruneton_sky.solver_rungs import rung_sizes
 
 from vrut_lite.daylight.aerosols import type_optics
 from vrut_lite.geometry.colour import SKYLIGHT_NM
@@ -95,3 +97,26 @@ def test_light_scattered_once_keeps_its_peak():
     mu = np.sin(np.radians(40.0) + np.arccos(nu))
     beside = sky.radiance(0.0, mu, mu_s, nu)[:, 1]
     assert beside[0] > 1.5 * beside[1] > 2.0 * beside[2]
+
+
+def test_sharp_phase_functions_have_more_harmonics():
+    """Dust and salt, not continental air, whose cost stays."""
+    degrees = {kind: real_time_sizes(air_of(kind, 0.2)).degree for kind in ("desert", "urban")}
+    assert degrees == {"desert": 24, "urban": 16}
+
+
+@pytest.mark.long
+def test_dust_from_space_is_that_of_a_finer_solution():
+    """From 300 km down through desert dust: 0.3 % rms and 0.3 % in the mean of a field of more
+    harmonics and directions, where sixteen degrees had 0.6 %."""
+    air = air_of("desert", 0.286)
+    finer = replace(rung_sizes(air, "finest"), degree=28)
+    rng = np.random.default_rng(1)
+    mu, azimuth = rng.uniform(-1.0, -0.35, 60), rng.uniform(0.0, np.pi, 60)
+    mu_s = np.repeat(np.sin(np.radians([60.0, 25.0])), 30)
+    nu = mu * mu_s + np.sqrt((1.0 - mu**2) * (1.0 - mu_s**2)) * np.cos(azimuth)
+    field = solve(air, sizes=finer, all_orders=True, tolerance=2e-3)
+    exact = SolvedSky(field=field).radiance(3e5, mu, mu_s, nu)
+    error = solve_sky(air).radiance(3e5, mu, mu_s, nu) / exact - 1.0
+    assert np.sqrt((error**2).mean()) < 3e-3
+    assert abs(error.mean()) < 3e-3

@@ -15,6 +15,7 @@ _TONE_TITLES = {
     "agx": "AgX, like film",
     "exponential": "1 \N{MINUS SIGN} exp(\N{MINUS SIGN}kL), as in papers",
     "none": "none, cut off at white",
+    "eye": "AgX of what the eye sees by night",
 }
 _LOWEST_EV, _HIGHEST_EV = -8.0, 24.0
 

@@ -5,13 +5,18 @@ from typing import Any
 import numpy as np
 
 from vrut_lite.daylight.picture import SetExposure
-from vrut_lite.geometry.colour import LUMINANCE_WEIGHTS
-from vrut_lite.pictures import exposure, tone_map
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, LUMINANCE_WEIGHTS
+from vrut_lite.pictures import exposure, night_eye, tone_map
 from vrut_lite.pictures.white_balance import white_balance_matrix
 from vrut_lite.render.passes.full_screen import FullScreen
 from vrut_lite.render.shader_files import Defines
 
-_CURVES: dict[str, Defines] = {"none": (), "exponential": ("EXPONENTIAL",), "agx": ("AGX",)}
+_CURVES: dict[str, Defines] = {
+    "none": (),
+    "exponential": ("EXPONENTIAL",),
+    "agx": ("AGX",),
+    "eye": ("AGX", "EYE"),
+}
 
 
 class TonePass:
@@ -29,7 +34,7 @@ class TonePass:
         display.use()
         radiance.use(location=0)
         matrix = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
-        if wish.tone_map == "agx":
+        if "AGX" in _CURVES[wish.tone_map]:
             matrix = tone_map.INSET @ matrix
         screen.set("from_radiance", exposure.scale_of(ev100) * matrix.T.ravel())
         self._context.disable(
@@ -49,6 +54,10 @@ class TonePass:
         screen.set("contrast", tone_map.CONTRAST)
         screen.set("exponential_rate", float(tone_map.EXPONENTIAL_RATE))
         screen.set("luminance_weights", LUMINANCE_WEIGHTS)
+        screen.set("xyz_from_srgb", night_eye.XYZ_FROM_SRGB.T.ravel())
+        screen.set("rods_rgb", night_eye.RODS_RGB)
+        screen.set("rods_alone", night_eye.RODS_ALONE_CD / LUMENS_PER_WATT)
+        screen.set("cones_alone", night_eye.CONES_ALONE_CD / LUMENS_PER_WATT)
         if "sigmoid" in screen.program:
             screen.program["sigmoid"].value = list(tone_map.SIGMOID)
         return screen

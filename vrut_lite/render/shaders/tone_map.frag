@@ -11,6 +11,12 @@ uniform float per_log2;
 uniform float sigmoid[7];
 uniform float contrast;
 uniform vec3 luminance_weights;
+#ifdef EYE
+uniform mat3 xyz_from_srgb;
+uniform vec3 rods_rgb;
+uniform float rods_alone;            // CIE Y in W m^-2 sr^-1
+uniform float cones_alone;
+#endif
 
 in vec2 at;
 out vec4 display;
@@ -35,8 +41,22 @@ vec3 agx(vec3 picture) {
     return clamp(outset * pow(max(c, 0.0), vec3(contrast)), 0.0, 1.0);
 }
 
+#ifdef EYE
+// The twin of pictures/night_eye.py.
+vec3 seen_by_eye(vec3 rgb) {
+    vec3 xyz = max(xyz_from_srgb * rgb, 1e-20);
+    float scotopic = xyz.y * max(1.33 * (1.0 + (xyz.y + xyz.z) / xyz.x) - 1.68, 0.0);
+    float cones = clamp(log(xyz.y / rods_alone) / log(cones_alone / rods_alone), 0.0, 1.0);
+    return mix(scotopic * rods_rgb, rgb, cones);
+}
+#endif
+
 void main() {
-    vec3 picture = from_radiance * texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
+    vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
+#ifdef EYE
+    picture = seen_by_eye(picture);
+#endif
+    picture = from_radiance * picture;
 #if defined(AGX)
     vec3 encoded = agx(picture);
 #elif defined(EXPONENTIAL)

@@ -2,7 +2,7 @@
 
 import math
 
-from weather_sky.distribution import Distribution, Overcast
+from vrut_lite.daylight.sky_distribution import Distribution, Overcast
 
 # a, b of the gradation; c, d, e of the scattering indicatrix; table 1 of the standard.
 _PARAMETERS = (
