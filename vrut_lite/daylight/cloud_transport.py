@@ -21,10 +21,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrut_lite.daylight.aerosols import PhaseTable
+from vrut_lite.daylight.clouds import Particles
 from vrut_lite.numeric_types import FloatArray
 
 FILE = Path(__file__).parent / "data" / "cloud_transport.npz"
 _DROPLETS = Path(__file__).parent / "data" / "fog_droplets.npz"
+_CRYSTALS = Path(__file__).parent / "data" / "ice_crystals.npz"
 # Of the fluxes: scaled depths, and sines of the sun's elevation.
 FLUX_DEPTHS = np.geomspace(0.01, 400.0, 48)
 FLUX_SINES = np.linspace(0.02, 1.0, 50)
@@ -70,6 +72,37 @@ def droplets() -> PhaseTable:
     """Phase functions of cloud droplets at 475, 550 and 625 nm, in this order."""
     with np.load(_DROPLETS) as data:
         return PhaseTable.of_angles(data["angle_rad"], data["phase_per_sr"][1:4].astype(float))
+
+
+@lru_cache(maxsize=1)
+def ice_crystals() -> PhaseTable:
+    """Phase functions of hexagonal columns of ice at 475, 550 and 625 nm (tools/ice_phase.py).
+
+    Without diffraction and what passes parallel faces, 64 % of a crystal's extinction: that light
+    keeps its direction, and counts as not scattered.
+    """
+    with np.load(_CRYSTALS) as data:
+        return PhaseTable(data["phase_per_sr"])
+
+
+class Scatterer(NamedTuple):
+    """What a layer's particles do to light.
+
+    Attributes:
+        phase: (nodes, 3) in sr^-1, R, G, B, uniform in sin(theta / 2).
+        diffused: share of the extinction that diffuses, after delta-M.
+    """
+
+    phase: FloatArray
+    diffused: float
+
+
+def scatterer(particles: Particles) -> Scatterer:
+    """The particles of a layer. Ice is diffused as droplets of the same scaled depth are."""
+    if particles == "ice":
+        return Scatterer(np.ascontiguousarray(ice_crystals().values[::-1].T), 1.0)
+    diffused = 1.0 - transport_tables().forward_share
+    return Scatterer(np.ascontiguousarray(droplets().values[::-1].T), diffused)
 
 
 def layer_transmittance(optical_depth: ArrayLike, sun_sine: ArrayLike) -> FloatArray:

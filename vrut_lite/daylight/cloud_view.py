@@ -18,7 +18,7 @@ from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.cloud_light_volume import light_volume
 from vrut_lite.daylight.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
-from vrut_lite.daylight.cloud_transport import droplets, transport_tables
+from vrut_lite.daylight.cloud_transport import scatterer, transport_tables
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.numeric_types import FloatArray, Vector
@@ -97,14 +97,15 @@ def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
     sines = LOWEST_SUN + (1.0 - LOWEST_SUN) * row * row
     levels_m = layer.base_m, layer.base_m + layer.thickness_m
     tables, sun = transport_tables(), np.asarray(light.sun_direction, dtype=float)
+    of_particles = scatterer(layer.particles)
     return Lights(
         sun=sun,
         suns=light.sun_passed
         * np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
-        phase=np.ascontiguousarray(droplets().values[::-1].T),
+        phase=of_particles.phase,
         volume=light_volume(field, sun).depths,
         source=tables.source,
-        diffused=1.0 - tables.forward_share,
+        diffused=of_particles.diffused,
     )
