@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.aerosols import PhaseTable
+from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES, PhaseTable, node_cosines
 from vrut_lite.numeric_types import FloatArray
 
 FILE = Path(__file__).parent / "data" / "cloud_transport.npz"
@@ -70,6 +70,24 @@ def droplets() -> PhaseTable:
     """Phase functions of cloud droplets at 475, 550 and 625 nm, in this order."""
     with np.load(_DROPLETS) as data:
         return PhaseTable.of_angles(data["angle_rad"], data["phase_per_sr"][1:4].astype(float))
+
+
+@lru_cache(maxsize=1)
+def droplets_parts() -> FloatArray:
+    """Phase functions (2, PHASE_NODES, 3), red first: the wide part, and the forward peak.
+
+    The peak holds `forward_share`. What it scatters has the sun's whole extinction behind it, or
+    the forward peaks of several scatterings would count twice; the rest has the diffused one.
+    """
+    parts = np.empty((2, PHASE_NODES, 3))
+    for channel, row in enumerate(droplets().values[::-1]):
+        low, high = 0.0, float(row[0])
+        for _ in range(60):
+            level = 0.5 * (low + high)
+            share = -2.0 * np.pi * np.trapezoid(np.maximum(row - level, 0.0), node_cosines())
+            low, high = (level, high) if share > transport_tables().forward_share else (low, level)
+        parts[:, :, channel] = np.minimum(row, level), np.maximum(row - level, 0.0)
+    return parts
 
 
 def layer_transmittance(optical_depth: ArrayLike, sun_sine: ArrayLike) -> FloatArray:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.cloud_transport import droplets, transport_tables
+from vrut_lite.daylight.cloud_transport import droplets_parts, transport_tables
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
 from vrut_lite.render.shader_files import defined, shader_source
 from vrut_lite.render.unlocked import run_compute
@@ -32,8 +32,10 @@ class CloudLightVolume:
         self._source = context.texture3d(
             (views, above, source.shape[0] * source.shape[1]), 4, source.tobytes(), dtype="f2"
         )
-        phase = np.ascontiguousarray(droplets().values[::-1].T, dtype=np.float32)
-        self._phase = context.texture((len(phase), 1), 3, phase.tobytes(), dtype="f4", alignment=1)
+        phase = droplets_parts().astype(np.float32)
+        self._phase = context.texture(
+            phase.shape[1::-1], 3, phase.tobytes(), dtype="f4", alignment=1
+        )
         for texture in (self._density, self._depths, self._source, self._phase):
             texture.filter = (context.LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
