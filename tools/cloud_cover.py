@@ -30,8 +30,8 @@ from vrut_lite.kernel.messages import Demand, SetClock
 
 NOON = datetime.fromisoformat("2026-05-01T10:00+00:00")
 UP, EYE = np.array([0.0, 1.0, 0.0]), (0.0, 2.0, 0.0)
-COVERAGES = (0.15, 0.35, 0.6, 0.85, 1.0)
-_PLACES, _APART_M, _SIZE, _RAYS = 5, 31_000.0, 16, 1200
+COVERAGES = (0.35, 0.7, 1.0)
+_PLACES, _APART_M, _SIZE, _RAYS = 4, 31_000.0, 16, 1200
 _SEEN = np.exp(-0.5)
 
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.daylight.aerosols import PhaseTable
+from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES, PhaseTable, node_cosines
 from vrut_lite.daylight.clouds import Particles
 from vrut_lite.numeric_types import FloatArray
 
@@ -75,6 +75,24 @@ def droplets() -> PhaseTable:
 
 
 @lru_cache(maxsize=1)
+def droplets_parts() -> FloatArray:
+    """Phase functions (2, PHASE_NODES, 3), red first: the wide part, and the forward peak.
+
+    The peak holds `forward_share`. What it scatters has the sun's whole extinction behind it, or
+    the forward peaks of several scatterings would count twice; the rest has the diffused one.
+    """
+    parts = np.empty((2, PHASE_NODES, 3))
+    for channel, row in enumerate(droplets().values[::-1]):
+        low, high = 0.0, float(row[0])
+        for _ in range(60):
+            level = 0.5 * (low + high)
+            share = -2.0 * np.pi * np.trapezoid(np.maximum(row - level, 0.0), node_cosines())
+            low, high = (level, high) if share > transport_tables().forward_share else (low, level)
+        parts[:, :, channel] = np.minimum(row, level), np.maximum(row - level, 0.0)
+    return parts
+
+
+@lru_cache(maxsize=1)
 def ice_crystals() -> PhaseTable:
     """Phase functions of hexagonal columns of ice at 475, 550 and 625 nm (tools/ice_phase.py).
 
@@ -89,7 +107,7 @@ class Scatterer(NamedTuple):
     """What a layer's particles do to light.
 
     Attributes:
-        phase: (nodes, 3) in sr^-1, R, G, B, uniform in sin(theta / 2).
+        phase: (2, PHASE_NODES, 3) in sr^-1, red first: the wide part, and the forward peak.
         diffused: share of the extinction that diffuses, after delta-M.
     """
 
@@ -100,9 +118,9 @@ class Scatterer(NamedTuple):
 def scatterer(particles: Particles) -> Scatterer:
     """The particles of a layer. Ice is diffused as droplets of the same scaled depth are."""
     if particles == "ice":
-        return Scatterer(np.ascontiguousarray(ice_crystals().values[::-1].T), 1.0)
-    diffused = 1.0 - transport_tables().forward_share
-    return Scatterer(np.ascontiguousarray(droplets().values[::-1].T), diffused)
+        wide = ice_crystals().values[::-1].T
+        return Scatterer(np.stack([wide, np.zeros_like(wide)]), 1.0)
+    return Scatterer(droplets_parts(), 1.0 - transport_tables().forward_share)
 
 
 def layer_transmittance(optical_depth: ArrayLike, sun_sine: ArrayLike) -> FloatArray:

@@ -32,8 +32,8 @@ class CloudLightVolume:
         self._source = context.texture3d(
             (views, above, source.shape[0] * source.shape[1]), 4, source.tobytes(), dtype="f2"
         )
-        nodes = len(scatterer("droplets").phase)
-        self._phase = context.texture((nodes, 1), 3, dtype="f4", alignment=1)
+        nodes = scatterer("droplets").phase.shape[1::-1]
+        self._phase = context.texture(nodes, 3, dtype="f4", alignment=1)
         for texture in (self._density, self._depths, self._source, self._phase):
             texture.filter = (context.LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = False

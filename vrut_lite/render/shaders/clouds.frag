@@ -28,7 +28,7 @@ const int STEPS_TO_COARSE = 8;
 // Diffused optical depth of a step in a cloud's full density.
 const float DEEPEST_STEP = 1.0;
 const int SURFACE_HALVINGS = 4;
-const float OPAQUE = 0.02;
+const float OPAQUE = 0.01;
 const float NEVER = 1e30;
 
 // Distances to where the ray enters and leaves a sphere, and half the chord; none if negative.
