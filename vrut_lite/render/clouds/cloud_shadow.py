@@ -44,6 +44,8 @@ class CloudShadowMap:
         self._buffer = context.framebuffer([self._texture])
         self._volume = CloudLightVolume(context)
         self._is_cast = False
+        # How often the light has been computed anew.
+        self.lights = 0
         self._layer: CloudLayer | None = None
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
@@ -68,6 +70,7 @@ class CloudShadowMap:
         else:
             clouds.bind(light, sky_irradiance, around, _plane(eye_m))
             self._volume.draw(clouds)
+            self.lights += 1
             self._ledger.did("cloud light volume")
             self._layer, self._sun, self._centre_m = layer, light.sun_direction, eye_m
             self._is_cast = False

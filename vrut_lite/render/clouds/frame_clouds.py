@@ -96,7 +96,8 @@ class FrameClouds:
         pixels = 1 if still else COARSER
         assert self._shadow is not None
         self._shadow.bind_light()
-        self._pass.draw(self._clouds, targets, view, air.mesh, pixels, before_meshes)
+        light = None if still else self._shadow.lights
+        self._pass.draw(self._clouds, targets, view, air.mesh, pixels, before_meshes, light)
         self._ledger.did("clouds")
 
     def release(self) -> None:
