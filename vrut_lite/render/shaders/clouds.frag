@@ -17,6 +17,10 @@ uniform vec3 view_axis;
 in vec3 ray;
 layout(location = 0) out vec4 before_sky;
 layout(location = 1) out vec4 before_mesh;
+layout(location = 2) out float cloud_distance_m;  // the mean of what is seen, 0 where there is none
+#ifdef TAKE_OVER
+//!include cloud_take_over.glsl
+#endif
 
 const int MOST_STEPS = 256;
 // Fine steps, as shares of the layer's thickness and of the distance; coarse ones in clear air
@@ -178,6 +182,9 @@ void main() {
     float depth = texelFetch(mesh_depth, ivec2(gl_FragCoord.xy * mesh_pixels), 0).r;
     if (depth > 0.0) mesh_m = near_m / depth / dot(d, view_axis);
 #endif
+#ifdef TAKE_OVER
+    if (taken_over(d, mesh_m)) return;
+#endif
     vec4 piece = pieces(along, perigee_m, last_distance(along, perigee_m));
     CloudRay view = cloud_ray(d);
     // A pattern fixed to the picture (Jimenez 2014, "interleaved gradient noise").
@@ -192,4 +199,5 @@ void main() {
     march.transmittance *= 1.0 - hidden;
     before_sky = through_air_of(march, d);
     before_mesh = march.at_mesh.a >= 0.0 ? march.at_mesh : before_sky;
+    cloud_distance_m = march.weight > 0.0 ? march.distance_m / march.weight : 0.0;
 }
