@@ -48,7 +48,7 @@ def test_the_sun_below_two_layers_is_the_product():
 
 
 def test_light_under_a_layer_adds_up_to_what_it_lets_through():
-    """An empty layer leaves the light as it was; a thin one takes more from the sun than it keeps."""
+    """An empty layer leaves the light as it was; a thin one makes sky of what it takes."""
     empty = slab(base_m=6000.0, extinction_per_m=0.0)
     below, above = lights_on((LOW, empty), CLEAR)
     assert above is CLEAR
