@@ -71,13 +71,13 @@ vec3 sun_at(float sine, float height) {
 }
 
 // Radiance per diffused optical depth, W m^-2 sr^-1.
-vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float width_m) {
+vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float density,
+                  float width_m) {
     vec3 sun = clouds.sun_direction;
-    float reach_m = NEAR_REACH * clouds.thickness_m, near = 0.0;
-    near += 0.3 * cloud_density_at(level + sun.xz * (0.15 * reach_m), over_base_m
-                                   + sun.y * (0.15 * reach_m), max(width_m, 0.15 * reach_m));
-    near += 0.7 * cloud_density_at(level + sun.xz * (0.65 * reach_m), over_base_m
-                                   + sun.y * (0.65 * reach_m), max(width_m, 0.35 * reach_m));
+    float reach_m = NEAR_REACH * clouds.thickness_m;
+    float near = 0.3 * density
+               + 0.7 * cloud_density_at(level + sun.xz * (0.65 * reach_m), over_base_m
+                                        + sun.y * (0.65 * reach_m), max(width_m, 0.35 * reach_m));
     near *= clouds.extinction_per_m * reach_m;
     vec4 depths = depths_at(level + sun.xz * reach_m,
                             (over_base_m + sun.y * reach_m) / clouds.thickness_m);
