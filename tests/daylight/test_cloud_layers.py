@@ -1,11 +1,12 @@
 """Several layers of clouds: refused where they overlap, and each in the light that others leave."""
 
+import msgspec
 import numpy as np
 import pytest
 from cloud_stage import slab
 from light_messages import light_messages, radiance_of
 
-from vrut_lite.daylight.cloud_layers import lights_on, mean_sun_share
+from vrut_lite.daylight.cloud_layers import clear_light, lights_on, mean_sun_share
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_transport import ice_crystals
 from vrut_lite.daylight.clouds import CloudForm, CloudsChanged
@@ -58,6 +59,14 @@ def test_light_under_a_layer_adds_up_to_what_it_lets_through():
     assert np.all(under_ice.by_sun < 0.6 * CLEAR.by_sun)
     assert np.all(under_ice.by_sky > CLEAR.by_sky)
     assert 0.5 < under_ice.sun_passed < 0.6
+
+
+def test_the_moon_lights_clouds_as_a_fainter_sun():
+    """Clouds under a moon of a lux are not those of day: a hundred-thousandth of the sun aloft."""
+    _, sun, _ = light_messages(np.zeros((6, 8, 8, 3)), SUN, (1e-3, 1e-3, 1e-3))
+    moon = msgspec.structs.replace(sun, body="moon")
+    assert clear_light(sun, CLEAR.irradiance_sh).sun_passed == 1.0
+    assert 5e-6 < clear_light(moon, CLEAR.irradiance_sh).sun_passed < 2e-5
 
 
 def test_nearer_layers_hide_those_behind_them():

@@ -7,13 +7,15 @@ from its base, evenly.
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.daylight.cloud_density import sun_transmittance
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray
 
@@ -23,6 +25,16 @@ _ICE_DEPTH = (1.0 - 0.48) / (1.0 - 0.75) / 0.58
 # Below this sine slant paths through a layer end at its mean gaps.
 _LEAST_SINE = 0.05
 _DOWN = np.array([0.0, -1.0, 0.0])
+
+
+def clear_light(key_light: KeyLightChanged, irradiance_sh: NDArray) -> ClearLight:
+    """The light of a clear sky on clouds; the moon counts as a sun so much fainter."""
+    passed, direction = 1.0, key_light.direction
+    if key_light.body == "moon":
+        sun = float(luminance(sun_aloft(0.0, direction[1])))
+        moon = float(luminance(key_light.irradiance_rgb))
+        passed = min(moon / sun, 1.0) if sun > 0.0 else 0.0
+    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed)
 
 
 def mean_sun_share(layers: Iterable[CloudLayer], sine: float) -> float:

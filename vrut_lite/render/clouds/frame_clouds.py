@@ -5,9 +5,9 @@ from contextlib import AbstractContextManager
 from itertools import zip_longest
 from typing import Any
 
-from vrut_lite.daylight.cloud_layers import lights_on
-from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_layers import clear_light, lights_on
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
@@ -54,7 +54,13 @@ class FrameClouds:
             cloud.show(layer)
 
     def prepare(
-        self, scene: PyrenderScene, view: View, light: Light, air: FrameAir, size: tuple[int, int]
+        self,
+        scene: PyrenderScene,
+        view: View,
+        light: Light,
+        air: FrameAir,
+        size: tuple[int, int],
+        key_light: KeyLightChanged,
     ) -> FrameAir:
         """Bind the clouds of this frame; returns the shaders' defines."""
         self._drawn = [cloud for cloud in self._made if cloud.layer is not None]
@@ -67,7 +73,7 @@ class FrameClouds:
             pixel_rad=2.0 / (float(view.projection[1, 1]) * size[1]),
         )
         assert self._shadow is not None
-        clear = ClearLight(light.sun_direction, light.sun_irradiance, light.clear_sh)
+        clear = clear_light(key_light, light.clear_sh)
         beneath = evaluate_irradiance(light.irradiance_sh, (0.0, 1.0, 0.0))
         layers = tuple(cloud.layer for cloud in self._drawn if cloud.layer is not None)
         casts = self._shadow.bind(self._drawn, lights_on(layers, clear), beneath, around)
