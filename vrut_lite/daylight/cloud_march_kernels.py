@@ -117,9 +117,9 @@ def sun_source(source, above, below, sine, view, nu, out):  # type: ignore[no-un
 
 
 @compiled
-def _add_source(
-    field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
-):  # type: ignore[no-untyped-def]
+def _add_source(  # type: ignore[no-untyped-def]
+    field, lights, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
+):
     """Add `seen` times the radiance per optical depth that a place in the cloud sends.
 
     `rise`: sine of the view's elevation there; `work`: (8,) room for look-ups.
@@ -254,9 +254,7 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             seen = out[3] * (1.0 - kept)
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
             rise = d[1] + at_m / PLANET_RADIUS_M
-            _add_source(
-                field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out
-            )
+            _add_source(field, lights, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out)
             out[4] += seen * at_m
             out[5] += seen
             out[3] *= kept

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES, PhaseTable, node_cosines
 from vrut_lite.daylight.clouds import Particles
@@ -52,7 +52,7 @@ class TransportTables(NamedTuple):
     forward_share: float
     sun_transmittance: FloatArray
     even_transmittance: FloatArray
-    source: FloatArray
+    source: NDArray[np.float32]
 
 
 @lru_cache(maxsize=1)
