@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from tools.cloud_accuracy import ordinates_of
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import density, distance_up_m
+from vrut_lite.daylight.cloud_transport import transport_tables
 from vrut_lite.daylight.clouds import CloudLayer, CloudsChanged
 from vrut_lite.daylight.sun_aloft import sun_aloft
 
 # Scattering of molecules at 635, 550 and 465 nm (Bucholtz 1995), with a scale height of 8 km.
 MOLECULES_PER_M = (6.6e-6, 1.19e-5, 2.36e-5)
-# As cloud_light.glsl has them.
-OCTAVES = ((2.0, 1.0), (0.8, 0.03), (0.28, 0.0066))
 
 
 def slab(**changes):
@@ -51,14 +51,10 @@ def clouds_of(layer):
     return CloudsChanged(layers=() if layer is None else (layer,), source="test")
 
 
-def henyey_greenstein(nu, g):
-    return (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * nu) ** 1.5)
-
-
 def slab_radiance(layer, eye_m, view, sun):
-    """Radiance, transmittance and mean distance of the slab from below, in fine steps.
+    """Radiance, transmittance and mean distance of the slab from below.
 
-    The source's terms are those of the shader; single scattering, the first, is exact.
+    Radiance is that of discrete ordinates, the others are integrals along the ray.
     """
     near = distance_up_m(eye_m[1], layer.base_m, view[1])
     far = distance_up_m(eye_m[1], layer.base_m + layer.thickness_m, view[1])
@@ -67,34 +63,26 @@ def slab_radiance(layer, eye_m, view, sun):
     points = np.array(eye_m) + t[:, None] * view
     extinction = layer.extinction_per_m * density(layer, points, eye_m)
     depth = (np.cumsum(extinction) - 0.5 * extinction) * (far - near) / steps
-    height = points[:, 1] - layer.base_m
-    to_sun = layer.extinction_per_m * (layer.thickness_m - height) / sun[1]
-    g1, g2, share = layer.phase
-    nu = float(np.dot(view, sun))
-    phase = share * henyey_greenstein(nu, g1) + (1 - share) * henyey_greenstein(nu, g2)
-    scattered = phase * np.exp(-to_sun)
-    for weight, slower in OCTAVES:
-        scattered += weight * np.exp(-slower * to_sun) / (4 * np.pi)
-    suns = sun_aloft(layer.base_m + height, sun[1])
-    weight = extinction * np.exp(-depth) * (far - near) / steps
-    radiance = (suns * (scattered * weight)[:, None]).sum(axis=0)
+    weight = extinction * np.exp(-(1.0 - transport_tables().forward_share) * depth)
+    ordinates = slab_ordinates(layer, sun)
+    azimuth = np.arctan2(view[2], view[0]) - np.arctan2(sun[2], sun[0])
+    suns = sun_aloft(layer.base_m + 0.5 * layer.thickness_m, sun[1])
+    radiance = suns * ordinates.below(view[1], azimuth)
     return radiance, np.exp(-depth[-1]), (t * weight).sum() / weight.sum()
 
 
-def slab_irradiance(layer, sun, nodes=8):
+def slab_ordinates(layer, sun):
+    """The slab's light by discrete ordinates."""
+    depth = layer.extinction_per_m * layer.thickness_m * layer.column_density
+    return ordinates_of(depth, float(sun[1]))
+
+
+def slab_irradiance(layer, sun):
     """Irradiance of level ground by the slab's own light behind molecules, without theirs.
 
-    Gauss in mu^2, even in azimuth; the sun (z = 0) sees both halves alike.
+    Most of it comes from around the sun, and so through as much air.
     """
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    mu = np.sqrt(0.5 * (x + 1.0))
-    azimuths = (np.arange(8) + 0.5) / 8 * np.pi
-    total = np.zeros(3)
-    for cosine, weight in zip(mu, w, strict=True):
-        level = np.sqrt(1.0 - cosine**2)
-        for azimuth in azimuths:
-            view = np.array([level * np.cos(azimuth), cosine, level * np.sin(azimuth)])
-            radiance, _, metres = slab_radiance(layer, (0.0, 0.0, 0.0), view, sun)
-            air_m = 8000.0 * (1.0 - np.exp(-metres * cosine / 8000.0)) / cosine
-            total += weight * radiance * np.exp(-air_m * np.array(MOLECULES_PER_M))
-    return total * 0.5 * np.pi / len(azimuths)
+    suns = sun_aloft(layer.base_m + 0.5 * layer.thickness_m, sun[1])
+    air_m = 8000.0 * (1.0 - np.exp(-(layer.base_m + 300.0) / 8000.0)) / sun[1]
+    diffuse = slab_ordinates(layer, sun).diffuse * sun[1]
+    return diffuse * suns * np.exp(-air_m * np.array(MOLECULES_PER_M))

@@ -49,8 +49,8 @@ class Layer(NamedTuple):
 class Between(NamedTuple):
     """Radiance (n, k) down and up between two layers."""
 
-    down: FloatArray
-    up: FloatArray
+    down: NDArray
+    up: NDArray
 
 
 def moments() -> tuple[FloatArray, float]:
@@ -134,14 +134,14 @@ def beams_between(above: Layer, below: Layer) -> Between:
     reflected = below.beam_up * above.beam
     there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
     down = np.linalg.solve(there_and_back, above.beam_down + above.reflect @ reflected)
-    return Between(down, reflected + below.reflect @ down)
+    return Between(np.asarray(down), np.asarray(reflected + below.reflect @ down))
 
 
 def even_between(above: Layer, below: Layer) -> Between:
     """Radiance between two layers, lit from above by even light of radiance 1; mode 0."""
     there_and_back = np.eye(len(above.reflect)) - above.reflect @ below.reflect
     down = np.linalg.solve(there_and_back, above.transmit.sum(axis=1, keepdims=True))
-    return Between(np.asarray(down), below.reflect @ down)
+    return Between(down, np.asarray(below.reflect @ down))
 
 
 def together(above: Layer, below: Layer) -> Layer:

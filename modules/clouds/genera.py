@@ -1,7 +1,8 @@
 """The genera of clouds: where each usually lies, how dense it is, and the form of its clouds.
 
 Heights, thicknesses and extinctions are typical of middle latitudes (WMO 2017, "International Cloud
-Atlas"; Hess, Koepke and Schult 1998, table 1b, for extinctions); forms are ours, by eye.
+Atlas"; Hess, Koepke and Schult 1998, table 1b, for extinctions); forms are ours, by eye. Ice's
+extinction counts what turns light by more than the sun's disc, 36 % of all (tools/ice_phase.py).
 """
 
 from typing import Literal, NamedTuple
@@ -38,15 +39,15 @@ _SHEET = CloudForm(
 GENERA: dict[Genus, Typical] = {
     "Cu": Typical("cumulus", 0.35, 1300.0, 1500.0, 0.05, "cells", _HEAPS),
     "Sc": Typical(
-        "stratocumulus", 0.8, 900.0, 600.0, 0.04, "cells",
+        "stratocumulus", 0.8, 900.0, 700.0, 0.08, "cells",
         CloudForm(
             weather_periods_m=(23_000.0, 14_700.0), shape_period_m=3_700.0, detail_period_m=610.0,
             least_height=0.2, growth=0.8, side_fade=0.3, base_fade=0.12, top_fade=0.8,
             fraying=0.3, sharpness=3.5,
         ),
     ),
-    "St": Typical("stratus", 1.0, 250.0, 400.0, 0.05, "sheet", _SHEET),
-    "Ns": Typical("nimbostratus", 1.0, 600.0, 4000.0, 0.02, "sheet", _SHEET),
+    "St": Typical("stratus", 1.0, 250.0, 600.0, 0.1, "sheet", _SHEET),
+    "Ns": Typical("nimbostratus", 1.0, 600.0, 4000.0, 0.04, "sheet", _SHEET),
     "Cb": Typical(
         "cumulonimbus", 0.2, 900.0, 9500.0, 0.04, "cells",
         CloudForm(
@@ -56,14 +57,14 @@ GENERA: dict[Genus, Typical] = {
         ),
     ),
     "Ac": Typical(
-        "altocumulus", 0.6, 3600.0, 350.0, 0.03, "cells",
+        "altocumulus", 0.6, 3600.0, 450.0, 0.06, "cells",
         CloudForm(
             weather_periods_m=(13_700.0, 9_100.0), shape_period_m=2_300.0, detail_period_m=410.0,
             least_height=0.3, growth=0.5, side_fade=0.3, base_fade=0.2, top_fade=0.8,
             fraying=0.34, sharpness=3.0,
         ),
     ),
-    "As": Typical("altostratus", 1.0, 3400.0, 1500.0, 0.012, "sheet", _SHEET),
+    "As": Typical("altostratus", 1.0, 3400.0, 1800.0, 0.025, "sheet", _SHEET),
     "Ci": Typical(
         "cirrus", 0.45, 8500.0, 1200.0, 0.0015, "fibres",
         CloudForm(

@@ -22,13 +22,13 @@ def towards(*directions):
 
 @pytest.mark.parametrize("extinction_per_m", [2e-4, 1e-3, 5e-3])
 def test_a_slab_shines_as_on_paper(extinction_per_m):
-    """Radiance within 2 %, transmittance within 0.03: rays end before a cloud is quite opaque."""
+    """Discrete ordinates within 10 %, transmittance within 0.03: rays end before all is opaque."""
     layer = slab(extinction_per_m=extinction_per_m)
     views = towards((0.3, 1.0, 0.2), (-0.8, 0.9, 0.0), (0.0, 0.2, 1.0))
     seen = clouds_seen(layer, DARK, GROUND, views, NARROW_RAD)
     for number, view in enumerate(views):
         radiance, transmittance, distance_m = slab_radiance(layer, GROUND, view, np.array(SUN))
-        np.testing.assert_allclose(seen.radiance[number], radiance, rtol=0.02)
+        np.testing.assert_allclose(seen.radiance[number], radiance, rtol=0.1)
         assert seen.transmittance[number] == pytest.approx(transmittance, abs=0.03)
         assert seen.distance_m[number] == pytest.approx(distance_m, rel=0.03)
 

@@ -6,6 +6,7 @@ from cloud_stage import rough_layer, slab, slab_irradiance
 from light_messages import light_messages, radiance_of
 
 from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.geometry.encoding import decode_float16
 from vrut_lite.geometry.spherical_harmonics import (
@@ -53,11 +54,11 @@ def test_a_layer_of_nothing_changes_nothing():
 
 
 def test_the_light_of_a_slab_is_that_on_paper():
-    """Under a black sky the level ground gets the slab's own light: within 2 %."""
+    """Under a black sky the level ground gets what discrete ordinates say: within 5 %."""
     layer, black = slab(), light_messages(np.zeros((6, 32, 32, 3)), SUN, IRRADIANCE)
     cube = cube_of(summed(layer, sky=black))
     expected = slab_irradiance(layer, np.array(SUN))
-    np.testing.assert_allclose(horizontal_irradiance(cube), expected, rtol=0.02)
+    np.testing.assert_allclose(horizontal_irradiance(cube), expected, rtol=0.05)
 
 
 def test_cube_harmonics_and_ground_agree():
@@ -80,11 +81,12 @@ def test_under_an_overcast_the_sun_goes_and_the_ground_darkens():
     light = summed(slab(extinction_per_m=0.03), sky=sky)
     assert max(light.key_light.irradiance_rgb) < 1e-6
     assert max(light.background.seen_sun_irradiance_rgb) < 1e-6
-    clear = IRRADIANCE * 0.8 + np.pi * np.array([2.0, 3.0, 5.0])
+    clear = sun_aloft(2000.0, 0.8) * 0.8 + np.pi * np.array([2.0, 3.0, 5.0])
     under = evaluate_irradiance(light.ambient.irradiance_sh_rgb.values, UP)
     assert np.all(under < 0.4 * clear)
     falls = np.divide(light.background.ground_radiance_rgb, sky[0].ground_radiance_rgb)
-    np.testing.assert_allclose(falls, under / clear, rtol=0.02)
+    on_ground = IRRADIANCE * 0.8 + np.pi * np.array([2.0, 3.0, 5.0])
+    np.testing.assert_allclose(falls, under / on_ground, rtol=0.02)
 
 
 def test_light_on_the_ground_stays_that_at_the_ground():

@@ -37,7 +37,7 @@ def stage(backend, tmp_path):
     "towards", mostly_long([(0.3, 1.0, 0.2), (-0.8, 0.9, 0.0)], (-0.8, 0.9, 0.0).__eq__)
 )
 def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
-    """Single scattering (exact) and the shader's own terms of more: within 1 %, from thin to thick.
+    """Discrete ordinates within 10 %, from thin to thick.
 
     The sky is black: what is seen is the slab's own light.
     """
@@ -48,7 +48,7 @@ def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
     view = np.array(towards) / np.linalg.norm(towards)
     expected = slab_radiance(layer, EYE, view, np.array([0.6, 0.8, 0.0]))[0]
     # What the sky gives the clouds is nothing; what the ground gives, its harmonics hold: none.
-    np.testing.assert_allclose(picture.radiance.mean(axis=(0, 1)), expected, rtol=0.01)
+    np.testing.assert_allclose(picture.radiance.mean(axis=(0, 1)), expected, rtol=0.1)
 
 
 def test_a_slab_lets_the_sky_through(stage):
@@ -67,9 +67,7 @@ def test_a_slab_lets_the_sky_through(stage):
 
 @pytest.mark.long
 def test_ground_under_an_overcast_slab(stage):
-    """albedo / pi (E mu exp(-k d / mu) + what the slab sends): within 1.5 %, as the meter says.
-
-    25 harmonics of a slab that is brightest around the sun err by one percent.
+    """albedo / pi (E mu exp(-k d / mu) + what the slab sends): within 5 %, as the meter says.
 
     The square is white and matte enough: a rough metal gives back all that falls on it.
     """
@@ -85,12 +83,12 @@ def test_ground_under_an_overcast_slab(stage):
     bases = slab_irradiance(layer, sun)
     direct = irradiance * 0.8 * np.exp(-1e-3 * 1000.0 * 0.985 / 0.8)
     np.testing.assert_allclose(
-        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.015
+        picture.radiance.mean(axis=(0, 1)), 0.5 / np.pi * (direct + bases), rtol=0.05
     )
     lux = stage.backend.illuminance(stage.state, (0.0, 0.0, 40.0), (0.0, 1.0, 0.0))
     weights = np.array([0.2126, 0.7152, 0.0722]) * 683.0
     assert lux.sun_lux == pytest.approx(direct @ weights, rel=0.01)
-    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.015)
+    assert lux.sky_lux == pytest.approx(bases @ weights, rel=0.05)
 
 
 def test_a_cloud_is_seen_through_the_air(stage):

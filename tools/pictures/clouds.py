@@ -1,50 +1,52 @@
-"""Clouds of three coverages at noon and at dusk, on one sheet.
+"""Clouds of six genera at three hours, on one sheet.
 
     python -m tools.pictures.clouds SHEET.jpg
 
-A valley of the Alps from the ground, bruneton_sky at turbidity 3, a west wind.
-`vrut-lite bench --only frame` measures what their passes cost.
+From beside the sundial, by bruneton_sky. `vrut-lite bench --only frame` measures what clouds cost.
 """
 
 import sys
+from typing import Any
 
 from tools.pictures.drawing import Captioned, scene_project, sheet, shots
 from vrut_lite.project import CameraView, Project
 
-COVERAGES = (0.25, 0.5, 0.8)
-TIMES = {"noon": "2026-06-28T13:00", "dusk": "2026-06-28T20:40"}
-_SKY = "bruneton_sky"
+SKIES: dict[str, dict[str, Any]] = {
+    "cumulus": {"genus": "Cu"},
+    "stratocumulus": {"genus": "Sc"},
+    "cumulonimbus": {"genus": "Cb", "coverage": 0.35},
+    "altocumulus": {"middle_genus": "Ac"},
+    "cirrus": {"high_genus": "Ci"},
+    "cirrostratus": {"high_genus": "Cs"},
+}
+TIMES = ("2026-06-21T05:40", "2026-06-21T10:00", "2026-06-21T20:40")
+EYE_M, UPWARD_M = (1.5, 1.5, 3.4), (-1.0, 0.55, -1.0)
 
 
-def project_of(coverage: float) -> Project:
-    """The valley, the camera a little above the horizon."""
-    valley = scene_project("large/terrain.toml").camera
-    assert valley is not None
-    eye = valley.eye_m
-    target = (eye[0] - 1000.0, eye[1] + 130.0, eye[2] - 50.0)
+def project_of(clouds: dict[str, Any]) -> Project:
+    """The sundial's lawn, the camera a little above the horizon."""
+    x, y, z = (eye + way for eye, way in zip(EYE_M, UPWARD_M, strict=True))
     return scene_project(
-        "large/terrain.toml",
-        slots={"sky": _SKY},
-        settings={_SKY: {"turbidity": 3.0}, "clouds": {"base_m": 2300.0, "coverage": coverage}},
-        camera=CameraView(eye_m=eye, target_m=target, vertical_field_of_view_deg=50.0),
-        size=(480, 300),
-        at=TIMES["noon"],
+        "sundial.toml",
+        slots={"sky": "bruneton_sky"},
+        settings={"clouds": clouds},
+        camera=CameraView(eye_m=EYE_M, target_m=(x, y, z), vertical_field_of_view_deg=65.0),
+        size=(240, 150),
+        at=TIMES[0],
     )
 
 
 def captioned() -> list[Captioned]:
-    """All pictures, a time of day a row."""
-    by_coverage = [
+    """All pictures, a genus a column."""
+    by_genus = [
         [
-            (f"{name}, {time[11:]}, coverage {coverage:g}", shot.picture.display)
-            for (name, time), shot in zip(
-                TIMES.items(), shots(project_of(coverage), list(TIMES.values())), strict=True
-            )
+            (f"{name}, {time[11:]}", shot.picture.display)
+            for time, shot in zip(TIMES, shots(project_of(clouds), TIMES), strict=True)
         ]
-        for coverage in COVERAGES
+        for name, clouds in SKIES.items()
     ]
-    return [picture for row in zip(*by_coverage, strict=True) for picture in row]
+    return [picture for row in zip(*by_genus, strict=True) for picture in row]
 
 
 if __name__ == "__main__":
-    sheet(captioned(), len(COVERAGES)).save(sys.argv[1], quality=85)
+    sheet(captioned(), len(SKIES)).save(sys.argv[1], quality=85)

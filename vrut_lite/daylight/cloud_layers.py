@@ -7,18 +7,34 @@ from its base, evenly.
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrut_lite.daylight.cloud_density import sun_transmittance
-from vrut_lite.daylight.cloud_light import ClearLight, scattered_share
+from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.daylight.sun_aloft import sun_aloft
+from vrut_lite.geometry.colour import luminance
 from vrut_lite.geometry.spherical_harmonics import basis, evaluate_irradiance
 from vrut_lite.numeric_types import FloatArray
 
+# Depth of droplets that hinders light as much as a depth of 1 of ice: their mean cosines, 0.75
+# after delta-M and 0.48, and the share of droplets' extinction that diffuses, 0.58.
+_ICE_DEPTH = (1.0 - 0.48) / (1.0 - 0.75) / 0.58
 # Below this sine slant paths through a layer end at its mean gaps.
 _LEAST_SINE = 0.05
 _DOWN = np.array([0.0, -1.0, 0.0])
+
+
+def clear_light(key_light: KeyLightChanged, irradiance_sh: NDArray) -> ClearLight:
+    """The light of a clear sky on clouds; the moon counts as a sun so much fainter."""
+    passed, direction = 1.0, key_light.direction
+    if key_light.body == "moon":
+        sun = float(luminance(sun_aloft(0.0, direction[1])))
+        moon = float(luminance(key_light.irradiance_rgb))
+        passed = min(moon / sun, 1.0) if sun > 0.0 else 0.0
+    return ClearLight(direction, key_light.irradiance_rgb, irradiance_sh, passed)
 
 
 def mean_sun_share(layers: Iterable[CloudLayer], sine: float) -> float:
@@ -50,11 +66,12 @@ def _below(layer: CloudLayer, light: ClearLight, clear: ClearLight) -> ClearLigh
     """The light under a layer, whose own is `light`."""
     sine = float(clear.sun_direction[1])
     share = mean_sun_share((layer,), sine)
-    gaps, diffuse = 1.0 - layer.coverage, scattered_share(layer)
-    straight = (share - gaps) / max(layer.coverage, 1e-9)
+    covered = layer.coverage
+    depth = layer.optical_depth * (_ICE_DEPTH if layer.particles == "ice" else 1.0)
+    passed = 1.0 - covered + covered * float(layer_transmittance(depth, sine))
     by_sun = max(sine, 0.0) * light.sun_passed * sun_aloft(layer.top_m, sine)
-    from_base = layer.coverage * max(diffuse - straight, 0.0) * by_sun
-    by_sky = light.by_sky * (gaps + layer.coverage * diffuse) + from_base
+    even = 1.0 - covered + covered * float(even_transmittance(depth))
+    by_sky = light.by_sky * even + max(passed - share, 0.0) * by_sun
     dimmed = share * np.asarray(light.sun_irradiance)
     on_ground = dimmed * max(sine, 0.0) + by_sky
     # The ground reflects the same share of what falls on it.

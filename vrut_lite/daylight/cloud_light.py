@@ -1,8 +1,7 @@
 """Light on clouds from below: the ground's radiance under a broken or closed layer.
 
-Two streams (Eddington's): a cloud of optical depth tau transmits 1 / (1 + 3/4 (1 - g) tau) of the
-light on it, for every direction. This light comes from the cloud's base, evenly; the
-clear sky's comes through the gaps.
+A cloud counts as a plane layer of its mean optical depth (`cloud_transport`). Its light comes from
+the base, evenly; the clear sky's comes through the gaps.
 """
 
 from typing import NamedTuple
@@ -10,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.cloud_transport import even_transmittance, layer_transmittance
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
@@ -47,19 +47,16 @@ class ClearLight(NamedTuple):
         return np.maximum(self.by_sun + self.by_sky, _DARKEST_IRRADIANCE)
 
 
-def scattered_share(layer: CloudLayer) -> float:
-    """Share of the light on clouds that their bases send down."""
-    forward, backward, share = layer.phase
-    g = share * forward + (1.0 - share) * backward
-    depth = layer.extinction_per_m * layer.thickness_m * layer.column_density
-    return 1.0 / (1.0 + 0.75 * (1.0 - g) * depth)
-
-
 def light_from_below(layer: CloudLayer, light: ClearLight) -> FloatArray:
     """Radiance (3,) of the ground as clouds see it, in the mean, W m^-2 sr^-1."""
     covered, sine = layer.coverage, light.sun_direction[1]
-    aloft = sun_aloft(layer.base_m + layer.thickness_m, sine) * max(sine, 0.0) * light.sun_passed
-    from_clouds = (aloft + light.by_sky) * scattered_share(layer)
-    lit = (1.0 - covered) * (light.by_sun + light.by_sky) + covered * from_clouds
     clear = evaluate_irradiance(light.irradiance_sh, -_UP) / np.pi
-    return np.asarray(clear * (lit / light.on_ground))
+    depth = layer.optical_depth
+    aloft = sun_aloft(layer.top_m, sine) * max(sine, 0.0) * light.sun_passed
+    even = even_transmittance(depth)
+    albedo = np.minimum(np.pi * clear / light.on_ground, 1.0)
+    # The ground's light comes back from the clouds, and so on.
+    again = 1.0 / (1.0 - albedo * covered * (1.0 - even))
+    from_clouds = aloft * layer_transmittance(depth, sine) + light.by_sky * even
+    lit = (1.0 - covered) * (light.by_sun + light.by_sky) + covered * from_clouds
+    return np.asarray(clear * (lit / light.on_ground) * again)

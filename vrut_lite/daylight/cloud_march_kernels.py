@@ -33,13 +33,13 @@ from vrut_lite.daylight.cloud_transport import (
 from vrut_lite.numeric_types import FloatArray
 
 # As in cloud_light.glsl and clouds.frag, which explain them.
-_NEAR_REACH = 0.07
+_NEAR_REACH, _AT_SURFACE = 0.07, 0.1
 LOWEST_SUN = -0.1
 _MOST_STEPS, _STEPS_TO_COARSE, _SURFACE_HALVINGS = 256, 8, 4
 _FINE, _FINE_OF_DISTANCE, _COARSE = 0.02, 0.004, 3.0
 _FEWEST_STEPS, _SHORTEST_STEP_M, _MOST_DEPTH = 40.0, 1.0, 1.0
 # The longest fine steps, of wide rays. Rays end sooner than the shader's, which are fewer.
-_LEAST_FINE, _OPAQUE = 0.06, 0.02
+_LEAST_FINE, _OPAQUE = 0.06, 0.005
 _NEVER = 1e30
 _DEPTH_NODES = NODE_DEPTHS.size - 1.0
 _OF_LOG_DEPTH = _DEPTH_NODES / math.log1p(MOST_DEPTH / DEPTH_SCALE)
@@ -53,7 +53,7 @@ class Lights(NamedTuple):
     """Light on the layer: `suns` (2, n, 3) at base and top by the sun's height.
 
     Attributes:
-        phase: (nodes, 3) of the droplets, uniform in sin(theta / 2).
+        phase: (2, nodes, 3) of the droplets, uniform in sin(theta / 2): without the peak, and it.
         volume: (heights + 1, n, n, 4) optical depths, see cloud_light_volume.py.
         source: (sines, below, above, views, 4), see cloud_transport.py.
         diffused: share of extinction that counts, after delta-M.
@@ -117,9 +117,9 @@ def sun_source(source, above, below, sine, view, nu, out):  # type: ignore[no-un
 
 
 @compiled
-def _add_source(
-    field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
-):  # type: ignore[no-untyped-def]
+def _add_source(  # type: ignore[no-untyped-def]
+    field, lights, nu, rise, x, z, over_base_m, phase, width_m, seen, work, radiance
+):
     """Add `seen` times the radiance per optical depth that a place in the cloud sends.
 
     `rise`: sine of the view's elevation there; `work`: (8,) room for look-ups.
@@ -142,18 +142,21 @@ def _add_source(
     to_sun = near + depths[0]
     along_sun = max(depths[0] + depths[1], to_sun)
     upright = depths[2] + depths[3]
-    lit = math.exp(-diffused * to_sun)
+    lit, unscattered = math.exp(-diffused * to_sun), math.exp(-to_sun)
     sine = sun[1] + (x * sun[0] + z * sun[2]) / PLANET_RADIUS_M
-    # A slab as deep as the cloud along the sun and upright: a plane layer's, or a side's.
+    # The plane layer that stands for the cloud faces the way by which light comes in: upwards, or
+    # to the sun where that is nearer. Out it leaves likewise. A plane layer stays itself.
     low = min(max(sine, LEAST_SINE), 1.0)
-    facing = min(max(upright / max(along_sun, 1e-9), low), 1.0)
+    over = min(max(depths[2] + near * max(sun[1], 0.0), 0.0), upright)
+    behind = along_sun - to_sun
+    evenly = min(max(upright / max(along_sun, 1e-9), low), 1.0)
+    facing = min(max((over + _AT_SURFACE * evenly) / (to_sun + _AT_SURFACE), low), 1.0)
     upward = math.sqrt((1.0 - facing * facing) / max(1.0 - low * low, _LEVEL))
     upward = min(upward, 1.0)
     view = upward * rise + (facing - upward * low) * nu
     above = diffused * facing * to_sun
-    below = diffused * facing * (along_sun - to_sun)
+    below = diffused * min(max(upright - over, low * behind), behind)
     diffuse = sun_source(lights.source, above, below, facing, view, nu, work)
-    over = min(max(depths[2] + near * max(sun[1], 0.0), 0.0), upright)
     _look_up(
         lights.source[0], _depth_node(diffused * (upright - over)), _depth_node(diffused * over),
         _view_node(rise), 3, 1, work,
@@ -166,18 +169,19 @@ def _add_source(
     for c in range(3):
         base = lights.suns[0, i, c] + (row - i) * (lights.suns[0, i + 1, c] - lights.suns[0, i, c])
         high = lights.suns[1, i, c] + (row - i) * (lights.suns[1, i + 1, c] - lights.suns[1, i, c])
-        scattered = phase[c] / diffused * lit + diffuse
+        scattered = (phase[0, c] * lit + phase[1, c] * unscattered) / diffused + diffuse
         sky = lights.from_below[c] + even * (lights.from_above[c] - lights.from_below[c])
         radiance[c] += seen * ((base + height * (high - base)) * scattered + sky)
 
 
 @compiled
 def _phase_into(table, beside, out):  # type: ignore[no-untyped-def]
-    """Phase function (3,) at 1 - the cosine."""
-    place = math.sqrt(min(max(0.5 * beside, 0.0), 1.0)) * (table.shape[0] - 1)
-    i = min(int(place), table.shape[0] - 2)
-    for c in range(3):
-        out[c] = table[i, c] + (place - i) * (table[i + 1, c] - table[i, c])
+    """Parts of the phase function (2, 3) at 1 - the cosine."""
+    place = math.sqrt(min(max(0.5 * beside, 0.0), 1.0)) * (table.shape[1] - 1)
+    i = min(int(place), table.shape[1] - 2)
+    for k in range(2):
+        for c in range(3):
+            out[k, c] = table[k, i, c] + (place - i) * (table[k, i + 1, c] - table[k, i, c])
 
 
 @compiled
@@ -250,9 +254,7 @@ def _march(field, lights, d, along, nu, first_m, end_m, pixel_rad, dither, phase
             seen = out[3] * (1.0 - kept)
             x, z, over_base_m, width_m = place_on_ray(field, d, along, at_m, fine_m, pixel_rad)
             rise = d[1] + at_m / PLANET_RADIUS_M
-            _add_source(
-                field, lights, d, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out
-            )
+            _add_source(field, lights, nu, rise, x, z, over_base_m, phase, width_m, seen, work, out)
             out[4] += seen * at_m
             out[5] += seen
             out[3] *= kept
@@ -275,7 +277,7 @@ def look_at_clouds(field, lights, directions, pixel_rad, out):  # type: ignore[n
     top_m2 = _squares_m2(field.base_m + field.thickness_m, field.eye_altitude_m)
     base_m2 = _squares_m2(field.base_m, field.eye_altitude_m)
     ground_m2 = _squares_m2(min(0.0, field.eye_altitude_m), field.eye_altitude_m)
-    march, phase, work = np.empty(6), np.empty(3), np.empty(8)
+    march, phase, work = np.empty(6), np.empty((2, 3)), np.empty(8)
     for n in range(directions.shape[0]):
         d = directions[n]
         along = eye_radius_m * d[1]

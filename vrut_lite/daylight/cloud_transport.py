@@ -18,13 +18,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from vrut_lite.daylight.aerosols import PhaseTable
+from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES, PhaseTable, node_cosines
+from vrut_lite.daylight.clouds import Particles
 from vrut_lite.numeric_types import FloatArray
 
 FILE = Path(__file__).parent / "data" / "cloud_transport.npz"
 _DROPLETS = Path(__file__).parent / "data" / "fog_droplets.npz"
+_CRYSTALS = Path(__file__).parent / "data" / "ice_crystals.npz"
 # Of the fluxes: scaled depths, and sines of the sun's elevation.
 FLUX_DEPTHS = np.geomspace(0.01, 400.0, 48)
 FLUX_SINES = np.linspace(0.02, 1.0, 50)
@@ -50,7 +52,7 @@ class TransportTables(NamedTuple):
     forward_share: float
     sun_transmittance: FloatArray
     even_transmittance: FloatArray
-    source: FloatArray
+    source: NDArray[np.float32]
 
 
 @lru_cache(maxsize=1)
@@ -70,6 +72,55 @@ def droplets() -> PhaseTable:
     """Phase functions of cloud droplets at 475, 550 and 625 nm, in this order."""
     with np.load(_DROPLETS) as data:
         return PhaseTable.of_angles(data["angle_rad"], data["phase_per_sr"][1:4].astype(float))
+
+
+@lru_cache(maxsize=1)
+def droplets_parts() -> FloatArray:
+    """Phase functions (2, PHASE_NODES, 3), red first: the wide part, and the forward peak.
+
+    The peak holds `forward_share`. What it scatters has the sun's whole extinction behind it, or
+    the forward peaks of several scatterings would count twice; the rest has the diffused one.
+    """
+    parts = np.empty((2, PHASE_NODES, 3))
+    for channel, row in enumerate(droplets().values[::-1]):
+        low, high = 0.0, float(row[0])
+        for _ in range(60):
+            level = 0.5 * (low + high)
+            share = -2.0 * np.pi * np.trapezoid(np.maximum(row - level, 0.0), node_cosines())
+            low, high = (level, high) if share > transport_tables().forward_share else (low, level)
+        parts[:, :, channel] = np.minimum(row, level), np.maximum(row - level, 0.0)
+    return parts
+
+
+@lru_cache(maxsize=1)
+def ice_crystals() -> PhaseTable:
+    """Phase functions of hexagonal columns of ice at 475, 550 and 625 nm (tools/ice_phase.py).
+
+    Without diffraction and what passes parallel faces, 64 % of a crystal's extinction: that light
+    keeps its direction, and counts as not scattered.
+    """
+    with np.load(_CRYSTALS) as data:
+        return PhaseTable(data["phase_per_sr"])
+
+
+class Scatterer(NamedTuple):
+    """What a layer's particles do to light.
+
+    Attributes:
+        phase: (2, PHASE_NODES, 3) in sr^-1, red first: the wide part, and the forward peak.
+        diffused: share of the extinction that diffuses, after delta-M.
+    """
+
+    phase: FloatArray
+    diffused: float
+
+
+def scatterer(particles: Particles) -> Scatterer:
+    """The particles of a layer. Ice is diffused as droplets of the same scaled depth are."""
+    if particles == "ice":
+        wide = ice_crystals().values[::-1].T
+        return Scatterer(np.stack([wide, np.zeros_like(wide)]), 1.0)
+    return Scatterer(droplets_parts(), 1.0 - transport_tables().forward_share)
 
 
 def layer_transmittance(optical_depth: ArrayLike, sun_sine: ArrayLike) -> FloatArray:

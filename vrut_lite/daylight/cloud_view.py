@@ -5,11 +5,13 @@ The frame's shaders draw the same clouds finer (render/clouds). Importing this m
 
 import os
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.daylight.aerosols.phase_table import node_places
 from vrut_lite.daylight.cloud_density import (
     distance_up_m,
 )
@@ -18,8 +20,8 @@ from vrut_lite.daylight.cloud_field import cloud_field
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
 from vrut_lite.daylight.cloud_light_volume import light_volume
 from vrut_lite.daylight.cloud_march_kernels import LOWEST_SUN, Lights, look_at_clouds
-from vrut_lite.daylight.cloud_transport import droplets, transport_tables
-from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.cloud_transport import scatterer, transport_tables
+from vrut_lite.daylight.clouds import CloudLayer, Particles
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.numeric_types import FloatArray, Vector
 
@@ -27,6 +29,8 @@ _SUNS = 256
 _SUN_STEPS = 48
 # Places along each side of the square over which shadows are averaged.
 _SQUARE = 8
+# Rings, and places around each, over which the phase function of a wide ray is averaged.
+_RINGS = 8
 # Rays of a block, the unit of work of a thread.
 _BLOCK = 4096
 
@@ -60,7 +64,7 @@ def clouds_seen(
         pixel_rad: the angle that each ray stands for.
     """
     field = cloud_field(layer, eye_m)
-    lights = _lights(layer, light, field)
+    lights = _lights(layer, light, field, pixel_rad)
     rays = np.ascontiguousarray(directions, dtype=float).reshape(-1, 3)
     out = np.empty((len(rays), 5))
 
@@ -92,7 +96,7 @@ def sun_share(layer: CloudLayer, sun: Vector, middle_m: Vector, half_width_m: fl
     return float(np.exp(-depths).mean())
 
 
-def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
+def _lights(layer: CloudLayer, light: ClearLight, field: Field, pixel_rad: float) -> Lights:
     row = np.linspace(0.0, 1.0, _SUNS)
     sines = LOWEST_SUN + (1.0 - LOWEST_SUN) * row * row
     levels_m = layer.base_m, layer.base_m + layer.thickness_m
@@ -103,8 +107,28 @@ def _lights(layer: CloudLayer, light: ClearLight, field: Field) -> Lights:
         * np.stack([sun_aloft(max(level_m, 0.0), sines) for level_m in levels_m]),
         from_above=light.by_sky / np.pi,
         from_below=light_from_below(layer, light),
-        phase=np.ascontiguousarray(droplets().values[::-1].T),
+        phase=_phase_seen(layer.particles, pixel_rad),
         volume=light_volume(field, sun).depths,
         source=tables.source,
-        diffused=1.0 - tables.forward_share,
+        diffused=scatterer(layer.particles).diffused,
     )
+
+
+@lru_cache(maxsize=4)
+def _phase_seen(particles: Particles, pixel_rad: float) -> FloatArray:
+    """The particles' phase function (2, nodes, 3) in the mean over what a ray stands for.
+
+    A quarter of droplets' light is diffracted into less than a texel of a small cube, in which the
+    middles of texels must do: the mean is over a disc of three texels.
+    """
+    theta = 2.0 * np.arcsin(node_places())[:, None]
+    ring = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS) * pixel_rad
+    around = (np.arange(_RINGS) + 0.5) / _RINGS * np.pi
+    r, a = (part.ravel() for part in np.meshgrid(ring, around))
+    nu = np.cos(theta) * np.cos(r) + np.sin(theta) * np.sin(r) * np.cos(a)
+    place = np.sqrt(np.clip(0.5 - 0.5 * nu, 0.0, 1.0))
+    parts = [
+        [np.interp(place, node_places(), row).mean(axis=1) for row in part.T]
+        for part in scatterer(particles).phase
+    ]
+    return np.ascontiguousarray(np.swapaxes(parts, 1, 2))

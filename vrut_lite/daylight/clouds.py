@@ -79,7 +79,8 @@ class CloudLayer(msgspec.Struct, frozen=True, kw_only=True):
     Altitudes count from world y = 0, azimuths as the world's.
 
     Attributes:
-        extinction_per_m: of a cloud's full density.
+        extinction_per_m: of a cloud's full density; of ice, without the share that keeps its
+            direction (`ice_crystals` in cloud_transport.py).
         coverage: share of the sky's zenith that is cloud, 0 to 1.
         threshold: there is cloud where `weather` exceeds it.
         column_density: mean over clouds of density times share of the thickness.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.array import Array
 from vrut_lite.daylight.cloud_density import PLANET_RADIUS_M
-from vrut_lite.daylight.cloud_layers import lights_on
+from vrut_lite.daylight.cloud_layers import clear_light, lights_on
 from vrut_lite.daylight.cloud_light import ClearLight
 from vrut_lite.daylight.cloud_view import clouds_seen, sun_share
 from vrut_lite.daylight.clouds import CloudLayer
@@ -77,7 +77,7 @@ def light_under_clouds(
         ValueError: the clear sky's background has never left the GPU.
     """
     sun = clear.key_light
-    light = ClearLight(sun.direction, sun.irradiance_rgb, clear.ambient.irradiance_sh_rgb.values)
+    light = clear_light(sun, clear.ambient.irradiance_sh_rgb.values)
     share = _sun_share(layers, sun.direction, view.middle_m, view.half_width_m)
     on_ground = _on_ground(layers, light, clear.radiance, view.middle_m, share)
     texels, scale = encode_float16(on_ground.cube)

@@ -175,7 +175,7 @@ class Frame:
             self._lamps.update(self._meshes, scene, view.eye_m, always)
         air = self._air_before(scene, view, light, shadows.scene, state.light_shafts)
         with self.measure("cloud shadows"):
-            air = self._clouds.prepare(scene, view, light, air, state.size_px)
+            air = self._clouds.prepare(scene, view, light, air, state.size_px, state.key_light)
         if quick:
             return self._draw_moving(
                 scene, seen, view, light, disc, shadows, reflection, air, state

@@ -1,13 +1,14 @@
 """Clouds over sky and meshes: marched into a picture of their own, then blended into the frame.
 
 Each sample of the frame gets the clouds before the sky or those before its mesh, by its own depth:
-edges with several samples stay smooth.
+edges with several samples stay smooth. A moving picture takes clouds over from the one before.
 """
 
 import os
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
 from vrut_lite.render.gl_environment import import_pyrender
@@ -29,6 +30,20 @@ COARSER = 2
 # size of the next. Two for each thread that a software renderer may have.
 _MOST_TILES = 2 * (os.cpu_count() or 1)
 _BEFORE_SKY = 1e-20
+# As cloud_take_over.glsl has them, and how many pictures make all clouds anew.
+_OLD_SKY_UNIT, _OLD_MESH_UNIT, _OLD_DISTANCE_UNIT, _TURNS = 8, 10, 11, 4
+# An eye that has moved this far sees other sides.
+_NEAR_M = 200.0
+
+
+class _Before(NamedTuple):
+    """A moving picture of the clouds: what it shows, whence, and in which light."""
+
+    target: Any
+    view: View
+    drift_m: tuple[float, float]
+    defines: Defines
+    light: int
 
 
 class CloudPass:
@@ -40,7 +55,10 @@ class CloudPass:
         self._marches: dict[Defines, FullScreen] = {}
         self._composite: FullScreen | None = None
         self._targets = SizeCache(context, lambda size: _CloudTarget(context, size))
+        self._others = SizeCache(context, lambda size: _CloudTarget(context, size))
         self._depths = SizeCache(context, DepthTexture)
+        self._before: _Before | None = None
+        self._turn = 0
 
     def draw(
         self,
@@ -50,21 +68,34 @@ class CloudPass:
         air: Defines,
         pixels: int,
         before_meshes: bool,
+        light: int | None,
     ) -> None:
         """March through the clouds and blend them in.
 
         Args:
             pixels: of the frame to one of the clouds', along each side.
             before_meshes: whether clouds may stand before meshes.
+            light: while something moves, a number of the light on them: pictures of the same light
+                are taken over. None: the picture is a still.
         """
         width, height = targets.size
-        target = self._targets.get((-(-width // pixels), -(-height // pixels)))
+        size = (-(-width // pixels), -(-height // pixels))
+        target = self._targets.get(size)
+        if self._before is not None and self._before.target is target:
+            target = self._others.get(size)
         defines = (*(name for name in air if name == "AIR"),)
         if before_meshes:
             defines = (*defines, "BEFORE_MESHES")
             depth = self._depths.get(targets.size)
             depth.copy(targets.multisampled)
             depth.use(location=4)
+        before, self._before = self._before, None
+        if light is not None:
+            assert clouds.layer is not None
+            self._before = _Before(target, view, clouds.layer.drift_m, defines, light)
+            if before is not None and _holds(before, self._before):
+                self._take_over(before, self._before)
+                defines = (*defines, "TAKE_OVER")
         self._march(clouds, view, defines, target, pixels)
         targets.multisampled.use()
         self._blend(target.before_sky, only_sky=True)
@@ -76,15 +107,31 @@ class CloudPass:
         for screen in (*self._marches.values(), self._composite):
             if screen is not None:
                 screen.release()
+        self._before = None
         self._targets.release()
+        self._others.release()
         self._depths.release()
+
+    def _take_over(self, before: _Before, now: _Before) -> None:
+        """Set what the march takes over."""
+        self._turn = (self._turn + 1) % _TURNS
+        before.target.before_sky.use(location=_OLD_SKY_UNIT)
+        before.target.before_mesh.use(location=_OLD_MESH_UNIT)
+        before.target.distance_m.use(location=_OLD_DISTANCE_UNIT)
+        march = self._program((*now.defines, "TAKE_OVER"))
+        march.set("old_clip_from_axes", (before.view.projection @ before.view.rotation).T.ravel())
+        march.set("moved_m", _moved_m(before, now))
+        march.set("turn", self._turn)
+
+    def _program(self, defines: Defines) -> FullScreen:
+        if defines not in self._marches:
+            self._marches[defines] = FullScreen(self._context, "clouds.frag", defines)
+        return self._marches[defines]
 
     def _march(
         self, clouds: CloudsOnGpu, view: View, defines: Defines, target: Any, pixels: int
     ) -> None:
-        if defines not in self._marches:
-            self._marches[defines] = FullScreen(self._context, "clouds.frag", defines)
-        march = self._marches[defines]
+        march = self._program(defines)
         march.set("ray_from_clip", np.linalg.inv(view.projection @ view.rotation).T.ravel())
         march.set("near_m", float(view.projection[2, 3]))
         march.set("view_axis", -view.rotation[2, :3])
@@ -115,8 +162,22 @@ class CloudPass:
         context.disable(context.BLEND)
 
 
+def _holds(before: _Before, now: _Before) -> bool:
+    """Whether a picture serves the next."""
+    same = (before.light, before.defines, before.target.size)
+    near = float(np.linalg.norm(_moved_m(before, now))) < _NEAR_M
+    return near and same == (now.light, now.defines, now.target.size)
+
+
+def _moved_m(before: _Before, now: _Before) -> NDArray[np.float64]:
+    """From the eye then to the eye now, less the wind's drift."""
+    drift = np.subtract(now.drift_m, before.drift_m)
+    moved: NDArray[np.float64] = now.view.eye_m - before.view.eye_m
+    return moved - np.array([drift[0], 0.0, drift[1]])
+
+
 class _CloudTarget:
-    """Radiance and transmittance of the clouds before the sky, and before the meshes."""
+    """Radiance and transmittance of the clouds before the sky, and before the meshes; distances."""
 
     def __init__(self, context: Any, size: tuple[int, int]):
         self.size = size
@@ -124,9 +185,12 @@ class _CloudTarget:
         for texture in (self.before_sky, self.before_mesh):
             texture.filter = (context.LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
-        self.buffer = context.framebuffer([self.before_sky, self.before_mesh])
+        self.distance_m = context.texture(size, 1, dtype="f4")
+        self.distance_m.filter = (context.NEAREST, context.NEAREST)
+        self.distance_m.repeat_x = self.distance_m.repeat_y = False
+        self.buffer = context.framebuffer([self.before_sky, self.before_mesh, self.distance_m])
 
     def release(self) -> None:
         """Free everything; another framebuffer must be bound."""
-        for thing in (self.buffer, self.before_sky, self.before_mesh):
+        for thing in (self.buffer, self.before_sky, self.before_mesh, self.distance_m):
             thing.release()

@@ -50,6 +50,8 @@ class CloudShadowMap:
         # Of each layer, from low to high.
         self._volumes: list[CloudLightVolume] = []
         self._is_cast = False
+        # How often the light has been computed anew.
+        self.lights = 0
         self._layers: tuple[CloudLayer, ...] = ()
         self._sun: Vector = (0.0, 0.0, 0.0)
         self._centre_m = np.zeros(2)
@@ -78,6 +80,7 @@ class CloudShadowMap:
             cloud.bind(light, sky_irradiance, around, _plane(centre_m), covered)
         if not holds:
             self._draw_volumes(clouds)
+            self.lights += 1
             self._layers, self._sun, self._centre_m = layers, sun, eye_m
             self._is_cast = False
         casts = any(lights[-1].sun_irradiance)

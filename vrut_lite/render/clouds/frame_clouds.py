@@ -5,9 +5,9 @@ from contextlib import AbstractContextManager
 from itertools import zip_longest
 from typing import Any
 
-from vrut_lite.daylight.cloud_layers import lights_on
-from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_layers import clear_light, lights_on
 from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.sun import KeyLightChanged
 from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
 from vrut_lite.kernel.ledger import Ledger
 from vrut_lite.render.air import FrameAir
@@ -38,22 +38,29 @@ class FrameClouds:
         self._patience = patience
         # Made with the first layers: a frame without clouds compiles nothing of them.
         self._made: list[CloudsOnGpu] = []
-        self._pass: CloudPass | None = None
+        # Each layer has its own: a moving picture takes clouds over from the one before.
+        self._passes: list[CloudPass] = []
         self._shadow: CloudShadowMap | None = None
         self._drawn: list[CloudsOnGpu] = []
 
     def show(self, layers: tuple[CloudLayer, ...]) -> None:
         """Draw these layers from the next frame on, from low to high."""
-        if layers and self._pass is None:
-            self._pass = CloudPass(self._context, self._patience)
+        if layers and self._shadow is None:
             self._shadow = CloudShadowMap(self._context, self._ledger)
         while len(self._made) < len(layers):
             self._made.append(CloudsOnGpu(self._context))
+            self._passes.append(CloudPass(self._context, self._patience))
         for cloud, layer in zip_longest(self._made, layers):
             cloud.show(layer)
 
     def prepare(
-        self, scene: PyrenderScene, view: View, light: Light, air: FrameAir, size: tuple[int, int]
+        self,
+        scene: PyrenderScene,
+        view: View,
+        light: Light,
+        air: FrameAir,
+        size: tuple[int, int],
+        key_light: KeyLightChanged,
     ) -> FrameAir:
         """Bind the clouds of this frame; returns the shaders' defines."""
         self._drawn = [cloud for cloud in self._made if cloud.layer is not None]
@@ -66,7 +73,7 @@ class FrameClouds:
             pixel_rad=2.0 / (float(view.projection[1, 1]) * size[1]),
         )
         assert self._shadow is not None
-        clear = ClearLight(light.sun_direction, light.sun_irradiance, light.clear_sh)
+        clear = clear_light(key_light, light.clear_sh)
         beneath = evaluate_irradiance(light.irradiance_sh, (0.0, 1.0, 0.0))
         layers = tuple(cloud.layer for cloud in self._drawn if cloud.layer is not None)
         casts = self._shadow.bind(self._drawn, lights_on(layers, clear), beneath, around)
@@ -88,25 +95,30 @@ class FrameClouds:
         """Layers over the sky, and over meshes that stand behind them."""
         if not self._drawn:
             return
-        assert self._pass is not None
         assert self._shadow is not None
         pixels, highest_m = 1 if still else COARSER, scene.centre_m[1] + scene.radius_m
-        # Farther layers first, so that nearer ones are blended over them.
+        light = None if still else self._shadow.lights
         eye_m = float(view.eye_m[1])
-        for cloud in sorted(self._drawn, key=lambda c: c.distance_m(eye_m), reverse=True):
+        # Farther layers first, so that nearer ones are blended over them.
+        far_first = sorted(
+            zip(self._drawn, self._passes, strict=False),
+            key=lambda drawn: drawn[0].distance_m(eye_m),
+            reverse=True,
+        )
+        for cloud, drawing in far_first:
             before_meshes = max(highest_m, view.eye_m[1]) > cloud.base_m
             if not before_meshes:
                 self._ledger.skip("clouds: before meshes, all below them")
             cloud.bind_again()
             self._shadow.bind_light(self._drawn.index(cloud))
-            self._pass.draw(cloud, targets, view, air.mesh, pixels, before_meshes)
+            drawing.draw(cloud, targets, view, air.mesh, pixels, before_meshes, light)
             self._ledger.did("clouds")
         # What is drawn next is shaded by the map, which lies at the lowest base.
         self._drawn[0].bind_again()
 
     def release(self) -> None:
         """Free the GL objects."""
-        for thing in (*self._made, self._pass, self._shadow):
+        for thing in (*self._made, *self._passes, self._shadow):
             if thing is not None:
                 thing.release()
 

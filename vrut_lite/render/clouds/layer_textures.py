@@ -12,7 +12,7 @@ from vrut_lite.daylight.cloud_density import (
     weather_origin,
 )
 from vrut_lite.daylight.cloud_light import ClearLight, light_from_below
-from vrut_lite.daylight.cloud_transport import transport_tables
+from vrut_lite.daylight.cloud_transport import scatterer
 from vrut_lite.daylight.clouds import CloudLayer
 from vrut_lite.daylight.sun_aloft import sun_aloft
 from vrut_lite.render.gl_environment import import_pyrender
@@ -194,7 +194,7 @@ def _packed(
         threshold=layer.threshold,
         weather_origin=weather_origin(layer, level),
         noise_origin=noise_origin(layer, level),
-        diffused=1.0 - transport_tables().forward_share,
+        diffused=scatterer(layer.particles).diffused,
         pixel_rad=around.pixel_rad,
         top_squares_m2=_squares_m2(top, eye_altitude_m),
         base_squares_m2=_squares_m2(base, eye_altitude_m),

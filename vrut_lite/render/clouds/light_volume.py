@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from vrut_lite.daylight.cloud_transport import droplets, transport_tables
+from vrut_lite.daylight.cloud_transport import scatterer, transport_tables
 from vrut_lite.render.clouds.layer_textures import CloudsOnGpu
 from vrut_lite.render.shader_files import defined, shader_source
 from vrut_lite.render.unlocked import run_compute
@@ -32,8 +32,8 @@ class CloudLightVolume:
         self._source = context.texture3d(
             (views, above, source.shape[0] * source.shape[1]), 4, source.tobytes(), dtype="f2"
         )
-        phase = np.ascontiguousarray(droplets().values[::-1].T, dtype=np.float32)
-        self._phase = context.texture((len(phase), 1), 3, phase.tobytes(), dtype="f4", alignment=1)
+        nodes = scatterer("droplets").phase.shape[1::-1]
+        self._phase = context.texture(nodes, 3, dtype="f4", alignment=1)
         for texture in (self._density, self._depths, self._source, self._phase):
             texture.filter = (context.LINEAR, context.LINEAR)
             texture.repeat_x = texture.repeat_y = False
@@ -43,6 +43,9 @@ class CloudLightVolume:
     def draw(self, clouds: CloudsOnGpu) -> None:
         """Sum the layer's depths for its sun, around its eye."""
         groups = _COLUMNS // _GROUP
+        assert clouds.layer is not None
+        phase = scatterer(clouds.layer.particles).phase.astype(np.float32)
+        self._phase.write(phase.tobytes(), alignment=1)
         clouds.bind_noises()
         self._density.bind_to_image(0, read=False, write=True)
         run_compute(self._fill, groups, groups, 1)

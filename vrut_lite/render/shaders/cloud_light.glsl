@@ -3,11 +3,12 @@
 layout(binding = 3) uniform sampler2D sun_aloft;       // the sun at base and top, by its height
 layout(binding = 5) uniform sampler3D light_volume;    // depths to and from the sun, up, down
 layout(binding = 6) uniform sampler3D cloud_transport; // views x above x (sines, below)
-layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle
+layout(binding = 7) uniform sampler2D droplets_phase;  // by the sine of half the angle: wide, peak
 
 // Depths this near, as a share of the thickness, come from the density itself: the volume is
 // coarse.
 const float NEAR_REACH = 0.07;
+const float AT_SURFACE = 0.1;  // depth under which the way to the sun says no direction
 // As daylight/cloud_transport.py has its nodes.
 const float DEPTH_SCALE = 0.3, MOST_DEPTH = 60.0, LOWEST_RAD = 0.04, HALF_PI = 1.5707963;
 const float DEPTHS = 16.0, SINES = 12.0, VIEWS = 16.0;
@@ -17,7 +18,8 @@ const float LOWEST_SUN = -0.1;
 struct CloudRay {
     vec3 d;
     float nu;     // cosine of the angle to the sun
-    vec3 phase;   // that of the droplets, over the share that diffuses
+    vec3 wide;    // phase function of the droplets, over the share that diffuses
+    vec3 peak;    // its forward peak
 };
 
 CloudRay cloud_ray(vec3 d) {
@@ -25,8 +27,9 @@ CloudRay cloud_ray(vec3 d) {
     float squared = dot(chord, chord);
     float angles = float(textureSize(droplets_phase, 0).x);
     float place = (min(0.5 * sqrt(squared), 1.0) * (angles - 1.0) + 0.5) / angles;
-    vec3 phase = textureLod(droplets_phase, vec2(place, 0.5), 0.0).rgb / clouds.diffused;
-    return CloudRay(d, 1.0 - 0.5 * squared, phase);
+    vec3 wide = textureLod(droplets_phase, vec2(place, 0.25), 0.0).rgb;
+    vec3 peak = textureLod(droplets_phase, vec2(place, 0.75), 0.0).rgb;
+    return CloudRay(d, 1.0 - 0.5 * squared, wide / clouds.diffused, peak / clouds.diffused);
 }
 
 vec2 depth_nodes(vec2 scaled) {
@@ -68,13 +71,13 @@ vec3 sun_at(float sine, float height) {
 }
 
 // Radiance per diffused optical depth, W m^-2 sr^-1.
-vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float width_m) {
+vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float density,
+                  float width_m) {
     vec3 sun = clouds.sun_direction;
-    float reach_m = NEAR_REACH * clouds.thickness_m, near = 0.0;
-    near += 0.3 * cloud_density_at(level + sun.xz * (0.15 * reach_m), over_base_m
-                                   + sun.y * (0.15 * reach_m), max(width_m, 0.15 * reach_m));
-    near += 0.7 * cloud_density_at(level + sun.xz * (0.65 * reach_m), over_base_m
-                                   + sun.y * (0.65 * reach_m), max(width_m, 0.35 * reach_m));
+    float reach_m = NEAR_REACH * clouds.thickness_m;
+    float near = 0.3 * density
+               + 0.7 * cloud_density_at(level + sun.xz * (0.65 * reach_m), over_base_m
+                                        + sun.y * (0.65 * reach_m), max(width_m, 0.35 * reach_m));
     near *= clouds.extinction_per_m * reach_m;
     vec4 depths = depths_at(level + sun.xz * reach_m,
                             (over_base_m + sun.y * reach_m) / clouds.thickness_m);
@@ -82,16 +85,19 @@ vec3 cloud_source(CloudRay ray, float at_m, vec2 level, float over_base_m, float
     float upright = depths.b + depths.a;
     float sine = sun.y + dot(level, sun.xz) / PLANET_RADIUS_M;
     float rise = ray.d.y + at_m / PLANET_RADIUS_M;
-    // A slab as deep as the cloud along the sun and upright: a plane layer's, or a side's.
+    // The plane layer that stands for the cloud faces the way by which light comes in: upwards, or
+    // to the sun where that is nearer. Out it leaves likewise. A plane layer stays itself.
     float low = clamp(sine, clouds.sun_slope, 1.0);
-    float facing = clamp(upright / max(along_sun, 1e-9), low, 1.0);
+    float over = clamp(depths.b + near * max(sun.y, 0.0), 0.0, upright), behind = along_sun - to_sun;
+    float evenly = clamp(upright / max(along_sun, 1e-9), low, 1.0);
+    float facing = clamp((over + AT_SURFACE * evenly) / (to_sun + AT_SURFACE), low, 1.0);
     float upward = min(sqrt((1.0 - facing * facing) / max(1.0 - low * low, 1e-6)), 1.0);
     float mu = upward * rise + (facing - upward * low) * ray.nu;
-    vec2 slab = clouds.diffused * facing * vec2(to_sun, along_sun - to_sun);
+    float below = clamp(upright - over, low * behind, behind);
+    vec2 slab = clouds.diffused * vec2(facing * to_sun, below);
     float diffuse = sun_source(slab, facing, mu, ray.nu);
-    float over = clamp(depths.b + near * max(sun.y, 0.0), 0.0, upright);
     float even = transport_at(0.0, clouds.diffused * vec2(over, upright - over), rise).a;
-    vec3 scattered = ray.phase * exp(-clouds.diffused * to_sun) + diffuse;
+    vec3 scattered = ray.wide * exp(-clouds.diffused * to_sun) + ray.peak * exp(-to_sun) + diffuse;
     return sun_at(sine, over_base_m / clouds.thickness_m) * scattered
          + mix(clouds.light_from_below, clouds.light_from_above, even);
 }

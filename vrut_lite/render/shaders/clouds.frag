@@ -17,18 +17,22 @@ uniform vec3 view_axis;
 in vec3 ray;
 layout(location = 0) out vec4 before_sky;
 layout(location = 1) out vec4 before_mesh;
+layout(location = 2) out float cloud_distance_m;  // the mean of what is seen, 0 where there is none
+#ifdef TAKE_OVER
+//!include cloud_take_over.glsl
+#endif
 
 const int MOST_STEPS = 256;
 // Fine steps, as shares of the layer's thickness and of the distance; coarse ones in clear air
 // are so much longer.
-const float FINE = 0.02, FINE_OF_DISTANCE = 0.004, COARSE = 3.0;
+const float FINE = 0.025, FINE_OF_DISTANCE = 0.006, COARSE = 3.0;
 // Fine steps of a piece, at least, however far it is.
 const float FEWEST_STEPS = 40.0, SHORTEST_STEP_M = 1.0;
-const int STEPS_TO_COARSE = 8;
+const int STEPS_TO_COARSE = 5;
 // Diffused optical depth of a step in a cloud's full density.
-const float DEEPEST_STEP = 1.0;
+const float DEEPEST_STEP = 1.5;
 const int SURFACE_HALVINGS = 4;
-const float OPAQUE = 0.02;
+const float OPAQUE = 0.01;
 const float NEVER = 1e30;
 
 // Distances to where the ray enters and leaves a sphere, and half the chord; none if negative.
@@ -130,7 +134,9 @@ void march_piece(inout March march, CloudRay ray, vec2 piece, float along, float
         float fine_m = min(max(FINE * clouds.thickness_m, FINE_OF_DISTANCE * t), coarsest_m);
         bool coarse = clear >= STEPS_TO_COARSE;
         float step_m = coarse ? COARSE * fine_m : fine_m;
-        if (inside) step_m = min(step_m, DEEPEST_STEP / diffused_per_m);
+        // What lies deeper is seen less: it is sampled less.
+        if (inside) step_m = min(step_m * (2.5 - 1.5 * march.transmittance),
+                                 DEEPEST_STEP / diffused_per_m);
         step_m = min(step_m, piece.y - t);
         // From a surface on, steps need no dither: they follow it.
         float at_m = t + (inside ? 0.5 : dither) * step_m;
@@ -156,7 +162,7 @@ void march_piece(inout March march, CloudRay ray, vec2 piece, float along, float
             float kept = exp(-diffused_per_m * density * step_m);
             float seen = march.transmittance * (1.0 - kept);
             march.radiance += seen * cloud_source(ray, at_m, place.level, place.over_base_m,
-                                                  place.width_m);
+                                                  density, place.width_m);
             march.distance_m += seen * at_m;
             march.weight += seen;
             march.transmittance *= kept;
@@ -178,6 +184,9 @@ void main() {
     float depth = texelFetch(mesh_depth, ivec2(gl_FragCoord.xy * mesh_pixels), 0).r;
     if (depth > 0.0) mesh_m = near_m / depth / dot(d, view_axis);
 #endif
+#ifdef TAKE_OVER
+    if (taken_over(d, mesh_m)) return;
+#endif
     vec4 piece = pieces(along, perigee_m, last_distance(along, perigee_m));
     CloudRay view = cloud_ray(d);
     // A pattern fixed to the picture (Jimenez 2014, "interleaved gradient noise").
@@ -192,4 +201,5 @@ void main() {
     march.transmittance *= 1.0 - hidden;
     before_sky = through_air_of(march, d);
     before_mesh = march.at_mesh.a >= 0.0 ? march.at_mesh : before_sky;
+    cloud_distance_m = march.weight > 0.0 ? march.distance_m / march.weight : 0.0;
 }

@@ -1,0 +1,93 @@
+"""Global irradiance under clouds of each genus beside Kasten and Czeplak's relation.
+
+    python -m tools.cloud_cover
+
+G / G0 = 1 - 0.75 (N / 8)^3.4 (Kasten and Czeplak 1980), N the octas that an observer sees over the
+whole hemisphere. N is marched: the share of directions, evenly spread over the sky, in which less
+than e^-0.5 of what is behind the clouds is seen. Light is luminous; pyranometers' is all-wave.
+"""
+
+from collections.abc import Iterator
+from datetime import datetime
+
+import msgspec
+import numpy as np
+from clouds.genera import GENERA, Genus
+from clouds.module import make_layers
+from clouds.settings import CloudSettings
+
+from vrut_lite.daylight.cloud_light import ClearLight
+from vrut_lite.daylight.cloud_view import clouds_seen
+from vrut_lite.daylight.clouds import CloudLayer
+from vrut_lite.daylight.daylight_kernel import daylight_kernel, demand_light
+from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.sky import AmbientChanged, BackgroundChanged, SkyRadianceChanged
+from vrut_lite.daylight.sky_under_clouds import ClearSky, Viewpoint, light_under_clouds
+from vrut_lite.daylight.sun import KeyLightChanged
+from vrut_lite.geometry.colour import luminance
+from vrut_lite.geometry.spherical_harmonics import evaluate_irradiance
+from vrut_lite.kernel.messages import Demand, SetClock
+
+NOON = datetime.fromisoformat("2026-05-01T10:00+00:00")
+UP, EYE = np.array([0.0, 1.0, 0.0]), (0.0, 2.0, 0.0)
+COVERAGES = (0.35, 0.7, 1.0)
+_PLACES, _APART_M, _SIZE, _RAYS = 4, 31_000.0, 16, 1200
+_SEEN = np.exp(-0.5)
+
+
+def clear_sky() -> ClearSky:
+    """A clear spring noon in Prague, the sun at 54 degrees."""
+    kernel, _ = daylight_kernel()
+    kernel.inject(SetPlace(latitude_deg=50.0, longitude_deg=14.4))
+    kernel.inject(Demand(consumer="tool", message=SkyRadianceChanged.__name__))
+    demand_light(kernel, "tool", _SIZE)
+    kernel.inject(SetClock(instant=NOON))
+    kernel.pump_until_idle()
+    kinds = BackgroundChanged, KeyLightChanged, AmbientChanged, SkyRadianceChanged
+    parts = [kernel.last(kind) for kind in kinds]
+    kernel.close()
+    return ClearSky(*parts)  # type: ignore[arg-type]
+
+
+def octas(layer: CloudLayer, light: ClearLight) -> float:
+    """Octas of the hemisphere over an observer that a layer covers."""
+    index = np.arange(_RAYS) + 0.5
+    mu, turn = index / _RAYS, index * np.pi * (1.0 + np.sqrt(5.0))
+    level = np.sqrt(1.0 - mu * mu)
+    rays = np.stack([level * np.cos(turn), mu, level * np.sin(turn)], axis=-1)
+    seen = clouds_seen(layer, light, EYE, rays, np.sqrt(2.0 * np.pi / _RAYS))
+    return 8.0 * float((seen.transmittance < _SEEN).mean())
+
+
+def rows(genus: Genus, clear: ClearSky) -> Iterator[tuple[float, float, float]]:
+    """Coverage, octas and G / G0, for each coverage and place."""
+    prefix = {"middle_": ("Ac", "As"), "high_": ("Ci", "Cs")}
+    of_layer = next((p for p, genera in prefix.items() if genus in genera), "")
+    sun, view = clear.key_light, Viewpoint(EYE, (0.0, 0.0, 0.0), 5000.0)
+    harmonics = clear.ambient.irradiance_sh_rgb.values
+    light = ClearLight(sun.direction, sun.irradiance_rgb, harmonics)
+    open_sky = float(luminance(light.on_ground))
+    for coverage in COVERAGES:
+        named = {f"{of_layer}genus": genus, f"{of_layer}coverage": coverage}
+        layer = make_layers(CloudSettings(**named))[1][0]  # type: ignore[arg-type]
+        for place in range(_PLACES):
+            moved = msgspec.structs.replace(layer, drift_m=(place * _APART_M, -place * _APART_M))
+            lit = light_under_clouds((moved,), clear, view, _SIZE, "tool")
+            by_sky = evaluate_irradiance(lit.ambient.irradiance_sh_rgb.values, UP)
+            by_sun = np.asarray(lit.key_light.irradiance_rgb) * sun.direction[1]
+            yield coverage, octas(moved, light), float(luminance(by_sky + by_sun)) / open_sky
+
+
+def kasten_czeplak(eighths: float) -> float:
+    """G / G0 of a number of octas."""
+    return 1.0 - 0.75 * (eighths / 8.0) ** 3.4
+
+
+if __name__ == "__main__":
+    sky = clear_sky()
+    print("genus  coverage  octas  G/G0  Kasten and Czeplak")
+    for name in GENERA:
+        found = np.array(list(rows(name, sky))).reshape(len(COVERAGES), _PLACES, 3)
+        for coverage, cover, share in found.mean(axis=1):
+            relation = kasten_czeplak(cover)
+            print(f"{name:5} {coverage:8.2f} {cover:7.1f} {share:6.2f} {relation:6.2f}", flush=True)
