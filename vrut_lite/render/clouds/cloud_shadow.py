@@ -94,6 +94,9 @@ class CloudShadowMap:
         clouds[0].bind_again()
         if casts:
             self._texture.use(location=UNIT)
+            # Another unit is the active one now: a texture that is made before the meshes are
+            # drawn would take the map's place.
+            self._texture.use(location=0)
         return casts
 
     def bind_light(self, number: int) -> None:
