@@ -21,6 +21,7 @@ from light_transport.daylight_numbers.opened_scene import OpenedScene
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.work import baked
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from tools.radiance.grids import GRIDS
 from vrut_lite.numeric_types import FloatArray
@@ -61,8 +62,18 @@ def main(picture: str) -> None:
         axes.loglog(x, y, "o-", color="#2a6f97")
         axes.set_xlabel(f"{name} (against {found[-1][0]:,.0f})")
         axes.set_ylabel("rms error, % of the mean")
+        for axis, values in ((axes.xaxis, x), (axes.yaxis, y)):
+            axis.set_major_locator(FixedLocator(values[:: 2 if len(values) > 4 else 1]))
+            axis.set_major_formatter(
+                FuncFormatter(lambda value, _: f"{value:,.0f}" if value > 10.0 else f"{value:.2f}")
+            )
+            axis.set_minor_locator(NullLocator())
         axes.grid(True, which="both", alpha=0.25)
     figure.savefig(Path(picture), dpi=120)
+
+
+def _plain(value: float, _: object) -> str:
+    return f"{value:,.0f}" if value > 10.0 else f"{value:.2f}"
 
 
 def _factors(bake: Bake, sensors: Sensors, tolerance: float) -> tuple[float, FloatArray]:
