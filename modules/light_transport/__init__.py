@@ -11,6 +11,8 @@ from typing import Any
 _FOUND_IN = {
     "annual": "light_transport.daylight_numbers.annual",
     "daylight_factor": "light_transport.daylight_numbers.now",
+    "numbers_now": "light_transport.daylight_numbers.numbers_now",
+    "work_of": "light_transport.daylight_numbers.work",
 }
 
 

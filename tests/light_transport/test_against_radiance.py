@@ -13,6 +13,7 @@ from light_transport.daylight_numbers.sensors import free_sensors
 
 from tools.radiance.grids import GRIDS, Grid, compared_hours
 from tools.radiance.irradiance import Effort, irradiance_by_radiance, radiance_folder
+from tools.radiance.year import compared_year
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
@@ -87,3 +88,19 @@ def test_sensors_have_radiance_s_illuminance(scene):
         print(scene, f"{error.mean():+.2%} {rms:.2%} {np.abs(error).max():.2%} {noise:.2%}")
         assert abs(error.mean()) < 0.015
         assert rms < 0.02
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("scene", SCENES)
+def test_hours_of_a_year_of_weather_have_radiance_s_illuminance(scene, tmp_path):
+    """Interpolated suns and coarse cells of the sky: within 5 % over the year."""
+    pytest.importorskip("pvlib")
+    from tools.weather_year.epw_year import epw_text
+
+    path = tmp_path / "prague.epw"
+    path.write_text(epw_text(), encoding="ascii")
+    found = compared_year(grid_of(scene), str(path), 12, Effort(8_192))
+    error, of_sum = found.error, found.of_sum
+    print(scene, f"{np.sqrt(np.mean(error**2)):.2%} {of_sum.mean():+.2%} {found.ours_cpu_s:.0f}")
+    assert np.sqrt(np.mean(of_sum**2)) < 0.05
+    assert np.sqrt(np.mean(error**2)) < 0.05

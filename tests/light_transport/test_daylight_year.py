@@ -14,14 +14,18 @@ from light_transport.daylight_numbers.metrics import (
     room_year,
 )
 from light_transport.daylight_numbers.now import hour_at_sensors
+from light_transport.daylight_numbers.numbers_now import numbers_now
 from light_transport.daylight_numbers.operator import operator_of
 from light_transport.daylight_numbers.plan_picture import Quantity, plan_picture
+from light_transport.daylight_numbers.report import Page, Table, write_report
 from light_transport.daylight_numbers.sensors import Sensors, free_sensors
 from light_transport.daylight_numbers.work import Work
 from light_transport.daylight_numbers.year_light import HOURS, YearLight, lit_hours
+from light_transport.giving_up import GivenUp, unless
 from light_transport.rays.sky_nodes import GROUND_NODE, node_radiances
 
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.pictures.image_files import write_png
 
 
 def year_like(hours, lights):
@@ -126,3 +130,37 @@ def test_pictures_have_their_values_where_they_are():
     day = by_day_and_hour(np.array([5.0, 500.0]), np.array([12, 364 * HOURS + 12]))
     assert (day[12, 0], day[12, 364], np.count_nonzero(day)) == (5.0, 500.0, 2)
     assert heat_map(day, "room", Quantity("illuminance", "lx")).ndim == 3
+
+
+def test_roof_lights_must_bring_the_target_to_nearly_all_of_the_plane():
+    """EN 17037, table A.2: half of the plane at 800 lx is enough for windows, not for roofs."""
+    year, light = known_year([350.0, 800.0, 800.0, 800.0], [0.0] * 4)
+    points = point_year(year.total, year, light)
+    sensors = free_sensors(np.zeros((4, 3)), np.tile([0, 1.0, 0], (4, 1)), "room")
+    assert room_year(points, sensors, 0).en_level == "medium"
+    assert room_year(points, sensors, 0, is_lit_by_roof=True).en_level == "minimum"
+
+
+def test_numbers_of_an_hour_end_when_nobody_waits(work):
+    """They are those of their parts, and are given up between steps."""
+    light = hour(0.5, key=(1.0, 1.0, 0.3), irradiance=4.0, ground=0.1)
+    found = numbers_now(work, light)
+    single = hour_at_sensors(work.bake, work.glass, work.operator, work.sensors, light)
+    np.testing.assert_array_equal(found.light.total, single.total)
+    assert ((found.daylight_factor_percent > 0.0) & (found.sky_view > 0.0)).all()
+    with pytest.raises(GivenUp):
+        numbers_now(work, light, go_on=unless(lambda: True))
+
+
+def test_a_page_has_wide_pictures_in_rows_of_their_own(tmp_path):
+    """Heat maps are twice as wide as plans; tables wider than a phone scroll."""
+    for name, width in (("plan", 10), ("hours", 30)):
+        write_png(tmp_path / f"{name}.png", np.zeros((10, width, 3), np.uint8))
+    pictures = {tmp_path / "plan.png": "a plan", tmp_path / "hours.png": "a < b"}
+    write_report(
+        tmp_path / "page.html", Page("room", "", [Table("year", ["a"], [["1"]])], pictures, [])
+    )
+    page = (tmp_path / "page.html").read_text()
+    assert page.count("class='plan'") == page.count("class='wide'") == 1
+    assert "a &lt; b" in page
+    assert "<div class='table'><table>" in page

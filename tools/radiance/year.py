@@ -94,7 +94,7 @@ def main(weather: str, scenes: tuple[str, ...] = SCENES) -> None:
     """Print the table."""
     for scene in scenes:
         grid = next(grid for grid in GRIDS if grid.scene == scene)
-        found = compared_year(grid, weather, 12, Effort(16_384))
+        found = compared_year(grid, weather, 12, Effort(8_192))
         error, of_sum = found.error, found.of_sum
         print(
             f"{scene}: hour {error.mean():+.2%} mean, {np.sqrt(np.mean(error**2)):.2%} rms, "

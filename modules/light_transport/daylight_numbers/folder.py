@@ -113,7 +113,10 @@ def write_daylight(folder: Path, opened: OpenedScene, asked: Asked) -> list[str]
         method += found.method
     write_tables(folder, work.sensors, numbers)
     where = asked.project
-    subtitle = f"{where.at} at {where.place}; sky by {opened.source}; {len(work.sensors)} sensors"
+    weather = f", {Path(where.weather).name}" if where.weather else ""
+    subtitle = (
+        f"{where.at} at {where.place}; sky by {opened.source}{weather}; {len(work.sensors)} sensors"
+    )
     title = f"Daylight of {Path(where.scene).stem}"
     write_report(folder / "report.html", Page(title, subtitle, tables, pictures, method))
     lines = [

@@ -59,7 +59,8 @@ def _plan(
     grid[row, column] = values[here]
     size = int(np.clip(_EDGE_PX // max(grid.shape), 3, _MOST_CELL_PX))
     fine, inside = _smooth(grid, size)
-    pixels = coloured(np.where(inside, fine, np.nan), scale)
+    # What has nothing is as dark as the least; only what lies in no room stays empty.
+    pixels = coloured(np.where(inside, np.maximum(fine, scale.low), np.nan), scale)
     lines = _levels(grid)
     level = np.searchsorted(lines, fine)
     edge = np.zeros(level.shape, bool)

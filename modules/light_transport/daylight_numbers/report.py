@@ -3,8 +3,11 @@
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
+from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
+
+from PIL import Image
 
 from vrut_lite.write_atomic import atomic_output
 
@@ -15,10 +18,18 @@ h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { border-bottom: 1px solid #d8dde4; padding: .3rem .5rem; text-align: right; }
 th:first-child, td:first-child { text-align: left; }
-img { max-width: 100%; border-radius: 4px; } figure { margin: 1rem 0; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(24rem, 1fr)); gap: 1rem; }
+.table { overflow-x: auto; }
+td { white-space: nowrap; }
+img { max-width: 100%; border-radius: 4px; } figure { margin: .5rem 0; }
+.pictures { display: grid; gap: 1rem;
+            grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
+.wide { grid-column: 1 / -1; }
 figcaption, .faint { color: #5a6675; font-size: .9rem; }
 """
+
+
+# Pictures that are so much wider than high have a row of their own.
+_WIDE = 1.6
 
 
 class Table(NamedTuple):
@@ -66,13 +77,16 @@ def _table(table: Table) -> str:
     rows = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
     )
-    return f"<h2>{escape(table.heading)}</h2><table><tr>{head}</tr>{rows}</table>"
+    body = f"<div class='table'><table><tr>{head}</tr>{rows}</table></div>"
+    return f"<h2>{escape(table.heading)}</h2>{body}"
 
 
 def _figure(file: Path, caption: str) -> str:
-    data = b64encode(file.read_bytes()).decode()
-    said = escape(caption)
+    content = file.read_bytes()
+    data, said = b64encode(content).decode(), escape(caption)
+    with Image.open(BytesIO(content)) as picture:
+        kind = "wide" if picture.width > _WIDE * picture.height else "plan"
     return (
-        f"<figure><img alt='{said}' src='data:image/png;base64,{data}'>"
+        f"<figure class='{kind}'><img alt='{said}' src='data:image/png;base64,{data}'>"
         f"<figcaption>{said}</figcaption></figure>"
     )

@@ -33,7 +33,7 @@ from vrut_lite.pictures.image_files import write_png
 Numbers = dict[str, FloatArray]
 _PLANS = {
     "da_300_percent": Quantity("time above 300 lx, 8:00 to 18:00", "%"),
-    "da_300_with_blinds_percent": Quantity("the same with blinds", "%"),
+    "da_300_with_blinds_percent": Quantity("time above 300 lx with blinds", "%"),
     "dose_klxh": Quantity("dose of a year", "klx h"),
 }
 _MOST_HEAT_MAPS = 4

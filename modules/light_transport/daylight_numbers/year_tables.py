@@ -46,7 +46,7 @@ def row_of_plane(
     targets = f"{all_rays.en_median_lx:,.0f} lx, {all_rays.en_low_lx:,.0f} lx"
     return [
         sensors.names[plane],
-        "no room" if shaded is None else _sda(shaded, light),
+        *(("no room", "") if shaded is None else _sda(shaded, light)),
         f"{all_rays.da_300_50:.1%} ± {_half(one.da_300_50, other.da_300_50):.1%}",
         f"{all_rays.ase_1000_250:.1%}",
         f"{all_rays.en_level} ({targets}{', roof lights' if by_roof else ''})",
@@ -55,19 +55,19 @@ def row_of_plane(
     ]
 
 
-def _sda(shaded: Shaded, light: YearLight) -> str:
+def _sda(shaded: Shaded, light: YearLight) -> tuple[str, str]:
     share, first, second = (
         spatial_autonomy(daylight_autonomy(total, light))
         for total in (shaded.total, *shaded.halves)
     )
     hours = ", ".join(f"{side} {count:,} h" for side, count in shaded.closed_h.items())
-    return f"{share:.1%} ± {_half(first, second):.1%} (closed: {hours})"
+    return f"{share:.1%} ± {_half(first, second):.1%}", hours
 
 
 def year_table(rows: list[list[str]], sun_day: str) -> Table:
     """The year, a plane a row."""
     columns = [
-        "plane", "sDA 300/50", "DA 300/50, unshaded", "ASE 1000/250",
+        "plane", "sDA 300/50", "blinds closed", "DA 300/50, unshaded", "ASE 1000/250",
         "EN 17037 daylight (on 50 %, on 95 %)", f"EN 17037 sun on {sun_day}", "dose klx h",
     ]  # fmt: skip
     return Table("The year", columns, rows)

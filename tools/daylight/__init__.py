@@ -1,0 +1,1 @@
+"""Scripts that measure and draw daylight numbers."""
