@@ -25,7 +25,8 @@ from vrut_lite_studies.peers.radiance_home import radiance_home
 # Of the air in which models are compared that know only a haze.
 DEPTH, GROUND_ALBEDO = 0.2, 0.2
 _WHOLE_NM = tuple(np.arange(390.0, 721.0, 10.0).tolist())
-_EVERY = 4
+# At every fourth, 40 nm apart, ozone in dusk's green is missed by 4 %; so by 0.8 %.
+_EVERY = 2
 _MU_S_MIN = float(np.cos(np.radians(102.0)))
 
 
@@ -66,7 +67,7 @@ def _continental() -> PeerAir:
         title="OPAC's continental average, depth 0.20",
         atmosphere=few,
         to_rgb=to_rgb,
-        note="10 wavelengths; models of a turbidity at the turbidity of this optical depth",
+        note="18 wavelengths; models of a turbidity at the turbidity of this optical depth",
     )
 
 
@@ -77,7 +78,7 @@ def _clear() -> PeerAir:
         title="Bruneton's demonstration of 2017",
         atmosphere=few,
         to_rgb=to_rgb,
-        note="10 wavelengths",
+        note="18 wavelengths",
     )
 
 
@@ -150,13 +151,12 @@ def _blender_single() -> PeerAir:
         sun_angular_radius_rad=0.004675,
         mu_s_min=_MU_S_MIN,
     )
-    few, to_rgb = _colours_of_few(air, 2)
     return PeerAir(
         name="blender-single",
         title="Blender 5's, of single scattering",
-        atmosphere=few,
-        to_rgb=to_rgb,
-        note="exact, black ground, every second of its 21 wavelengths; the truth has all orders",
+        atmosphere=air,
+        to_rgb=integration_matrix(tuple(wavelength)),
+        note="exact, black ground, its 21 wavelengths; the truth has all orders",
     )
 
 
@@ -208,13 +208,12 @@ def _genssky() -> PeerAir:
         sun_angular_radius_rad=0.004675,
         mu_s_min=_MU_S_MIN,
     )
-    few, to_rgb = _colours_of_few(air, 2)
     return PeerAir(
         name="genssky",
         title="genssky's, mid-latitude summer",
-        atmosphere=few,
-        to_rgb=to_rgb,
-        note="11 of its 20 wavelengths; its table of haze as two exponentials of equal column",
+        atmosphere=air,
+        to_rgb=integration_matrix(tuple(wavelength)),
+        note="its 20 wavelengths; its table of haze as two exponentials of equal column",
     )
 
 
