@@ -24,9 +24,12 @@ from vrut_lite.arguments import (
     check_type,
 )
 from vrut_lite.geometry.colour import rgb_from_spectrum
+from vrut_lite.geometry.preview import fisheyes_png
 from vrut_lite.numeric_types import FloatArray
 
 _FARTHEST_M = 1e15
+# In notebooks: noon, evening, sunset, dusk.
+_SHOWN_SUNS_DEG = (60.0, 20.0, 2.0, -4.0)
 # Tolerance of cosines beyond 1: they may come from single precision.
 _SINGLE_ROUNDING = 1e-6
 # What rounding of mu to single precision changes the range of nu by.
@@ -87,6 +90,15 @@ class SolvedSky:
     def atmosphere(self) -> Atmosphere:
         """The solved atmosphere."""
         return self.field.atmosphere
+
+    def _repr_png_(self) -> bytes | None:
+        """What a notebook shows: fisheyes under suns in the south; none without colours."""
+        suns = np.radians(_SHOWN_SUNS_DEG)
+        try:
+            cubes = [self.cube_map(128, (0.0, np.sin(sun), np.cos(sun))) for sun in suns]
+        except ValueError:
+            return None
+        return fisheyes_png(cubes)
 
     def radiance(
         self, altitude_m: ArrayLike, mu: ArrayLike, mu_s: ArrayLike, nu: ArrayLike

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrut_lite.geometry.colour import LUMENS_PER_WATT, luminance
+from vrut_lite.geometry.preview import png
 from vrut_lite.pictures.value_picture import Values
 
 
@@ -22,6 +23,10 @@ class Picture:
     display: NDArray[np.uint8]
     ev100: float
     values: Values | None = None
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        return png(self.display)
 
     def luminance_cd_m2(self, x: int, y: int) -> float:
         """Luminance of a pixel in cd m^-2; x counts from the left, y from the top.

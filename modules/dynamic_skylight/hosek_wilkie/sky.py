@@ -10,6 +10,7 @@ from dynamic_skylight.hosek_wilkie import coefficients
 from dynamic_skylight.hosek_wilkie.coefficients import WAVELENGTHS_NM, Quantity
 from dynamic_skylight.hosek_wilkie.formula import extended_perez
 from vrut_lite.arguments import ROUNDING, as_number, as_numbers, broadcast
+from vrut_lite.geometry.preview import fisheyes_png
 from vrut_lite.numeric_types import FloatArray
 
 if TYPE_CHECKING:
@@ -56,6 +57,10 @@ class HosekWilkieSky:
         self.sun_elevation_rad = as_number(
             "sun_elevation_rad", sun_elevation_rad, 0.0, np.pi / 2, "rad"
         )
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows: a fisheye, the sun in the south."""
+        return fisheyes_png([self.cube_map(128, np.pi)])
 
     @cached_property
     def rgb_distribution(self) -> FloatArray:

@@ -17,7 +17,7 @@ from vrut_lite.daylight.aerosol import turbidity_of_optical_depth
 from vrut_lite.daylight.equal_haze import equal_sky
 from vrut_lite_studies.peers.airs import DEPTH, GROUND_ALBEDO
 from vrut_lite_studies.peers.peer import NotHere, Shot
-from vrut_lite_studies.peers.views import ON_GROUND, SPACE_M, View, of_picture
+from vrut_lite_studies.peers.views import ON_GROUND, SPACE_M, TIMED, View, of_picture
 
 VARIABLE = "BLENDER_PYTHON"
 _LONGEST_S = 1800.0
@@ -81,6 +81,7 @@ class BlenderSky:
             "altitude_m": view.altitude_m,
             "turbidity": turbidity,
             "albedo": GROUND_ALBEDO,
+            "rounds": 3 if view == TIMED else 1,
         }
 
 

@@ -2,8 +2,9 @@
 
     python in_blender.py JOBS.json
 
-The jobs are objects with file, kind, sun_deg, altitude_m, turbidity and albedo. Prints a line of
-JSON with the CPU seconds of each, one thread, drawn twice and the lesser taken.
+The jobs are objects with file, kind, sun_deg, altitude_m, turbidity, albedo
+and rounds. Prints a line of
+JSON with the CPU seconds of each, one thread, the least of its rounds.
 """
 
 import json
@@ -50,7 +51,7 @@ for job in jobs:
     sky.sun_direction = (0.0, math.cos(elevation), math.sin(elevation))
     sky.turbidity, sky.ground_albedo = job["turbidity"], job["albedo"]
     least = math.inf
-    for _ in range(2):
+    for _ in range(job["rounds"]):
         scene.render.filepath = job["file"]
         start = time.process_time()
         bpy.ops.render.render(write_still=True)

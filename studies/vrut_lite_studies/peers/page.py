@@ -52,10 +52,10 @@ def write_peers(folder: Folder, quick: bool, tell: Callable[[str], None]) -> Non
         f"Made {date.today().isoformat()}; CPU time of one thread for a picture of {WIDTH} x "
         f"{HEIGHT}, sun at {TIMED.sun_deg:g}°, all in one run. Each sky is held against the light "
         "of all orders in an atmosphere of its own parameters where they are known, else at equal "
-        "optical depth. The truth is our solver at its finest along exact rays; with the sun below "
-        "-6° our Monte Carlo. The sky's mean luminance is made equal first: the level says by how "
-        "much. Errors are of the upper half, from space of the lower half, the Earth's own light "
-        "left out."
+        "optical depth. The truth is our solver, two rungs finer than usual, along exact rays; "
+        "with the sun below -6° our Monte Carlo. The sky's mean luminance is made equal "
+        "first: the level says by how much. Errors are of the upper half, from space of the lower "
+        "half, the Earth's own light left out."
     )
     page.heading("Time, and what each cannot do")
     _times(page, folder, here)

@@ -38,7 +38,8 @@ def usual_peers() -> tuple[Peer, ...]:
     )
     ours: tuple[Peer, ...] = (
         OursPicture(),
-        *(OursRays(air) for air in AIRS),
+        OursRays("continental", "fine"),
+        *(OursRays(air, "usual") for air in AIRS if air != "continental"),
     )
     return others + ours
 

@@ -1,4 +1,4 @@
-"""The truth of an air: the solver at its finest, along exact rays; below -6 degrees Monte Carlo."""
+"""The truth of an air: a finer rung of the solver along rays; below -6 degrees Monte Carlo."""
 
 from functools import cache
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from vrut_lite_studies.peers.airs import air
 from vrut_lite_studies.peers.peer import PeerAir
 from vrut_lite_studies.peers.views import LOWEST_SOLVED_DEG, View, rays
 
-_PATHS = 16_384
+_PATHS = 8192
 # Of the measured rays, these are followed by Monte Carlo.
 _SOME = (slice(2, None, 6), slice(4, None, 14))
 
@@ -38,7 +38,7 @@ class Truth(NamedTuple):
 def truth(name: str, view: View, paths: int = _PATHS) -> Truth:
     """The light of an air by name at a view."""
     here = air(name)
-    rgb = seen_rgb(field(here.atmosphere, "finest"), here, view)
+    rgb = seen_rgb(field(here.atmosphere, "finer"), here, view)
     everywhere = (slice(None), slice(None))
     if view.sun_deg >= LOWEST_SOLVED_DEG:
         return Truth(rgb, everywhere, rgb, 0.0)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrut_lite.geometry.preview import png
 from vrut_lite_studies.framework.errors import rmse
 from vrut_lite_studies.framework.fisheye import Picture, Pixels
 from vrut_lite_studies.report.moments import Moment
@@ -44,6 +45,10 @@ class Figure(NamedTuple):
     name: str
     title: str
     image: NDArray[np.uint8]
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        return png(self.image)
 
 
 def figures(

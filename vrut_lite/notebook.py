@@ -1,0 +1,90 @@
+"""Scenes in a notebook: a scene under an hour shows itself, and has a slider of the hour."""
+
+from datetime import datetime
+from typing import TYPE_CHECKING, Any, Self
+
+import msgspec
+
+from vrut_lite.arguments import as_number
+from vrut_lite.commands.scene_pictures import ScenePlan
+from vrut_lite.daylight.place_time import time_zone_at
+from vrut_lite.errors import UserError
+from vrut_lite.geometry.preview import png
+from vrut_lite.pictures.picture import Picture
+from vrut_lite.project import Project, in_words, project_of_path
+
+if TYPE_CHECKING:
+    from vrut_lite.hour_slider import HourSlider
+
+_SIZE = (640, 360)
+
+
+class LitScene:
+    """A scene under the light of an hour, kept open: further hours take a fraction of a second.
+
+    Args:
+        scene: a glTF, OBJ or project file.
+        **changes: fields of `Project`, such as at="2026-06-21T18:30", place="50.08,14.44",
+            size=(640, 360).
+
+    Raises:
+        UserError: a field is unknown or none, or the scene cannot be opened.
+    """
+
+    def __init__(self, scene: str, **changes: Any):
+        known = msgspec.structs.asdict(project_of_path(scene))
+        known |= {"size": _SIZE} | changes
+        try:
+            self.project = msgspec.convert(known, Project)
+        except msgspec.ValidationError as error:
+            raise UserError(in_words(error)) from None
+        self._studio = ScenePlan(self.project).open()
+        self._shown: Picture | None = None
+
+    def at(self, hour: float | str) -> Picture:
+        """The picture of an hour: 18.5 on the same day, or an instant as "2026-06-21T18:30".
+
+        Raises:
+            UserError: there is no such hour.
+        """
+        text = hour if isinstance(hour, str) else self._time_of(hour)
+        self.project = msgspec.structs.replace(self.project, at=text)
+        self._shown = self._studio.shoot(self.project.instant()).picture
+        return self._shown
+
+    def slider(self) -> "HourSlider":
+        """A widget: the picture, and a slider of the hour below it.
+
+        Raises:
+            UserError: the extra `notebook` is not installed.
+        """
+        try:
+            from vrut_lite.hour_slider import HourSlider
+        except ModuleNotFoundError:
+            raise UserError(
+                "the slider needs the extra `notebook`: pip install 'vrut-lite[notebook]'"
+            ) from None
+        now = self._local_now()
+        return HourSlider(lambda hour: png(self.at(hour).display), now.hour + now.minute / 60.0)
+
+    def close(self) -> None:
+        """Free the GPU."""
+        self._studio.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _time_of(self, hour: float) -> str:
+        minutes = min(round(60.0 * as_number("hour", hour, 0.0, 24.0)), 24 * 60 - 1)
+        return f"{self._local_now():%Y-%m-%d}T{minutes // 60:02d}:{minutes % 60:02d}"
+
+    def _local_now(self) -> datetime:
+        return self.project.instant().astimezone(time_zone_at(self.project.where()))
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows: the picture of the last hour."""
+        shown = self._shown or self.at(self.project.at)
+        return png(shown.display)
