@@ -52,7 +52,7 @@ def test_a_slab_shines_as_on_paper(stage, extinction_per_m, towards):
 
 
 def test_a_slab_lets_the_sky_through(stage):
-    """exp(-k d / mu) of a bright sky behind, to 0.5 %, each pixel to 1.5 %; the sun is off."""
+    """exp(-k d / mu) of a bright sky behind, to 1 %, each pixel to 2 %; the sun is off."""
     layer = slab(extinction_per_m=1e-3)
     bright = np.full((6, 16, 16, 3), 1000.0)
     light(stage, bright, sun_direction=(0.6, -0.8, 0.0))
@@ -61,8 +61,8 @@ def test_a_slab_lets_the_sky_through(stage):
     view = np.array([0.0, 0.8, 0.6])
     picture = look(stage, EYE, np.array(EYE) + view, 0.01)
     transmittance = slab_radiance(layer, EYE, view, np.array([0.6, 0.8, 0.0]))[1]
-    assert picture.radiance.mean() == pytest.approx(1000.0 * transmittance, rel=0.005)
-    np.testing.assert_allclose(picture.radiance, 1000.0 * transmittance, rtol=0.015)
+    assert picture.radiance.mean() == pytest.approx(1000.0 * transmittance, rel=0.01)
+    np.testing.assert_allclose(picture.radiance, 1000.0 * transmittance, rtol=0.02)
 
 
 @pytest.mark.long

@@ -83,6 +83,9 @@ class CloudShadowMap:
             self._draw(clouds)
             self._is_cast = True
         self._texture.use(location=UNIT)
+        # Another unit is the active one now: a texture that is made before the meshes are drawn
+        # would take the map's place.
+        self._texture.use(location=0)
         return True
 
     def bind_light(self) -> None:
