@@ -197,11 +197,13 @@ def _sunlit(bake: Bake, direction: FloatArray) -> Float32Array:
     """Irradiance (M,) of patches straight from a sun of 1 W m^-2."""
     assert bake.patches is not None
     shadows = bake.finished.key_shadows.rays
-    reached = np.empty(bake.rows, np.uint8)
+    reached = np.empty((1, bake.rows), np.uint8)
     share = np.zeros(bake.rows, np.float32)
     towards = np.asarray(direction, float)
-    free_rays(bake.tree, bake.receivers, shadows.ray, towards, scratch(), 0, bake.rows, reached)
-    around, weights = (reached, reached, reached), np.array([1.0, 0.0, 0.0])
+    free_rays(
+        bake.tree, bake.receivers, shadows.ray, towards[None], scratch(), 0, bake.rows, reached
+    )
+    around, weights = (reached[0],) * 3, np.array([1.0, 0.0, 0.0])
     lit_shares(bake.receivers, towards, around, weights, scratch(), 0, bake.rows, share)
     return patch_means(bake.patches, shadows, share)
 

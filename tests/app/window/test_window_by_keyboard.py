@@ -108,7 +108,7 @@ def test_the_main_tasks_need_no_mouse(driver, tmp_path, monkeypatch):
 
     press(driver, Qt.Key.Key_Escape)
     press(driver, Qt.Key.Key_Z, CONTROL)
-    driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("coverage", 0.0))
+    driver.until_heard(SettingChanged, lambda m: (m.name, m.value) == ("coverage", None))
 
     press(driver, Qt.Key.Key_C)
     driver.until(driver.panel("compare").isVisible)

@@ -77,7 +77,6 @@ class SettingRow(QObject):
             self.name.blockSignals(True)
             self.name.setChecked(value is not None)
             self.name.blockSignals(False)
-            self.editor.setEnabled(value is not None)
         if isinstance(self.editor, QComboBox) and self.spec.may_be_none:
             known = "" if stands_for is None else f" ({choice_label(stands_for)})"
             self.editor.setItemText(0, LEFT_OPEN + known)

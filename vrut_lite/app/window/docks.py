@@ -36,7 +36,7 @@ from vrut_lite.scene.manager import NAME as SCENE
 PANEL_GROUP = "vrut_lite.panels"
 Area = Qt.DockWidgetArea
 # A panel that needs more than this is scrolled sideways: it must not widen the window.
-_WIDEST_PX = 300
+_WIDEST_PX = 330
 
 
 class DockSpec(NamedTuple):
