@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from night_sky.sky_axes import Watch
 
 NAME = "night_sky"
-_DEMANDED = {kind.__name__ for kind in (StarsChanged, MoonDiscChanged, MoonPathChanged, *PRODUCTS)}
+_DRAWN: tuple[type, ...] = StarsChanged, MoonDiscChanged, MoonPathChanged
+_DEMANDED = {kind.__name__ for kind in (*_DRAWN, *PRODUCTS)}
 # Rows and columns of the glow's map, and how long one serves: a quarter of a texel.
 _ROWS, _COLUMNS = 45, 90
 _GLOW_SERVES = timedelta(minutes=4)
