@@ -74,6 +74,7 @@ def test_hosek_wilkie(name: str, most: float) -> None:
     assert max(each.p99 for each in found.values()) < most
 
 
+@pytest.mark.long
 def test_single_scattering() -> None:
     """The compiled rule errs as its float64 twin does, to rounding."""
     groups = single_scattering.groups(True)

@@ -121,6 +121,7 @@ def test_coefficients_of_a_table_are_the_phase_functions():
     np.testing.assert_allclose(chi, 0.8 ** np.arange(33), atol=1e-4)
 
 
+@pytest.mark.long
 def test_spheres_by_mies_theory_are_the_tabulated_component():
     """A lognormal distribution of OPAC's size and refractive index gives OPAC's particles."""
     pytest.importorskip("miepython", reason="the package miepython is not installed")

@@ -92,6 +92,7 @@ def test_turbidity_is_an_alias():
     assert sky.last(AmbientChanged).irradiance_sh_rgb.digest == by_depth
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("depth", [0.0, MOST_OPTICAL_DEPTH])
 def test_the_ends_of_the_scale_are_skies(shown, depth):
     """Air without aerosol is clearer than turbidity 1, and the haziest is turbidity 10."""

@@ -52,6 +52,7 @@ def test_random_pictures_stay_within(tolerance):
         assert hour_error(hour, truth(hour), quality_for(tolerance)) <= tolerance, hour
 
 
+@pytest.mark.long
 def test_a_coarse_choice_would_not_do():
     """The promise is not kept by just any size: what serves 100 % is beyond 0.3 %."""
     hours = random_hours(6, seed=77)

@@ -75,6 +75,7 @@ def pixel_rays(x, y):
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
+@pytest.mark.long
 def test_shafts_are_those_of_a_march_in_double_precision(backend, tmp_path):
     """Two slabs and a gap: nine pixels of ten within 0.2 % of the light of lit air, each in 1.5 %.
 

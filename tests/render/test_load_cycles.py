@@ -30,6 +30,7 @@ def resident_bytes():
     return int(Path("/proc/self/statm").read_text().split()[1]) * _PAGES_BYTES
 
 
+@pytest.mark.long
 def test_scenes_leave_nothing_behind(gl_owner, tmp_path, request):
     """Load, render, unload, always another scene: no GL object more, memory within 8 MB.
 

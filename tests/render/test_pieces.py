@@ -53,6 +53,7 @@ def test_pieces_make_the_same_picture_bit_for_bit(backend):
     assert np.unique(whole.display.reshape(-1, 3), axis=0).shape[0] > 1000
 
 
+@pytest.mark.long
 def test_a_picture_that_is_given_up_leaves_the_next_as_it_would_have_been(backend):
     """Before its first pixel, and within passes: each is counted."""
     whole = backend.draw()

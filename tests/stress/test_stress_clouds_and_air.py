@@ -64,6 +64,7 @@ def test_cloud_density_is_a_share(stress):
         assert_continuous(look, near[:, 1], near[:, 0], near[:, 2], most=1e-5)
 
 
+@pytest.mark.long
 def test_more_cloud_lets_less_through(stress):
     """Density is in [0, 1], rises with envelope and shape, and falls with detail."""
     form = layer().form
@@ -89,6 +90,7 @@ def test_the_sun_through_clouds(stress):
             assert np.isfinite(distance)
 
 
+@pytest.mark.long
 def test_coverage_only_adds_cloud(stress):
     """Larger coverage has a lower threshold; 0 has no cloud and 1 no gap."""
     coverage = [0.0, 1e-6, 0.4, 0.999, 1.0]

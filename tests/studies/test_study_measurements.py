@@ -260,6 +260,7 @@ def test_the_published_archive_is_the_npz_at_its_time(one_scan, measured_skies):
     np.testing.assert_allclose(scan.radiance, same.radiance, rtol=1e-14)
 
 
+@pytest.mark.long
 def test_the_suns_azimuth_is_estimated_at_all_15_times(measured_skies, reference):
     """The zenith angles of the 15 steps are the published ones of the 17, and the estimate drifts.
 

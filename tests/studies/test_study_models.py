@@ -67,6 +67,7 @@ def test_error_against_the_measured_sky(measured_skies, name):
     assert abs(error_mw(MODELS[name](), measured_skies) - MEASURED_RMSE[name]) < 0.5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", mostly_long(MODELS, lambda name: name not in SLOW))
 def test_models_answer_everywhere(name):
     """Finite from the zenith to the horizon, sun high and low, and even in the azimuth."""

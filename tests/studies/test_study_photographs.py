@@ -56,6 +56,7 @@ def photograph(model, turbidity, sun):
     return photo
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MODELS)
 def test_a_models_own_sky_is_fitted_exactly(name):
     """Turbidity, exposure and gains are recovered within 1 % and the noise of 1 % (0.0043 in

@@ -158,6 +158,7 @@ def test_the_fisheye_knows_where_north_is(driver, qtbot):
     assert pointed[0][0] < -0.8
 
 
+@pytest.mark.long
 def test_nothing_is_compared_out_of_sight(headless_window):
     """The second kernel, which is asked for the sun's day, makes no sky for a hidden panel."""
     driver, looked_up = headless_window, []
@@ -168,6 +169,7 @@ def test_nothing_is_compared_out_of_sight(headless_window):
     assert looked_up == [None]
 
 
+@pytest.mark.long
 def test_a_day_that_is_looked_up_leaves_the_comparison_as_it_is(headless_window):
     """Both ask one kernel: after a day of another date, spectra are those of the hour shown."""
     driver = headless_window

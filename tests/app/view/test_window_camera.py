@@ -159,6 +159,7 @@ class SlowStage(HeadlessStage):
         return super().draw(size, exposure, still)
 
 
+@pytest.mark.long
 def test_what_changes_nothing_to_be_seen_gives_a_picture_up_once(qtbot, tmp_path):
     """Time that passes slowly tells so thirty times a second: were each a reason to begin anew, no
     picture would ever be finished."""

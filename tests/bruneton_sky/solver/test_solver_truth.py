@@ -123,6 +123,7 @@ def test_without_ozone_agrees_with_an_independent_program() -> None:
         assert error < 0.01 + 0.8 * (noise / truth).mean()
 
 
+@pytest.mark.long
 def test_finer_sizes_change_little() -> None:
     """The default against twice finer: 1 % of the multiple light by day in the mean."""
     fine = SolverSizes(
