@@ -27,6 +27,7 @@ DEPTH, GROUND_ALBEDO = 0.2, 0.2
 _WHOLE_NM = tuple(np.arange(390.0, 721.0, 10.0).tolist())
 # At every fourth, 40 nm apart, ozone in dusk's green is missed by 4 %; so by 0.8 %.
 _EVERY = 2
+_BLENDER_SINGLE_COUNT = 21
 _MU_S_MIN = float(np.cos(np.radians(102.0)))
 
 
@@ -129,33 +130,41 @@ def _blender_multiple() -> PeerAir:
     )
 
 
-def _blender_single() -> PeerAir:
-    text = files("vrut_lite_studies.peers").joinpath("data/blender_single_scattering.csv")
-    rows = np.loadtxt(text.read_text(encoding="utf-8").splitlines(), delimiter=",", skiprows=1)
-    wavelength, sun, molecules, ozone = rows.T
-    air = Atmosphere(
-        wavelength_nm=tuple(wavelength),
-        solar_irradiance=tuple(sun),
+def _by_table(name: str, **others: Any) -> Atmosphere:
+    """Air of a bundled table by wavelength: sun, molecules and ozone, which lies in a tent."""
+    text = files("vrut_lite_studies.peers").joinpath("data", name).read_text(encoding="utf-8")
+    rows = np.loadtxt(text.splitlines(), delimiter=",", skiprows=1)
+    wavelength, sun, molecules, ozone = (tuple(column) for column in rows.T)
+    return Atmosphere(
+        wavelength_nm=wavelength,
+        solar_irradiance=sun,
         ground_radius_m=6_360_000.0,
         top_altitude_m=60_000.0,
-        rayleigh_scattering=tuple(molecules),
-        rayleigh_scale_height_m=8000.0,
-        mie_scattering=(2e-5,) * wavelength.size,
-        mie_extinction=(2.22e-5,) * wavelength.size,
-        mie_scale_height_m=1200.0,
-        mie_g=0.76,
-        absorption_extinction=tuple(ozone),
+        rayleigh_scattering=molecules,
+        absorption_extinction=ozone,
         absorber_altitude_m=(10_000.0, 25_000.0, 40_000.0),
         absorber_density=(0.0, 1.0, 0.0),
-        ground_albedo=(0.0,) * wavelength.size,
         sun_angular_radius_rad=0.004675,
         mu_s_min=_MU_S_MIN,
+        **others,
+    )
+
+
+def _blender_single() -> PeerAir:
+    air = _by_table(
+        "blender_single_scattering.csv",
+        rayleigh_scale_height_m=8000.0,
+        mie_scattering=(2e-5,) * _BLENDER_SINGLE_COUNT,
+        mie_extinction=(2.22e-5,) * _BLENDER_SINGLE_COUNT,
+        mie_scale_height_m=1200.0,
+        mie_g=0.76,
+        ground_albedo=(0.0,) * _BLENDER_SINGLE_COUNT,
     )
     return PeerAir(
         name="blender-single",
         title="Blender 5's, of single scattering",
         atmosphere=air,
-        to_rgb=integration_matrix(tuple(wavelength)),
+        to_rgb=integration_matrix(air.wavelength_nm),
         note="exact, black ground, its 21 wavelengths; the truth has all orders",
     )
 
@@ -179,21 +188,8 @@ def _genssky() -> PeerAir:
     aloft_m = columns[1] / at_550[aloft][0]
     at_ground = at_550[aloft][0] * np.exp(2000.0 / aloft_m)
     lower_m = (sum(columns) - at_ground * aloft_m) / (at_550[0] - at_ground)
-    rows = np.loadtxt(
-        files("vrut_lite_studies.peers")
-        .joinpath("data/genssky.csv")
-        .read_text(encoding="utf-8")
-        .splitlines(),
-        delimiter=",",
-        skiprows=1,
-    )
-    wavelength, sun, molecules, ozone = rows.T
-    air = Atmosphere(
-        wavelength_nm=tuple(wavelength),
-        solar_irradiance=tuple(sun),
-        ground_radius_m=6_360_000.0,
-        top_altitude_m=60_000.0,
-        rayleigh_scattering=tuple(molecules),
+    air = _by_table(
+        "genssky.csv",
         rayleigh_scale_height_m=8820.0,
         mie_scattering=tuple(table[0]),
         mie_extinction=tuple(table[0]),
@@ -201,18 +197,13 @@ def _genssky() -> PeerAir:
         mie_aloft=float(at_ground / at_550[0]),
         mie_aloft_scale_height_m=float(aloft_m),
         mie_g=0.7,
-        absorption_extinction=tuple(ozone),
-        absorber_altitude_m=(10_000.0, 25_000.0, 40_000.0),
-        absorber_density=(0.0, 1.0, 0.0),
-        ground_albedo=(0.2,) * wavelength.size,
-        sun_angular_radius_rad=0.004675,
-        mu_s_min=_MU_S_MIN,
+        ground_albedo=(0.2,) * table.shape[1],
     )
     return PeerAir(
         name="genssky",
         title="genssky's, mid-latitude summer",
         atmosphere=air,
-        to_rgb=integration_matrix(tuple(wavelength)),
+        to_rgb=integration_matrix(air.wavelength_nm),
         note="its 20 wavelengths; its table of haze as two exponentials of equal column",
     )
 
