@@ -152,7 +152,18 @@ export GLCONTEXT_LINUX_LIBGL='$folder/libGL.so.1'
 export GLCONTEXT_LINUX_LIBEGL='$folder/libEGL.so.1'
 END
     fi
-    [ ! -e "$root/etc/fonts" ] || echo "export FONTCONFIG_SYSROOT='$root'" >>"$1/env"
+    if [ -e "$root/usr/share/fonts" ]; then
+        # FONTCONFIG_SYSROOT would not do: fontconfig leaves it off the names that Qt opens.
+        cat >"$1/fonts.conf" <<END
+<?xml version="1.0"?>
+<!DOCTYPE fontconfig SYSTEM "urn:fontconfig:fonts.dtd">
+<fontconfig>
+  <dir>$root/usr/share/fonts</dir>
+  <cachedir prefix="xdg">fontconfig</cachedir>
+</fontconfig>
+END
+        echo "export FONTCONFIG_FILE='$1/fonts.conf'" >>"$1/env"
+    fi
     [ ! -e "$root/usr/share/X11/xkb" ] ||
         echo "export XKB_CONFIG_ROOT='$root/usr/share/X11/xkb'" >>"$1/env"
 }

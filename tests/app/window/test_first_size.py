@@ -2,6 +2,7 @@
 
 import pytest
 from PySide6.QtCore import QRect
+from PySide6.QtGui import QFontMetrics
 from PySide6.QtWidgets import QApplication
 
 from vrut_lite.app.window.first_size import first_place
@@ -31,6 +32,9 @@ def test_a_first_window_does_not_fill_a_large_screen():
 
 def test_no_panel_is_cut_off_at_its_side_in_a_small_window(shared_headless_window):
     """The numbers at the right of the sliders are seen at 1100 x 700 too."""
+    letters = QFontMetrics(QApplication.font())
+    if letters.horizontalAdvance("i") == letters.horizontalAdvance("m"):
+        pytest.skip("no font is installed, and boxes are wider: install fonts-dejavu-core")
     driver = shared_headless_window
     driver.until(lambda: "module clouds" in driver.window.docks)
     driver.window.resize(1084, 660)
