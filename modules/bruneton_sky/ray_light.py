@@ -92,6 +92,26 @@ def light_along(
     return radiance, transmittance
 
 
+def scattered_once(
+    field: SourceField, altitude_m: float, mu: FloatArray, mu_s: float, nu: FloatArray, samples: int
+) -> FloatArray:
+    """Radiance (n, C) of the light that is shown scattered once, towards one observer.
+
+    On the depths of thinned air, with the whole phase function of each kind of particle. `mu`, `nu`
+    (n,); `samples`: nodes per segment.
+    """
+    # The compiled rule is for truths alone.
+    from bruneton_sky.single_scattering_kernels import fast_by_kind
+
+    air = field.thinned
+    light = fast_by_kind(air, altitude_m, mu, mu_s, nu, samples)
+    light[0] *= rayleigh_phase(nu)[:, None]
+    peaks = forward_shares(field.atmosphere, field.sizes.degree)
+    for part, kind in zip(light[1:], air.scatterers()[1:], strict=True):
+        part *= particles_phase(air, kind.name, nu) / (1.0 - peaks[kind.name])
+    return np.asarray(light.sum(axis=0))
+
+
 def _nodes(air: Atmosphere) -> int:
     if air.foggy:
         return _IN_FOG

@@ -87,11 +87,7 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
     above = rays.altitude_m * (radius + air.ground_radius_m) / (radius * radius)
     rows = np.stack([radius, above, rays.mu, np.zeros_like(radius)], axis=-1)
     suns = np.stack([rays.mu_s, rays.nu], axis=-1)
-    phases = channel_phases(field, matter.grid.observer_altitude_m)
-    spare = _KINDS * LANES - phases.lanes.shape[2]
-    angles = np.pad(phases.lanes[0], ((0, 0), (0, spare)))
-    angles = np.concatenate([angles, np.pad(phases.channels, ((0, 0), (0, 1)))], axis=1)
-    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns)), (7, _floats(angles))
+    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns))
 
 
 # Kept while sun and observer move: neither made nor uploaded again.
@@ -105,6 +101,7 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             (4, Array(transmittance.view())),
             (5, Array(_or_one(source.rayleigh).view())),
             (6, Array(_or_one(source.mie).view())),
+            (7, _floats(_angles(field))),
         ),
         uniforms={
             "transmittances": (transmittance.shape[0], transmittance.shape[1] // LANES),
@@ -114,6 +111,17 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             "solar_irradiance": floats(air.solar_irradiance),
         },
     )
+
+
+def _angles(field: SourceField) -> NDArray[np.float32]:
+    """The shader's `Phases` (n, 16)."""
+    phases = channel_phases(field)
+    spare = _KINDS * LANES - phases.lanes.shape[2]
+    padded = (
+        np.pad(phases.lanes[0], ((0, 0), (0, spare))),
+        np.pad(phases.channels, ((0, 0), (0, 1))),
+    )
+    return np.concatenate(padded, axis=1)
 
 
 def _or_one(table: NDArray[np.float32]) -> NDArray[np.float32]:

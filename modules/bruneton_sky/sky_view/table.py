@@ -147,11 +147,11 @@ def _table(
     mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
     rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
     return SkyView(
-        _nodes(field, rows, counts, aerosol_bands(field, altitude_m)),
+        _nodes(field, rows, counts, aerosol_bands(field)),
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
-        aerosol_bands(field, altitude_m),
+        aerosol_bands(field),
     )
 
 
@@ -212,20 +212,15 @@ def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[
     return [(slice(limb), limb_counts(counts)), (slice(limb, None), counts)]
 
 
-def aerosol_bands(field: SourceField, altitude_m: float) -> AerosolBands:
-    """Bands of a field's particles seen from an altitude: its wavelengths, if there are four at
-    most.
+@lru_cache(maxsize=4)
+def aerosol_bands(field: SourceField) -> AerosolBands:
+    """Bands of a field's particles: its wavelengths, if there are four at most.
 
     Of more wavelengths they are red, green and blue, whose phase functions are means by the
     sunlight that aerosol scatters: exact where all wavelengths share one.
     """
-    return _bands(field, altitude_m if field.atmosphere.mixed else 0.0)
-
-
-@lru_cache(maxsize=4)
-def _bands(field: SourceField, altitude_m: float) -> AerosolBands:
     air = field.atmosphere
-    each, shown = _phases(field, altitude_m)
+    each, shown = _phases(field)
     count = len(air.wavelength_nm)
     skylight = rgb_from_spectrum(np.eye(count), air.wavelength_nm, SKYLIGHT_EXPONENT)
     if count <= LANES:
@@ -252,31 +247,23 @@ class ChannelPhases(NamedTuple):
     lanes: NDArray[np.float32]
 
 
-def channel_phases(field: SourceField, altitude_m: float) -> ChannelPhases:
-    """The phase functions for an eye at an altitude."""
-    return _channels(field, altitude_m if field.atmosphere.mixed else 0.0)
-
-
 @lru_cache(maxsize=4)
-def _channels(field: SourceField, altitude_m: float) -> ChannelPhases:
-    each, shown = _phases(field, altitude_m)
+def channel_phases(field: SourceField) -> ChannelPhases:
+    """The phase functions of a field's particles."""
+    each, shown = _phases(field)
     channels = shown @ channel_shares(field.atmosphere)
     return ChannelPhases(channels.astype(np.float32), _in_lanes_by_kind(each))
 
 
-def _phases(
-    field: SourceField, altitude_m: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Phase functions (kinds, n, C) of the particles' kinds, and their mean (n, C) above an
-    altitude."""
-    each, share = _by_kind(field), shares_above(field.atmosphere, field.sizes.degree, altitude_m)
-    return each, np.einsum("kc,knc->nc", share, each)
+def _phases(field: SourceField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Phase functions (kinds, n, C) of the particles' kinds, and the mean (n, C) of all of them.
 
-
-@lru_cache(maxsize=2)
-def _by_kind(field: SourceField) -> NDArray[np.float64]:
-    nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
-    return kind_phases(field.atmosphere, field.sizes.degree, nu)
+    The mean has the peaks of each: ratios to it change slowly with the angle, as nodes far apart
+    want.
+    """
+    degree, nu = field.sizes.degree, 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
+    each = kind_phases(field.atmosphere, degree, nu)
+    return each, np.einsum("kc,knc->nc", shares_above(field.atmosphere, degree, 0.0), each)
 
 
 def _in_lanes_by_kind(each: NDArray[np.float64]) -> NDArray[np.float32]:
