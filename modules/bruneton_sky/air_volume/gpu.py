@@ -87,7 +87,8 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
     above = rays.altitude_m * (radius + air.ground_radius_m) / (radius * radius)
     rows = np.stack([radius, above, rays.mu, np.zeros_like(radius)], axis=-1)
     suns = np.stack([rays.mu_s, rays.nu], axis=-1)
-    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns))
+    angles = _angles(field, matter.grid.observer_altitude_m)
+    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns)), (7, _floats(angles))
 
 
 # Kept while sun and observer move: neither made nor uploaded again.
@@ -101,7 +102,6 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
             (4, Array(transmittance.view())),
             (5, Array(_or_one(source.rayleigh).view())),
             (6, Array(_or_one(source.mie).view())),
-            (7, _floats(_angles(field))),
         ),
         uniforms={
             "transmittances": (transmittance.shape[0], transmittance.shape[1] // LANES),
@@ -113,9 +113,9 @@ def _on_gpu(field: SourceField) -> _FieldOnGpu:
     )
 
 
-def _angles(field: SourceField) -> NDArray[np.float32]:
+def _angles(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
     """The shader's `Phases` (n, 16)."""
-    phases = channel_phases(field)
+    phases = channel_phases(field, altitude_m)
     spare = _KINDS * LANES - phases.lanes.shape[2]
     padded = (
         np.pad(phases.lanes[0], ((0, 0), (0, spare))),

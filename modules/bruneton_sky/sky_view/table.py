@@ -146,12 +146,13 @@ def _table(
 ) -> SkyView:
     mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
     rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
+    bands = aerosol_bands(field, altitude_m)
     return SkyView(
-        _nodes(field, rows, counts, aerosol_bands(field)),
+        _nodes(field, rows, counts, bands),
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
-        aerosol_bands(field),
+        bands,
     )
 
 
@@ -212,15 +213,20 @@ def _parts(rows: Rows, counts: tuple[int, int, int]) -> list[tuple[slice, tuple[
     return [(slice(limb), limb_counts(counts)), (slice(limb, None), counts)]
 
 
-@lru_cache(maxsize=4)
-def aerosol_bands(field: SourceField) -> AerosolBands:
-    """Bands of a field's particles: its wavelengths, if there are four at most.
+def aerosol_bands(field: SourceField, altitude_m: float) -> AerosolBands:
+    """Bands of a field's particles seen from an altitude: its wavelengths, if there are four at
+    most.
 
     Of more wavelengths they are red, green and blue, whose phase functions are means by the
     sunlight that aerosol scatters: exact where all wavelengths share one.
     """
+    return _bands(field, _mean_above_m(field.atmosphere, altitude_m))
+
+
+@lru_cache(maxsize=4)
+def _bands(field: SourceField, above_m: float) -> AerosolBands:
     air = field.atmosphere
-    each, shown = _phases(field)
+    each, shown = _phases(field, above_m)
     count = len(air.wavelength_nm)
     skylight = rgb_from_spectrum(np.eye(count), air.wavelength_nm, SKYLIGHT_EXPONENT)
     if count <= LANES:
@@ -247,23 +253,37 @@ class ChannelPhases(NamedTuple):
     lanes: NDArray[np.float32]
 
 
+def channel_phases(field: SourceField, altitude_m: float) -> ChannelPhases:
+    """The phase functions of a field's particles before things near an eye at an altitude."""
+    # Things are in air that is denser than the mean of what lies above the eye.
+    return _channels(field, 0.5 * _mean_above_m(field.atmosphere, altitude_m))
+
+
 @lru_cache(maxsize=4)
-def channel_phases(field: SourceField) -> ChannelPhases:
-    """The phase functions of a field's particles."""
-    each, shown = _phases(field)
+def _channels(field: SourceField, above_m: float) -> ChannelPhases:
+    each, shown = _phases(field, above_m)
     channels = shown @ channel_shares(field.atmosphere)
     return ChannelPhases(channels.astype(np.float32), _in_lanes_by_kind(each))
 
 
-def _phases(field: SourceField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Phase functions (kinds, n, C) of the particles' kinds, and the mean (n, C) of all of them.
+def _mean_above_m(atmosphere: Atmosphere, altitude_m: float) -> float:
+    """Altitude above which the mean phase function is taken: ratios to it change slowly with the
+    angle, as nodes far apart want. From space all of the air is seen."""
+    in_air = atmosphere.mixed and altitude_m <= atmosphere.top_altitude_m
+    return altitude_m if in_air else 0.0
 
-    The mean has the peaks of each: ratios to it change slowly with the angle, as nodes far apart
-    want.
-    """
-    degree, nu = field.sizes.degree, 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
-    each = kind_phases(field.atmosphere, degree, nu)
-    return each, np.einsum("kc,knc->nc", shares_above(field.atmosphere, degree, 0.0), each)
+
+def _phases(field: SourceField, above_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Phase functions (kinds, n, C) of the particles' kinds, and their mean (n, C) above an
+    altitude."""
+    each, share = _by_kind(field), shares_above(field.atmosphere, field.sizes.degree, above_m)
+    return each, np.einsum("kc,knc->nc", share, each)
+
+
+@lru_cache(maxsize=2)
+def _by_kind(field: SourceField) -> NDArray[np.float64]:
+    nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
+    return kind_phases(field.atmosphere, field.sizes.degree, nu)
 
 
 def _in_lanes_by_kind(each: NDArray[np.float64]) -> NDArray[np.float32]:
