@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
 
-# Haze of one lobe, whose light scattered once has an exact rule without delta-M.
 SETTINGS = {
     "clear air": BrunetonSkySettings(preset="earth-clear"),
-    "turbidity 3": BrunetonSkySettings(aerosol="one-lobe"),
-    "turbidity 10": BrunetonSkySettings(turbidity=10.0, aerosol="one-lobe"),
+    "default air": BrunetonSkySettings(),
+    "turbidity 10": BrunetonSkySettings(turbidity=10.0),
 }
+# Haze of one lobe, for rules that integrate one kind of particle.
+ONE_LOBE = "one lobe, turbidity 10"
 # Bruneton's own demonstration of 2017, at three wavelengths.
 DEMO = "Bruneton's air of 2017"
 # As near to the zenith as northern suns come, down to where the brightest stars are seen.
@@ -47,7 +48,9 @@ class Condition(NamedTuple):
 
 
 def air(name: str) -> Atmosphere:
-    """The atmosphere of a name in `SETTINGS`, at the product's four wavelengths, or the demo's."""
+    """The atmosphere of a name in `SETTINGS`, at the product's four wavelengths, or another's."""
+    if name == ONE_LOBE:
+        return atmosphere_of(BrunetonSkySettings(turbidity=10.0, aerosol="one-lobe"))
     return Atmosphere.earth() if name == DEMO else atmosphere_of(SETTINGS[name])
 
 

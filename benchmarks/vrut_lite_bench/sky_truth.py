@@ -5,8 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.phase import mie_phase, rayleigh_phase
-from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
+from bruneton_sky.ray_light import scattered_once
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 
 from vrut_lite.geometry.colour import rgb_from_spectrum
@@ -36,12 +35,6 @@ def in_words(quick: bool) -> str:
 
 
 @lru_cache
-def once(name: str, condition: Condition) -> FloatArray:
-    """Spectral radiance (n, C) of light scattered once, towards the picture's sky."""
-    return light_once(air(name), condition, _towards(name, condition))
-
-
-@lru_cache
 def exact_skies(name: str, quick: bool) -> dict[str, FloatArray]:
     """Linear sRGB radiance (n, 3) of the picture's sky, by condition."""
     sizes = _QUICK_SIZES if quick else SolverSizes.converged()
@@ -51,18 +44,16 @@ def exact_skies(name: str, quick: bool) -> dict[str, FloatArray]:
 
 def sky_rgb(field: SourceField, name: str, condition: Condition) -> FloatArray:
     """The picture's sky (n, 3) by a solution; light scattered once is exact."""
-    more = light_again(field, condition, _towards(name, condition))
-    return in_colour(field.atmosphere, once(name, condition) + more)
+    towards = _towards(name, condition)
+    light = light_once(field, condition, towards) + light_again(field, condition, towards)
+    return in_colour(field.atmosphere, light)
 
 
-def light_once(atmosphere: Atmosphere, condition: Condition, towards: FloatArray) -> FloatArray:
+def light_once(field: SourceField, condition: Condition, towards: FloatArray) -> FloatArray:
     """Spectral radiance (n, C) of light scattered once, towards unit directions (n, 3)."""
     sun = condition.sun
     nu = np.clip(towards @ sun, -1.0, 1.0)
-    rayleigh, mie = fast_scattered_without_phase(
-        atmosphere, condition.height_m, towards[:, 1], float(sun[1]), nu, _NODES
-    )
-    return rayleigh * rayleigh_phase(nu)[:, None] + mie * mie_phase(atmosphere, nu)[:, None]
+    return scattered_once(field, condition.height_m, towards[:, 1], float(sun[1]), nu, _NODES)
 
 
 def light_again(field: SourceField, condition: Condition, towards: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from vrut_lite.daylight.aerosol import (
 )
 from vrut_lite.daylight.aerosols import AerosolOptics, PhaseTable
 
-# Fields of an atmosphere with a number for each wavelength; those of fog may be left out.
+# Fields of an atmosphere with a number for each wavelength; those of layers may be left out.
 SPECTRAL_FIELDS = (
     "solar_irradiance",
     "rayleigh_scattering",
@@ -25,8 +25,8 @@ SPECTRAL_FIELDS = (
     "absorption_extinction",
     "ground_albedo",
 )
-_FOG = ("fog_scattering", "fog_extinction")
-_SPECTRAL = (*SPECTRAL_FIELDS, *_FOG)
+_LAYERS = ("aloft_scattering", "aloft_extinction", "fog_scattering", "fog_extinction")
+_SPECTRAL = (*SPECTRAL_FIELDS, *_LAYERS)
 _SERIES = ("wavelength_nm", "absorber_altitude_m", "absorber_density")
 _POSITIVE = (
     "ground_radius_m",
@@ -34,25 +34,27 @@ _POSITIVE = (
     "rayleigh_scale_height_m",
     "mie_scale_height_m",
     "fog_scale_height_m",
-    "mie_aloft_scale_height_m",
+    "aloft_scale_height_m",
     "sun_angular_radius_rad",
 )
 # Accepted lengths: squares of shorter and longer ones lose digits or overflow.
 _LENGTHS, _LENGTHS_M = _POSITIVE[:6], (1e-3, 1e12)
-_SCALAR = (*_POSITIVE, "mie_g", "mie_aloft", "mu_s_min")
+_SCALAR = (*_POSITIVE, "mie_g", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
-_NO_NUMBERS = ("mie_phase", "mie_table", "fog_table")
+_TABLES = ("mie_table", "aloft_table", "fog_table")
+_NO_NUMBERS = ("mie_phase", *_TABLES)
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
 class Scatterer(NamedTuple):
-    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m."""
+    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m; its name."""
 
     scale_height_m: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
+    name: Literal["molecules", "aerosol", "aloft", "fog"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +74,9 @@ class Atmosphere:
         mie_phase: the form of the aerosol's phase function.
         mie_table: the aerosol's phase function as a table, a row for each wavelength, in place of
             that form; `mie_g` is then its mean cosine at 550 nm.
-        mie_aloft, mie_aloft_scale_height_m: share of the aerosol at altitude zero that thins out
-            over a scale height of its own, that of the free troposphere.
+        aloft_scattering, aloft_extinction, aloft_scale_height_m: more aerosol, that of the free
+            troposphere, which reaches higher; none where the extinction is zero.
+        aloft_table: its phase function, a row for each wavelength; none is the aerosol's.
         fog_scattering, fog_extinction, fog_scale_height_m: fog, a shallow layer; none where the
             extinction is zero.
         fog_table: the phase function of its droplets, a row for each wavelength; none is the
@@ -101,8 +104,10 @@ class Atmosphere:
     mu_s_min: float
     mie_phase: MiePhaseForm = "cornette-shanks"
     mie_table: PhaseTable | None = None
-    mie_aloft: float = 0.0
-    mie_aloft_scale_height_m: float = 8000.0
+    aloft_scattering: tuple[float, ...] = (0.0,)
+    aloft_extinction: tuple[float, ...] = (0.0,)
+    aloft_scale_height_m: float = 8000.0
+    aloft_table: PhaseTable | None = None
     fog_scattering: tuple[float, ...] = (0.0,)
     fog_extinction: tuple[float, ...] = (0.0,)
     fog_scale_height_m: float = 100.0
@@ -111,8 +116,8 @@ class Atmosphere:
     def __post_init__(self) -> None:
         for name in self._numeric():
             object.__setattr__(self, name, _as_numbers(name, getattr(self, name)))
-        for name in _FOG:
-            # `replace` may change the number of wavelengths: no fog fits any.
+        for name in _LAYERS:
+            # `replace` may change the number of wavelengths: no layer fits any.
             if not any(_as_tuple(getattr(self, name))):
                 object.__setattr__(self, name, 0.0)
         count = len(_as_tuple(self.wavelength_nm))
@@ -154,8 +159,8 @@ class Atmosphere:
         angstrom_exponent: float = ANGSTROM_EXPONENT,
         mie_g: float | None = None,
     ) -> Self:
-        """This atmosphere with another aerosol optical depth, in its own layers and of its own
-        albedo.
+        """This atmosphere with another aerosol optical depth, in its own layers and of their own
+        albedos.
 
         The vertical optical depth falls as wavelength^-`angstrom_exponent` (Angstrom's law;
         1.3 is his mean); the ratio of scattering to extinction stays, 0.9 where there was no
@@ -167,23 +172,26 @@ class Atmosphere:
         optical_depth_550 = as_number("optical_depth_550", optical_depth_550, 0.0, 1000.0)
         angstrom_exponent = as_number("angstrom_exponent", angstrom_exponent, -10.0, 10.0)
         ratio = np.asarray(self.wavelength_nm) / _ANGSTROM_WAVELENGTH_NM
-        old = np.asarray(self.mie_extinction)
-        usual = np.full_like(old, SINGLE_SCATTERING_ALBEDO)
-        albedo = np.divide(self.mie_scattering, old, out=usual, where=old > 0)
-        extinction = optical_depth_550 * ratio**-angstrom_exponent / self.mie_column_m
+        wanted, old = optical_depth_550 * ratio**-angstrom_exponent, self.aerosol_depth()
+        factor = np.divide(wanted, old, out=np.zeros_like(old), where=old > 0)
+        # Where there was none, all of it lies low.
+        added = np.where(old > 0, 0.0, wanted) / self.mie_scale_height_m
+        usual = SINGLE_SCATTERING_ALBEDO * added
         return replace(
             self,
-            mie_extinction=tuple(extinction),
-            mie_scattering=tuple(extinction * albedo),
+            mie_extinction=tuple(factor * self.mie_extinction + added),
+            mie_scattering=tuple(factor * self.mie_scattering + usual),
+            aloft_extinction=tuple(factor * self.aloft_extinction),
+            aloft_scattering=tuple(factor * self.aloft_scattering),
             mie_g=self.mie_g if mie_g is None else mie_g,
             mie_table=self.mie_table if mie_g is None else None,
+            aloft_table=self.aloft_table if mie_g is None else None,
         )
 
     def with_optics(self, optics: AerosolOptics, optical_depth_550: float | None = None) -> Self:
         """This atmosphere with a measured or tabulated aerosol, in place of its own.
 
-        Its layers thin out exponentially, with the column and the extinction at the ground of the
-        aerosol's own; albedo and phase function are those of all of it.
+        Its layers thin out exponentially, each with its own column, albedo and phase function.
 
         Args:
             optics: of the aerosol.
@@ -192,21 +200,49 @@ class Atmosphere:
         Raises:
             ValueError: the optical depth is not from 0 to 1000.
         """
-        own = optics.optical_depth_550
+        own, nm = optics.optical_depth_550, self.wavelength_nm
         depth = own if optical_depth_550 is None else optical_depth_550
-        depth = as_number("optical_depth_550", depth, 0.0, 1000.0)
-        low, aloft = optics.lower_depth_550, own - optics.lower_depth_550
-        at_ground = low / optics.lower_height_m + aloft / optics.upper_height_m
-        extinction = optics.depth_at(self.wavelength_nm) * depth / own * (at_ground / own)
+        share = as_number("optical_depth_550", depth, 0.0, 1000.0) / own
+        lower, upper = (layer.depth_at(nm) * share / layer.height_m for layer in optics.layers)
+        low, aloft = optics.layers
         return replace(
             self,
-            mie_extinction=tuple(extinction),
-            mie_scattering=tuple(extinction * optics.albedo_at(self.wavelength_nm)),
-            mie_scale_height_m=optics.lower_height_m,
-            mie_aloft=max(aloft, 0.0) / optics.upper_height_m / at_ground,
-            mie_aloft_scale_height_m=optics.upper_height_m,
+            mie_extinction=tuple(lower),
+            mie_scattering=tuple(lower * low.albedo_at(nm)),
+            mie_scale_height_m=low.height_m,
             mie_g=float(optics.phase_at([_ANGSTROM_WAVELENGTH_NM]).mean_cosine()[0]),
-            mie_table=optics.phase_at(self.wavelength_nm),
+            mie_table=low.phase_at(nm),
+            aloft_extinction=tuple(upper),
+            aloft_scattering=tuple(upper * aloft.albedo_at(nm)),
+            aloft_scale_height_m=aloft.height_m,
+            aloft_table=aloft.phase_at(nm) if upper.any() else None,
+        )
+
+    def in_one_layer(self, scale_height_m: float) -> Self:
+        """This atmosphere with all its aerosol in one layer of a scale height.
+
+        What lies above a square metre up to the air's top stays; albedo and phase function are the
+        mean of both layers'.
+        """
+        heights_m = self.mie_scale_height_m, self.aloft_scale_height_m
+        one_m = _column_m(scale_height_m, self.top_altitude_m)
+        columns = [_column_m(height_m, self.top_altitude_m) / one_m for height_m in heights_m]
+        extinction = np.array([self.mie_extinction, self.aloft_extinction])
+        scattering = np.array([self.mie_scattering, self.aloft_scattering])
+        weight = np.array(columns)[:, None] * scattering
+        table = self.mie_table
+        if table is not None and self.aloft_table is not None and weight.any():
+            both = np.stack([table.values, self.aloft_table.values])
+            table = PhaseTable((weight[..., None] * both).sum(axis=0))
+        return replace(
+            self,
+            mie_extinction=tuple(np.array(columns) @ extinction),
+            mie_scattering=tuple(np.array(columns) @ scattering),
+            mie_scale_height_m=scale_height_m,
+            mie_table=table,
+            aloft_extinction=(0.0,),
+            aloft_scattering=(0.0,),
+            aloft_table=None,
         )
 
     def with_fog(
@@ -226,7 +262,9 @@ class Atmosphere:
         visibility_m = as_number("visibility_m", visibility_m, *_LENGTHS_M, "m")
         scale_height_m = as_number("scale_height_m", scale_height_m, *_LENGTHS_M, "m")
         order = np.argsort(self.wavelength_nm)
-        clear = np.add(self.rayleigh_scattering, self.mie_extinction)
+        clear = np.sum(
+            [self.rayleigh_scattering, self.mie_extinction, self.aloft_extinction], axis=0
+        )
         at_550 = np.interp(
             _ANGSTROM_WAVELENGTH_NM, np.take(self.wavelength_nm, order), np.take(clear, order)
         )
@@ -243,25 +281,27 @@ class Atmosphere:
         """Molecules, aerosol and, where there is any, aerosol aloft and fog."""
         molecules = np.asarray(self.rayleigh_scattering)
         haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
-        low, aloft = (
-            [share * part for part in haze] for share in (1.0 - self.mie_aloft, self.mie_aloft)
-        )
         all_of_it = [
-            Scatterer(self.rayleigh_scale_height_m, molecules, molecules),
-            Scatterer(self.mie_scale_height_m, *low),
+            Scatterer(self.rayleigh_scale_height_m, molecules, molecules, "molecules"),
+            Scatterer(self.mie_scale_height_m, *haze, "aerosol"),
         ]
-        if self.mie_aloft > 0.0:
-            all_of_it.append(Scatterer(self.mie_aloft_scale_height_m, *aloft))
+        if self.has_aloft:
+            aloft = np.asarray(self.aloft_extinction), np.asarray(self.aloft_scattering)
+            all_of_it.append(Scatterer(self.aloft_scale_height_m, *aloft, "aloft"))
         if self.foggy:
             fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
-            all_of_it.append(Scatterer(self.fog_scale_height_m, *fog))
+            all_of_it.append(Scatterer(self.fog_scale_height_m, *fog, "fog"))
         return tuple(all_of_it)
 
+    def aerosol_depth(self) -> NDArray[np.float64]:
+        """Vertical optical depth (C,) of both layers of aerosol."""
+        lower = self.mie_scale_height_m * np.asarray(self.mie_extinction)
+        return np.asarray(lower + self.aloft_scale_height_m * np.asarray(self.aloft_extinction))
+
     @property
-    def mie_column_m(self) -> float:
-        """The aerosol above a square metre over its density at altitude zero."""
-        aloft = self.mie_aloft * self.mie_aloft_scale_height_m
-        return (1.0 - self.mie_aloft) * self.mie_scale_height_m + aloft
+    def has_aloft(self) -> bool:
+        """Whether there is aerosol in a second layer."""
+        return any(self.aloft_extinction)
 
     @property
     def foggy(self) -> bool:
@@ -272,6 +312,11 @@ class Atmosphere:
     def has_droplets(self) -> bool:
         """Whether there is fog with a phase function of its own."""
         return self.foggy and self.fog_table is not None
+
+    @property
+    def mixed(self) -> bool:
+        """Whether particles of several phase functions lie at different altitudes."""
+        return self.has_droplets or (self.has_aloft and self.aloft_table is not None)
 
     def absorber(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
         """Relative density (...,) of the absorber at altitudes (...,)."""
@@ -286,7 +331,7 @@ class Atmosphere:
 
     def _check(self) -> None:
         check_choice("mie_phase of the atmosphere", self.mie_phase, get_args(MiePhaseForm))
-        for name in ("mie_table", "fog_table"):
+        for name in _TABLES:
             table, rows = getattr(self, name), len(self.wavelength_nm)
             if table is not None:
                 _require(isinstance(table, PhaseTable), name, "must be a PhaseTable")
@@ -307,12 +352,10 @@ class Atmosphere:
         _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
         most = max(self.ground_albedo)
         _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
-        share = self.mie_aloft
-        _require(0 <= share <= 1, "mie_aloft", f"must lie between 0 and 1, not {share}")
         _require(-1 < self.mie_g < 1, "mie_g", f"must lie between -1 and 1, not {self.mie_g}")
         within = -1 <= self.mu_s_min < 1
         _require(within, "mu_s_min", f"must be a cosine below 1, not {self.mu_s_min}")
-        for name in ("mie", "fog"):
+        for name in ("mie", "aloft", "fog"):
             scattering = getattr(self, f"{name}_scattering")
             pairs = zip(scattering, getattr(self, f"{name}_extinction"), strict=True)
             # Rounding of scattering = albedo * extinction may pass the extinction by one unit.
@@ -341,9 +384,8 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
             f"whose top is at {atmosphere.top_altitude_m:g} m"
         )
     molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
-    low = (1.0 - atmosphere.mie_aloft) * np.exp(-altitude_m / atmosphere.mie_scale_height_m)
-    aloft = atmosphere.mie_aloft * np.exp(-altitude_m / atmosphere.mie_aloft_scale_height_m)
-    aerosol = low + aloft
+    aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
+    aloft = np.exp(-altitude_m / atmosphere.aloft_scale_height_m)
     layers, density = _cut_layers(atmosphere, altitude_m)
     return replace(
         atmosphere,
@@ -352,7 +394,8 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
         mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
-        mie_aloft=float(aloft / aerosol),
+        aloft_scattering=tuple(np.asarray(atmosphere.aloft_scattering) * aloft),
+        aloft_extinction=tuple(np.asarray(atmosphere.aloft_extinction) * aloft),
         absorber_altitude_m=layers,
         absorber_density=density,
     )
@@ -372,6 +415,11 @@ def _cut_layers(
         return (0.0, *above[kept]), (at_ground, *density[kept])
     # All of the absorber lies below the ground.
     return (0.0, atmosphere.top_altitude_m - altitude_m), (0.0, 0.0)
+
+
+def _column_m(scale_height_m: float, top_m: float) -> float:
+    """Matter above a square metre, up to the top, over the density on the ground."""
+    return -scale_height_m * math.expm1(-top_m / scale_height_m)
 
 
 def _as_tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:

@@ -50,11 +50,10 @@ def aerosol_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
     return np.broadcast_to(one, (*one.shape[:-1], len(atmosphere.wavelength_nm)))
 
 
-def fog_phase(atmosphere: Atmosphere, nu: ArrayLike) -> NDArray[np.float64]:
-    """Phase function (..., C) in sr^-1 of the atmosphere's fog: its droplets', or the aerosol's."""
-    if atmosphere.fog_table is not None:
-        return atmosphere.fog_table(nu)
-    return aerosol_phase(atmosphere, nu)
+def particles_phase(atmosphere: Atmosphere, name: str, nu: ArrayLike) -> NDArray[np.float64]:
+    """Phase function (..., C) in sr^-1 of "aerosol", "aloft" or "fog": its own or the aerosol's."""
+    table = {"aloft": atmosphere.aloft_table, "fog": atmosphere.fog_table}.get(name)
+    return aerosol_phase(atmosphere, nu) if table is None else table(nu)
 
 
 def rayleigh_phase(nu: ArrayLike) -> NDArray[np.float64]:

@@ -21,11 +21,11 @@ from bruneton_sky.geometry import (
     make_ray,
     y_along,
 )
-from bruneton_sky.phase import aerosol_phase, fog_phase, rayleigh_phase
+from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.delta_m import forward_share
+from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import SunGrid
 from bruneton_sky.solver.wavelength_groups import LANES, dense_layer, is_thick_haze
 from vrut_lite.numeric_types import FloatArray
@@ -71,16 +71,17 @@ def light_along(
     sun = sun_cosine(here, altitude, y, mu_s[which], cosine_to_sun)
     along = y * np.sqrt(y * y + 2.0 * here.perigee_radius_m)
     cosine = np.clip(along / (air.ground_radius_m + altitude), -1.0, 1.0)
-    molecules, haze, fog = scattering_at(air, altitude)
+    scattering = scattering_at(air, altitude)
+    molecules, particles = scattering["molecules"], np.zeros(())
     once = molecules * rayleigh_phase(cosine_to_sun)[:, None]
-    whole = 1.0 - forward_share(field.atmosphere, field.sizes.degree)
-    once += haze * aerosol_phase(air, cosine_to_sun) / whole
-    if fog.any():
-        once += fog * fog_phase(air, cosine_to_sun) / (1.0 if air.has_droplets else whole)
+    for name, peak in forward_shares(field.atmosphere, field.sizes.degree).items():
+        if name in scattering:
+            once += scattering[name] * particles_phase(air, name, cosine_to_sun) / (1.0 - peak)
+            particles = particles + scattering[name]
     once *= np.exp(-optical_depth_to_top(air, altitude, sun)) * np.asarray(air.solar_irradiance)
     by_molecules, by_aerosol = source_at(field, altitude, cosine, sun, cosine_to_sun)
     # The harmonics' sum may fall below zero by a trace where there is almost no light.
-    more = np.maximum(by_molecules * molecules + by_aerosol * (haze + fog), 0.0)
+    more = np.maximum(by_molecules * molecules + by_aerosol * particles, 0.0)
     light = once * nodes.lit[which, column, None] + more
     light *= nodes.metres[which, column, None]
     light *= np.exp(-optical_depth(air, here, altitude, y))
@@ -89,6 +90,26 @@ def light_along(
     if first.size:
         radiance[which[first]] = np.add.reduceat(light, first, axis=0)
     return radiance, transmittance
+
+
+def scattered_once(
+    field: SourceField, altitude_m: float, mu: FloatArray, mu_s: float, nu: FloatArray, samples: int
+) -> FloatArray:
+    """Radiance (n, C) of the light that is shown scattered once, towards one observer.
+
+    On the depths of thinned air, with the whole phase function of each kind of particle. `mu`, `nu`
+    (n,); `samples`: nodes per segment.
+    """
+    # The compiled rule is for truths alone.
+    from bruneton_sky.single_scattering_kernels import fast_by_kind
+
+    air = field.thinned
+    light = fast_by_kind(air, altitude_m, mu, mu_s, nu, samples)
+    light[0] *= rayleigh_phase(nu)[:, None]
+    peaks = forward_shares(field.atmosphere, field.sizes.degree)
+    for part, kind in zip(light[1:], air.scatterers()[1:], strict=True):
+        part *= particles_phase(air, kind.name, nu) / (1.0 - peaks[kind.name])
+    return np.asarray(light.sum(axis=0))
 
 
 def _nodes(air: Atmosphere) -> int:
@@ -112,16 +133,12 @@ def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray
     return np.where(cut, cut_altitude, altitude), np.where(cut, y_cut, y)
 
 
-def scattering_at(
-    atmosphere: Atmosphere, altitude_m: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Scattering coefficients (n, C) in 1/m of molecules, aerosol and fog."""
-    molecules, *rest = (
-        np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
+def scattering_at(atmosphere: Atmosphere, altitude_m: FloatArray) -> dict[str, FloatArray]:
+    """Scattering coefficients (n, C) in 1/m of the atmosphere's scatterers, by name."""
+    return {
+        kind.name: np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
         for kind in atmosphere.scatterers()
-    )
-    fog = rest.pop() if atmosphere.foggy else np.zeros_like(molecules)
-    return molecules, np.sum(rest, axis=0), fog
+    }
 
 
 def source_at(

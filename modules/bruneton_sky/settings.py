@@ -177,9 +177,9 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
     Of tabulated aerosol the albedo and g are means, which a number of one's own replaces.
     """
     air = _atmosphere(msgspec.structs.replace(settings, fog_visibility_m=None), 0.0, haze, _OPEN_NM)
-    extinction, scattering = np.asarray(air.mie_extinction), np.asarray(air.mie_scattering)
-    column_m = _aerosol_column_m(air, air.top_altitude_m)
-    turbidity = turbidity_of_optical_depth(float(extinction[0]) * column_m)
+    one = air.in_one_layer(air.mie_scale_height_m)
+    extinction, scattering = np.asarray(one.mie_extinction), np.asarray(one.mie_scattering)
+    turbidity = turbidity_of_optical_depth(float(air.aerosol_depth()[0]))
     per_unit = ozone_absorption(air.wavelength_nm, 1.0, 1.0)
     layer_m = float(np.trapezoid(air.absorber_density, air.absorber_altitude_m))
     return {
@@ -188,7 +188,7 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
         "albedo": float(np.mean(air.ground_albedo)),
         "ozone_du": float(np.mean(np.asarray(air.absorption_extinction) / per_unit)) * layer_m,
         "rayleigh_scale_height_m": air.rayleigh_scale_height_m,
-        "mie_scale_height_m": air.mie_column_m,
+        "mie_scale_height_m": _mean_height_m(air),
         "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
         "mie_g": air.mie_g,
         **({} if air.mie_table is not None else {"mie_phase": air.mie_phase}),
@@ -286,37 +286,36 @@ def _with_planet(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
 
 
 def _with_aerosol(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
-    extinction = np.asarray(air.mie_extinction)
-    scattering = np.asarray(air.mie_scattering)
-    if settings.mie_albedo is not None:
-        scattering = extinction * settings.mie_albedo
-    height_m, thinner, aloft = air.mie_scale_height_m, 1.0, air.mie_aloft
     if settings.mie_scale_height_m is not None:
-        # One layer in place of two.
-        height_m, aloft = settings.mie_scale_height_m, 0.0
-        column_m = _column_m(height_m, air.top_altitude_m)
-        thinner = _aerosol_column_m(air, air.top_altitude_m) / column_m
+        air = air.in_one_layer(settings.mie_scale_height_m)
+    albedo = settings.mie_albedo
+    if albedo is not None:
+        air = replace(
+            air,
+            mie_scattering=tuple(albedo * np.asarray(air.mie_extinction)),
+            aloft_scattering=tuple(albedo * np.asarray(air.aloft_extinction)),
+        )
+    one_lobe = settings.mie_g is not None or settings.mie_phase
     return replace(
         air,
-        mie_extinction=tuple(extinction * thinner),
-        mie_scattering=tuple(scattering * thinner),
-        mie_scale_height_m=height_m,
-        mie_aloft=aloft,
         mie_g=air.mie_g if settings.mie_g is None else settings.mie_g,
         mie_phase=settings.mie_phase or air.mie_phase,
-        mie_table=None if settings.mie_g is not None or settings.mie_phase else air.mie_table,
+        mie_table=None if one_lobe else air.mie_table,
+        aloft_table=None if one_lobe else air.aloft_table,
     )
+
+
+def _mean_height_m(air: Atmosphere) -> float:
+    """Aerosol above a square metre over its extinction at altitude 0."""
+    at_ground = air.mie_extinction[0] + air.aloft_extinction[0]
+    if at_ground == 0.0:
+        return air.mie_scale_height_m
+    return float(air.aerosol_depth()[0] / at_ground)
 
 
 def _thinner(before_m: float, after_m: float, top_m: float) -> float:
     """How much thinner on the ground as much matter lies that has another scale height."""
     return _column_m(before_m, top_m) / _column_m(after_m, top_m)
-
-
-def _aerosol_column_m(air: Atmosphere, top_m: float) -> float:
-    """The same of the aerosol, in its two layers."""
-    low = _column_m(air.mie_scale_height_m, top_m)
-    return low + air.mie_aloft * (_column_m(air.mie_aloft_scale_height_m, top_m) - low)
 
 
 def _column_m(scale_height_m: float, top_m: float) -> float:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import Ray, make_ray, y_at_top
 from bruneton_sky.optical_path import exponential_path, layered_path
-from bruneton_sky.phase import aerosol_phase, fog_phase, rayleigh_phase
+from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.quadrature import sun_cosine, view_nodes
 from vrut_lite.arguments import ROUNDING, as_count, as_numbers, broadcast, check_choice, check_type
 from vrut_lite.numeric_types import FloatArray
@@ -56,9 +56,9 @@ def single_scattering(
     molecules, *haze = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
     light = molecules * rayleigh_phase(cosine)[..., None]
-    if atmosphere.foggy:
-        light = light + haze.pop() * fog_phase(atmosphere, cosine)
-    return np.asarray(light + np.sum(haze, axis=0) * aerosol_phase(atmosphere, cosine))
+    for kind, part in zip(atmosphere.scatterers()[1:], haze, strict=True):
+        light = light + part * particles_phase(atmosphere, kind.name, cosine)
+    return np.asarray(light)
 
 
 def scattered_without_phase(

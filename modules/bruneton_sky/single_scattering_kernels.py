@@ -41,6 +41,19 @@ def fast_scattered_without_phase(
     Returns:
         Rayleigh and Mie radiance (n, C) each, W m^-2 sr^-1 nm^-1 over the phase function.
     """
+    molecules, *particles = fast_by_kind(atmosphere, altitude_m, mu, mu_s, nu, samples)
+    return molecules, np.sum(particles, axis=0)
+
+
+def fast_by_kind(
+    atmosphere: Atmosphere,
+    altitude_m: float,
+    mu: FloatArray,
+    mu_s: float,
+    nu: FloatArray,
+    samples: int = 12,
+) -> FloatArray:
+    """The same (kinds, n, C) of each of the atmosphere's scatterers."""
     scatterers = atmosphere.scatterers()
     out = np.zeros((len(scatterers), len(mu), len(atmosphere.wavelength_nm)))
     _trace_rays(
@@ -59,7 +72,7 @@ def fast_scattered_without_phase(
     )
     scattering = np.array([kind.scattering for kind in scatterers])
     out *= (scattering * np.asarray(atmosphere.solar_irradiance))[:, None, :]
-    return out[0], out[1:].sum(axis=0)
+    return out
 
 
 @compiled

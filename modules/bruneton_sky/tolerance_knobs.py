@@ -1,10 +1,10 @@
 """The sizes that the Bruneton sky chooses by the tolerance, and the airs that they are measured in.
 
-Haze, of one lobe, is drawn evenly in the logarithm of turbidity from 1 to 10, albedo from 0 to 1; a
-third of the suns stand between 6 degrees below the horizon and the horizon, the others anywhere
-above; half of the observers stand on the ground, the others are up to 12 km high. The truth is
-solved with converged sizes (half a minute of CPU for an air and all its views), light scattered
-once exactly.
+Haze of the default type is drawn evenly in the logarithm of turbidity from 1 to 10, albedo from 0
+to 1; a third of the suns stand between 6 degrees below the horizon and the horizon, the others
+anywhere above; half of the observers stand on the ground, the others are up to 12 km high. The
+truth is solved with converged sizes (half a minute of CPU for an air and all its views), light
+scattered once exactly.
 """
 
 from collections.abc import Sequence
@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.geometry import horizon_mu
-from bruneton_sky.phase import aerosol_phase, rayleigh_phase
+from bruneton_sky.ray_light import scattered_once
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
-from bruneton_sky.single_scattering_kernels import fast_scattered_without_phase
 from bruneton_sky.sky_view import SkyView, fill_cube, sky_view
 from bruneton_sky.solver import SolverSizes, SourceField, multiple_scattering, solve
 from bruneton_sky.solver_job import solve_air
@@ -91,7 +90,6 @@ def random_airs(count: int, seed: int) -> list[Air]:
 def _air(rng: np.random.Generator) -> Air:
     settings = BrunetonSkySettings(
         turbidity=float(10.0 ** rng.uniform(0.0, 1.0)),
-        aerosol="one-lobe",
         albedo=float(rng.uniform(0.0, 1.0)),
     )
     return Air(settings, tuple(_view(rng, index) for index in range(VIEWS)))
@@ -116,18 +114,14 @@ def true_skies(air: Air) -> Truth:
 def evaluated(field: SourceField, air: Air, view: View) -> FloatArray:
     """Radiance (n, 3) of a view's sky texels, each ray by itself: light scattered once by the
     exact rule, light scattered more from the field's source."""
-    atmosphere = field.atmosphere
     directions = texel_directions(EDGE)[_sky_texels(air, view)]
     order = np.argsort(directions[:, 1], kind="stable")
     mu, mu_s = directions[order, 1], float(view.sun[1])
     nu = np.clip(directions[order] @ view.sun, -1.0, 1.0)
-    rayleigh, mie = fast_scattered_without_phase(
-        atmosphere, view.height_m, mu, mu_s, nu, _TRUE_NODES
-    )
-    once = rayleigh * rayleigh_phase(nu)[:, None] + mie * aerosol_phase(atmosphere, nu)
+    once = scattered_once(field, view.height_m, mu, mu_s, nu, _TRUE_NODES)
     more = multiple_scattering(field, view.height_m, mu, mu_s, nu)
     sky = np.empty((len(mu), 3))
-    sky[order] = rgb_from_spectrum(once + more, atmosphere.wavelength_nm, 3.0)
+    sky[order] = rgb_from_spectrum(once + more, field.atmosphere.wavelength_nm, 3.0)
     return np.maximum(sky, 0.0)
 
 
@@ -219,7 +213,7 @@ def _timed_table(finer: float) -> SkyView:
     return sky_view(_usual(BrunetonSkySettings()), _TIMED.height_m, _TIMED.sun, finer)
 
 
-_TIMED_AIR = atmosphere_of(BrunetonSkySettings(aerosol="one-lobe"))
+_TIMED_AIR = atmosphere_of(BrunetonSkySettings())
 KNOBS = ToleranceKnobs(
     fronts=FRONTS,
     knobs={

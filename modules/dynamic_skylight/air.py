@@ -69,11 +69,10 @@ class Layers(NamedTuple):
 def layers_of(haze: SetHaze) -> Layers:
     """The air of a haze."""
     optics = haze.optics
-    heights_m = np.array([_MOLECULES_M, optics.lower_height_m, optics.upper_height_m])
+    heights_m = np.array([_MOLECULES_M, *(layer.height_m for layer in optics.layers)])
     micrometre = np.asarray(SKYLIGHT_NM) / 1000.0
     share = haze.optical_depth_550 / optics.optical_depth_550
-    aerosol = share * optics.depth_at(SKYLIGHT_NM)
-    low, aloft = (1.0 - optics.aloft_share) * aerosol, optics.aloft_share * aerosol
+    low, aloft = (share * layer.depth_at(SKYLIGHT_NM) for layer in optics.layers)
     # The colour of a channel's light is that of the wavelengths near it: negative shares, of
     # others, would make no phase function.
     near = np.maximum(_shares(), 0.0)

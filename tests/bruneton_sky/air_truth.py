@@ -3,7 +3,6 @@
 from functools import lru_cache
 
 import numpy as np
-from bruneton_sky.phase import mie_phase, rayleigh_phase
 from bruneton_sky.reference.air_exact import light_before
 from bruneton_sky.settings import BrunetonSkySettings, atmosphere_of
 from bruneton_sky.solver import SourceField
@@ -36,7 +35,7 @@ def exactly(
     """Light added (n, 3) and transmittance (n, 3) of the twin, linear sRGB."""
     air, nu = solved.atmosphere, float(np.clip(view @ sun, -1.0, 1.0))
     light = light_before(solved, altitude_m, view[1], sun[1], nu, metres)
-    total = light.molecules * rayleigh_phase(nu) + light.aerosol * mie_phase(air, nu) + light.more
+    total = light.once + light.more
     white = np.asarray(air.solar_irradiance)
     through = rgb_from_spectrum(white * light.transmittance, air.wavelength_nm)
     return (

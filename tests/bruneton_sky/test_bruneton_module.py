@@ -247,14 +247,14 @@ def test_the_gpu_makes_the_cube_map() -> None:
 def test_settings_make_the_atmosphere() -> None:
     """Default haze is AOD(550) 0.20, under the host's one solar spectrum; each setting counts."""
     air = atmosphere_of(BrunetonSkySettings())
-    depth = np.asarray(air.mie_extinction) * air.mie_column_m
+    depth = air.aerosol_depth()
     assert np.interp(550.0, air.wavelength_nm[::-1], depth[::-1]) == pytest.approx(0.2009, abs=6e-3)
     assert air.solar_irradiance == pytest.approx(solar_irradiance(air.wavelength_nm))
     other = atmosphere_of(BrunetonSkySettings(turbidity=1.0, albedo=0.4, ozone_du=0.0, mie_g=0.5))
     assert set(other.ground_albedo) == {0.4}
     assert not any(other.absorption_extinction)
     assert other.mie_g == 0.5
-    assert other.mie_extinction[1] * 1200.0 == pytest.approx(0.0, abs=1e-3)
+    assert other.aerosol_depth()[1] == pytest.approx(0.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("preset", get_args(PresetName))

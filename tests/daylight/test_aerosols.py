@@ -94,9 +94,10 @@ def test_a_mixture_of_ones_own_adds_its_components():
     once, twice = (
         mixture_optics(AerosolMixture({"waso": n, "soot": n}, 2.0, 2.0)) for n in (1e3, 2e3)
     )
-    assert twice.lower_depth_550 == pytest.approx(2 * once.lower_depth_550)
-    assert once.lower_height_m == pytest.approx(2000.0 * (1 - np.exp(-1)))
-    assert 0.0 < twice.aloft_share < once.aloft_share < 1.0
+    (low, aloft), (lower, still_aloft) = once.layers, twice.layers
+    assert lower.depth_at([550.0]) == pytest.approx(2.0 * low.depth_at([550.0]))
+    assert still_aloft.depth_at([550.0]) == pytest.approx(aloft.depth_at([550.0]))
+    assert low.height_m == pytest.approx(2000.0 * (1 - np.exp(-1)))
 
 
 def test_aerosol_of_ones_own_follows_angstroms_law():

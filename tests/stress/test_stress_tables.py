@@ -222,7 +222,9 @@ def test_invalid_atmospheres_are_refused_in_a_sentence(stress):
     Accepted atmospheres give finite light.
     """
     fields = [
-        name for name in Atmosphere.__dataclass_fields__ if name not in ("mie_phase", "mie_table")
+        name
+        for name in Atmosphere.__dataclass_fields__
+        if name != "mie_phase" and not name.endswith("_table")
     ]
     for _ in stress.batches("Atmosphere", len(fields) * len(BAD), len(fields) * len(BAD)):
         for name in fields:

@@ -40,12 +40,12 @@ def slant_depth(
     ozone = ozone_absorption(wavelength_nm, _OZONE_DU, _OZONE_TENT_M) * _OZONE_TENT_M
     optics = haze.optics
     share = haze.optical_depth_550 / optics.optical_depth_550
-    aerosol = share * optics.depth_at(wavelength_nm)
     at_ozone = _RADIUS_M / (_RADIUS_M + _OZONE_AT_M)
     through_ozone = 1.0 / np.sqrt(1.0 - at_ozone**2 * (1.0 - sine * sine))
     depth = molecules * _air_mass(sine, _MOLECULES_M) + ozone * through_ozone
-    low, above = (_air_mass(sine, h) for h in (optics.lower_height_m, optics.upper_height_m))
-    return np.asarray(depth + aerosol * (low + optics.aloft_share * (above - low)))
+    for layer in optics.layers:
+        depth += share * layer.depth_at(wavelength_nm) * _air_mass(sine, layer.height_m)
+    return np.asarray(depth)
 
 
 def _air_mass(sine: float, scale_height_m: float) -> float:

@@ -23,8 +23,10 @@ _ADDED: dict[str, Plain] = {
 # What a solved atmosphere lacked: a tabulated phase function, aerosol aloft.
 _LATER_OF_AIR: Plain = {
     "mie_table": None,
-    "mie_aloft": 0.0,
-    "mie_aloft_scale_height_m": 8000.0,
+    "aloft_scattering": UNKNOWN,
+    "aloft_extinction": UNKNOWN,
+    "aloft_scale_height_m": 8000.0,
+    "aloft_table": None,
     "fog_table": None,
 }
 # Settings that earlier versions lacked, by one that the same modules had already, and what skies

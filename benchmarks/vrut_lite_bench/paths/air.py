@@ -35,7 +35,7 @@ SIZES = {
     "largest": AirSizes(slices=64, rows_above=64, rows_below=48, columns=64, steps=3),
 }
 QUICK_SIZES = ("small", "the product's")
-AIR = "turbidity 3"
+AIR = "default air"
 CONDITIONS = tuple(
     Condition(height, sun) for height in (2.0, 3000.0) for sun in (60.0, 20.0, 5.0, -3.0)
 )

@@ -18,7 +18,7 @@ from vrut_lite.geometry.cube_map import texel_directions
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_bench.bench_path import BenchPath, Errors, Group, Work, relative_errors
 from vrut_lite_bench.gl import GlTexture, GlTextures, gl_clock, missing_gl
-from vrut_lite_bench.skies import air, sun_at
+from vrut_lite_bench.skies import ONE_LOBE, air, sun_at
 
 Samples = int | tuple[int, int]
 NODES, QUICK_NODES = (3, 4, 6, 8, 12, 16, 24), (4, 12)
@@ -28,7 +28,7 @@ CLASSICAL: tuple[Rule, ...] = ("midpoint", "trapezoid", "simpson")
 BINS, QUICK_BINS = ((24, 12), (48, 24), (96, 48), (192, 96)), ((48, 24),)
 SUNS_DEG = (60.0, 10.0, 0.5, -4.0)
 HEIGHTS_M = (0.0, 5000.0)
-AIRS = ("clear air", "turbidity 10")
+AIRS = ("clear air", ONE_LOBE)
 _TRUE_NODES = 96
 # Edge of the cube whose texels are the rays, of all directions; and that of the shader's.
 _RAYS, _GPU_SIZE = 6, 32

@@ -169,7 +169,7 @@ def _cube_errors(quick: bool, cubes: list[NDArray[np.float32]]) -> dict[str, Err
 def _exact_looked_up(condition: Condition) -> FloatArray:
     field, towards = finely_traced(solved(_AIR)), random_directions(_LOOK_UPS)
     order = np.argsort(towards[:, 1], kind="stable")
-    light = light_once(field.atmosphere, condition, towards[order])
+    light = light_once(field, condition, towards[order])
     light = light + light_again(field, condition, towards[order])
     right = np.empty((len(towards), 3))
     right[order] = in_colour(field.atmosphere, light)

@@ -20,6 +20,8 @@ from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.gpu_job import GpuJob, GpuTexture, Number
 
 _GROUP = 8
+# Kinds of particles that the shader keeps apart: aerosol, aerosol aloft, fog.
+_KINDS = 3
 
 
 class _FieldOnGpu(NamedTuple):
@@ -49,9 +51,7 @@ def air_volume_job(
     """
     count = sizes or AirSizes()
     matter = matter_before(field, altitude_m, sun_direction, reach_m, count)
-    tables = _on_gpu(
-        field, matter.grid.observer_altitude_m if field.atmosphere.has_droplets else 0.0
-    )
+    tables = _on_gpu(field)
     rows = count.rows_above + count.rows_below
     size = (count.columns, rows, 3 * count.slices)
     made = GpuJob(
@@ -87,12 +87,13 @@ def _buffers_of(field: SourceField, matter: Matter) -> tuple[tuple[int, Array], 
     above = rays.altitude_m * (radius + air.ground_radius_m) / (radius * radius)
     rows = np.stack([radius, above, rays.mu, np.zeros_like(radius)], axis=-1)
     suns = np.stack([rays.mu_s, rays.nu], axis=-1)
-    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns))
+    angles = _angles(field, matter.grid.observer_altitude_m)
+    return (1, Array(slices)), (2, _floats(rows)), (3, _floats(suns)), (7, _floats(angles))
 
 
 # Kept while sun and observer move: neither made nor uploaded again.
 @lru_cache(maxsize=1)
-def _on_gpu(field: SourceField, altitude_m: float) -> _FieldOnGpu:
+def _on_gpu(field: SourceField) -> _FieldOnGpu:
     source, transmittance = source_of_group(field, 0), field.transmittance[0]
     suns = source.rayleigh.shape[2] // LANES
     (air,) = groups_of_air(field.thinned)
@@ -101,7 +102,6 @@ def _on_gpu(field: SourceField, altitude_m: float) -> _FieldOnGpu:
             (4, Array(transmittance.view())),
             (5, Array(_or_one(source.rayleigh).view())),
             (6, Array(_or_one(source.mie).view())),
-            (7, Array(np.pad(channel_phases(field, altitude_m), ((0, 0), (0, 1))))),
         ),
         uniforms={
             "transmittances": (transmittance.shape[0], transmittance.shape[1] // LANES),
@@ -111,6 +111,17 @@ def _on_gpu(field: SourceField, altitude_m: float) -> _FieldOnGpu:
             "solar_irradiance": floats(air.solar_irradiance),
         },
     )
+
+
+def _angles(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
+    """The shader's `Phases` (n, 16)."""
+    phases = channel_phases(field, altitude_m)
+    spare = _KINDS * LANES - phases.lanes.shape[2]
+    padded = (
+        np.pad(phases.lanes[0], ((0, 0), (0, spare))),
+        np.pad(phases.channels, ((0, 0), (0, 1))),
+    )
+    return np.concatenate(padded, axis=1)
 
 
 def _or_one(table: NDArray[np.float32]) -> NDArray[np.float32]:

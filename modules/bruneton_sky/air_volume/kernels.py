@@ -11,15 +11,15 @@ import math
 import numpy as np
 
 from bruneton_sky.solver.bin_kernels import Bins
-from bruneton_sky.solver.cell_kernels import ZERO, empty_cells, fast, inner, set_suns
-from bruneton_sky.solver.first_order_kernels import gather_first
+from bruneton_sky.solver.cell_kernels import HALF, ONE, ZERO, empty_cells, fast, inner, set_suns
+from bruneton_sky.solver.first_order_kernels import gather_first, share_particles
 from bruneton_sky.solver.later_order_kernels import empty_slab, gather_later
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
-    aerosol_density,
     altitude_along,
     altitude_place,
     hits_ground,
+    layer_density,
     mean_density,
     ray_length,
 )
@@ -28,7 +28,7 @@ _f4 = np.float32
 # A slice that scatters less than this share of all slices before it is left out.
 NEGLIGIBLE = 1e-6
 # Numbers of a slice in the GPU's buffer.
-SLICE_FLOATS = 32
+SLICE_FLOATS = 40
 
 
 @fast
@@ -70,19 +70,18 @@ def _march(air, altitude, mu, start, stop, steps, light, centre, weight):  # typ
         middle = max(altitude_along(radius, altitude, mu, at), 0.0)
         far = max(altitude_along(radius, altitude, mu, at + 0.5 * metres), 0.0)
         molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * aerosol_density(air, near, middle, far)
-        fog = 0.0
-        if air.fog_scale_height_m > 0.0:
-            fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)
+        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
+        fog = metres * layer_density(near, middle, far, air.fog_scale_height_m)
         absorber = metres * absorber_density(air, middle)
-        mass = _add_step(air, molecules, aerosol, fog, absorber, light, weight)
+        mass = _add_step(air, molecules, aerosol, aloft, fog, absorber, light, weight)
         centre[0] += mass * at
         centre[3] += mass
         near = far
 
 
 @inner
-def _add_step(air, molecules, aerosol, fog, absorber, light, weight):  # type: ignore[no-untyped-def]
+def _add_step(air, molecules, aerosol, aloft, fog, absorber, light, weight):  # type: ignore[no-untyped-def]
     """Add a step's matter, given in m, to the weights and dim the light; the sum of what it adds.
 
     Its mean transmittance is that of an exponential.
@@ -91,10 +90,12 @@ def _add_step(air, molecules, aerosol, fog, absorber, light, weight):  # type: i
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
         depth += air.extinction[2, c] * absorber + air.extinction[3, c] * fog
+        depth += air.extinction[4, c] * aloft
         passed = math.exp(-depth)
         seen = light[c] * ((1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth)
         clear = seen * air.scattering[0, c] * molecules
-        haze = seen * (air.scattering[1, c] * aerosol + air.scattering[2, c] * fog)
+        haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * aloft
+        haze = seen * (haze + air.scattering[3, c] * fog)
         weight[0, c] += clear
         weight[1, c] += haze
         mass += clear + haze
@@ -115,38 +116,58 @@ def _place_centre(air, altitude, mu, middle, centre):  # type: ignore[no-untyped
 
 @fast
 def light_rows(  # type: ignore[no-untyped-def]
-    air, altitude, mu, mu_s, nu, distance, centre, weight, transmittance, source, colour, out
-):
+    air, altitude, mu, mu_s, nu, distance, centre, weight, transmittance, source, colour, channels,
+    lanes, out
+):  # fmt: skip
     """Add the light of the slices up to each slice's end to `out` (3, slices, rows, columns, 3).
 
-    Of light scattered twice and more, and once by molecules and by aerosol, without their phase
-    functions. `transmittance`, `source`: of a group of wavelengths of a
+    Of light scattered twice and more, once by molecules, without their phase function, and once by
+    particles, over that of the channel. `transmittance`, `source`: of a group of wavelengths of a
     `SourceField`. `colour` (rows, slices, 4, 3) turns the four wavelengths into red, green, blue.
+    `channels`, `lanes`: see `ChannelPhases`; of the group.
     """
-    columns = mu_s.shape[1]
+    columns, kinds = mu_s.shape[1], lanes.shape[1] // 4
     cells, slab, end = empty_cells(columns), empty_slab(source), np.empty(5)
     row = np.empty(transmittance.shape[1], _f4)
-    some, light = np.empty((2, 4 * columns), _f4), np.empty((3, 4 * columns), _f4)
+    some, light = np.empty(4 * (1 + kinds) * columns, _f4), np.empty((3, 4 * columns), _f4)
+    phase, inverse = np.empty((4 * columns, kinds), _f4), np.empty((columns, 3), _f4)
     for i in range(mu.size):
         set_suns(cells, mu_s[i], nu[i])
+        _set_phases(nu[i], channels, lanes, phase, inverse)
         light[:] = ZERO
         mass = 0.0
         for k in range(centre.shape[1]):
             mass += centre[i, k, 3]
             if centre[i, k, 3] > NEGLIGIBLE * mass:
                 bins = Bins(distance[i, k : k + 2], centre[i, k : k + 1], weight[i, k : k + 1], end)
-                gather_first(
-                    air, altitude[i], mu[i], bins, cells, transmittance, row, some[0], some[1]
-                )
-                for m in range(some.shape[1]):
-                    light[1, m] += some[0, m]
-                    light[2, m] += some[1, m]
+                gather_first(air, altitude[i], mu[i], bins, cells, transmittance, row, some)
+                for m in range(4 * columns):
+                    light[1, m] += some[m]
+                    for kind in range(kinds):
+                        light[2, m] += some[4 * columns * (1 + kind) + m] * phase[m, kind]
                 gather_later(air, altitude[i], bins, cells, source, slab, light[0])
-            _add_colours(light, colour[i, k], out[:, k, i])
+            _add_colours(light, colour[i, k], inverse, out[:, k, i])
 
 
 @inner
-def _add_colours(light, colour, out):  # type: ignore[no-untyped-def]
+def _set_phases(nu, channels, lanes, phase, inverse):  # type: ignore[no-untyped-def]
+    """Phase functions (cells * 4, kinds) at cosines (cells,), 1 over the channels' (cells, 3)."""
+    last = len(channels) - 2
+    for n in range(nu.size):
+        place = math.sqrt(max((ONE - nu[n]) * HALF, ZERO)) * _f4(last + 1)
+        i = min(int(place), last)
+        far = place - _f4(i)
+        for c in range(4):
+            for k in range(phase.shape[1]):
+                here = lanes[i, 4 * k + c]
+                phase[4 * n + c, k] = here + far * (lanes[i + 1, 4 * k + c] - here)
+        for c in range(3):
+            here = channels[i, c] + far * (channels[i + 1, c] - channels[i, c])
+            inverse[n, c] = ONE / max(here, _f4(1e-30))
+
+
+@inner
+def _add_colours(light, colour, inverse, out):  # type: ignore[no-untyped-def]
     """Add the colours of three kinds of light (3, cells * 4) to `out` (3, cells, 3)."""
     for n in range(out.shape[1]):
         for part in range(3):
@@ -155,7 +176,8 @@ def _add_colours(light, colour, out):  # type: ignore[no-untyped-def]
             for channel in range(3):
                 sum_ab = a * colour[0, channel] + b * colour[1, channel]
                 sum_cd = c * colour[2, channel] + d * colour[3, channel]
-                out[part, n, channel] += sum_ab + sum_cd
+                over = inverse[n, channel] if part == 2 else ONE
+                out[part, n, channel] += (sum_ab + sum_cd) * over
 
 
 @fast
@@ -191,7 +213,7 @@ def pack_slices(air, distance, centre, weight, colour, out):  # type: ignore[no-
     Arguments as for `light_rows`.
     """
     ground, top = air.ground_radius_m, air.top_altitude_m
-    whole = top * (2.0 * ground + top)
+    whole, share = top * (2.0 * ground + top), np.empty((3, 4))
     for i in range(out.shape[0]):
         mass = 0.0
         for k in range(out.shape[1]):
@@ -211,5 +233,7 @@ def pack_slices(air, distance, centre, weight, colour, out):  # type: ignore[no-
                 packed[7] = altitude_place(air, altitude)
                 packed[8] = (whole - squared) / (r * r)
                 packed[9], packed[10] = (top - altitude) / r, 1.0 / span
+                share_particles(air, altitude, share)
                 for c in range(4):
                     packed[12 + c], packed[16 + c] = weight[i, k, 0, c], weight[i, k, 1, c]
+                    packed[32 + c], packed[36 + c] = share[1, c], share[2, c]

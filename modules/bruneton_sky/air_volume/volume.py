@@ -101,7 +101,7 @@ def volume_of(
         extinction=Array(matter.extinction),
         columns=matter.rays.nu.shape[1],
         radiance_scale=radiance_scale,
-        aerosol_phase=Array(channel_phases(field, matter.grid.observer_altitude_m).view()),
+        aerosol_phase=Array(channel_phases(field, matter.grid.observer_altitude_m).channels.view()),
         sun_direction=(x, y, z),
         **matter.grid._asdict(),
     )
@@ -158,15 +158,15 @@ def _light(field: SourceField, matter: Matter) -> NDArray[np.float32]:
     rays = matter.rays
     light = np.zeros((3, matter.distance_m.shape[1] - 1, *rays.nu.shape, 3), dtype=np.float32)
     mu_s, nu = rays.mu_s.astype(np.float32), rays.nu.astype(np.float32)
+    phases = channel_phases(field, matter.grid.observer_altitude_m)
     for k, air in enumerate(groups_of_air(field.thinned)):
         light_rows(
             air, rays.altitude_m, rays.mu, mu_s, nu, matter.distance_m, matter.centre[k],
             matter.weight[k], field.transmittance[k], source_of_group(field, k),
-            matter.colours[k], light,
+            matter.colours[k], phases.channels, phases.lanes[k], light,
         )  # fmt: skip
     molecules = rayleigh_phase(rays.nu).astype(np.float32)
-    phases = channel_phases(field, matter.grid.observer_altitude_m)
-    settle_colours(light, molecules, np.sqrt(0.5 - 0.5 * nu), phases)
+    settle_colours(light, molecules, np.sqrt(0.5 - 0.5 * nu), phases.channels)
     return light
 
 

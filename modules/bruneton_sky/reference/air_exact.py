@@ -22,9 +22,11 @@ from bruneton_sky.geometry import (
     shadow_boundary,
     y_along,
 )
+from bruneton_sky.phase import particles_phase, rayleigh_phase
 from bruneton_sky.ray_light import scattering_at, source_at
 from bruneton_sky.single_scattering import optical_depth, optical_depth_to_top
 from bruneton_sky.solver import SourceField
+from bruneton_sky.solver.delta_m import forward_shares
 from vrut_lite.numeric_types import FloatArray
 
 _NODES = 6
@@ -33,13 +35,14 @@ _NODES = 6
 class AirLight(NamedTuple):
     """Light and transmittance along a ray up to n distances, (n, C) each, W m^-2 sr^-1 nm^-1.
 
-    `molecules` and `aerosol`: sunlight scattered once, without phase functions; `more`: light
-    scattered twice or more.
+    `molecules` and `aerosol`: sunlight scattered once, without phase functions; `once`: both with
+    those of each kind of particle; `more`: light scattered twice or more.
     """
 
     transmittance: FloatArray
     molecules: FloatArray
     aerosol: FloatArray
+    once: FloatArray
     more: FloatArray
 
 
@@ -74,11 +77,17 @@ def light_before(
     cosine = np.clip((radius * mu + metres) / (air.ground_radius_m + there), -1.0, 1.0)
     lit = np.exp(-optical_depth_to_top(air, level, sun)) * np.asarray(air.solar_irradiance)
     lit[in_earth_shadow(air.ground_radius_m, there, sun)] = 0.0
-    molecules, haze, fog = scattering_at(air, level)
-    aerosol = haze + fog
+    scattering = scattering_at(air, level)
+    molecules = scattering.pop("molecules")
+    aerosol = np.sum(list(scattering.values()), axis=0)
+    shown = molecules * rayleigh_phase(nu)
+    for name, part in scattering.items():
+        peak = forward_shares(field.atmosphere, field.sizes.degree)[name]
+        shown = shown + part * particles_phase(air, name, nu) / (1.0 - peak)
     again = source_at(field, level, cosine, sun, np.full(metres.shape, nu))
     weight = through * share[:, None]
-    parts = (lit * molecules, lit * aerosol, again[0] * molecules + again[1] * aerosol)
+    more = again[0] * molecules + again[1] * aerosol
+    parts = (lit * molecules, lit * aerosol, lit * shown, more)
     ends = np.searchsorted(metres, inside_m)
     sums = (np.concatenate([np.zeros_like(p[:1]), np.cumsum(weight * p, axis=0)]) for p in parts)
     transmittance = np.exp(-depth_along(air, altitude_m, mu, inside_m))

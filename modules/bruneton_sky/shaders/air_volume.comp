@@ -12,6 +12,8 @@ struct Slice {
     vec4 molecules;    // weight of what they scatter, four wavelengths
     vec4 aerosol;
     vec4 colour[3];    // of four wavelengths in red, green and blue, over 1 - T
+    vec4 aloft;        // share of aerosol aloft in what particles scatter, and of fog
+    vec4 fog;
 };
 
 layout(std430, binding = 1) restrict readonly buffer Slices { Slice slices[]; };  // of each row
@@ -20,8 +22,15 @@ layout(std430, binding = 3) restrict readonly buffer Suns { vec2 suns[]; };  // 
 layout(std430, binding = 4) restrict readonly buffer Transmittance { vec4 transmittance[]; };
 layout(std430, binding = 5) restrict readonly buffer Rayleigh { vec4 rayleigh[]; };
 layout(std430, binding = 6) restrict readonly buffer Mie { vec4 mie[]; };
-// Red, green and blue, uniform in the sine of half the angle to the sun.
-layout(std430, binding = 7) restrict readonly buffer Phases { vec4 phases[]; };
+struct Phases {
+    vec4 aerosol;      // phase functions of the particles' kinds at four wavelengths
+    vec4 aloft;
+    vec4 fog;
+    vec4 channels;     // red, green and blue of their light
+};
+
+// Uniform in the sine of half the angle to the sun.
+layout(std430, binding = 7) restrict readonly buffer Angles { Phases angles[]; };
 
 uniform ivec3 shape;            // slices, rows, columns
 uniform ivec2 transmittances;   // altitudes, columns
@@ -138,9 +147,16 @@ vec3 coloured(Slice s, vec4 spectral) {
     return vec3(dot(s.colour[0], spectral), dot(s.colour[1], spectral), dot(s.colour[2], spectral));
 }
 
-vec3 aerosol_phase_of(float nu) {
-    Place angle = place_on(sqrt(max(0.5 - 0.5 * nu, 0.0)), phases.length());
-    return mix(phases[angle.low], phases[angle.low + 1], angle.far).rgb;
+Phases phases_of(float nu) {
+    Place at = place_on(sqrt(max(0.5 - 0.5 * nu, 0.0)), angles.length());
+    Phases here = angles[at.low], next = angles[at.low + 1];
+    return Phases(mix(here.aerosol, next.aerosol, at.far), mix(here.aloft, next.aloft, at.far),
+                  mix(here.fog, next.fog, at.far), mix(here.channels, next.channels, at.far));
+}
+
+// The mean phase function of a slice's particles.
+vec4 mean_phase(Slice s, Phases p) {
+    return p.aerosol + s.aloft * (p.aloft - p.aerosol) + s.fog * (p.fog - p.aerosol);
 }
 
 void store(int part, int slice, ivec2 at, vec3 rgb) {
@@ -155,7 +171,8 @@ void main() {
     vec4 row = rows[at.y];
     float mu_s = suns[at.y * shape.z + at.x].x, nu = suns[at.y * shape.z + at.x].y;
     float molecules_phase = 3.0 / (16.0 * PI) * (1.0 + nu * nu);
-    vec3 phase = aerosol_phase_of(nu);
+    Phases kinds = phases_of(nu);
+    vec3 phase = max(kinds.channels.rgb, 1e-30);
     vec2 shadow = shadow_of(row, mu_s, nu);
     vec4 again = vec4(0.0), off_molecules = vec4(0.0), off_aerosol = vec4(0.0);
     for (int k = 0; k < shape.x; ++k) {
@@ -164,10 +181,10 @@ void main() {
             float sun = (row.x * mu_s + s.place.x * nu) * s.centre.x;
             vec4 lit = sunlight(s, sun, shadow);
             off_molecules += s.molecules * lit;
-            off_aerosol += s.aerosol * lit;
+            off_aerosol += s.aerosol * lit * mean_phase(s, kinds);
             again += scattered_again(s, clamp(sun, -1.0, 1.0), nu);
         }
-        vec3 aerosol = coloured(s, off_aerosol);
+        vec3 aerosol = coloured(s, off_aerosol) / phase;
         vec3 direct = coloured(s, off_molecules) + min(aerosol, 0.0) * phase / molecules_phase;
         vec3 shaded = coloured(s, again) + min(direct, 0.0) * molecules_phase;
         store(0, k, at, shaded);

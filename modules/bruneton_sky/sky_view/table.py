@@ -20,10 +20,10 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.ground_light import SKYLIGHT_EXPONENT, SUNLIGHT_EXPONENT, ground_radiance
 from bruneton_sky.sky_view.rays import Rows, table_rows
 from bruneton_sky.solver import SourceField
-from bruneton_sky.solver.droplets import droplets_above, droplets_at, shown_phase
 from bruneton_sky.solver.grid import SunGrid
+from bruneton_sky.solver.particles import kind_phases, shares_above
 from bruneton_sky.solver.source_field import source_of_group
-from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, is_hazy
+from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, in_lanes, is_hazy
 from vrut_lite.daylight.aerosols.phase_table import PHASE_NODES
 from vrut_lite.geometry.colour import rgb_from_spectrum
 from vrut_lite.geometry.cube_map import FACE_NORMALS, FACE_S_AXES, FACE_T_AXES, texel_centres
@@ -88,12 +88,14 @@ class AerosolBands(NamedTuple):
 
     `colour` (4, 4) float32: linear sRGB of each band and a pad. `phase` (n, 4) float32: their phase
     functions in sr^-1, uniform in sqrt((1 - nu) / 2). `matrix` (C, 4): what of each wavelength's
-    light is in each band.
+    light is in each band. `kinds` (kinds, n, C): phase functions of the particles' kinds over their
+    mean, which the bands have.
     """
 
     colour: NDArray[np.float32]
     phase: NDArray[np.float32]
     matrix: NDArray[np.float64]
+    kinds: NDArray[np.float64]
 
 
 def sky_view(
@@ -144,12 +146,13 @@ def _table(
 ) -> SkyView:
     mu_s = float(np.clip(sun_direction[1], -1.0, 1.0))
     rows = table_rows(field.atmosphere, altitude_m, mu_s, *shape)
+    bands = aerosol_bands(field, altitude_m)
     return SkyView(
-        _nodes(field, rows, counts, aerosol_bands(field, altitude_m)),
+        _nodes(field, rows, counts, bands),
         shape,
         rows.depth,
         np.asarray(sun_direction, dtype=float),
-        aerosol_bands(field, altitude_m),
+        bands,
     )
 
 
@@ -181,7 +184,7 @@ def _nodes(
     from bruneton_sky.sky_view.table_kernels import add_rows, finish_rows
 
     mu_s, nu = rows.mu_s.astype(np.float32), rows.nu.astype(np.float32)
-    matrix = _in_groups(bands.matrix)
+    matrix, kinds = _in_groups(bands.matrix), _in_lanes_by_kind(bands.kinds)
     nodes = np.zeros((len(nu), nu.shape[1] * _NODE), dtype=np.float32)
     colours, ground = _colours(field)
     for k, air in enumerate(groups_of_air(field.thinned)):
@@ -189,7 +192,7 @@ def _nodes(
             add_rows(
                 air, rows.altitude_m[part], rows.mu[part], rows.hits[part], mu_s[part], nu[part],
                 field.transmittance[k], source_of_group(field, k), own,
-                colours[k], matrix[k], ground[k], nodes[part],
+                colours[k], matrix[k], kinds[k], ground[k], nodes[part],
             )  # fmt: skip
     finish_rows(nu, bands.phase, bands.colour, nodes)
     return nodes.reshape(-1, _NODE)
@@ -217,14 +220,14 @@ def aerosol_bands(field: SourceField, altitude_m: float) -> AerosolBands:
     Of more wavelengths they are red, green and blue, whose phase functions are means by the
     sunlight that aerosol scatters: exact where all wavelengths share one.
     """
-    return _bands(field, altitude_m if field.atmosphere.has_droplets else 0.0)
+    return _bands(field, _mean_above_m(field.atmosphere, altitude_m))
 
 
 @lru_cache(maxsize=4)
-def _bands(field: SourceField, altitude_m: float) -> AerosolBands:
+def _bands(field: SourceField, above_m: float) -> AerosolBands:
     air = field.atmosphere
-    share = droplets_above(air, field.sizes.degree, altitude_m)
-    shown, count = _shown_phases(field, share), len(air.wavelength_nm)
+    each, shown = _phases(field, above_m)
+    count = len(air.wavelength_nm)
     skylight = rgb_from_spectrum(np.eye(count), air.wavelength_nm, SKYLIGHT_EXPONENT)
     if count <= LANES:
         matrix, colour, phase = np.eye(count, LANES), skylight, shown
@@ -235,33 +238,64 @@ def _bands(field: SourceField, altitude_m: float) -> AerosolBands:
         np.pad(colour, ((0, LANES - len(colour)), (0, 1))).astype(np.float32),
         np.pad(phase, ((0, 0), (0, LANES - phase.shape[1]))).astype(np.float32),
         matrix,
+        each / shown,
     )
 
 
-def channel_phases(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
-    """Phase functions (n, 3) in sr^-1 of the particles' light in red, green and blue.
+class ChannelPhases(NamedTuple):
+    """Phase functions in sr^-1 of particles, uniform in sqrt((1 - nu) / 2), float32.
 
-    Of those at an altitude, as before things near an eye there.
+    `channels` (n, 3): in red, green and blue of their light, which change as those of each kind
+    and wavelength do, `lanes` (groups, n, kinds * 4).
     """
-    return _channels(field, altitude_m if field.atmosphere.has_droplets else 0.0)
+
+    channels: NDArray[np.float32]
+    lanes: NDArray[np.float32]
+
+
+def channel_phases(field: SourceField, altitude_m: float) -> ChannelPhases:
+    """The phase functions of a field's particles before things near an eye at an altitude."""
+    # Things are in air that is denser than the mean of what lies above the eye.
+    return _channels(field, 0.5 * _mean_above_m(field.atmosphere, altitude_m))
 
 
 @lru_cache(maxsize=4)
-def _channels(field: SourceField, altitude_m: float) -> NDArray[np.float32]:
-    share = droplets_at(field.atmosphere, field.sizes.degree, altitude_m)
-    shown = _shown_phases(field, share) @ channel_shares(field.atmosphere)
-    return np.asarray(shown, dtype=np.float32)
+def _channels(field: SourceField, above_m: float) -> ChannelPhases:
+    each, shown = _phases(field, above_m)
+    channels = shown @ channel_shares(field.atmosphere)
+    return ChannelPhases(channels.astype(np.float32), _in_lanes_by_kind(each))
 
 
-def _shown_phases(field: SourceField, share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What light scattered once is shown with (n, C), uniform in sqrt((1 - nu) / 2)."""
+def _mean_above_m(atmosphere: Atmosphere, altitude_m: float) -> float:
+    """Altitude above which the mean phase function is taken: ratios to it change slowly with the
+    angle, as nodes far apart want. From space all of the air is seen."""
+    in_air = atmosphere.mixed and altitude_m <= atmosphere.top_altitude_m
+    return altitude_m if in_air else 0.0
+
+
+def _phases(field: SourceField, above_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Phase functions (kinds, n, C) of the particles' kinds, and their mean (n, C) above an
+    altitude."""
+    each, share = _by_kind(field), shares_above(field.atmosphere, field.sizes.degree, above_m)
+    return each, np.einsum("kc,knc->nc", share, each)
+
+
+@lru_cache(maxsize=2)
+def _by_kind(field: SourceField) -> NDArray[np.float64]:
     nu = 1.0 - 2.0 * np.linspace(0.0, 1.0, PHASE_NODES) ** 2
-    return shown_phase(field.atmosphere, field.sizes.degree, nu, share)
+    return kind_phases(field.atmosphere, field.sizes.degree, nu)
+
+
+def _in_lanes_by_kind(each: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(kinds, n, C) as float32 (groups, n, kinds * 4)."""
+    lanes = np.moveaxis(in_lanes(each), 1, 2)
+    return np.ascontiguousarray(lanes.reshape(*lanes.shape[:2], -1), dtype=np.float32)
 
 
 def channel_shares(atmosphere: Atmosphere) -> NDArray[np.float64]:
     """Share (C, 3) of each wavelength in red, green and blue of sunlight off aerosol."""
-    light = np.asarray(atmosphere.solar_irradiance) * np.asarray(atmosphere.mie_scattering)
+    scattered = np.add(atmosphere.mie_scattering, atmosphere.aloft_scattering)
+    light = np.asarray(atmosphere.solar_irradiance) * scattered
     if not light.any():
         light = np.asarray(atmosphere.solar_irradiance)
     one_each = np.eye(len(atmosphere.wavelength_nm))

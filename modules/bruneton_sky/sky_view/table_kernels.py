@@ -33,13 +33,27 @@ _RAYLEIGH = np.float32(3.0 / (16.0 * math.pi))
 
 @fast
 def add_rows(  # type: ignore[no-untyped-def]
-    air, altitude, mu, hits, mu_s, nu, transmittance, source, counts, colour, bands, ground, nodes
+    air,
+    altitude,
+    mu,
+    hits,
+    mu_s,
+    nu,
+    transmittance,
+    source,
+    counts,
+    colour,
+    bands,
+    kinds,
+    ground,
+    nodes,
 ):
     """Add the colours of four wavelengths along rays (rows,), for cells (rows, columns) of suns.
 
     `transmittance`, `source`: of a group of wavelengths of a `SourceField`. `counts`: steps,
     bins for light scattered once, bins for more. `colour` (4 * 4,): linear sRGB of the wavelengths.
-    `bands` (4 * 4,): what of each is in each of the aerosol's bands.
+    `bands` (4 * 4,): what of each is in each of the aerosol's bands. `kinds` (angles, kinds * 4):
+    phase functions of the particles' kinds over that of the bands.
     `ground`: `GroundColours` of the group. `nodes` (rows, columns * 8) takes what the table
     holds, not yet as roots.
     """
@@ -47,38 +61,60 @@ def add_rows(  # type: ignore[no-untyped-def]
     fine, coarse = empty_bins(counts[1]), empty_bins(counts[2])
     cells, slab = empty_cells(mu_s.shape[1]), empty_slab(source)
     row = np.empty(transmittance.shape[1], _f4)
-    light = np.empty((3, 4 * mu_s.shape[1]), _f4)
+    once = np.empty((4 + kinds.shape[1]) * mu_s.shape[1], _f4)
+    more = np.empty(4 * mu_s.shape[1], _f4)
     end = np.empty(5)
     for i in range(mu.size):
         set_suns(cells, mu_s[i], nu[i])
         fill_steps(air, altitude[i], mu[i], hits[i], steps, end)
         merge_steps(air, altitude[i], mu[i], steps, fine)
-        gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, light[0], light[1])
+        gather_first(air, altitude[i], mu[i], fine, cells, transmittance, row, once)
         merge_steps(air, altitude[i], mu[i], steps, coarse)
-        light[2] = ZERO
-        gather_later(air, altitude[i], coarse, cells, source, slab, light[2])
-        _add_colours(light, nu[i], colour, bands, nodes[i])
+        more[:] = ZERO
+        gather_later(air, altitude[i], coarse, cells, source, slab, more)
+        if kinds.shape[1] > 4:
+            join_kinds(nu[i], kinds, once)
+        _add_colours(once, more, nu[i], colour, bands, nodes[i])
         if hits[i]:
             _add_ground(air, altitude[i], mu_s[i], nu[i], end, ground, nodes[i])
 
 
 @inner
-def _add_colours(light, nu, colour, bands, nodes):  # type: ignore[no-untyped-def]
-    """Light (3, cells * 4) scattered once by molecules and by aerosol, and more, as colours and
-    bands."""
+def join_kinds(nu, kinds, once):  # type: ignore[no-untyped-def]
+    """Weigh the light of the particles' kinds in `once` by `kinds` (angles, kinds * 4), and put
+    their sum in place of the first."""
+    scale, last, cells = _f4(len(kinds) - 1), len(kinds) - 2, 4 * nu.size
+    for n in range(nu.size):
+        place = math.sqrt(max((ONE - nu[n]) * _f4(0.5), ZERO)) * scale
+        i = min(int(place), last)
+        far = place - _f4(i)
+        for c in range(4):
+            total = ZERO
+            for k in range(kinds.shape[1] // 4):
+                here, beside = kinds[i, 4 * k + c], kinds[i + 1, 4 * k + c]
+                total += once[(k + 1) * cells + 4 * n + c] * (here + far * (beside - here))
+            once[cells + 4 * n + c] = total
+
+
+@inner
+def _add_colours(once, more, nu, colour, bands, nodes):  # type: ignore[no-untyped-def]
+    """Light scattered once by molecules and by aerosol, and more, as colours and bands."""
     none, far = np.uintp(0), np.uintp(8)
     for n in range(nu.size):
         phase = _RAYLEIGH * (ONE + nu[n] * nu[n])
-        r, m, p = light[0], light[1], 4 * n
+        p, m = 4 * n, 4 * nu.size + 4 * n
         # The harmonics' sum may fall below zero by a trace where there is almost no light.
         add_four(
             nodes, np.uintp(8 * n), colour, none, far,
-            phase * r[p] + max(light[2, p], ZERO),
-            phase * r[p + 1] + max(light[2, p + 1], ZERO),
-            phase * r[p + 2] + max(light[2, p + 2], ZERO),
-            phase * r[p + 3] + max(light[2, p + 3], ZERO),
+            phase * once[p] + max(more[p], ZERO),
+            phase * once[p + 1] + max(more[p + 1], ZERO),
+            phase * once[p + 2] + max(more[p + 2], ZERO),
+            phase * once[p + 3] + max(more[p + 3], ZERO),
         )  # fmt: skip
-        add_four(nodes, np.uintp(8 * n + 4), bands, none, far, m[p], m[p + 1], m[p + 2], m[p + 3])
+        add_four(
+            nodes, np.uintp(8 * n + 4), bands, none, far,
+            once[m], once[m + 1], once[m + 2], once[m + 3],
+        )  # fmt: skip
 
 
 @inner

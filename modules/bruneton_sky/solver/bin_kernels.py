@@ -19,9 +19,9 @@ from bruneton_sky.quadrature import FOG_TOP
 from bruneton_sky.solver.cell_kernels import fast, inner
 from bruneton_sky.solver.ray_kernels import (
     absorber_density,
-    aerosol_density,
     altitude_along,
     hits_ground,
+    layer_density,
     mean_density,
     ray_length,
 )
@@ -157,16 +157,16 @@ def _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end):  # type: igno
         step = steps[s]
         step[_END] = stop
         molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * aerosol_density(air, near, middle, far)
-        centre = _weigh_step(
-            air, molecules, aerosol, metres * absorber_density(air, middle), end, step
-        )
+        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
+        absorber = metres * absorber_density(air, middle)
+        centre = _weigh_step(air, molecules, aerosol, aloft, absorber, end, step)
         step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
 
 
 @inner
-def _weigh_step(air, molecules, aerosol, absorber, light, step):  # type: ignore[no-untyped-def]
+def _weigh_step(air, molecules, aerosol, aloft, absorber, light, step):  # type: ignore[no-untyped-def]
     """Weights of a step whose matter is given in m, and what light is left after it.
 
     Returns where in the step, from 0 to 1, the centre of its light lies.
@@ -174,11 +174,12 @@ def _weigh_step(air, molecules, aerosol, absorber, light, step):  # type: ignore
     mass, moment = 0.0, 0.0
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
-        depth += air.extinction[2, c] * absorber
+        depth += air.extinction[2, c] * absorber + air.extinction[4, c] * aloft
+        haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * aloft
         passed = math.exp(-depth)
         mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
         step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
-        step[_WEIGHT + 4 + c] = light[c] * mean * air.scattering[1, c] * aerosol
+        step[_WEIGHT + 4 + c] = light[c] * mean * haze
         part = step[_WEIGHT + c] + step[_WEIGHT + 4 + c]
         mass += part
         moment += part * _centre(depth, passed)
@@ -233,24 +234,27 @@ def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-
         step = steps[s]
         step[_END] = stop
         molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
-        aerosol = metres * aerosol_density(air, near, middle, far)
+        aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
+        aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
         fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)
         absorber = metres * absorber_density(air, middle)
-        centre = _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, end, step)
+        centre = _weigh_step_in_fog(air, molecules, aerosol, aloft, fog, absorber, end, step)
         step[_MIDDLE] = distance + centre * metres
         distance, near = stop, far
 
 
 @inner
-def _weigh_step_in_fog(air, molecules, aerosol, fog, absorber, light, step):  # type: ignore[no-untyped-def]
+def _weigh_step_in_fog(air, molecules, aerosol, aloft, fog, absorber, light, step):  # type: ignore[no-untyped-def]
     """`_weigh_step` with fog."""
     mass, moment = 0.0, 0.0
     for c in range(4):
         depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
         depth += air.extinction[2, c] * absorber + air.extinction[3, c] * fog
+        depth += air.extinction[4, c] * aloft
         passed = math.exp(-depth)
         mean = (1.0 - passed) / depth if depth > 1e-5 else 1.0 - 0.5 * depth
-        haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * fog
+        haze = air.scattering[1, c] * aerosol + air.scattering[2, c] * aloft
+        haze += air.scattering[3, c] * fog
         step[_WEIGHT + c] = light[c] * mean * air.scattering[0, c] * molecules
         step[_WEIGHT + 4 + c] = light[c] * mean * haze
         part = step[_WEIGHT + c] + step[_WEIGHT + 4 + c]

@@ -12,8 +12,11 @@ Phase functions in closed form have no such peak (f is 0.03 for Cornette and Sha
 they stay as they are.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -24,40 +27,47 @@ from vrut_lite.numeric_types import FloatArray
 
 
 @lru_cache(maxsize=8)
-def forward_share(atmosphere: Atmosphere, degree: int) -> FloatArray:
-    """f (C,): the share of scattered light that counts as not scattered."""
-    if atmosphere.mie_table is None:
-        return np.zeros(len(atmosphere.wavelength_nm))
-    return np.maximum(_chi(atmosphere, degree + 1)[:, -1], 0.0)
+def forward_shares(atmosphere: Atmosphere, degree: int) -> Mapping[str, FloatArray]:
+    """f (C,) of "aerosol", "aloft" and "fog": the share of the light that each scatters which
+    counts as not scattered; none of droplets'."""
+    none = np.zeros(len(atmosphere.wavelength_nm))
+    shares = {
+        name: np.maximum(_chi(atmosphere, name, degree + 1)[:, -1], 0.0)
+        if atmosphere.mie_table is not None
+        else none
+        for name in ("aerosol", "aloft")
+    }
+    fog = none if atmosphere.has_droplets else shares["aerosol"]
+    return MappingProxyType({**shares, "fog": fog})
 
 
-def kept_coefficients(atmosphere: Atmosphere, degree: int) -> FloatArray:
-    """The phase function's coefficients (C, degree + 1) without the peak."""
-    peak = forward_share(atmosphere, degree)[:, None]
-    return np.asarray((_chi(atmosphere, degree)[:, : degree + 1] - peak) / (1.0 - peak))
+def kept_coefficients(atmosphere: Atmosphere, degree: int, name: str = "aerosol") -> FloatArray:
+    """The coefficients (C, degree + 1) of a kind's phase function without the peak."""
+    peak = forward_shares(atmosphere, degree)[name][:, None]
+    return np.asarray((_chi(atmosphere, name, degree)[:, : degree + 1] - peak) / (1.0 - peak))
 
 
 @lru_cache(maxsize=8)
 def thinned(atmosphere: Atmosphere, degree: int) -> Atmosphere:
     """The air without the light that goes straight on; droplets of their own lose none."""
-    peak = forward_share(atmosphere, degree)
-    if not peak.any():
-        return atmosphere
-    haze, mist = np.asarray(atmosphere.mie_scattering), np.asarray(atmosphere.fog_scattering)
-    of_fog = 0.0 * peak if atmosphere.has_droplets else peak
-    return replace(
-        atmosphere,
-        mie_scattering=tuple((1.0 - peak) * haze),
-        mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) - peak * haze),
-        fog_scattering=tuple((1.0 - of_fog) * mist),
-        fog_extinction=tuple(np.asarray(atmosphere.fog_extinction) - of_fog * mist),
-    )
+    changed: dict[str, Any] = {}
+    for name, peak in forward_shares(atmosphere, degree).items():
+        field = "mie" if name == "aerosol" else name
+        scattering = np.asarray(getattr(atmosphere, f"{field}_scattering"))
+        lost = peak * scattering
+        if lost.any():
+            extinction = np.asarray(getattr(atmosphere, f"{field}_extinction"))
+            changed[f"{field}_scattering"] = tuple(scattering - lost)
+            changed[f"{field}_extinction"] = tuple(extinction - lost)
+    return replace(atmosphere, **changed) if changed else atmosphere
 
 
-@lru_cache(maxsize=16)
-def _chi(atmosphere: Atmosphere, degree: int) -> FloatArray:
-    """Coefficients (C, degree + 1) of the whole phase function."""
-    if atmosphere.mie_table is not None:
-        return atmosphere.mie_table.coefficients(degree)
+@lru_cache(maxsize=32)
+def _chi(atmosphere: Atmosphere, name: str, degree: int) -> FloatArray:
+    """Coefficients (C, degree + 1) of a kind's whole phase function."""
+    own = {"aloft": atmosphere.aloft_table, "fog": atmosphere.fog_table}.get(name)
+    table = own or atmosphere.mie_table
+    if table is not None:
+        return table.coefficients(degree)
     one = phase_coefficients(lambda nu: mie_phase(atmosphere, nu), degree)
     return np.broadcast_to(one, (len(atmosphere.wavelength_nm), degree + 1))

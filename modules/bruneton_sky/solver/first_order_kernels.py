@@ -44,16 +44,15 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
             end = max(math.sqrt(max(top - ray[3], 0.0)), ray[4])
             molecules = _path_to_top(air.rayleigh_scale_height_m, top, ray, end)
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
-            if air.aloft > 0.0:
-                aloft = _path_to_top(air.aloft_scale_height_m, top, ray, end)
-                aerosol += air.aloft * (aloft - aerosol)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
-            fog = 0.0
+            fog, aloft = 0.0, 0.0
             if air.fog_scale_height_m > 0.0:
                 fog = _path_to_top(air.fog_scale_height_m, top, ray, end)
+            if air.aloft_scale_height_m > 0.0:
+                aloft = _path_to_top(air.aloft_scale_height_m, top, ray, end)
             for c in range(4):
                 depth = air.extinction[0, c] * molecules + air.extinction[1, c] * aerosol
-                depth += air.extinction[3, c] * fog
+                depth += air.extinction[3, c] * fog + air.extinction[4, c] * aloft
                 table[i, j, c] = _f4(math.exp(-depth - air.extinction[2, c] * absorber))
 
 
@@ -64,24 +63,49 @@ def _path_to_top(scale, top, ray, end):  # type: ignore[no-untyped-def]
 
 
 @inner
-def gather_first(air, altitude, mu, bins, cells, table, row, rayleigh, mie):  # type: ignore[no-untyped-def]
-    """Light scattered once toward a ray's start, by molecules and by aerosol (cells * 4,).
+def gather_first(air, altitude, mu, bins, cells, table, row, once):  # type: ignore[no-untyped-def]
+    """Light scattered once toward a ray's start, without phase functions.
 
-    Without phase functions. `table` is the transmittance (altitudes, columns * 4), `row`
-    (columns * 4,) is scratch.
+    `once` (parts * cells * 4,): by molecules; then by all particles, or by aerosol, aerosol aloft
+    and fog apart. `table` is the transmittance (altitudes, columns * 4), `row` (columns * 4,) is
+    scratch.
     """
     _find_shadow(air, altitude, mu, cells)
-    rayleigh[:] = ZERO
-    mie[:] = ZERO
-    weight = np.empty(8, _f4)
+    once[:] = ZERO
+    parts = once.size // (4 * cells.nu.size)
+    weight, share = np.empty(16, _f4), np.empty((3, 4))
     for b in range(bins.centre.shape[0]):
-        for c in range(4):
-            weight[c] = air.solar_irradiance[c] * bins.weight[b, 0, c]
-            weight[4 + c] = air.solar_irradiance[c] * bins.weight[b, 1, c]
         if bins.centre[b, 3] > 0.0:
+            for c in range(4):
+                weight[c] = air.solar_irradiance[c] * bins.weight[b, 0, c]
+                weight[4 + c] = air.solar_irradiance[c] * bins.weight[b, 1, c]
+            if parts > 2:
+                share_particles(air, bins.centre[b, 1], share)
+                for c in range(4):
+                    whole = weight[4 + c]
+                    for k in range(parts - 1):
+                        weight[4 + 4 * k + c] = whole * share[k, c]
             _place_suns(air, altitude, bins, b, row.size // 4, cells)
             _blend_row(air, bins.centre[b, 1], table, cells.offset, row)
-            _add_suns(row, weight, cells, rayleigh, mie)
+            if parts > 2:
+                _add_suns_apart(row, weight, parts, cells, once)
+            else:
+                _add_suns(row, weight, cells, once)
+
+
+@inner
+def share_particles(air, altitude, share):  # type: ignore[no-untyped-def]
+    """Shares (3, 4) of aerosol, aerosol aloft and fog in what particles scatter at an altitude."""
+    low, aloft, fog = math.exp(-altitude / air.mie_scale_height_m), 0.0, 0.0
+    if air.aloft_scale_height_m > 0.0:
+        aloft = math.exp(-altitude / air.aloft_scale_height_m)
+    if air.fog_scale_height_m > 0.0:
+        fog = math.exp(-altitude / air.fog_scale_height_m)
+    for c in range(4):
+        one, two = air.scattering[1, c] * low, air.scattering[2, c] * aloft
+        three = air.scattering[3, c] * fog
+        per_all = 1.0 / max(one + two + three, 1e-300)
+        share[0, c], share[1, c], share[2, c] = one * per_all, two * per_all, three * per_all
 
 
 @inner
@@ -161,20 +185,35 @@ def _place_suns(air, altitude, bins, b, columns, cells):  # type: ignore[no-unty
 
 
 @inner
-def _add_suns(row, weight, cells, rayleigh, mie):  # type: ignore[no-untyped-def]
-    """Add a bin's light to the cells; `weight` (8,) is per unit transmittance."""
-    none, four = np.uintp(0), np.uintp(4)
+def _add_suns(row, weight, cells, once):  # type: ignore[no-untyped-def]
+    """Add a bin's light to the cells; `weight` (4 * parts,) is per unit transmittance."""
+    none, four, stride = np.uintp(0), np.uintp(4), np.uintp(4 * cells.offset.size)
     for n in range(cells.offset.size):
         place, offset = np.uintp(4 * n), np.uintp(cells.offset[n])
         far = cells.along[n] * cells.across[n]
         near = cells.across[n] - far
-        add_two(rayleigh, place, row, offset, near, far, weight, none)
-        add_two(mie, place, row, offset, near, far, weight, four)
+        add_two(once, place, row, offset, near, far, weight, none)
+        add_two(once, place + stride, row, offset, near, far, weight, four)
 
 
 @inner
-def apply_phases(cells, phase, rayleigh, mie, out):  # type: ignore[no-untyped-def]
-    """Both kinds of light times their phase functions, a table (n, 5) over sqrt((1 - nu) / 2)."""
+def _add_suns_apart(row, weight, parts, cells, once):  # type: ignore[no-untyped-def]
+    """The same of more parts than two."""
+    count = cells.offset.size
+    for n in range(count):
+        offset = np.uintp(cells.offset[n])
+        far = cells.along[n] * cells.across[n]
+        near = cells.across[n] - far
+        for k in range(parts):
+            place = np.uintp(4 * (k * count + n))
+            add_two(once, place, row, offset, near, far, weight, np.uintp(4 * k))
+
+
+@inner
+def apply_phases(cells, phase, once, out):  # type: ignore[no-untyped-def]
+    """Light off molecules and particles times their phase functions, a table (n, 5) over
+    sqrt((1 - nu) / 2)."""
+    rayleigh, mie = once[: 4 * cells.nu.size], once[4 * cells.nu.size :]
     scale, last = _f4(phase.shape[0] - 1), _f4(phase.shape[0] - 1.001)
     one = np.uintp(1)
     for n in range(cells.nu.size):

@@ -81,14 +81,14 @@ def first_radiance(  # type: ignore[no-untyped-def]
     `phase` (altitudes or 1, n, 5): see `apply_phases`.
     """
     cells = empty_cells(sun.size * turn_cosine.size)
-    rayleigh, mie = np.empty(4 * cells.nu.size, _f4), np.empty(4 * cells.nu.size, _f4)
+    once = np.empty(8 * cells.nu.size, _f4)
     row = np.empty(table.shape[1], _f4)
     for i in range(mu.shape[0]):
         for q in range(mu.shape[1]):
             here = _bins_at(bins, i, q, bins.centre.shape[2])
             fill_cells(mu[i, q], sun, turn_cosine, cells)
-            gather_first(air, altitude[i], mu[i, q], here, cells, table, row, rayleigh, mie)
-            apply_phases(cells, phase[min(i, len(phase) - 1)], rayleigh, mie, radiance[i, q])
+            gather_first(air, altitude[i], mu[i, q], here, cells, table, row, once)
+            apply_phases(cells, phase[min(i, len(phase) - 1)], once, radiance[i, q])
             if downward[q]:
                 _add_ground(air, altitude[i], here, cells, ground, grid, radiance[i, q])
 

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.phase import rayleigh_phase
-from bruneton_sky.solver.droplets import (
-    droplets_above,
-    droplets_at,
+from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
+from bruneton_sky.solver.particles import (
     mixed_coefficients,
+    shares_above,
+    shares_at,
     shown_phase,
 )
-from bruneton_sky.solver.grid import SunGrid, altitude_nodes, azimuths
 from bruneton_sky.solver.scattering_operator import (
     ScatteringOperator,
     scattering_operator,
@@ -174,7 +174,7 @@ def shown_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArr
     Of molecules and of particles at four wavelengths, uniform in sqrt((1 - nu) / 2), for
     eyes at altitudes. The particles' is per unit of what `delta_m.thinned` air scatters.
     """
-    nu, shares = _phase_cosines(), droplets_above(atmosphere, degree, altitude_m)
+    nu, shares = _phase_cosines(), shares_above(atmosphere, degree, altitude_m)
     return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])
 
 
@@ -182,7 +182,7 @@ def fed_phase_tables(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray
     """The same (groups, altitudes or 1, n, 5), as light scattered once feeds the orders beyond: at
     altitudes, and without the peak of a table."""
     if atmosphere.mie_table is None:
-        shares = droplets_at(atmosphere, degree, altitude_m if atmosphere.has_droplets else [0.0])
+        shares = shares_at(atmosphere, degree, altitude_m if atmosphere.mixed else [0.0])
         nu = _phase_cosines()
         return _phase_tables([shown_phase(atmosphere, degree, nu, share) for share in shares])
     legendre = np.polynomial.legendre.legvander(_phase_cosines(), degree)

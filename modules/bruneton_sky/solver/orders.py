@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bruneton_sky.atmosphere import Atmosphere
-from bruneton_sky.solver.delta_m import forward_share, thinned
+from bruneton_sky.solver.delta_m import forward_shares, thinned
 from bruneton_sky.solver.nodes import Nodes, fed_phase_tables, make_nodes, make_transmittance
 from bruneton_sky.solver.sizes import SolverSizes
 from bruneton_sky.solver.source_field import SourceField
@@ -131,7 +131,7 @@ def real_time_sizes(atmosphere: Atmosphere) -> SolverSizes:
     else:
         sizes = SolverSizes.in_haze() if is_hazy(atmosphere) else SolverSizes.in_clear_air()
     deeper = min(max(atmosphere.top_altitude_m / _USUAL_TOP_M, 1.0), _MOST_DEEPER)
-    sharp = forward_share(atmosphere, sizes.degree).max() > _SHARP
+    sharp = forward_shares(atmosphere, sizes.degree)["aerosol"].max() > _SHARP
     return replace(
         sizes,
         altitude=math.ceil(sizes.altitude * math.sqrt(deeper)),

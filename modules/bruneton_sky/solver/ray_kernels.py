@@ -102,13 +102,9 @@ def mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
 
 
 @inner
-def aerosol_density(air, near, middle, far):  # type: ignore[no-untyped-def]
-    """The same of the aerosol's two layers."""
-    density = mean_density(near, middle, far, air.mie_scale_height_m)
-    if air.aloft > 0.0:
-        above = mean_density(near, middle, far, air.aloft_scale_height_m)
-        density += air.aloft * (above - density)
-    return density
+def layer_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
+    """The same of a layer that there may not be: its scale height is 0 then."""
+    return mean_density(near, middle, far, scale) if scale > 0.0 else 0.0
 
 
 @inner

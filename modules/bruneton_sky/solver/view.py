@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bruneton_sky.solver.delta_m import forward_share
+from bruneton_sky.solver.delta_m import forward_shares
 from bruneton_sky.solver.grid import azimuths, clustered_nodes
 from bruneton_sky.solver.nodes import shown_phase_tables
+from bruneton_sky.solver.particles import kinds_of
 from bruneton_sky.solver.source_field import SourceField, source_of_group
 from bruneton_sky.solver.wavelength_groups import LANES, groups_of_air, wavelengths_of_groups
 from vrut_lite.arguments import ROUNDING, as_numbers
@@ -71,14 +72,17 @@ def single_scattering_fast(
     rays = _checked_rays(field, altitude_m, mu, mu_s, nu)
     finer = 2 if mu_s < _LOW_SUN else 1
     counts = finer * sizes.steps, finer * sizes.single_bins
-    out = np.empty((2, len(field.rayleigh), rays[1].size, LANES), dtype=np.float32)
+    kinds = kinds_of(field.atmosphere)
+    out = np.empty((len(field.rayleigh), 1 + len(kinds), rays[1].size * LANES), dtype=np.float32)
     for group, air in enumerate(groups_of_air(field.thinned)):
         trace_first(
-            air, *rays, field.transmittance[group], counts,
-            out[0, group].reshape(-1), out[1, group].reshape(-1),
+            air, *rays, field.transmittance[group], counts, out[group]
         )  # fmt: skip
-    whole = 1.0 - forward_share(field.atmosphere, sizes.degree)
-    return wavelengths_of_groups(out[0], count), wavelengths_of_groups(out[1], count) / whole
+    lanes = out.reshape(*out.shape[:2], -1, LANES)
+    molecules, *particles = (wavelengths_of_groups(part, count) for part in lanes.swapaxes(0, 1))
+    peaks = forward_shares(field.atmosphere, sizes.degree)
+    whole = (part / (1.0 - peaks[kind]) for kind, part in zip(kinds, particles, strict=True))
+    return molecules, np.sum(list(whole), axis=0)
 
 
 def _checked_rays(

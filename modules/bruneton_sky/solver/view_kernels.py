@@ -52,10 +52,10 @@ def trace_view(air, altitude, mu, mu_s, nu, source, sizes, out):  # type: ignore
 
 
 @fast
-def trace_first(air, altitude, mu, mu_s, nu, table, sizes, rayleigh, mie):  # type: ignore[no-untyped-def]
-    """Light (rays * 4,) scattered once by molecules and by aerosol, without phase functions.
+def trace_first(air, altitude, mu, mu_s, nu, table, sizes, out):  # type: ignore[no-untyped-def]
+    """Light (parts, rays * 4) scattered once, without phase functions.
 
-    Arguments as for `trace_view`; `table` is the sun's transmittance.
+    Parts as in `gather_first`. Arguments as for `trace_view`; `table` is the sun's transmittance.
     """
     bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     row, all_cells = np.empty(table.shape[1], _f4), empty_cells(mu.size)
@@ -67,10 +67,12 @@ def trace_first(air, altitude, mu, mu_s, nu, table, sizes, rayleigh, mie):  # ty
         stop = _end_of_run(mu, start)
         hits = hits_ground(air, altitude, mu[start])
         fill_bins(air, altitude, mu[start], hits, steps, bins)
-        gather_first(
-            air, altitude, mu[start], bins, some_cells(all_cells, start, stop), table, row,
-            rayleigh[4 * start : 4 * stop], mie[4 * start : 4 * stop],
-        )  # fmt: skip
+        cells, count = some_cells(all_cells, start, stop), 4 * (stop - start)
+        once = np.empty(out.shape[0] * count, _f4)
+        gather_first(air, altitude, mu[start], bins, cells, table, row, once)
+        for k in range(out.shape[0]):
+            for m in range(count):
+                out[k, 4 * start + m] = once[k * count + m]
         start = stop
 
 
@@ -94,15 +96,15 @@ def fill_irradiance(  # type: ignore[no-untyped-def]
     """
     bins, steps = empty_bins(sizes[1]), empty_steps(air, sizes[0])
     slab, cells = empty_slab(source), empty_cells(sun.size * turn_cosine.size)
-    rayleigh, mie = np.empty(4 * cells.nu.size, _f4), np.empty(4 * cells.nu.size, _f4)
+    once = np.empty(8 * cells.nu.size, _f4)
     light, row = np.empty(4 * cells.nu.size, _f4), np.empty(table.shape[1], _f4)
     out[:] = 0.0
     for i in range(altitude.size):
         for q in range(mu.size):
             fill_bins(air, altitude[i], mu[q], mu[q] < 0.0, steps, bins)
             fill_cells(mu[q], sun, turn_cosine, cells)
-            gather_first(air, altitude[i], mu[q], bins, cells, table, row, rayleigh, mie)
-            apply_phases(cells, phase[i], rayleigh, mie, light)
+            gather_first(air, altitude[i], mu[q], bins, cells, table, row, once)
+            apply_phases(cells, phase[i], once, light)
             gather_later(air, altitude[i], bins, cells, source, slab, light)
             for n in range(cells.nu.size):
                 for c in range(4):
@@ -121,14 +123,15 @@ def march_rays(air, altitude, mu, hits, mu_s, nu, table, source, sizes, first, s
     few, many = empty_bins(sizes[2]), empty_bins(sizes[1])
     all_cells, slab = empty_cells(mu_s.size * nu.size), empty_slab(source)
     where = np.empty(mu_s.size * nu.size, np.intp)
-    once = np.empty((2, 4 * where.size), _f4)
+    all_once = np.empty(8 * where.size, _f4)
     later, row = np.empty(4 * where.size, _f4), np.empty(table.shape[1], _f4)
     for i in range(mu.shape[0]):
         for j in range(mu.shape[1]):
             count = _distinct_cells(mu[i, j], mu_s, nu, all_cells, where)
             cells = some_cells(all_cells, 0, count)
             fill_bins(air, altitude[i], mu[i, j], hits[j], steps, many)
-            gather_first(air, altitude[i], mu[i, j], many, cells, table, row, once[0], once[1])
+            once = all_once[: 8 * count]
+            gather_first(air, altitude[i], mu[i, j], many, cells, table, row, once)
             merge_steps(air, altitude[i], mu[i, j], steps, few)
             later[:] = ZERO
             gather_later(air, altitude[i], few, cells, source, slab, later)
@@ -168,6 +171,6 @@ def _store(nu, where, once, later, first, scattering, mie):  # type: ignore[no-u
         n, cosine = where[index], _f4(nu[index // suns])
         inverse = ONE / (rayleigh_phase * (ONE + cosine * cosine))
         for c in range(lanes):
-            total = once[0, 4 * n + c] + max(later[4 * n + c], ZERO) * inverse
+            total = once[4 * n + c] + max(later[4 * n + c], ZERO) * inverse
             scattering[index // suns, index % suns, first + c] = total
-            mie[index // suns, index % suns, first + c] = once[1, 4 * n + c]
+            mie[index // suns, index % suns, first + c] = once[once.size // 2 + 4 * n + c]

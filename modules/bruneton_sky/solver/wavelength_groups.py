@@ -23,11 +23,11 @@ _HAZE, _THICK_HAZE = 0.1, 0.4
 class Air(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
-    `extinction` (4, 4): of molecules, aerosol, absorber, fog; `scattering` (3, 4): of molecules,
-    aerosol, fog; `absorber` (2, n): altitudes and relative densities of its nodes; one
-    node makes no layer, where it absorbs nothing. `aloft`: share of the aerosol at altitude 0 that
-    thins over `aloft_scale_height_m`. `fog_scale_height_m` is 0 where there is no
-    fog. `layer_reach_m`, `layer_share`: see `ray_kernels`; a share of 0 is no layer.
+    `extinction` (5, 4): of molecules, aerosol, absorber, fog, aerosol aloft; `scattering` (4, 4):
+    of molecules, aerosol, aerosol aloft, fog; `absorber` (2, n): altitudes and relative densities
+    of its nodes; one node makes no layer, where it absorbs nothing. `aloft_scale_height_m` and
+    `fog_scale_height_m` are 0 where there is none. `layer_reach_m`, `layer_share`: see
+    `ray_kernels`; a share of 0 is no layer.
     """
 
     ground_radius_m: float
@@ -35,7 +35,6 @@ class Air(NamedTuple):
     rayleigh_scale_height_m: float
     mie_scale_height_m: float
     aloft_scale_height_m: float
-    aloft: float
     fog_scale_height_m: float
     layer_reach_m: float
     layer_share: float
@@ -54,10 +53,16 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
             atmosphere.mie_extinction,
             atmosphere.absorption_extinction,
             atmosphere.fog_extinction,
+            atmosphere.aloft_extinction,
         ]
     )
     scattering = _in_fours(
-        [atmosphere.rayleigh_scattering, atmosphere.mie_scattering, atmosphere.fog_scattering]
+        [
+            atmosphere.rayleigh_scattering,
+            atmosphere.mie_scattering,
+            atmosphere.aloft_scattering,
+            atmosphere.fog_scattering,
+        ]
     )
     sun_and_ground = _in_fours([atmosphere.solar_irradiance, atmosphere.ground_albedo])
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
@@ -67,8 +72,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
             atmosphere.top_altitude_m,
             atmosphere.rayleigh_scale_height_m,
             atmosphere.mie_scale_height_m,
-            atmosphere.mie_aloft_scale_height_m,
-            atmosphere.mie_aloft,
+            atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
             atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
             *dense_layer(atmosphere),
             extinction[group],
@@ -92,7 +96,7 @@ def is_thick_haze(atmosphere: Atmosphere) -> bool:
 
 
 def _aerosol_depth(atmosphere: Atmosphere) -> float:
-    return max(atmosphere.mie_extinction) * atmosphere.mie_column_m
+    return float(atmosphere.aerosol_depth().max())
 
 
 def dense_layer(atmosphere: Atmosphere) -> tuple[float, float]:

@@ -52,10 +52,12 @@ def _colours_of_few(air: Atmosphere, every: int) -> tuple[Atmosphere, FloatArray
     def some(values: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(values[n] for n in kept)
 
-    names = "wavelength_nm", *SPECTRAL_FIELDS
-    spectral: dict[str, Any] = {name: some(getattr(air, name)) for name in names}
-    table = air.mie_table and air.mie_table.at_rows(np.eye(len(air.wavelength_nm))[kept])
-    few = replace(air, **spectral, mie_table=table)
+    names = "wavelength_nm", *SPECTRAL_FIELDS, "aloft_scattering", "aloft_extinction"
+    changed: dict[str, Any] = {name: some(getattr(air, name)) for name in names}
+    for name in ("mie_table", "aloft_table"):
+        table = getattr(air, name)
+        changed[name] = table and table.at_rows(np.eye(len(air.wavelength_nm))[kept])
+    few = replace(air, **changed)
     between = CubicSpline(few.wavelength_nm, np.eye(len(kept)))(air.wavelength_nm)
     through_sun = np.array(air.solar_irradiance)[:, None] * between / few.solar_irradiance
     return few, through_sun.T @ integration_matrix(air.wavelength_nm)
@@ -187,15 +189,17 @@ def _genssky() -> PeerAir:
     # The upper layer begins at the ground: what of it lies lower is taken from the lower layer.
     aloft_m = columns[1] / at_550[aloft][0]
     at_ground = at_550[aloft][0] * np.exp(2000.0 / aloft_m)
+    share = at_ground / at_550[0]
     lower_m = (sum(columns) - at_ground * aloft_m) / (at_550[0] - at_ground)
     air = _by_table(
         "genssky.csv",
         rayleigh_scale_height_m=8820.0,
-        mie_scattering=tuple(table[0]),
-        mie_extinction=tuple(table[0]),
+        mie_scattering=tuple((1.0 - share) * table[0]),
+        mie_extinction=tuple((1.0 - share) * table[0]),
         mie_scale_height_m=float(lower_m),
-        mie_aloft=float(at_ground / at_550[0]),
-        mie_aloft_scale_height_m=float(aloft_m),
+        aloft_scattering=tuple(share * table[0]),
+        aloft_extinction=tuple(share * table[0]),
+        aloft_scale_height_m=float(aloft_m),
         mie_g=0.7,
         ground_albedo=(0.2,) * table.shape[1],
     )

@@ -1,6 +1,6 @@
 """What all the aerosol above a place does to light, by wavelength: what skies take."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,46 +19,27 @@ _LEAST_DEPTH = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class AerosolOptics:
-    """Aerosol above a place by wavelength (C,), rising.
+class AerosolLayer:
+    """Aerosol above a place by wavelength (C,), rising: one exponential layer.
 
     Attributes:
         wavelength_nm: at which the rest is known; beyond, the nearest holds.
-        optical_depth: (C,), vertical.
+        optical_depth: (C,), vertical; 0 throughout where there is none.
         albedo: (C,) of a single scattering.
-        phase: of all of it, averaged by what each layer scatters.
-        lower_depth_550, lower_height_m: of the lower layer alone: its part of the depth at 550 nm,
-            and the scale height of an exponential layer with the same depth and the same
-            extinction at the ground.
-        upper_height_m: scale height of the rest.
+        phase: phase functions, a row for each wavelength.
+        height_m: the scale height.
     """
 
     wavelength_nm: FloatArray
     optical_depth: FloatArray
     albedo: FloatArray
     phase: PhaseTable
-    lower_depth_550: float
-    lower_height_m: float
-    upper_height_m: float = ALOFT_HEIGHT_M
-
-    @property
-    def optical_depth_550(self) -> float:
-        """The depth at 550 nm."""
-        return float(self.depth_at([_550_NM])[0])
-
-    @property
-    def aloft_share(self) -> float:
-        """Share of the depth that the upper layer has."""
-        return max(1.0 - self.lower_depth_550 / self.optical_depth_550, 0.0)
-
-    @property
-    def angstrom_exponent(self) -> float:
-        """Between 445 and 635 nm."""
-        blue, red = self.depth_at([445.0, 635.0])
-        return float(np.log(blue / red) / np.log(635.0 / 445.0))
+    height_m: float
 
     def depth_at(self, wavelength_nm: ArrayLike) -> FloatArray:
         """Optical depth (n,): Angstrom's law between neighbours."""
+        if not self.optical_depth.any():
+            return np.zeros(np.shape(wavelength_nm))
         log_depth = np.log(np.maximum(self.optical_depth, _LEAST_DEPTH))
         place = np.log(np.asarray(wavelength_nm, dtype=float))
         return np.asarray(np.exp(np.interp(place, np.log(self.wavelength_nm), log_depth)))
@@ -74,17 +55,44 @@ class AerosolOptics:
         return self.phase.at_rows(np.maximum(1.0 - np.abs(place[:, None] - index), 0.0))
 
 
+@dataclass(frozen=True, eq=False)
+class AerosolOptics(AerosolLayer):
+    """All the aerosol above a place: sums and means of its two layers.
+
+    Attributes:
+        layers: the lower one, whose scale height gives the same depth and the same extinction at
+            the ground, and that of the free troposphere.
+    """
+
+    layers: tuple[AerosolLayer, AerosolLayer]
+
+    @property
+    def optical_depth_550(self) -> float:
+        """The depth at 550 nm."""
+        return float(self.depth_at([_550_NM])[0])
+
+    @property
+    def angstrom_exponent(self) -> float:
+        """Between 445 and 635 nm."""
+        blue, red = self.depth_at([445.0, 635.0])
+        return float(np.log(blue / red) / np.log(635.0 / 445.0))
+
+
 def optics_of_particles(lower: Particles, upper: Particles, lower_height_m: float) -> AerosolOptics:
     """The optics of two layers, given as columns: extinction and scattering are depths."""
-    both = lower.with_others(upper)
-    lower_depth = float(np.interp(_550_NM, lower.wavelength_nm, lower.extinction))
-    return AerosolOptics(
-        both.wavelength_nm,
-        both.extinction,
-        both.scattering / both.extinction,
-        PhaseTable.of_angles(both.angle_rad, both.phase),
-        lower_depth,
-        lower_height_m,
+    low, aloft = _layer(lower, lower_height_m), _layer(upper, ALOFT_HEIGHT_M)
+    both = _layer(lower.with_others(upper), lower_height_m)
+    return AerosolOptics(**vars(both), layers=(low, aloft))
+
+
+def _layer(column: Particles, height_m: float) -> AerosolLayer:
+    none = np.zeros_like(column.extinction)
+    return AerosolLayer(
+        column.wavelength_nm,
+        column.extinction,
+        np.divide(column.scattering, column.extinction, out=none, where=column.extinction > 0.0),
+        PhaseTable.of_angles(column.angle_rad, column.phase),
+        height_m,
     )
 
 
@@ -116,14 +124,15 @@ def optics_of_aerosol(
         raise ValueError("the phase table of an aerosol of one's own must have one row")
     # Angstrom's law needs its two ends only.
     wavelength = np.array([100.0, 10_000.0])
-    return AerosolOptics(
+    all_of_it = AerosolLayer(
         wavelength,
         depth * (wavelength / _550_NM) ** -exponent,
         np.full(2, part),
         table.at_rows(np.ones((2, 1))),
-        depth,
         height_m,
     )
+    none = replace(all_of_it, optical_depth=np.zeros(2), height_m=ALOFT_HEIGHT_M)
+    return AerosolOptics(**vars(all_of_it), layers=(all_of_it, none))
 
 
 def _one_lobe(g: float) -> PhaseTable:

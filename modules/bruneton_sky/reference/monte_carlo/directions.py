@@ -21,7 +21,7 @@ LOBE_DAY, LOBE_DUSK, LOBE_BELOW = 0.05, 0.5, 0.4
 
 
 @compiled
-def set_scattering(medium, thin, haze, fog, cosine, factor):  # type: ignore[no-untyped-def]
+def set_scattering(medium, thin, haze, fog, aloft, cosine, factor):  # type: ignore[no-untyped-def]
     """Scattering coefficients (C,) in 1/(m sr) at a cosine from the old direction."""
     squared = cosine * cosine
     rayleigh = 3.0 / (16.0 * math.pi) * (1.0 + squared) * thin
@@ -36,6 +36,11 @@ def set_scattering(medium, thin, haze, fog, cosine, factor):  # type: ignore[no-
         for c in range(factor.size):
             mie = here[c] + far * (there[c] - here[c])
             factor[c] += mie * medium.scattering[2, c] * fog
+    if aloft > 0.0:
+        here, there = medium.aloft_phase[k], medium.aloft_phase[k + 1]
+        for c in range(factor.size):
+            mie = here[c] + far * (there[c] - here[c])
+            factor[c] += mie * medium.scattering[3, c] * aloft
 
 
 @compiled

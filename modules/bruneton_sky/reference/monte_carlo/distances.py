@@ -96,12 +96,13 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
     extinction, scattering = medium.extinction, medium.scattering
     bins = edges.size - 1
     low_sun = min(mu_s, _sun_cosine(medium, ray, edges[bins], mu_s, nu)) < SUNLIT_BELOW
-    plain, sunlit, rayleigh, mie, absorbed, droplets = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    plain, sunlit, rayleigh, mie, absorbed = 0.0, 0.0, 0.0, 0.0, 0.0
+    droplets, aloft = 0.0, 0.0
     for k in range(bins):
         y = 0.5 * (edges[k] + edges[k + 1])
         altitude = min(max(ray[3] + y * y, 0.0), medium.top)
         metres = (edges[k + 1] - edges[k]) * jacobian(ray[2], y)
-        thin, haze, fog = densities(medium, altitude)
+        thin, haze, fog, high = densities(medium, altitude)
         layer = absorber_at(medium, altitude)
         value = 0.0
         for c in range(depth.size):
@@ -109,13 +110,16 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
             here += extinction[1, c] * (mie + 0.5 * haze * metres)
             here += extinction[2, c] * (absorbed + 0.5 * layer * metres)
             here += extinction[3, c] * (droplets + 0.5 * fog * metres)
+            here += extinction[4, c] * (aloft + 0.5 * high * metres)
             strength = scattering[0, c] * thin + scattering[1, c] * haze + scattering[2, c] * fog
+            strength += scattering[3, c] * high
             value += weight[c] * math.exp(-here) * strength
         value *= metres
         rayleigh += thin * metres
         mie += haze * metres
         absorbed += layer * metres
         droplets += fog * metres
+        aloft += high * metres
         plain += value
         cumulative[0, k] = plain
         if low_sun:
@@ -125,6 +129,7 @@ def weigh_bins(medium, ray, mu_s, nu, least_cosine, weight, depth, edges, cumula
     for c in range(depth.size):
         depth[c] = extinction[0, c] * rayleigh + extinction[1, c] * mie
         depth[c] += extinction[2, c] * absorbed + extinction[3, c] * droplets
+        depth[c] += extinction[4, c] * aloft
 
 
 @compiled

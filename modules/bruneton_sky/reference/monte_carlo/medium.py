@@ -12,7 +12,7 @@ import numpy as np
 
 from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.path_kernels import compiled, exponential_path, layered_path
-from bruneton_sky.phase import aerosol_phase, fog_phase
+from bruneton_sky.phase import particles_phase
 from vrut_lite.numeric_types import FloatArray
 
 # Weights of wavelengths that share a path: their scattering to this power (0 makes weak ones noisy,
@@ -24,13 +24,13 @@ _PHASE_NODES = 8193
 
 
 class Medium(NamedTuple):
-    """An atmosphere as compiled code reads it; coefficients (4 or 3, C) in 1/m, lengths in m.
+    """An atmosphere as compiled code reads it; coefficients (5 or 4, C) in 1/m, lengths in m.
 
-    Extinction of molecules, aerosol, absorber, fog; scattering of molecules, aerosol, fog, whose
-    scale is 0 where there is none. Of the aerosol the share `aloft` thins over `aloft_scale`.
+    Extinction of molecules, aerosol, absorber, fog, aerosol aloft; scattering of molecules,
+    aerosol, fog, aerosol aloft. The scales of fog and aloft are 0 where there is none.
     `phase` (nodes, C) in sr^-1 is the aerosol's phase function, `turn` (nodes - 1,) the cumulated
-    chance that its mean over the wavelengths gives a turn between two nodes; `fog_phase` and
-    `fog_turn` are fog's.
+    chance that its mean over the wavelengths gives a turn between two nodes; others are fog's and
+    those of aerosol aloft.
     """
 
     radius: float
@@ -38,7 +38,6 @@ class Medium(NamedTuple):
     rayleigh_scale: float
     mie_scale: float
     aloft_scale: float
-    aloft: float
     fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
@@ -48,6 +47,8 @@ class Medium(NamedTuple):
     turn: FloatArray
     fog_phase: FloatArray
     fog_turn: FloatArray
+    aloft_phase: FloatArray
+    aloft_turn: FloatArray
     albedo: FloatArray
     # The weight (C,) with which each wavelength's share of a path starts.
     importance: FloatArray
@@ -56,24 +57,30 @@ class Medium(NamedTuple):
 def medium_of(atmosphere: Atmosphere) -> Medium:
     """An atmosphere of any number of wavelengths."""
     molecules, aerosol = atmosphere.rayleigh_scattering, atmosphere.mie_scattering
-    absorption, fog = atmosphere.absorption_extinction, atmosphere.fog_scattering
-    extinction = [molecules, atmosphere.mie_extinction, absorption, atmosphere.fog_extinction]
+    aloft, fog = atmosphere.aloft_scattering, atmosphere.fog_scattering
+    extinction = [
+        molecules,
+        atmosphere.mie_extinction,
+        atmosphere.absorption_extinction,
+        atmosphere.fog_extinction,
+        atmosphere.aloft_extinction,
+    ]
     return Medium(
         atmosphere.ground_radius_m,
         atmosphere.top_altitude_m,
         atmosphere.rayleigh_scale_height_m,
         atmosphere.mie_scale_height_m,
-        atmosphere.mie_aloft_scale_height_m,
-        atmosphere.mie_aloft,
+        atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
-        np.array([molecules, aerosol, fog]),
+        np.array([molecules, aerosol, fog, aloft]),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
-        *_phase_and_turn(lambda nu: aerosol_phase(atmosphere, nu)),
-        *_phase_and_turn(lambda nu: fog_phase(atmosphere, nu)),
+        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aerosol", nu)),
+        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "fog", nu)),
+        *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aloft", nu)),
         np.array(atmosphere.ground_albedo),
-        _importance(np.array(molecules) + np.array(aerosol) + np.array(fog)),
+        _importance(np.array(molecules) + np.array(aerosol) + np.array(fog) + np.array(aloft)),
     )
 
 
@@ -98,8 +105,9 @@ def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def
     """Multiply weights (C,) by a scale and by a ray's transmittance as far as y."""
     rayleigh = path_to(ray, altitude, y, medium.rayleigh_scale)
     mie = path_to(ray, altitude, y, medium.mie_scale)
-    if medium.aloft > 0.0:
-        mie += medium.aloft * (path_to(ray, altitude, y, medium.aloft_scale) - mie)
+    aloft = 0.0
+    if medium.aloft_scale > 0.0:
+        aloft = path_to(ray, altitude, y, medium.aloft_scale)
     absorbed = 0.0
     if medium.extinction[2].any():
         absorbed = layered_path(ray, y, medium.absorber_altitude, medium.absorber_density)
@@ -109,7 +117,7 @@ def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def
     extinction = medium.extinction
     for c in range(weight.size):
         depth = extinction[0, c] * rayleigh + extinction[1, c] * mie + extinction[2, c] * absorbed
-        depth += extinction[3, c] * fog
+        depth += extinction[3, c] * fog + extinction[4, c] * aloft
         weight[c] *= scale * math.exp(-depth)
 
 
@@ -134,13 +142,12 @@ def meets_ground(ray):  # type: ignore[no-untyped-def]
 
 @compiled
 def densities(medium, altitude):  # type: ignore[no-untyped-def]
-    """Relative densities of molecules, aerosol and fog."""
+    """Relative densities of molecules, aerosol, fog and aerosol aloft."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
     thin = math.exp(-altitude / medium.rayleigh_scale)
     haze = math.exp(-altitude / medium.mie_scale)
-    if medium.aloft > 0.0:
-        haze += medium.aloft * (math.exp(-altitude / medium.aloft_scale) - haze)
-    return thin, haze, fog
+    aloft = math.exp(-altitude / medium.aloft_scale) if medium.aloft_scale > 0.0 else 0.0
+    return thin, haze, fog, aloft
 
 
 @compiled

@@ -153,23 +153,27 @@ def _add_sun(medium, altitude, point, sun, weight, factor, out):  # type: ignore
 @compiled
 def _scatter(medium, altitude, point, direction, sun, weight, factor, v, w, out):  # type: ignore[no-untyped-def]
     """Add the sun's light scattered here, and draw the path's next direction."""
-    thin, haze, fog = densities(medium, altitude)
-    set_scattering(medium, thin, haze, fog, dot(direction, sun), factor)
+    thin, haze, fog, high = densities(medium, altitude)
+    set_scattering(medium, thin, haze, fog, high, dot(direction, sun), factor)
     _add_sun(medium, altitude, point, sun, weight, factor, out)
-    molecules, aerosol, droplets = 0.0, 0.0, 0.0
+    molecules, aerosol, droplets, aloft = 0.0, 0.0, 0.0, 0.0
     for c in range(weight.size):
         molecules += weight[c] * medium.scattering[0, c] * thin
         aerosol += weight[c] * medium.scattering[1, c] * haze
         droplets += weight[c] * medium.scattering[2, c] * fog
-    aerosol += droplets
+        aloft += weight[c] * medium.scattering[3, c] * high
+    aerosol += droplets + aloft
     share = aerosol / (aerosol + molecules) if aerosol > 0.0 else 0.0
     foggy = droplets / (aerosol + molecules) if droplets > 0.0 else 0.0
     lobes = lobe_share(cosine_at(point, sun, medium.radius + altitude), foggy)
+    # Directions are drawn from the phase function of the kind that scatters most.
     cumulated = medium.fog_turn if 2.0 * droplets > aerosol else medium.turn
+    if 2.0 * aloft > aerosol:
+        cumulated = medium.aloft_turn
     cosine, density = draw_direction(
         cumulated, share, lobes, lobe_axis(point, sun), v, w, direction
     )
-    set_scattering(medium, thin, haze, fog, cosine, factor)
+    set_scattering(medium, thin, haze, fog, high, cosine, factor)
     for c in range(weight.size):
         weight[c] *= factor[c] / density
 

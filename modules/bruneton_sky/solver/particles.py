@@ -1,0 +1,74 @@
+"""Aerosol in its two layers and fog's droplets together: their phase functions where they scatter.
+
+Orders two and up know one kind of particle besides molecules: its phase function is the mean by
+what each kind scatters at an altitude. Light that is shown scattered once keeps the kinds apart
+along its ray; it is kept over a phase function that changes as fast with the angle as theirs, the
+mean of all that lies above the eye.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bruneton_sky.atmosphere import Atmosphere
+from bruneton_sky.phase import particles_phase
+from bruneton_sky.solver.delta_m import forward_shares, kept_coefficients, thinned
+from vrut_lite.numeric_types import FloatArray
+
+KINDS = ("aerosol", "aloft", "fog")
+_TINY = 1e-300
+
+
+def kinds_of(atmosphere: Atmosphere) -> tuple[str, ...]:
+    """The kinds whose light is kept apart: one for all where they share a phase function."""
+    if not atmosphere.mixed:
+        return KINDS[:1]
+    return KINDS if atmosphere.foggy else KINDS[:2]
+
+
+def shares_at(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike) -> FloatArray:
+    """Share (..., kinds, C) of each kind in what particles scatter at altitudes (...,)."""
+    return _shares(atmosphere, degree, altitude_m, False)
+
+
+def shares_above(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike) -> FloatArray:
+    """The same of all that lies above."""
+    return _shares(atmosphere, degree, altitude_m, True)
+
+
+def _shares(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike, column: bool) -> FloatArray:
+    height = np.asarray(altitude_m, dtype=float)[..., None]
+    kinds, count = kinds_of(atmosphere), len(atmosphere.wavelength_nm)
+    scattered = np.zeros((*height.shape[:-1], len(kinds), count))
+    if len(kinds) == 1:
+        return scattered + 1.0
+    for kind in thinned(atmosphere, degree).scatterers()[1:]:
+        # Far above a layer its density is too small a number.
+        density = np.exp(-np.minimum(height / kind.scale_height_m, 600.0))
+        amount = kind.scattering * density * (kind.scale_height_m if column else 1.0)
+        scattered[..., kinds.index(kind.name), :] = amount
+    return np.asarray(scattered / np.maximum(scattered.sum(axis=-2, keepdims=True), _TINY))
+
+
+def kind_phases(atmosphere: Atmosphere, degree: int, nu: FloatArray) -> FloatArray:
+    """Phase functions (kinds, n, C), per unit of what thinned air scatters, of cosines (n,)."""
+    peaks = forward_shares(atmosphere, degree)
+    return np.stack(
+        [particles_phase(atmosphere, k, nu) / (1.0 - peaks[k]) for k in kinds_of(atmosphere)]
+    )
+
+
+def shown_phase(
+    atmosphere: Atmosphere, degree: int, nu: FloatArray, shares: FloatArray
+) -> FloatArray:
+    """The mean (n, C) of `kind_phases` by shares (kinds, C)."""
+    return np.asarray((shares[:, None] * kind_phases(atmosphere, degree, nu)).sum(axis=0))
+
+
+def mixed_coefficients(atmosphere: Atmosphere, degree: int, altitude_m: FloatArray) -> FloatArray:
+    """Legendre coefficients (altitudes or 1, degree + 1, C) of particles without the peak."""
+    kinds = kinds_of(atmosphere)
+    if len(kinds) == 1:
+        return kept_coefficients(atmosphere, degree).T[None]
+    each = np.stack([kept_coefficients(atmosphere, degree, kind).T for kind in kinds])
+    shares = shares_at(atmosphere, degree, altitude_m)
+    return np.asarray((shares[:, :, None] * each).sum(axis=1))
