@@ -1,6 +1,7 @@
 """An atmosphere: molecules, aerosol, an absorber, fog, and the ground below."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Literal, NamedTuple, Self, get_args
 
@@ -15,6 +16,7 @@ from vrut_lite.daylight.aerosol import (
     SINGLE_SCATTERING_ALBEDO,
 )
 from vrut_lite.daylight.aerosols import AerosolOptics, PhaseTable
+from vrut_lite.numeric_types import FloatArray
 
 # Fields of an atmosphere with a number for each wavelength; those of fog may be left out.
 SPECTRAL_FIELDS = (
@@ -27,7 +29,13 @@ SPECTRAL_FIELDS = (
 )
 _FOG = ("fog_scattering", "fog_extinction")
 _SPECTRAL = (*SPECTRAL_FIELDS, *_FOG)
-_SERIES = ("wavelength_nm", "absorber_altitude_m", "absorber_density")
+_SERIES = (
+    "wavelength_nm",
+    "absorber_altitude_m",
+    "absorber_density",
+    "rayleigh_more",
+    "rayleigh_more_scale_height_m",
+)
 _POSITIVE = (
     "ground_radius_m",
     "top_altitude_m",
@@ -43,16 +51,23 @@ _SCALAR = (*_POSITIVE, "mie_g", "mie_aloft", "mu_s_min")
 _ANGSTROM_WAVELENGTH_NM = 550.0
 # Optical depth of the meteorological visibility, at which 2 % of contrast are left: -log(0.02).
 KOSCHMIEDER = 3.912
+# Where a density of several exponentials is looked at.
+_PLACES = 241
+_NEGATIVE = "must leave a density above zero at all altitudes"
 _NO_NUMBERS = ("mie_phase", "mie_table", "fog_table")
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
 class Scatterer(NamedTuple):
-    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m."""
+    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m.
+
+    Where several have one `kind`, it is their sum; one of molecules may be negative.
+    """
 
     scale_height_m: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
+    kind: Literal["molecules", "aerosol", "fog"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +82,9 @@ class Atmosphere:
         solar_irradiance: above the atmosphere, W m^-2 nm^-1.
         absorber_altitude_m, absorber_density: nodes between which the absorber's relative
             density is linear; it is zero below the first and above the last.
+        rayleigh_more, rayleigh_more_scale_height_m: exponentials of the molecules' density beside
+            that of `rayleigh_scale_height_m`: their shares at altitude zero, of which the first one
+            has the rest, and their scale heights. Shares may be negative, the density may not.
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
@@ -99,6 +117,8 @@ class Atmosphere:
     ground_albedo: tuple[float, ...]
     sun_angular_radius_rad: float
     mu_s_min: float
+    rayleigh_more: tuple[float, ...] = (0.0,)
+    rayleigh_more_scale_height_m: tuple[float, ...] = (8000.0,)
     mie_phase: MiePhaseForm = "cornette-shanks"
     mie_table: PhaseTable | None = None
     mie_aloft: float = 0.0
@@ -240,22 +260,49 @@ class Atmosphere:
         )
 
     def scatterers(self) -> tuple[Scatterer, ...]:
-        """Molecules, aerosol and, where there is any, aerosol aloft and fog."""
+        """Molecules, aerosol and, where there is any, aerosol aloft and fog, in that order."""
         molecules = np.asarray(self.rayleigh_scattering)
         haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
         low, aloft = (
             [share * part for part in haze] for share in (1.0 - self.mie_aloft, self.mie_aloft)
         )
         all_of_it = [
-            Scatterer(self.rayleigh_scale_height_m, molecules, molecules),
-            Scatterer(self.mie_scale_height_m, *low),
+            *(
+                Scatterer(height_m, share * molecules, share * molecules, "molecules")
+                for share, height_m in self.rayleigh_terms
+            ),
+            Scatterer(self.mie_scale_height_m, *low, "aerosol"),
         ]
         if self.mie_aloft > 0.0:
-            all_of_it.append(Scatterer(self.mie_aloft_scale_height_m, *aloft))
+            all_of_it.append(Scatterer(self.mie_aloft_scale_height_m, *aloft, "aerosol"))
         if self.foggy:
             fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
-            all_of_it.append(Scatterer(self.fog_scale_height_m, *fog))
+            all_of_it.append(Scatterer(self.fog_scale_height_m, *fog, "fog"))
         return tuple(all_of_it)
+
+    def by_kind(self, values: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Sums of `values`, one for each of `scatterers`: of molecules, aerosol and fog."""
+        sums: dict[str, FloatArray] = {}
+        for scatterer, value in zip(self.scatterers(), values, strict=True):
+            kind = scatterer.kind
+            sums[kind] = sums[kind] + value if kind in sums else value
+        molecules = sums["molecules"]
+        return molecules, sums["aerosol"], sums.get("fog", np.zeros_like(molecules))
+
+    @property
+    def rayleigh_terms(self) -> tuple[tuple[float, float], ...]:
+        """Shares and scale heights (m) of the exponentials that are the molecules' density."""
+        pairs = zip(self.rayleigh_more, self.rayleigh_more_scale_height_m, strict=True)
+        more = [(share, height_m) for share, height_m in pairs if share]
+        return ((1.0 - sum(self.rayleigh_more), self.rayleigh_scale_height_m), *more)
+
+    def molecules(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
+        """Relative density (...,) of the molecules at altitudes (...,)."""
+        height = as_numbers("altitude_m", altitude_m)
+        return sum(
+            (share * np.exp(-height / scale_m) for share, scale_m in self.rayleigh_terms),
+            np.zeros(height.shape),
+        )
 
     @property
     def mie_column_m(self) -> float:
@@ -307,6 +354,11 @@ class Atmosphere:
         _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
         most = max(self.ground_albedo)
         _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
+        more = self.rayleigh_more_scale_height_m
+        _require(len(more) == len(self.rayleigh_more), "rayleigh_more", "needs as many heights")
+        _require(min(more) > 0, "rayleigh_more_scale_height_m", "must be positive")
+        places = np.linspace(0.0, self.top_altitude_m, _PLACES)
+        _require(bool((self.molecules(places) >= 0.0).all()), "rayleigh_more", _NEGATIVE)
         share = self.mie_aloft
         _require(0 <= share <= 1, "mie_aloft", f"must lie between 0 and 1, not {share}")
         _require(-1 < self.mie_g < 1, "mie_g", f"must lie between -1 and 1, not {self.mie_g}")
@@ -340,7 +392,8 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
             f"a ground at {altitude_m:g} m lies outside the planet's air, "
             f"whose top is at {atmosphere.top_altitude_m:g} m"
         )
-    molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
+    molecules = float(atmosphere.molecules(altitude_m))
+    more = zip(atmosphere.rayleigh_more, atmosphere.rayleigh_more_scale_height_m, strict=True)
     low = (1.0 - atmosphere.mie_aloft) * np.exp(-altitude_m / atmosphere.mie_scale_height_m)
     aloft = atmosphere.mie_aloft * np.exp(-altitude_m / atmosphere.mie_aloft_scale_height_m)
     aerosol = low + aloft
@@ -350,6 +403,7 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         ground_radius_m=atmosphere.ground_radius_m + altitude_m,
         top_altitude_m=atmosphere.top_altitude_m - altitude_m,
         rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
+        rayleigh_more=tuple(share * math.exp(-altitude_m / h) / molecules for share, h in more),
         mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
         mie_aloft=float(aloft / aerosol),

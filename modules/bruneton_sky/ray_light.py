@@ -116,12 +116,10 @@ def scattering_at(
     atmosphere: Atmosphere, altitude_m: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Scattering coefficients (n, C) in 1/m of molecules, aerosol and fog."""
-    molecules, *rest = (
+    return atmosphere.by_kind(
         np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
         for kind in atmosphere.scatterers()
     )
-    fog = rest.pop() if atmosphere.foggy else np.zeros_like(molecules)
-    return molecules, np.sum(rest, axis=0), fog
 
 
 def source_at(

@@ -53,12 +53,13 @@ def single_scattering(
     Raises:
         ValueError: an argument is outside its range, not a number, or the rule is unknown.
     """
-    molecules, *haze = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    molecules, haze, fog = atmosphere.by_kind(each)
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
     light = molecules * rayleigh_phase(cosine)[..., None]
     if atmosphere.foggy:
-        light = light + haze.pop() * fog_phase(atmosphere, cosine)
-    return np.asarray(light + np.sum(haze, axis=0) * aerosol_phase(atmosphere, cosine))
+        light = light + fog * fog_phase(atmosphere, cosine)
+    return np.asarray(light + haze * aerosol_phase(atmosphere, cosine))
 
 
 def scattered_without_phase(
@@ -74,11 +75,12 @@ def scattered_without_phase(
 
     Fog is in the Mie part.
     """
-    molecules, *rest = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
-    return molecules, np.sum(rest, axis=0)
+    each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    molecules, haze, fog = atmosphere.by_kind(each)
+    return molecules, haze + fog
 
 
-def _by_kind(
+def _of_scatterers(
     atmosphere: Atmosphere,
     altitude_m: ArrayLike,
     mu: ArrayLike,

@@ -59,7 +59,8 @@ def fast_scattered_without_phase(
     )
     scattering = np.array([kind.scattering for kind in scatterers])
     out *= (scattering * np.asarray(atmosphere.solar_irradiance))[:, None, :]
-    return out[0], out[1:].sum(axis=0)
+    molecules, haze, fog = atmosphere.by_kind(out)
+    return molecules, haze + fog
 
 
 @compiled
@@ -123,7 +124,8 @@ def _add_node(  # type: ignore[no-untyped-def]
 def _extinction(extinction, scales, altitude):  # type: ignore[no-untyped-def]
     total = 0.0
     for k in range(scales.size):
-        total += extinction[k].max() * math.exp(-altitude / scales[k])
+        most, least = extinction[k].max(), extinction[k].min()
+        total += (most if most > -least else least) * math.exp(-altitude / scales[k])
     return total
 
 

@@ -30,13 +30,14 @@ def _share(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike, column: b
     height = np.asarray(altitude_m, dtype=float)[..., None]
     if not atmosphere.has_droplets:
         return np.zeros((*height.shape[:-1], len(atmosphere.wavelength_nm)))
-    _, *haze, fog = (
+    air = thinned(atmosphere, degree)
+    _, haze, fog = air.by_kind(
         kind.scattering
         * np.exp(-height / kind.scale_height_m)
         * (kind.scale_height_m if column else 1.0)
-        for kind in thinned(atmosphere, degree).scatterers()
+        for kind in air.scatterers()
     )
-    return np.asarray(fog / np.maximum(fog + np.sum(haze, axis=0), _TINY))
+    return np.asarray(fog / np.maximum(fog + haze, _TINY))
 
 
 def shown_phase(

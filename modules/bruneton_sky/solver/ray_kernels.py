@@ -102,6 +102,15 @@ def mean_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
 
 
 @inner
+def molecules_density(air, near, middle, far):  # type: ignore[no-untyped-def]
+    """The same of the molecules' exponentials together."""
+    share, scale, density = air.molecules[0], air.molecules[1], 0.0
+    for k in range(share.size):
+        density += share[k] * mean_density(near, middle, far, scale[k])
+    return density
+
+
+@inner
 def aerosol_density(air, near, middle, far):  # type: ignore[no-untyped-def]
     """The same of the aerosol's two layers."""
     density = mean_density(near, middle, far, air.mie_scale_height_m)

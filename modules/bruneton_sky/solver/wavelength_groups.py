@@ -24,7 +24,8 @@ class Air(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
     `extinction` (4, 4): of molecules, aerosol, absorber, fog; `scattering` (3, 4): of molecules,
-    aerosol, fog; `absorber` (2, n): altitudes and relative densities of its nodes; one
+    aerosol, fog; `molecules` (2, n): shares and scale heights of the exponentials of their density;
+    `absorber` (2, n): altitudes and relative densities of its nodes; one
     node makes no layer, where it absorbs nothing. `aloft`: share of the aerosol at altitude 0 that
     thins over `aloft_scale_height_m`. `fog_scale_height_m` is 0 where there is no
     fog. `layer_reach_m`, `layer_share`: see `ray_kernels`; a share of 0 is no layer.
@@ -32,7 +33,6 @@ class Air(NamedTuple):
 
     ground_radius_m: float
     top_altitude_m: float
-    rayleigh_scale_height_m: float
     mie_scale_height_m: float
     aloft_scale_height_m: float
     aloft: float
@@ -41,6 +41,7 @@ class Air(NamedTuple):
     layer_share: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
+    molecules: NDArray[np.float64]
     absorber: NDArray[np.float64]
     solar_irradiance: NDArray[np.float64]
     ground_albedo: NDArray[np.float64]
@@ -60,12 +61,12 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
         [atmosphere.rayleigh_scattering, atmosphere.mie_scattering, atmosphere.fog_scattering]
     )
     sun_and_ground = _in_fours([atmosphere.solar_irradiance, atmosphere.ground_albedo])
+    molecules = np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms))
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
     return [
         Air(
             atmosphere.ground_radius_m,
             atmosphere.top_altitude_m,
-            atmosphere.rayleigh_scale_height_m,
             atmosphere.mie_scale_height_m,
             atmosphere.mie_aloft_scale_height_m,
             atmosphere.mie_aloft,
@@ -73,6 +74,7 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
             *dense_layer(atmosphere),
             extinction[group],
             scattering[group],
+            molecules,
             layers if extinction[group, 2].any() else layers[:, :1].copy(),
             sun_and_ground[group, 0],
             sun_and_ground[group, 1],
