@@ -36,6 +36,7 @@ from vrut_lite.daylight.sky import (
     SkyRadianceChanged,
     SpectrumSeen,
 )
+from vrut_lite.daylight.refraction import seen_from_aloft
 from vrut_lite.daylight.sky_at_night import SkyAtNight, key_body, night_share, sun_share
 from vrut_lite.daylight.sky_of_hour import AIR_JOB, CUBE_JOB, Hour, Quality, Sky, Work
 from vrut_lite.daylight.sky_waiting import SOLVE, AwaitedTextures, Preparation
@@ -364,7 +365,8 @@ class SkyModule(Module):
         elif kind is AirChanged:
             self._post(self._air(sky, eye_m, self._view[1], on_gpu))
         elif kind is KeyLightChanged:
-            self._post(sky.sun().message(direction, name))
+            seen = seen_from_aloft(direction, hour.sun.elevation_rad, eye_m)
+            self._post(sky.sun().message(seen, name))
         elif kind is SkyRadianceChanged:
             self._post(sky.background_on_ground(size).light_message(name))
         else:
