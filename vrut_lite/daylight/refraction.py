@@ -27,7 +27,7 @@ _STEPS, _NEWTON_STEPS = 200, 4
 # Height from which on an eye's own refraction holds.
 _ALOFT_M = 100.0
 # Below the horizon the table goes on so far.
-_LOWEST_DEG = -0.6
+_LOWEST_DEG = -0.3
 # Dips, without refraction, of the altitudes for which tables are traced: within 0.1' of any other
 # altitude's. Spacing of their low elevations.
 _LEVEL_RAD, _SPACING_DEG = np.radians(0.02), 0.05
@@ -82,9 +82,7 @@ def horizon_elevation(altitude_m: float) -> float:
     return float(-dip - refraction_rad(-dip, altitude_m))
 
 
-def seen_from_aloft(
-    direction: Vector, true_elevation_rad: float, eye_height_m: float
-) -> Vector:
+def seen_from_aloft(direction: Vector, true_elevation_rad: float, eye_height_m: float) -> Vector:
     """Where an eye aloft sees what has this direction from the ground: in less air, or more."""
     if eye_height_m <= 0.0:
         return direction
