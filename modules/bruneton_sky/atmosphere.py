@@ -1,6 +1,7 @@
 """An atmosphere: molecules, aerosol, an absorber, fog, and the ground below."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Literal, NamedTuple, Self, get_args
 
@@ -15,6 +16,7 @@ from vrut_lite.daylight.aerosol import (
     SINGLE_SCATTERING_ALBEDO,
 )
 from vrut_lite.daylight.aerosols import AerosolOptics, PhaseTable
+from vrut_lite.numeric_types import FloatArray
 
 # Fields of an atmosphere with a number for each wavelength; those of layers may be left out.
 SPECTRAL_FIELDS = (
@@ -27,7 +29,13 @@ SPECTRAL_FIELDS = (
 )
 _LAYERS = ("aloft_scattering", "aloft_extinction", "fog_scattering", "fog_extinction")
 _SPECTRAL = (*SPECTRAL_FIELDS, *_LAYERS)
-_SERIES = ("wavelength_nm", "absorber_altitude_m", "absorber_density")
+_SERIES = (
+    "wavelength_nm",
+    "absorber_altitude_m",
+    "absorber_density",
+    "rayleigh_more",
+    "rayleigh_more_scale_height_m",
+)
 _POSITIVE = (
     "ground_radius_m",
     "top_altitude_m",
@@ -45,11 +53,17 @@ _ANGSTROM_WAVELENGTH_NM = 550.0
 KOSCHMIEDER = 3.912
 _TABLES = ("mie_table", "aloft_table", "fog_table")
 _NO_NUMBERS = ("mie_phase", *_TABLES)
+# Where a density of several exponentials is looked at.
+_PLACES = 241
+_NEGATIVE = "must leave a density above zero at all altitudes"
 MiePhaseForm = Literal["cornette-shanks", "henyey-greenstein"]
 
 
 class Scatterer(NamedTuple):
-    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m; its name."""
+    """A scatterer: scale height, and coefficients (C,) at altitude zero in 1/m; its name.
+
+    Molecules may be several, whose sum they are; one of them may be negative.
+    """
 
     scale_height_m: float
     extinction: NDArray[np.float64]
@@ -69,6 +83,9 @@ class Atmosphere:
         solar_irradiance: above the atmosphere, W m^-2 nm^-1.
         absorber_altitude_m, absorber_density: nodes between which the absorber's relative
             density is linear; it is zero below the first and above the last.
+        rayleigh_more, rayleigh_more_scale_height_m: exponentials of the molecules' density beside
+            that of `rayleigh_scale_height_m`: their shares at altitude zero, of which the first one
+            has the rest, and their scale heights. Shares may be negative, the density may not.
         mie_g: asymmetry of the aerosol's phase function.
         mu_s_min: cosine of the largest sun zenith angle for which tables are made.
         mie_phase: the form of the aerosol's phase function.
@@ -102,6 +119,8 @@ class Atmosphere:
     ground_albedo: tuple[float, ...]
     sun_angular_radius_rad: float
     mu_s_min: float
+    rayleigh_more: tuple[float, ...] = (0.0,)
+    rayleigh_more_scale_height_m: tuple[float, ...] = (8000.0,)
     mie_phase: MiePhaseForm = "cornette-shanks"
     mie_table: PhaseTable | None = None
     aloft_scattering: tuple[float, ...] = (0.0,)
@@ -278,11 +297,14 @@ class Atmosphere:
         )
 
     def scatterers(self) -> tuple[Scatterer, ...]:
-        """Molecules, aerosol and, where there is any, aerosol aloft and fog."""
+        """Molecules, aerosol and, where there is any, aerosol aloft and fog, in that order."""
         molecules = np.asarray(self.rayleigh_scattering)
         haze = np.asarray(self.mie_extinction), np.asarray(self.mie_scattering)
         all_of_it = [
-            Scatterer(self.rayleigh_scale_height_m, molecules, molecules, "molecules"),
+            *(
+                Scatterer(height_m, share * molecules, share * molecules, "molecules")
+                for share, height_m in self.rayleigh_terms
+            ),
             Scatterer(self.mie_scale_height_m, *haze, "aerosol"),
         ]
         if self.has_aloft:
@@ -292,6 +314,33 @@ class Atmosphere:
             fog = np.asarray(self.fog_extinction), np.asarray(self.fog_scattering)
             all_of_it.append(Scatterer(self.fog_scale_height_m, *fog, "fog"))
         return tuple(all_of_it)
+
+    def particles(self) -> tuple[Scatterer, ...]:
+        """The scatterers that are no molecules."""
+        return tuple(each for each in self.scatterers() if each.name != "molecules")
+
+    def by_name(self, values: Iterable[FloatArray]) -> dict[str, FloatArray]:
+        """Sums of `values`, one for each of `scatterers`, over those of one name."""
+        sums: dict[str, FloatArray] = {}
+        for scatterer, value in zip(self.scatterers(), values, strict=True):
+            name = scatterer.name
+            sums[name] = sums[name] + value if name in sums else value
+        return sums
+
+    @property
+    def rayleigh_terms(self) -> tuple[tuple[float, float], ...]:
+        """Shares and scale heights (m) of the exponentials that are the molecules' density."""
+        pairs = zip(self.rayleigh_more, self.rayleigh_more_scale_height_m, strict=True)
+        more = [(share, height_m) for share, height_m in pairs if share]
+        return ((1.0 - sum(self.rayleigh_more), self.rayleigh_scale_height_m), *more)
+
+    def molecules(self, altitude_m: ArrayLike) -> NDArray[np.float64]:
+        """Relative density (...,) of the molecules at altitudes (...,)."""
+        height = as_numbers("altitude_m", altitude_m)
+        return sum(
+            (share * np.exp(-height / scale_m) for share, scale_m in self.rayleigh_terms),
+            np.zeros(height.shape),
+        )
 
     def aerosol_depth(self) -> NDArray[np.float64]:
         """Vertical optical depth (C,) of both layers of aerosol."""
@@ -352,6 +401,11 @@ class Atmosphere:
         _require(min(self.wavelength_nm) > 0, "wavelength_nm", "must be positive")
         most = max(self.ground_albedo)
         _require(most <= 1, "ground_albedo", f"must lie between 0 and 1, but holds {most}")
+        more = self.rayleigh_more_scale_height_m
+        _require(len(more) == len(self.rayleigh_more), "rayleigh_more", "needs as many heights")
+        _require(min(more) > 0, "rayleigh_more_scale_height_m", "must be positive")
+        places = np.linspace(0.0, self.top_altitude_m, _PLACES)
+        _require(bool((self.molecules(places) >= 0.0).all()), "rayleigh_more", _NEGATIVE)
         _require(-1 < self.mie_g < 1, "mie_g", f"must lie between -1 and 1, not {self.mie_g}")
         within = -1 <= self.mu_s_min < 1
         _require(within, "mu_s_min", f"must be a cosine below 1, not {self.mu_s_min}")
@@ -383,7 +437,8 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
             f"a ground at {altitude_m:g} m lies outside the planet's air, "
             f"whose top is at {atmosphere.top_altitude_m:g} m"
         )
-    molecules = np.exp(-altitude_m / atmosphere.rayleigh_scale_height_m)
+    molecules = float(atmosphere.molecules(altitude_m))
+    more = zip(atmosphere.rayleigh_more, atmosphere.rayleigh_more_scale_height_m, strict=True)
     aerosol = np.exp(-altitude_m / atmosphere.mie_scale_height_m)
     aloft = np.exp(-altitude_m / atmosphere.aloft_scale_height_m)
     layers, density = _cut_layers(atmosphere, altitude_m)
@@ -392,6 +447,7 @@ def raise_ground(atmosphere: Atmosphere, altitude_m: float) -> Atmosphere:
         ground_radius_m=atmosphere.ground_radius_m + altitude_m,
         top_altitude_m=atmosphere.top_altitude_m - altitude_m,
         rayleigh_scattering=tuple(np.asarray(atmosphere.rayleigh_scattering) * molecules),
+        rayleigh_more=tuple(share * math.exp(-altitude_m / h) / molecules for share, h in more),
         mie_scattering=tuple(np.asarray(atmosphere.mie_scattering) * aerosol),
         mie_extinction=tuple(np.asarray(atmosphere.mie_extinction) * aerosol),
         aloft_scattering=tuple(np.asarray(atmosphere.aloft_scattering) * aloft),

@@ -111,7 +111,8 @@ def _extinction(atmosphere: Atmosphere, altitude_m: FloatArray) -> FloatArray:
     """Extinction (...,) of all that scatters in 1/m where it is largest in the spectrum."""
     return sum(
         (
-            kind.extinction.max() * np.exp(-altitude_m / kind.scale_height_m)
+            kind.extinction[np.abs(kind.extinction).argmax()]
+            * np.exp(-altitude_m / kind.scale_height_m)
             for kind in atmosphere.scatterers()
         ),
         np.zeros(()),

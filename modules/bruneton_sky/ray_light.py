@@ -101,15 +101,15 @@ def scattered_once(
     (n,); `samples`: nodes per segment.
     """
     # The compiled rule is for truths alone.
-    from bruneton_sky.single_scattering_kernels import fast_by_kind
+    from bruneton_sky.single_scattering_kernels import fast_by_name
 
     air = field.thinned
-    light = fast_by_kind(air, altitude_m, mu, mu_s, nu, samples)
-    light[0] *= rayleigh_phase(nu)[:, None]
+    light = fast_by_name(air, altitude_m, mu, mu_s, nu, samples)
+    radiance = light.pop("molecules") * rayleigh_phase(nu)[:, None]
     peaks = forward_shares(field.atmosphere, field.sizes.degree)
-    for part, kind in zip(light[1:], air.scatterers()[1:], strict=True):
-        part *= particles_phase(air, kind.name, nu) / (1.0 - peaks[kind.name])
-    return np.asarray(light.sum(axis=0))
+    for name, part in light.items():
+        radiance = radiance + part * particles_phase(air, name, nu) / (1.0 - peaks[name])
+    return np.asarray(radiance)
 
 
 def _nodes(air: Atmosphere) -> int:
@@ -135,10 +135,10 @@ def _ends(air: Atmosphere, ray: Ray, distance_m: FloatArray) -> tuple[FloatArray
 
 def scattering_at(atmosphere: Atmosphere, altitude_m: FloatArray) -> dict[str, FloatArray]:
     """Scattering coefficients (n, C) in 1/m of the atmosphere's scatterers, by name."""
-    return {
-        kind.name: np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
+    return atmosphere.by_name(
+        np.exp(-altitude_m / kind.scale_height_m)[:, None] * kind.scattering
         for kind in atmosphere.scatterers()
-    }
+    )
 
 
 def source_at(

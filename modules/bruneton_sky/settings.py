@@ -109,7 +109,13 @@ class BrunetonSkySettings(msgspec.Struct, frozen=True):
     ] = 1.0
     rayleigh_scale_height_m: Annotated[
         float | None,
-        setting("Height of the molecules", 500, 50_000, unit="m", source=SCALE_HEIGHT_SOURCE),
+        setting(
+            "Height of the molecules, in one exponential",
+            500,
+            50_000,
+            unit="m",
+            source=SCALE_HEIGHT_SOURCE,
+        ),
     ] = None
     mie_scale_height_m: Annotated[
         float | None,
@@ -187,7 +193,7 @@ def _left_open(settings: BrunetonSkySettings, haze: SetHaze) -> dict[str, object
         "aerosol": haze.aerosol,
         "albedo": float(np.mean(air.ground_albedo)),
         "ozone_du": float(np.mean(np.asarray(air.absorption_extinction) / per_unit)) * layer_m,
-        "rayleigh_scale_height_m": air.rayleigh_scale_height_m,
+        "rayleigh_scale_height_m": sum(share * height for share, height in air.rayleigh_terms),
         "mie_scale_height_m": _mean_height_m(air),
         "mie_albedo": float(np.mean(scattering / np.maximum(extinction, 1e-30))),
         "mie_g": air.mie_g,
@@ -313,25 +319,20 @@ def _mean_height_m(air: Atmosphere) -> float:
     return float(air.aerosol_depth()[0] / at_ground)
 
 
-def _thinner(before_m: float, after_m: float, top_m: float) -> float:
-    """How much thinner on the ground as much matter lies that has another scale height."""
-    return _column_m(before_m, top_m) / _column_m(after_m, top_m)
-
-
 def _column_m(scale_height_m: float, top_m: float) -> float:
     """Matter above a square metre, up to the top, over the density on the ground."""
     return -scale_height_m * math.expm1(-top_m / scale_height_m)
 
 
 def _with_gases(air: Atmosphere, settings: BrunetonSkySettings) -> Atmosphere:
-    height_m = settings.rayleigh_scale_height_m or air.rayleigh_scale_height_m
-    thinner = _thinner(air.rayleigh_scale_height_m, height_m, air.top_altitude_m)
-    factor = settings.rayleigh_factor * thinner
-    air = replace(
-        air,
-        rayleigh_scattering=tuple(np.asarray(air.rayleigh_scattering) * factor),
-        rayleigh_scale_height_m=height_m,
-    )
+    factor, height_m = settings.rayleigh_factor, settings.rayleigh_scale_height_m
+    if height_m is not None:
+        top_m = air.top_altitude_m
+        column_m = sum(share * _column_m(own, top_m) for share, own in air.rayleigh_terms)
+        factor *= column_m / _column_m(height_m, top_m)
+        air = replace(air, rayleigh_scale_height_m=height_m, rayleigh_more=0.0)
+    molecules = tuple(np.asarray(air.rayleigh_scattering) * factor)
+    air = replace(air, rayleigh_scattering=molecules)
     if settings.ozone_du is None:
         return air
     earth = Atmosphere.earth()

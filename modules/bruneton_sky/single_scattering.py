@@ -53,12 +53,13 @@ def single_scattering(
     Raises:
         ValueError: an argument is outside its range, not a number, or the rule is unknown.
     """
-    molecules, *haze = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    light = atmosphere.by_name(each)
     cosine = np.clip(np.asarray(nu, dtype=float), -1.0, 1.0)
-    light = molecules * rayleigh_phase(cosine)[..., None]
-    for kind, part in zip(atmosphere.scatterers()[1:], haze, strict=True):
-        light = light + part * particles_phase(atmosphere, kind.name, cosine)
-    return np.asarray(light)
+    radiance = light.pop("molecules") * rayleigh_phase(cosine)[..., None]
+    for name, part in light.items():
+        radiance = radiance + part * particles_phase(atmosphere, name, cosine)
+    return np.asarray(radiance)
 
 
 def scattered_without_phase(
@@ -74,11 +75,12 @@ def scattered_without_phase(
 
     Fog is in the Mie part.
     """
-    molecules, *rest = _by_kind(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
-    return molecules, np.sum(rest, axis=0)
+    each = _of_scatterers(atmosphere, altitude_m, mu, mu_s, nu, rule, samples)
+    light = atmosphere.by_name(each)
+    return light.pop("molecules"), np.sum(list(light.values()), axis=0)
 
 
-def _by_kind(
+def _of_scatterers(
     atmosphere: Atmosphere,
     altitude_m: ArrayLike,
     mu: ArrayLike,

@@ -41,19 +41,19 @@ def fast_scattered_without_phase(
     Returns:
         Rayleigh and Mie radiance (n, C) each, W m^-2 sr^-1 nm^-1 over the phase function.
     """
-    molecules, *particles = fast_by_kind(atmosphere, altitude_m, mu, mu_s, nu, samples)
-    return molecules, np.sum(particles, axis=0)
+    light = fast_by_name(atmosphere, altitude_m, mu, mu_s, nu, samples)
+    return light.pop("molecules"), np.sum(list(light.values()), axis=0)
 
 
-def fast_by_kind(
+def fast_by_name(
     atmosphere: Atmosphere,
     altitude_m: float,
     mu: FloatArray,
     mu_s: float,
     nu: FloatArray,
     samples: int = 12,
-) -> FloatArray:
-    """The same (kinds, n, C) of each of the atmosphere's scatterers."""
+) -> dict[str, FloatArray]:
+    """The same (n, C) of each of the atmosphere's scatterers, by name."""
     scatterers = atmosphere.scatterers()
     out = np.zeros((len(scatterers), len(mu), len(atmosphere.wavelength_nm)))
     _trace_rays(
@@ -72,7 +72,7 @@ def fast_by_kind(
     )
     scattering = np.array([kind.scattering for kind in scatterers])
     out *= (scattering * np.asarray(atmosphere.solar_irradiance))[:, None, :]
-    return out
+    return atmosphere.by_name(out)
 
 
 @compiled
@@ -136,7 +136,8 @@ def _add_node(  # type: ignore[no-untyped-def]
 def _extinction(extinction, scales, altitude):  # type: ignore[no-untyped-def]
     total = 0.0
     for k in range(scales.size):
-        total += extinction[k].max() * math.exp(-altitude / scales[k])
+        most, least = extinction[k].max(), extinction[k].min()
+        total += (most if most > -least else least) * math.exp(-altitude / scales[k])
     return total
 
 

@@ -4,6 +4,7 @@ Radiance in linear sRGB, W m^-2 sr^-1, on arrays of directions in world axes.
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import astronomy
@@ -80,17 +81,16 @@ def airglow_cd(sine: FloatArray, solar_flux_sfu: float) -> FloatArray:
 
 def milky_way_cd(j2000: FloatArray) -> FloatArray:
     """Luminance (n,) of the stars that are not drawn as points."""
-    share = night_data()["milky_way"] / 255.0
+    share = _milky_way()
     rows, columns = share.shape
     dec = np.arcsin(np.clip(j2000[:, 2], -1.0, 1.0))
     row = np.clip((0.5 - dec / np.pi) * rows - 0.5, 0.0, rows - 1.0)
     column = np.mod(np.arctan2(j2000[:, 1], j2000[:, 0]) / (2.0 * np.pi), 1.0) * columns - 0.5
     r, c = np.minimum(row.astype(int), rows - 2), np.floor(column).astype(int)
     v, u = row - r, column - c
-    near, far = share[:, c % columns], share[:, (c + 1) % columns]
-    index = np.arange(len(c))
-    upper = near[r, index] * (1.0 - u) + far[r, index] * u
-    lower = near[r + 1, index] * (1.0 - u) + far[r + 1, index] * u
+    near, far = c % columns, (c + 1) % columns
+    upper = share[r, near] * (1.0 - u) + share[r, far] * u
+    lower = share[r + 1, near] * (1.0 - u) + share[r + 1, far] * u
     found = upper * (1.0 - v) + lower * v
     slant = np.maximum(np.abs(j2000 @ unit(*_GALACTIC_POLE_DEG)), _LEAST_SINE)
     return np.asarray(S10 * (_LAYER_S10 / slant + _BRIGHTEST_S10 * found))
@@ -118,6 +118,13 @@ def lamp_glow(through: FloatArray, air: NightAir, sources: Sources) -> FloatArra
     return np.asarray(level * shape)
 
 
+@lru_cache(maxsize=1)
+def _milky_way() -> FloatArray:
+    """Its clouds by declination and right ascension, the brightest 1."""
+    return np.asarray(night_data()["milky_way"] / 255.0)
+
+
+@lru_cache(maxsize=1)
 def _sky_nodes() -> tuple[FloatArray, FloatArray]:
     """Directions (n, 3) above the horizon and their shares of the solid angle (n,)."""
     sine = (np.arange(8) + 0.5) / 8.0
@@ -128,6 +135,7 @@ def _sky_nodes() -> tuple[FloatArray, FloatArray]:
     return direction, np.full(height.size, 1.0 / height.size)
 
 
+@lru_cache(maxsize=1)
 def _zodiacal() -> Callable[[FloatArray], FloatArray]:
     # Imported when used: whoever lists modules needs none of it.
     from scipy.interpolate import RegularGridInterpolator

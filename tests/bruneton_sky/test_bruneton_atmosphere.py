@@ -130,7 +130,7 @@ def test_a_types_air_lies_in_two_layers() -> None:
     optics = type_optics("continental-average")
     air = earth_spectral((550.0,)).with_optics(optics)
     assert air.aerosol_depth()[0] == pytest.approx(0.151, abs=1e-3)
-    low, aloft = air.scatterers()[1:]
+    low, aloft = air.particles()
     high = [kind.extinction[0] * np.exp(-12_000.0 / kind.scale_height_m) for kind in (low, aloft)]
     assert high[1] > 5.0 * high[0]
     above = raise_ground(air, 3000.0)

@@ -10,7 +10,7 @@ PACKAGE = Path(bruneton_sky.__file__).parent
 # By file and function.
 IMPORTED_WHEN_CALLED = {
     ("precompute.py", "_on_gpu", "bruneton_sky.reference.gpu_pipeline"),
-    ("single_scattering.py", "_by_kind", "bruneton_sky.reference.classical_rules"),
+    ("single_scattering.py", "_of_scatterers", "bruneton_sky.reference.classical_rules"),
 }
 
 

@@ -9,7 +9,7 @@ from vrut_lite.geometry import colour
 from vrut_lite.geometry.colour import LUMENS_PER_WATT
 from vrut_lite.pictures import exposure, tone_map
 from vrut_lite.pictures.display import display_picture, dither
-from vrut_lite.pictures.night_eye import seen_by_eye
+from vrut_lite.pictures.night_eye import as_sharp_as_seen, seen_by_eye
 
 
 @pytest.mark.parametrize("luminance_cd_m2", [500.0, 4000.0, 30000.0])
@@ -179,3 +179,16 @@ def test_a_smooth_ramp_shows_no_bands():
     smooth = np.polynomial.Polynomial.fit(np.arange(512), shown, 3)(np.arange(512))
     assert np.ptp(shown) > 0.3
     assert np.abs(shown - smooth).max() < 0.12
+
+
+def test_by_starlight_the_eye_makes_out_less_than_by_day():
+    """Bars of a tenth of a degree: by day they stand, by starlight next to nothing is left of them,
+    and no light is lost (Shlaer 1937, after Ward Larson and others 1997)."""
+    bars = np.broadcast_to(1.0 + 0.5 * (-1.0) ** np.arange(24), (24, 24))[..., None] * np.ones(3)
+    pixel = np.radians(0.1)
+    by_day = as_sharp_as_seen(100.0 * bars, pixel)
+    np.testing.assert_allclose(by_day, 100.0 * bars)
+    by_stars = as_sharp_as_seen(bars * 2e-5 / LUMENS_PER_WATT, pixel)[8:-8, 8:-8]
+    assert np.ptp(by_stars) < 0.05 * by_stars.mean()
+    assert by_stars.mean() == pytest.approx(2e-5 / LUMENS_PER_WATT, rel=0.02)
+    np.testing.assert_array_equal(as_sharp_as_seen(bars, 0.0), bars)

@@ -122,11 +122,12 @@ def test_the_tone_map_on_the_gpu_is_its_numpy_twin(backend, box_file, curve, whi
     kelvin, duv = white
     backend.change(exposure=SetExposure(tone_map=curve, white_temperature_k=kelvin, white_duv=duv))
     show_box(backend, box_file)
-    dim = 1e-3 if curve == "eye" else 1.0
+    dim = 1e-5 if curve == "eye" else 1.0
     light(backend, dim * (0.02 + 3.0 * (1.0 + texel_directions(64)) ** 4))
     picture = look(backend, (0.0, 50.0, 0.0), (0.0, 70.0, -20.0), 1.4)
     # GL counts rows from below, and so does its dither.
     matrix = white_balance_matrix(*white)
-    twin = display_picture(picture.radiance[::-1], picture.ev100, curve, matrix)[::-1]
+    turned = picture.radiance[::-1]
+    twin = display_picture(turned, picture.ev100, curve, matrix, pixel_rad=picture.pixel_rad)[::-1]
     assert np.abs(twin.astype(int) - picture.display.astype(int)).max() <= 1
-    assert np.ptp(picture.display) > 100
+    assert np.ptp(picture.display) > (60 if curve == "eye" else 100)

@@ -141,4 +141,11 @@ class SceneShot:
         picture = self.picture
         if picture.values is not None:
             return picture.display.astype(np.uint16) * 257
-        return display_picture(picture.radiance, picture.ev100, wish.tone_map, matrix, bits=16)
+        return display_picture(
+            picture.radiance,
+            picture.ev100,
+            wish.tone_map,
+            matrix,
+            bits=16,
+            pixel_rad=picture.pixel_rad,
+        )

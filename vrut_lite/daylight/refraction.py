@@ -1,17 +1,19 @@
-"""Refraction by the standard atmosphere, traced ray by ray and kept as a table.
+"""Refraction by the standard atmosphere, traced ray by ray and kept as tables.
 
 Auer and Standish (2000, Astron. J. 119, 2472): along a ray n r sin z is constant, and the bending
 is the integral over z of r n' / (n + r n'), which is smooth even on the horizon. The air is that
-of ISO 2533 with 10 deg C and 1010 hPa at its foot, 570 nm.
+of ISO 2533 with 10 deg C and 1010 hPa at its foot, 570 nm. From aloft a ray sinks to the place
+where it is level and climbs again: from space the one that grazes the ground bends twice as much.
 """
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 _RADIUS_M = 6_371_000.0
 _FOOT_K, _FOOT_PA = 283.15, 101_000.0
@@ -21,9 +23,14 @@ _HYDROSTATIC = 0.0341632
 # n - 1 per Pa/K at 570 nm: 2.777e-4 at 288.15 K and 101325 Pa.
 _REFRACTIVITY = 2.777e-4 * 288.15 / 101_325.0
 _TOP_M = 90_000.0
-_STEPS, _NEWTON_STEPS = 400, 12
-# Apparent elevations of the table, dense at the horizon; below it the table's end holds.
-_LOWEST_DEG = -0.6
+_STEPS, _NEWTON_STEPS = 200, 4
+# Height from which on an eye's own refraction holds.
+_ALOFT_M = 100.0
+# Below the horizon the table goes on so far.
+_LOWEST_DEG = -0.3
+# Dips, without refraction, of the altitudes for which tables are traced: within 0.1' of any other
+# altitude's. Spacing of their low elevations.
+_LEVEL_RAD, _SPACING_DEG = np.radians(0.02), 0.05
 
 
 class _Air(NamedTuple):
@@ -33,20 +40,59 @@ class _Air(NamedTuple):
     slope_per_m: FloatArray
 
 
-def refraction_rad(apparent_elevation_rad: ArrayLike) -> FloatArray:
-    """Apparent less true elevation (...,) at apparent elevations (...,), from sea level."""
-    at, bent = _table()
-    return np.interp(np.asarray(apparent_elevation_rad, dtype=float), at, bent)
+def dip_rad(altitude_m: float) -> float:
+    """How far below the level the horizon is seen from an altitude above it, refraction counted.
+
+    The ray that grazes the ground has n r at the eye times the dip's cosine equal to that there.
+    """
+    grazing, here = _index_radius(0.0), _index_radius(altitude_m)
+    return float(np.arccos(min(grazing / here, 1.0)))
 
 
-def apparent_elevation(true_elevation_rad: ArrayLike) -> FloatArray:
-    """Apparent elevation (...,) of true ones: the inverse of the table.
+def refraction_rad(apparent_elevation_rad: ArrayLike, altitude_m: float = 0.0) -> FloatArray:
+    """Apparent less true elevation (...,) at apparent elevations (...,) from an altitude.
+
+    Below the horizon's dip the table goes on evenly: discs that are half set need it.
+    """
+    at = np.asarray(apparent_elevation_rad, dtype=float)
+    if altitude_m > _TOP_M:
+        # The same ray, where it enters the air.
+        cosine = np.cos(at) * _index_radius(altitude_m) / _index_radius(_TOP_M)
+        meets = (at < 0.0) & (cosine < 1.0)
+        return np.where(
+            meets, refraction_rad(-np.arccos(np.minimum(cosine, 1.0)), _TOP_M), np.zeros(at.shape)
+        )
+    return np.interp(at + dip_rad(altitude_m), *_table_at(altitude_m))
+
+
+def apparent_elevation(true_elevation_rad: ArrayLike, altitude_m: float = 0.0) -> FloatArray:
+    """Apparent elevation (...,) of true ones: the inverse of `refraction_rad`.
 
     A body so low that it is hidden keeps the horizon's refraction.
     """
-    at, bent = _table()
+    at = _table_at(min(altitude_m, _TOP_M))[0] - dip_rad(altitude_m)
+    bent = refraction_rad(at, altitude_m)
     true = np.asarray(true_elevation_rad, dtype=float)
     return true + np.interp(true, at - bent, bent)
+
+
+def horizon_elevation(altitude_m: float) -> float:
+    """True elevation of a body that is seen on the horizon from an altitude."""
+    dip = dip_rad(altitude_m)
+    return float(-dip - refraction_rad(-dip, altitude_m))
+
+
+def seen_from_aloft(direction: Vector, true_elevation_rad: float, eye_height_m: float) -> Vector:
+    """Where an eye aloft sees what has this direction from the ground: in less air, or more."""
+    if eye_height_m <= 0.0:
+        return direction
+    x, y, z = direction
+    before = math.asin(min(max(y, -1.0), 1.0))
+    aloft = float(apparent_elevation(true_elevation_rad, eye_height_m))
+    # On the ground the sun's own formula holds.
+    after = before + min(eye_height_m / _ALOFT_M, 1.0) * (aloft - before)
+    level = math.cos(after) / max(math.hypot(x, z), 1e-9)
+    return x * level, math.sin(after), z * level
 
 
 class Flattening(NamedTuple):
@@ -59,45 +105,76 @@ class Flattening(NamedTuple):
     curvature: float
 
 
-def flattening(apparent_elevation_rad: float, angular_radius_rad: float) -> Flattening:
+def flattening(
+    apparent_elevation_rad: float, angular_radius_rad: float, altitude_m: float = 0.0
+) -> Flattening:
     """That of a disc whose middle is seen at this elevation, through three places of it.
 
     The disc's half that the horizon hides is flattened as the other one.
     """
-    middle = max(apparent_elevation_rad, 0.0)
-    low, at, high = refraction_rad(middle + angular_radius_rad * np.array([0.0, 0.5, 1.0]))
+    middle = max(apparent_elevation_rad, -dip_rad(altitude_m))
+    places = middle + angular_radius_rad * np.array([0.0, 0.5, 1.0])
+    low, at, high = refraction_rad(places, altitude_m)
     step = 0.5 * angular_radius_rad
     curvature = (high - 2.0 * at + low) / (2.0 * step * step)
     return Flattening(float((at - low) / step - curvature * step), float(curvature))
 
 
-@lru_cache(maxsize=1)
-def _table() -> tuple[FloatArray, FloatArray]:
+@lru_cache(maxsize=64)
+def _table(level: int) -> tuple[FloatArray, FloatArray]:
+    """Elevations over a level's horizon, rising, and the bending there."""
+    dip = level * _LEVEL_RAD
+    altitude = min(_RADIUS_M * (1.0 / np.cos(dip) - 1.0), _TOP_M)
+    low_deg = np.degrees(dip) + 2.0
     degrees = np.concatenate([
-        np.linspace(_LOWEST_DEG, 2.0, 53), np.geomspace(2.1, 90.0, 60),
+        np.arange(_LOWEST_DEG, low_deg, _SPACING_DEG), np.geomspace(low_deg + 0.05, 102.0, 60),
     ])  # fmt: skip
-    at = np.radians(degrees)
-    bent = trace(np.maximum(at, 0.0))
+    over = np.radians(degrees)
+    bent = trace(np.clip(over, 0.0, None) - dip_rad(altitude), altitude)
     # A ray that dips under the horizon first comes up to it: it is bent more by as much again
-    # as the line of sight is low; only discs that are half set need it.
-    slope = (bent[degrees >= 0.0][1] - bent[degrees >= 0.0][0]) / (at[1] - at[0])
-    return at, np.where(at < 0.0, bent + slope * at, bent)
+    # as the line of sight is low.
+    up = bent[degrees >= 0.0]
+    return over, np.where(over < 0.0, bent + (up[1] - up[0]) / (over[1] - over[0]) * over, bent)
 
 
-def trace(apparent_elevation_rad: FloatArray) -> FloatArray:
-    """Bending (n,) of rays that reach sea level at these elevations, at least 0."""
-    z0 = 0.5 * np.pi - np.asarray(apparent_elevation_rad, dtype=float)
-    foot = _air(np.zeros(1)).refractivity[0]
-    invariant = (1.0 + foot) * _RADIUS_M * np.sin(z0)
-    top = _air(np.full(1, _TOP_M)).refractivity[0]
-    z_top = np.arcsin(invariant / ((1.0 + top) * (_RADIUS_M + _TOP_M)))
+def _table_at(altitude_m: float) -> tuple[FloatArray, FloatArray]:
+    """Of the level next to an altitude within the air."""
+    dip = np.arccos(_RADIUS_M / (_RADIUS_M + max(altitude_m, 0.0)))
+    return _table(round(float(dip) / _LEVEL_RAD))
+
+
+def _index_radius(altitude_m: float) -> float:
+    """n r at an altitude."""
+    high = max(altitude_m, 0.0)
+    refractivity = _air(np.full(1, high)).refractivity[0] if high <= _TOP_M else 0.0
+    return float((1.0 + refractivity) * (_RADIUS_M + high))
+
+
+def trace(apparent_elevation_rad: ArrayLike, altitude_m: float = 0.0) -> FloatArray:
+    """Bending (n,) of rays that reach an altitude within the air at these elevations.
+
+    One that would meet the ground grazes it.
+    """
+    elevation = np.asarray(apparent_elevation_rad, dtype=float)
+    down = elevation < 0.0
+    invariant = np.maximum(_index_radius(altitude_m) * np.cos(elevation), 0.0)
+    invariant = np.where(down, np.maximum(invariant, _index_radius(0.0)), invariant)
+    at_eye = np.arcsin(np.minimum(invariant / _index_radius(altitude_m), 1.0))
+    at_top = np.arcsin(np.minimum(invariant / _index_radius(_TOP_M), 1.0))
+    level = np.full(elevation.shape, 0.5 * np.pi)
+    outward = _bending(invariant, np.where(down, level, at_eye), at_top)
+    return outward + (_bending(invariant, level, at_eye) if down.any() else 0.0) * down
+
+
+def _bending(invariant: FloatArray, z_low: FloatArray, z_high: FloatArray) -> FloatArray:
+    """Bending (n,) of climbing rays between two zenith angles."""
     shares = (np.arange(_STEPS) + 0.5) / _STEPS
-    z = z0[:, None] + (z_top - z0)[:, None] * shares
+    z = z_low[:, None] + (z_high - z_low)[:, None] * shares
     height = _heights(z, invariant[:, None])
     air = _air(height)
     radius = _RADIUS_M + height
     integrand = radius * air.slope_per_m / (1.0 + air.refractivity + radius * air.slope_per_m)
-    return np.asarray(integrand.mean(axis=1) * (z_top - z0))
+    return np.asarray(integrand.mean(axis=1) * (z_high - z_low))
 
 
 def _heights(z: FloatArray, invariant: FloatArray) -> FloatArray:

@@ -18,9 +18,9 @@ from vrut_lite.array import Array
 from vrut_lite.daylight.air import AirVolume
 from vrut_lite.daylight.air_volume import light_of
 from vrut_lite.daylight.gpu_texture import GpuTexture
-from vrut_lite.daylight.ground_disc import PLANET_RADIUS_M
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight
 from vrut_lite.daylight.night_glow import glow_cube
+from vrut_lite.daylight.refraction import horizon_elevation
 from vrut_lite.daylight.sky_of_hour import Background, Hour, Sky, Spectrum, SunDisc, Unseen
 from vrut_lite.daylight.sun import Body, SunMoved
 from vrut_lite.geometry.encoding import encode_float16
@@ -65,7 +65,7 @@ def key_body(sun: SunMoved, moon: MoonLight | None, eye_height_m: float) -> Body
     """
     if sun.visible_disc_fraction > 0.0 or moon is None or moon.place.visible_disc_fraction == 0.0:
         return "sun"
-    if sun.elevation_rad > -math.acos(PLANET_RADIUS_M / (PLANET_RADIUS_M + eye_height_m)):
+    if sun.elevation_rad > horizon_elevation(eye_height_m):
         return "sun"
     return "moon"
 

@@ -28,6 +28,7 @@ from vrut_lite.daylight.haze import SetHaze, haze_of
 from vrut_lite.daylight.night import NO_ECLIPSE, MoonLight, NightLightChanged
 from vrut_lite.daylight.night import SLOT as NIGHT
 from vrut_lite.daylight.place import SetPlace
+from vrut_lite.daylight.refraction import seen_from_aloft
 from vrut_lite.daylight.scene import SceneNeeds
 from vrut_lite.daylight.sky import (
     AmbientChanged,
@@ -364,7 +365,8 @@ class SkyModule(Module):
         elif kind is AirChanged:
             self._post(self._air(sky, eye_m, self._view[1], on_gpu))
         elif kind is KeyLightChanged:
-            self._post(sky.sun().message(direction, name))
+            seen = seen_from_aloft(direction, hour.sun.elevation_rad, eye_m)
+            self._post(sky.sun().message(seen, name))
         elif kind is SkyRadianceChanged:
             self._post(sky.background_on_ground(size).light_message(name))
         else:

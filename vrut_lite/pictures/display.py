@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vrut_lite.daylight.picture import SetExposure, ToneMap
 from vrut_lite.pictures import exposure, tone_map
-from vrut_lite.pictures.night_eye import seen_by_eye
+from vrut_lite.pictures.night_eye import as_sharp_as_seen, seen_by_eye
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.pictures.white_balance import white_balance_matrix
 
@@ -21,17 +21,19 @@ def display_picture(
     white_balance: NDArray[np.float64] | None = None,
     bits: Bits = 8,
     inside: NDArray[np.bool_] | None = None,
+    pixel_rad: float = 0.0,
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """sRGB (h, w, 3) in 8 or 16 bits of linear sRGB radiance (h, w, 3) in W m^-2 sr^-1.
 
     Without `ev100` the exposure is metered from the picture itself, without pixels outside `inside`
     (h, w), such as the corners around a fisheye. `white_balance` is a matrix (3, 3) on linear sRGB.
-    Steps of 8 bits are dithered; those of 16 are invisible.
+    `pixel_rad`, the angle that a pixel sees, gives the curve "eye" an eye's acuity by night; 0 leaves
+    it out. Steps of 8 bits are dithered; those of 16 are invisible.
     """
     if ev100 is None:
         ev100 = exposure.automatic_ev100(radiance if inside is None else radiance[inside])
     if curve == "eye":
-        radiance = seen_by_eye(radiance)
+        radiance = seen_by_eye(as_sharp_as_seen(radiance, pixel_rad))
     balanced = radiance if white_balance is None else radiance @ white_balance.T
     encoded = tone_map.tone_mapped(balanced * exposure.scale_of(ev100), curve)
     if bits == 16:
@@ -40,13 +42,15 @@ def display_picture(
     return np.rint(np.clip(encoded, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 
-def developed(radiance: NDArray[np.float32], wish: SetExposure) -> Picture:
+def developed(radiance: NDArray[np.float32], wish: SetExposure, pixel_rad: float = 0.0) -> Picture:
     """Radiance (h, w, 3) exposed and tone-mapped as the GL frame does it."""
     ev100 = exposure.ev100_of(wish, radiance)
     white = white_balance_matrix(wish.white_temperature_k, wish.white_duv)
     # GL counts rows from below, and so does its dither.
-    display = display_picture(radiance[::-1], ev100, wish.tone_map, white)[::-1]
-    return Picture(radiance, np.ascontiguousarray(display, np.uint8), ev100)
+    display = display_picture(radiance[::-1], ev100, wish.tone_map, white, pixel_rad=pixel_rad)[
+        ::-1
+    ]
+    return Picture(radiance, np.ascontiguousarray(display, np.uint8), ev100, pixel_rad=pixel_rad)
 
 
 def dither(height: int, width: int) -> NDArray[np.float64]:

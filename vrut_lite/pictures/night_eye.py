@@ -3,14 +3,19 @@
 Ward Larson, Rushmeier and Piatko (1997, IEEE Trans. Vis. Comp. Graph. 3, 291) have the scotopic
 luminance by XYZ, and the limits between which rods and cones both see; between them the share goes
 by the logarithm here. Rods' grey has the blue of moonlit scenes as painters and observers have it,
-x = y = 0.25 (Jensen et al. 2000, "Night Rendering"). Shapes stay as sharp as a camera's. The twin
-is in shaders/tone_map.frag.
+x = y = 0.25 (Jensen et al. 2000, "Night Rendering").
+
+The dimmer, the less detail: Ward Larson and others fit Shlaer's acuity (1937), here the frequency
+of which a Gaussian around each pixel leaves half the contrast. Its width is by the mean light of
+the pixel and its neighbours. The twin is in shaders/tone_map.frag.
 """
 
-import numpy as np
-from numpy.typing import ArrayLike
+import math
 
-from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vrut_lite.geometry.colour import LUMENS_PER_WATT, SRGB_FROM_XYZ, luminance
 from vrut_lite.numeric_types import FloatArray
 
 XYZ_FROM_SRGB = np.linalg.inv(SRGB_FROM_XYZ)
@@ -22,6 +27,49 @@ _OF_WHITE = 2.57
 RODS_RGB = SRGB_FROM_XYZ @ np.array([1.0, 1.0, 2.0]) / _OF_WHITE
 # Less than any light.
 _DARK = 1e-20
+# Cycles a degree by the logarithm of luminance in cd m^-2, and the least.
+ACUITY, LEAST_CYCLES = (17.25, 1.4, 0.35, 25.72), 0.7
+# Standard deviation in degrees, times cycles a degree, of the Gaussian that halves the contrast.
+_HALVES = math.sqrt(0.5 * math.log(2.0)) / math.pi
+# Deviations that are summed, and pixels at most; below so many pixels nothing is blurred.
+_DEVIATIONS, _MOST_PX, SHARP_PX = 2.0, 6, 0.2
+
+
+def blur_px(pixel_rad: float) -> tuple[float, int]:
+    """Deviation in pixels times cycles a degree, and how many pixels around one are summed.
+
+    `pixel_rad`: the angle that a pixel sees; 0 blurs nothing.
+    """
+    if pixel_rad <= 0.0:
+        return 0.0, 0
+    per_cycle = _HALVES / math.degrees(pixel_rad)
+    widest = per_cycle / LEAST_CYCLES
+    if widest < SHARP_PX:
+        return per_cycle, 0
+    return per_cycle, min(math.ceil(_DEVIATIONS * widest), _MOST_PX)
+
+
+def as_sharp_as_seen(radiance_rgb: NDArray[np.floating], pixel_rad: float) -> FloatArray:
+    """A picture (h, w, 3) in W m^-2 sr^-1 with the detail that the eye makes out in its light."""
+    rgb = np.asarray(radiance_rgb, dtype=float)
+    per_cycle, reach = blur_px(pixel_rad)
+    if reach == 0:
+        return rgb
+    light = np.pad(luminance(rgb), 1, mode="edge")
+    rows, columns = rgb.shape[:2]
+    mean = sum(light[i : i + rows, j : j + columns] for i in range(3) for j in range(3)) / 9.0
+    a, b, c, d = ACUITY
+    decades = np.log10(np.maximum(mean * LUMENS_PER_WATT, _DARK))
+    deviation = per_cycle / np.maximum(a * np.arctan(b * decades + c) + d, LEAST_CYCLES)
+    padded = np.pad(rgb, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
+    total, weights = np.zeros_like(rgb), np.zeros((rows, columns, 1))
+    for i in range(-reach, reach + 1):
+        for j in range(-reach, reach + 1):
+            weight = np.exp(-0.5 * (i * i + j * j) / np.maximum(deviation, 1e-3) ** 2)[..., None]
+            y, x = reach + i, reach + j
+            total += weight * padded[y : y + rows, x : x + columns]
+            weights += weight
+    return np.where((deviation < SHARP_PX)[..., None], rgb, total / weights)
 
 
 def seen_by_eye(radiance_rgb: ArrayLike) -> FloatArray:

@@ -17,12 +17,14 @@ class Picture:
     radiance (h, w, 3) float32 is linear sRGB in W m^-2 sr^-1, display (h, w, 3) uint8 is
     sRGB-encoded, row 0 at the top; `ev100` is the exposure that was used. Of a picture in false
     colours `values` are what it shows, and `radiance` holds them in each channel, 0 for none.
+    `pixel_rad` is the angle that a pixel in the middle sees, 0 where it is not known.
     """
 
     radiance: NDArray[np.float32]
     display: NDArray[np.uint8]
     ev100: float
     values: Values | None = None
+    pixel_rad: float = 0.0
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""

@@ -20,7 +20,8 @@ _ADDED: dict[str, Plain] = {
 }
 
 
-# What a solved atmosphere lacked: a tabulated phase function, aerosol aloft.
+# What a solved atmosphere lacked: a tabulated phase function, aerosol aloft, more than one
+# exponential of molecules.
 _LATER_OF_AIR: Plain = {
     "mie_table": None,
     "aloft_scattering": UNKNOWN,
@@ -28,6 +29,8 @@ _LATER_OF_AIR: Plain = {
     "aloft_scale_height_m": 8000.0,
     "aloft_table": None,
     "fog_table": None,
+    "rayleigh_more": [0.0],
+    "rayleigh_more_scale_height_m": [8000.0],
 }
 # Settings that earlier versions lacked, by one that the same modules had already, and what skies
 # were without them: their defaults are others today.

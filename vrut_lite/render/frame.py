@@ -220,8 +220,9 @@ class Frame:
                 targets.write_resolved(resolved)
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
-            self._tone.draw(targets.radiance, targets.display, ev100, state.exposure)
-        return Picture(radiance, targets.read_display(), ev100)
+            pixel_rad = view.pixel_rad(targets.size)
+            self._tone.draw(targets.radiance, targets.display, ev100, state.exposure, pixel_rad)
+        return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
     def release(self) -> None:
         """Free everything, on the GL thread."""
@@ -355,10 +356,11 @@ class Frame:
             radiance = targets.read_radiance()
             ev100 = exposure.ev100_of(state.exposure, radiance)
         with self.measure("tone map"):
-            self._tone.draw(targets.radiance, targets.toned, ev100, state.exposure)
+            pixel_rad = view.pixel_rad(targets.size)
+            self._tone.draw(targets.radiance, targets.toned, ev100, state.exposure, pixel_rad)
         with self.measure("edges"):
             self._edges.draw(targets)
-        return Picture(radiance, targets.read_display(), ev100)
+        return Picture(radiance, targets.read_display(), ev100, pixel_rad=pixel_rad)
 
     def _air_before(
         self, scene: PyrenderScene, view: View, light: Light, shadow: Shadow, shafts: bool

@@ -21,6 +21,7 @@ from bruneton_sky.solver.ray_kernels import (
     hits_ground,
     layer_density,
     mean_density,
+    molecules_density,
     ray_length,
 )
 
@@ -69,7 +70,7 @@ def _march(air, altitude, mu, start, stop, steps, light, centre, weight):  # typ
         at = start + (s + 0.5) * metres
         middle = max(altitude_along(radius, altitude, mu, at), 0.0)
         far = max(altitude_along(radius, altitude, mu, at + 0.5 * metres), 0.0)
-        molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        molecules = metres * molecules_density(air, near, middle, far)
         aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
         fog = metres * layer_density(near, middle, far, air.fog_scale_height_m)

@@ -23,6 +23,7 @@ from bruneton_sky.solver.ray_kernels import (
     hits_ground,
     layer_density,
     mean_density,
+    molecules_density,
     ray_length,
 )
 
@@ -156,7 +157,7 @@ def _fill_steps_in_clear_air(air, altitude, mu, hits, steps, end):  # type: igno
         far = altitude_along(radius, altitude, mu, stop)
         step = steps[s]
         step[_END] = stop
-        molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        molecules = metres * molecules_density(air, near, middle, far)
         aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
         absorber = metres * absorber_density(air, middle)
@@ -233,7 +234,7 @@ def _fill_steps_in_fog(air, altitude, mu, hits, steps, end):  # type: ignore[no-
         far = altitude_along(radius, altitude, mu, stop)
         step = steps[s]
         step[_END] = stop
-        molecules = metres * mean_density(near, middle, far, air.rayleigh_scale_height_m)
+        molecules = metres * molecules_density(air, near, middle, far)
         aerosol = metres * mean_density(near, middle, far, air.mie_scale_height_m)
         aloft = metres * layer_density(near, middle, far, air.aloft_scale_height_m)
         fog = metres * mean_density(near, middle, far, air.fog_scale_height_m)

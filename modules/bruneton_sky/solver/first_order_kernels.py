@@ -42,7 +42,10 @@ def fill_transmittance(air, table):  # type: ignore[no-untyped-def]
                 mu = rise / (2.0 * (ground + altitude) * distance)
             ray = make_ray(ground, altitude, min(max(mu, -1.0), 1.0))
             end = max(math.sqrt(max(top - ray[3], 0.0)), ray[4])
-            molecules = _path_to_top(air.rayleigh_scale_height_m, top, ray, end)
+            molecules = 0.0
+            for k in range(air.molecules.shape[1]):
+                path = _path_to_top(air.molecules[1, k], top, ray, end)
+                molecules += air.molecules[0, k] * path
             aerosol = _path_to_top(air.mie_scale_height_m, top, ray, end)
             absorber = layered_path(ray, end, air.absorber[0], air.absorber[1])
             fog, aloft = 0.0, 0.0

@@ -13,7 +13,11 @@ from bruneton_sky.atmosphere import Atmosphere
 from bruneton_sky.geometry import horizon_mu
 from vrut_lite.numeric_types import FloatArray
 
-CENTRE, WIDTH = 1.034, 0.12
+# Where the axis of suns is densest, as sqrt(1 - mu_s), and over what width; in air for suns lower
+# than 12.5 degrees down it is lower and wider.
+_CENTRE, _WIDTH = 1.034, 0.12
+_NIGHT_CENTRE, _NIGHT_WIDTH = 1.06, 0.2
+_NIGHT_MU_S = -0.2164
 
 
 def altitude_nodes(atmosphere: Atmosphere, count: int) -> FloatArray:
@@ -36,39 +40,48 @@ def lowest_mu_s(atmosphere: Atmosphere) -> float:
     return float(np.cos(min(np.arccos(atmosphere.mu_s_min) + dip, np.pi)))
 
 
+def reaches_night(atmosphere: Atmosphere) -> bool:
+    """Whether the air is for suns lower than 12.5 degrees down."""
+    return atmosphere.mu_s_min < _NIGHT_MU_S
+
+
 class SunGrid:
     """Nodes of mu_s, and the numbers with which kernels find a place among them.
 
     c = sqrt(1 - mu_s) is nearly the sun's zenith angle over sqrt(2). Nodes are densest about
-    c = CENTRE, a sun 4 degrees down, whose light falls by a factor with every degree; away from
-    there they spread as d / (WIDTH + |d|) of d = c - CENTRE. Towards the zenith they must not
+    c = `centre`, a sun 4 degrees down, whose light falls by a factor with every degree; away from
+    there they spread as d / (`width` + |d|) of d = c - `centre`. For suns to 18.5 degrees down the
+    centre is 7 degrees down. Towards the zenith they must not
     spread too far: haze has a bright lobe around the sun, which moves from node to node.
     With 48 nodes they stand 1 degree apart at the horizon, 3.5 at 50 degrees, 7 at the zenith.
     """
 
     def __init__(self, atmosphere: Atmosphere, count: int) -> None:
-        self.lowest = float(_spread(lowest_mu_s(atmosphere)))
-        self.extent = self.lowest - float(_spread(1.0))
+        deep = reaches_night(atmosphere)
+        self.centre = _NIGHT_CENTRE if deep else _CENTRE
+        self.width = _NIGHT_WIDTH if deep else _WIDTH
+        self.lowest = float(self._spread(lowest_mu_s(atmosphere)))
+        self.extent = self.lowest - float(self._spread(1.0))
         self.mu_s = self.mu_s_at(np.linspace(0.0, 1.0, count))
 
     def place(self, mu_s: ArrayLike) -> FloatArray:
         """Place (...,) in [0, 1], 1 in the zenith."""
-        return np.clip((self.lowest - _spread(mu_s)) / self.extent, 0.0, 1.0)
+        return np.clip((self.lowest - self._spread(mu_s)) / self.extent, 0.0, 1.0)
 
     def mu_s_at(self, place: ArrayLike) -> FloatArray:
         """The cosine (...,) at a place."""
         g = self.lowest - np.asarray(place, dtype=float) * self.extent
-        c = WIDTH * g / (1.0 - np.abs(g)) + CENTRE
+        c = self.width * g / (1.0 - np.abs(g)) + self.centre
         return np.clip(1.0 - c * c, -1.0, 1.0)
 
     def constants(self) -> NDArray[np.float32]:
         """What `later_order_kernels.sun_place` needs."""
-        return np.array([CENTRE, WIDTH, self.lowest, 1.0 / self.extent], dtype=np.float32)
+        numbers = self.centre, self.width, self.lowest, 1.0 / self.extent
+        return np.array(numbers, dtype=np.float32)
 
-
-def _spread(mu_s: ArrayLike) -> FloatArray:
-    d = np.sqrt(1.0 - np.asarray(mu_s, dtype=float)) - CENTRE
-    return np.asarray(d / (WIDTH + np.abs(d)))
+    def _spread(self, mu_s: ArrayLike) -> FloatArray:
+        d = np.sqrt(1.0 - np.asarray(mu_s, dtype=float)) - self.centre
+        return np.asarray(d / (self.width + np.abs(d)))
 
 
 class Directions(NamedTuple):

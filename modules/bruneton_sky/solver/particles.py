@@ -41,7 +41,7 @@ def _shares(atmosphere: Atmosphere, degree: int, altitude_m: ArrayLike, column: 
     scattered = np.zeros((*height.shape[:-1], len(kinds), count))
     if len(kinds) == 1:
         return scattered + 1.0
-    for kind in thinned(atmosphere, degree).scatterers()[1:]:
+    for kind in thinned(atmosphere, degree).particles():
         # Far above a layer its density is too small a number.
         density = np.exp(-np.minimum(height / kind.scale_height_m, 600.0))
         amount = kind.scattering * density * (kind.scale_height_m if column else 1.0)

@@ -108,6 +108,15 @@ def layer_density(near, middle, far, scale):  # type: ignore[no-untyped-def]
 
 
 @inner
+def molecules_density(air, near, middle, far):  # type: ignore[no-untyped-def]
+    """The same of the molecules' exponentials together."""
+    share, scale, density = air.molecules[0], air.molecules[1], 0.0
+    for k in range(share.size):
+        density += share[k] * mean_density(near, middle, far, scale[k])
+    return density
+
+
+@inner
 def absorber_density(air, altitude):  # type: ignore[no-untyped-def]
     """Relative density of the absorber, straight between the nodes of its layers."""
     nodes, density = air.absorber[0], air.absorber[1]

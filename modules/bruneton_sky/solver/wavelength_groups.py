@@ -24,15 +24,15 @@ class Air(NamedTuple):
     """Four wavelengths of an atmosphere, SI units.
 
     `extinction` (5, 4): of molecules, aerosol, absorber, fog, aerosol aloft; `scattering` (4, 4):
-    of molecules, aerosol, aerosol aloft, fog; `absorber` (2, n): altitudes and relative densities
-    of its nodes; one node makes no layer, where it absorbs nothing. `aloft_scale_height_m` and
+    of molecules, aerosol, aerosol aloft, fog; `molecules` (2, n): shares and scale heights of the
+    exponentials of their density; `absorber` (2, n): altitudes and relative densities of its nodes;
+    one node makes no layer, where it absorbs nothing. `aloft_scale_height_m` and
     `fog_scale_height_m` are 0 where there is none. `layer_reach_m`, `layer_share`: see
     `ray_kernels`; a share of 0 is no layer.
     """
 
     ground_radius_m: float
     top_altitude_m: float
-    rayleigh_scale_height_m: float
     mie_scale_height_m: float
     aloft_scale_height_m: float
     fog_scale_height_m: float
@@ -40,6 +40,7 @@ class Air(NamedTuple):
     layer_share: float
     extinction: NDArray[np.float64]
     scattering: NDArray[np.float64]
+    molecules: NDArray[np.float64]
     absorber: NDArray[np.float64]
     solar_irradiance: NDArray[np.float64]
     ground_albedo: NDArray[np.float64]
@@ -65,18 +66,19 @@ def groups_of_air(atmosphere: Atmosphere) -> list[Air]:
         ]
     )
     sun_and_ground = _in_fours([atmosphere.solar_irradiance, atmosphere.ground_albedo])
+    molecules = np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms))
     layers = np.array([atmosphere.absorber_altitude_m, atmosphere.absorber_density])
     return [
         Air(
             atmosphere.ground_radius_m,
             atmosphere.top_altitude_m,
-            atmosphere.rayleigh_scale_height_m,
             atmosphere.mie_scale_height_m,
             atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
             atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
             *dense_layer(atmosphere),
             extinction[group],
             scattering[group],
+            molecules,
             layers if extinction[group, 2].any() else layers[:, :1].copy(),
             sun_and_ground[group, 0],
             sun_and_ground[group, 1],

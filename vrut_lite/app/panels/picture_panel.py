@@ -17,7 +17,7 @@ _TONE_TITLES = {
     "none": "none, cut off at white",
     "eye": "AgX of what the eye sees by night",
 }
-_LOWEST_EV, _HIGHEST_EV = -8.0, 24.0
+_LOWEST_EV, _HIGHEST_EV = -11.0, 24.0
 
 
 class PicturePanel(QWidget):

@@ -18,8 +18,6 @@ from vrut_lite.render.shader_files import Defines
 
 # Less of the sun than can be told from none.
 _LEAST_LEFT = 1e-6
-# Height over which air thins by a factor e, and with it refraction at the eye.
-_THINS_M = 8430.0
 
 
 class SunDisc:
@@ -151,11 +149,11 @@ class SkyPass:
 def _set_flattening(
     screen: FullScreen, sun_direction: ArrayLike, radius_rad: float, eye_m: ArrayLike
 ) -> None:
-    """What refraction does to the disc, as far as there is air at the eye."""
+    """What refraction does to the disc, seen from the eye's height."""
     sun = np.asarray(sun_direction, dtype=float)
     right = np.cross(sun, [0.0, 1.0, 0.0])
     right /= max(float(np.linalg.norm(right)), 1e-9)
     elevation = float(np.arcsin(np.clip(sun[1], -1.0, 1.0)))
-    air = np.exp(-max(float(np.asarray(eye_m)[1]), 0.0) / _THINS_M)
+    height_m = max(float(np.asarray(eye_m)[1]), 0.0)
     screen.set("sun_upper", np.cross(right, sun))
-    screen.set("flattening", air * np.array(flattening(elevation, radius_rad)))
+    screen.set("flattening", flattening(elevation, radius_rad, height_m))

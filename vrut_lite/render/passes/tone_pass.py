@@ -26,7 +26,9 @@ class TonePass:
         self._context = context
         self._screens: dict[str, FullScreen] = {}
 
-    def draw(self, radiance: Any, display: Any, ev100: float, wish: SetExposure) -> None:
+    def draw(
+        self, radiance: Any, display: Any, ev100: float, wish: SetExposure, pixel_rad: float
+    ) -> None:
         """Turn a texture of radiance into a framebuffer for display, with luma as its alpha."""
         if wish.tone_map not in self._screens:
             self._screens[wish.tone_map] = self._screen(wish.tone_map)
@@ -37,6 +39,10 @@ class TonePass:
         if "AGX" in _CURVES[wish.tone_map]:
             matrix = tone_map.INSET @ matrix
         screen.set("from_radiance", exposure.scale_of(ev100) * matrix.T.ravel())
+        blur, reach = night_eye.blur_px(pixel_rad)
+        screen.set("blur", blur)
+        if "reach" in screen.program:
+            screen.program["reach"].value = reach
         self._context.disable(
             self._context.DEPTH_TEST | self._context.CULL_FACE | self._context.BLEND
         )
@@ -57,6 +63,10 @@ class TonePass:
         screen.set("xyz_from_srgb", night_eye.XYZ_FROM_SRGB.T.ravel())
         screen.set("rods_rgb", night_eye.RODS_RGB)
         screen.set("rods_alone", night_eye.RODS_ALONE_CD / LUMENS_PER_WATT)
+        screen.set("acuity", night_eye.ACUITY)
+        screen.set("least_cycles", night_eye.LEAST_CYCLES)
+        screen.set("sharp_px", night_eye.SHARP_PX)
+        screen.set("lumens_per_watt", LUMENS_PER_WATT)
         screen.set("cones_alone", night_eye.CONES_ALONE_CD / LUMENS_PER_WATT)
         if "sigmoid" in screen.program:
             screen.program["sigmoid"].value = list(tone_map.SIGMOID)

@@ -20,6 +20,12 @@ class View:
         """Matrix (4, 4) of positions relative to the eye, in world axes."""
         return self.projection @ self.rotation
 
+    def pixel_rad(self, size_px: tuple[int, int]) -> float:
+        """The angle that a pixel in the middle of such a picture sees; 0 in parallel projection."""
+        if self.projection[3, 3] != 0.0:
+            return 0.0
+        return 2.0 / (size_px[1] * float(self.projection[1, 1]))
+
     def shifted(self, shift_px: tuple[float, float], size_px: tuple[int, int]) -> "View":
         """The view whose picture shows what lies so far to the right and up."""
         projection = self.projection.copy()

@@ -16,6 +16,12 @@ uniform mat3 xyz_from_srgb;
 uniform vec3 rods_rgb;
 uniform float rods_alone;            // CIE Y in W m^-2 sr^-1
 uniform float cones_alone;
+uniform vec4 acuity;
+uniform float least_cycles;
+uniform float sharp_px;
+uniform float lumens_per_watt;
+uniform float blur;                  // deviation in pixels times cycles a degree
+uniform int reach;                   // pixels; 0 blurs nothing
 #endif
 
 in vec2 at;
@@ -42,7 +48,31 @@ vec3 agx(vec3 picture) {
 }
 
 #ifdef EYE
-// The twin of pictures/night_eye.py.
+// The twins of pictures/night_eye.py.
+vec3 as_sharp_as_seen(ivec2 p) {
+    ivec2 last = textureSize(radiance, 0) - 1;
+    vec3 own = texelFetch(radiance, p, 0).rgb;
+    if (reach == 0) return own;
+    float light = 0.0;
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j)
+            light += dot(texelFetch(radiance, clamp(p + ivec2(j, i), ivec2(0), last), 0).rgb,
+                         luminance_weights);
+    float decades = log(max(light / 9.0 * lumens_per_watt, 1e-20)) / log(10.0);
+    float cycles = acuity.x * atan(acuity.y * decades + acuity.z) + acuity.w;
+    float deviation = blur / max(cycles, least_cycles);
+    if (deviation < sharp_px) return own;
+    vec3 total = vec3(0.0);
+    float weights = 0.0;
+    for (int i = -reach; i <= reach; ++i)
+        for (int j = -reach; j <= reach; ++j) {
+            float weight = exp(-0.5 * float(i * i + j * j) / (deviation * deviation));
+            total += weight * texelFetch(radiance, clamp(p + ivec2(j, i), ivec2(0), last), 0).rgb;
+            weights += weight;
+        }
+    return total / weights;
+}
+
 vec3 seen_by_eye(vec3 rgb) {
     vec3 xyz = max(xyz_from_srgb * rgb, 1e-20);
     float scotopic = xyz.y * max(1.33 * (1.0 + (xyz.y + xyz.z) / xyz.x) - 1.68, 0.0);
@@ -52,9 +82,10 @@ vec3 seen_by_eye(vec3 rgb) {
 #endif
 
 void main() {
-    vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
 #ifdef EYE
-    picture = seen_by_eye(picture);
+    vec3 picture = seen_by_eye(as_sharp_as_seen(ivec2(gl_FragCoord.xy)));
+#else
+    vec3 picture = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
 #endif
     picture = from_radiance * picture;
 #if defined(AGX)

@@ -15,7 +15,7 @@ from bruneton_sky.reference.monte_carlo.medium import (
     densities,
     distance_to,
     meets_ground,
-    path_to,
+    molecules_to,
     y_at_top,
 )
 
@@ -146,7 +146,7 @@ def _sunlight(medium, altitude, cosine):  # type: ignore[no-untyped-def]
     sun = make_ray(medium.radius, altitude, cosine)
     if meets_ground(sun):
         return 0.0
-    path = path_to(sun, medium.top, y_at_top(medium, sun), medium.rayleigh_scale)
+    path = molecules_to(medium, sun, medium.top, y_at_top(medium, sun))
     return math.exp(-medium.extinction[0].min() * path)
 
 

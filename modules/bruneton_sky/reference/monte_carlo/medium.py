@@ -35,12 +35,13 @@ class Medium(NamedTuple):
 
     radius: float
     top: float
-    rayleigh_scale: float
     mie_scale: float
     aloft_scale: float
     fog_scale: float
     extinction: FloatArray
     scattering: FloatArray
+    # Shares and scale heights (2, n) of the exponentials that are the molecules' density.
+    molecules: FloatArray
     absorber_altitude: FloatArray
     absorber_density: FloatArray
     phase: FloatArray
@@ -68,12 +69,12 @@ def medium_of(atmosphere: Atmosphere) -> Medium:
     return Medium(
         atmosphere.ground_radius_m,
         atmosphere.top_altitude_m,
-        atmosphere.rayleigh_scale_height_m,
         atmosphere.mie_scale_height_m,
         atmosphere.aloft_scale_height_m if atmosphere.has_aloft else 0.0,
         atmosphere.fog_scale_height_m if atmosphere.foggy else 0.0,
         np.array(extinction),
         np.array([molecules, aerosol, fog, aloft]),
+        np.ascontiguousarray(np.transpose(atmosphere.rayleigh_terms)),
         np.array(atmosphere.absorber_altitude_m),
         np.array(atmosphere.absorber_density),
         *_phase_and_turn(lambda nu: particles_phase(atmosphere, "aerosol", nu)),
@@ -103,7 +104,7 @@ def _importance(scattering: FloatArray) -> FloatArray:
 @compiled
 def dim(medium, ray, altitude, y, scale, weight):  # type: ignore[no-untyped-def]
     """Multiply weights (C,) by a scale and by a ray's transmittance as far as y."""
-    rayleigh = path_to(ray, altitude, y, medium.rayleigh_scale)
+    rayleigh = molecules_to(medium, ray, altitude, y)
     mie = path_to(ray, altitude, y, medium.mie_scale)
     aloft = 0.0
     if medium.aloft_scale > 0.0:
@@ -129,6 +130,15 @@ def path_to(ray, altitude, y, scale):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def molecules_to(medium, ray, altitude, y):  # type: ignore[no-untyped-def]
+    """The same of the molecules."""
+    path = 0.0
+    for k in range(medium.molecules.shape[1]):
+        path += medium.molecules[0, k] * path_to(ray, altitude, y, medium.molecules[1, k])
+    return path
+
+
+@compiled
 def y_at_top(medium, ray):  # type: ignore[no-untyped-def]
     """Coordinate y at which a ray leaves the atmosphere."""
     return max(math.sqrt(max(medium.top - ray[3], 0.0)), ray[4])
@@ -144,7 +154,9 @@ def meets_ground(ray):  # type: ignore[no-untyped-def]
 def densities(medium, altitude):  # type: ignore[no-untyped-def]
     """Relative densities of molecules, aerosol, fog and aerosol aloft."""
     fog = math.exp(-altitude / medium.fog_scale) if medium.fog_scale > 0.0 else 0.0
-    thin = math.exp(-altitude / medium.rayleigh_scale)
+    thin = 0.0
+    for k in range(medium.molecules.shape[1]):
+        thin += medium.molecules[0, k] * math.exp(-altitude / medium.molecules[1, k])
     haze = math.exp(-altitude / medium.mie_scale)
     aloft = math.exp(-altitude / medium.aloft_scale) if medium.aloft_scale > 0.0 else 0.0
     return thin, haze, fog, aloft
