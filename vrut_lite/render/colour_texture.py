@@ -32,12 +32,15 @@ _CHANNELS: dict[MapName, str] = {
 class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
     """pyrender's texture, kept in a format that the GPU decodes texel by texel."""
 
+    # pyrender's property: texels (h, w, channels).
+    source: Any
+
     def _add_to_context(self) -> None:
-        # pyrender stores a single texel, and makes no levels of texels that are replaced.
-        source = self.source
-        self.source = source[:1, :1]
+        # pyrender gets one texel: levels that it made of all would be replaced at once.
+        whole = self.source
+        self.source = whole[:1, :1]
         super()._add_to_context()
-        self.source = source
+        self.source = whole
         self._store(self._levels())
 
     def _levels(self) -> list[NDArray[np.uint8]]:
