@@ -38,12 +38,15 @@ def main() -> None:
     """Open, look around, type an hour, export."""
     watch = Watch()
     # As `vrut-lite run` does it.
+    from vrut_lite.render.gl_environment import begin_probe
+
+    begin_probe()
     import numba  # noqa: F401
 
     import vrut_lite.host  # noqa: F401
 
     watch.step("the host's code is imported")
-    from PySide6.QtCore import QPoint, Qt
+    from PySide6.QtCore import QEventLoop, QPoint, Qt, QTimer
     from PySide6.QtTest import QTest
     from PySide6.QtWidgets import QApplication
 
@@ -62,18 +65,21 @@ def main() -> None:
     app = QApplication([])
     apply_theme(app)
     session = Session()
+    session.start()
     with tempfile.TemporaryDirectory() as folder:
         window = MainWindow(session, kept=Kept(Path(folder)))
         watch.step("the window is made")
         window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
         window.show()
-        session.start()
         window.files.open_project(project)
 
         def until(is_so: Callable[[], object]) -> None:
-            while not is_so():
-                app.processEvents()
-                QTest.qWait(2)
+            # As `app.exec()` does, and unlike QTest.qWait, this waits without Python's lock.
+            loop = QEventLoop()
+            watch_on = QTimer(interval=2)
+            watch_on.timeout.connect(lambda: loop.quit() if is_so() else None)
+            watch_on.start()
+            loop.exec()
 
         pictures: list[bool] = []
         session.picture_shown.connect(lambda shown: pictures.append(shown.still))

@@ -29,12 +29,13 @@ def run_app(project: Project, kept: Kept, safe_mode: bool = False) -> int:
     apply_theme(app)
     session = Session()
     session.ended.connect(app.quit)
+    # Its news come when the event loop runs: the window is there by then.
+    session.start()
     window = MainWindow(session, kept=kept)
     # Otherwise garbage collection scans all these objects and stops the window for 0.1 s.
     session.ready.connect(lambda roster: gc.freeze())
     window.setGeometry(first_place(app.primaryScreen().availableGeometry()))
     window.show()
-    session.start()
     if safe_mode:
         session.ask(states_of, lambda states: session.begin_with(*into_safe_mode(states)))
     window.files.open_project(project)

@@ -16,7 +16,7 @@ from vrut_lite.geometry.cube_map import texel_directions, texel_solid_angles
 DIELECTRIC_F0 = 0.04
 TABLE_SIZE = 32
 _GRAZING_MU = 1e-3
-_RADII, _ANGLES = 32, 24
+_RADII, _ANGLES = 32, 12
 
 
 def lobe(cosine: ArrayLike, roughness: float) -> NDArray[np.float64]:
@@ -104,7 +104,8 @@ def _visible_normals(view: NDArray, alpha: float) -> NDArray:
     """Normals (..., radii, angles, 3) that stand for equal shares of the visible facets."""
     share, turn = np.meshgrid(
         (np.arange(_RADII) + 0.5) / _RADII,
-        2 * np.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES,
+        # The other half turn has the same light: its normals are the mirror images.
+        np.pi * ((np.arange(_ANGLES) + 0.5) / _ANGLES - 0.5),
         indexing="ij",
     )
     stretched = view * np.array([alpha, alpha, 1.0])

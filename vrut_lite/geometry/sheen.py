@@ -30,13 +30,14 @@ def sheen_table() -> NDArray[np.float32]:
     light = np.stack(np.broadcast_arrays(sine * np.cos(turn), sine * np.sin(turn), nl), axis=-1)
     half = view + light
     nh = half[..., 2] / np.linalg.norm(half, axis=-1)
-    visibility = 1.0 / (4.0 * (nl + nv - nl * nv))
+    log_sine = 0.5 * np.log(np.maximum(1.0 - nh * nh, 1e-30)).astype(np.float32)
+    weight = (nl / (4.0 * (nl + nv - nl * nv))).astype(np.float32)
     table = np.empty((TABLE_SIZE, TABLE_SIZE), np.float32)
     for row, roughness in enumerate(steps):
         inverse = 1.0 / max(roughness**2, _LEAST_ALPHA)
-        spread = (2.0 + inverse) * np.maximum(1.0 - nh * nh, 0.0) ** (0.5 * inverse) / (2 * np.pi)
-        # Over the half turn and its mirror image, and over the cosine.
-        table[row] = (spread * visibility * nl).mean(axis=(1, 2)) * 2.0 * np.pi
+        spread = (2.0 + inverse) * np.exp(np.float32(inverse) * log_sine)
+        # Over the half turn and its mirror image, and over the cosine; the two pi cancel.
+        table[row] = (spread * weight).mean(axis=(1, 2))
     np.clip(table, 0.0, 1.0, out=table)
     table.flags.writeable = False
     return table

@@ -32,9 +32,20 @@ _CHANNELS: dict[MapName, str] = {
 class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
     """pyrender's texture, kept in a format that the GPU decodes texel by texel."""
 
+    # pyrender's property: texels (h, w, channels).
+    source: Any
+
     def _add_to_context(self) -> None:
+        # pyrender gets one texel: levels that it made of all would be replaced at once.
+        whole = self.source
+        self.source = whole[:1, :1]
         super()._add_to_context()
-        self._store([self.source])
+        self.source = whole
+        self._store(self._levels())
+
+    def _levels(self) -> list[NDArray[np.uint8]]:
+        """The texels; further levels if they are not means of these."""
+        return [self.source]
 
     def _store(self, levels: Iterable[NDArray[np.uint8]]) -> None:
         """Replace pyrender's texels, turned upside down; of one level all others are made."""
@@ -63,9 +74,8 @@ class CutOutTexture(ColourTexture):
 
     cut_off = 0.5
 
-    def _add_to_context(self) -> None:
-        super()._add_to_context()
-        self._store(cut_out_levels(self.source, self.cut_off))
+    def _levels(self) -> list[NDArray[np.uint8]]:
+        return cut_out_levels(self.source, self.cut_off)
 
 
 def textures_of(material: Material) -> dict[MapName, Any]:

@@ -1,7 +1,7 @@
 """Automatic exposure in the window: metered at once, adapting to a moved camera, or held.
 
 The first picture of a new scene, a chosen hour or a chosen place is metered. A moved camera adapts
-the exposure over a second. The exposure then follows the picture, for example when a light map
+the exposure over half a second. The exposure then follows the picture, for example when a light map
 comes late, until playing or dragged time or a setting changes the light: from then on it is held,
 so that dusk darkens. Times are seconds of the engine's clock.
 """
@@ -28,10 +28,10 @@ from vrut_lite.kernel.messages import (
 from vrut_lite.pictures.exposure import automatic_ev100
 from vrut_lite.pictures.picture import Picture
 
-# 95 % of the difference in stops is gone after a second.
-_TIME_CONSTANT_S = 1.0 / 3.0
+# 95 % of the difference in stops is gone after 0.6 seconds: a finished picture waits for it.
+_TIME_CONSTANT_S = 0.2
 _ADAPTED_S = 1.5
-_SETTLED_EV = 0.02
+_SETTLED_EV = 0.04
 # Time between two pictures of an adaptation; a longer pause counts as the second value.
 _STEP_S, _LONGEST_STEP_S = 1.0 / 60.0, 0.25
 # Messages that change the light of the shown scene.

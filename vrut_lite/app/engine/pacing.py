@@ -8,8 +8,8 @@ QUICK_S = 0.055
 SCALES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)
 # Seconds without a change before the finished picture begins: more for slow pictures, since an
 # interruption costs the piece that is being drawn.
-_SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.5
-_REST_SHARE = 0.3
+_SHORTEST_REST_S, _LONGEST_REST_S = 0.15, 0.25
+_REST_SHARE = 0.2
 _MEMORY = 0.5
 _SLOWER = 2.0
 # Share of the time that triangles and calls take, whatever the size. Without it a small picture

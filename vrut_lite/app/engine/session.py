@@ -5,7 +5,7 @@ at once: a busy thread causes no backlog.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import closing, contextmanager
 from itertools import count
@@ -95,8 +95,25 @@ class Session(QObject):
         self.history.expect(inputs, beginning=True)
         self._bring(inputs)
 
+    def begin_by(self, inputs_of: Callable[[Stage], Iterable[Input]]) -> None:
+        """The same with inputs that are found on the engine's thread, and go in from there.
+
+        At the start Qt's thread fills panels for half a second: the scene opens meanwhile.
+        """
+
+        def begin(stage: Stage) -> tuple[Input, ...]:
+            inputs = tuple(inputs_of(stage))
+            self.history.expect(inputs, beginning=True)
+            self._engine.send(*inputs)
+            return inputs
+
+        self.ask(begin, self._tell_sent)
+
     def _bring(self, inputs: tuple[Input, ...]) -> None:
         self._engine.send(*inputs)
+        self._tell_sent(inputs)
+
+    def _tell_sent(self, inputs: tuple[Input, ...]) -> None:
         for message in inputs:
             self.sent.emit(message)
 

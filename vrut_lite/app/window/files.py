@@ -78,10 +78,7 @@ class Files:
         self.views.show(project.views)
         if project.scene:
             self._desk.viewport.loading.begin(project.scene)
-        self._session.ask(
-            lambda stage: inputs_of(project, stage.kernel),
-            lambda inputs: self._session.begin_with(*inputs),
-        )
+        self._session.begin_by(lambda stage: inputs_of(project, stage.kernel))
 
     def save(self, path: str) -> None:
         """Save the project."""

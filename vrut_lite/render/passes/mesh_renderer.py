@@ -242,10 +242,7 @@ def _set_light(program: Program, light: Light) -> None:
     program.set_uniform("sun_direction", np.asarray(light.sun_direction, dtype=float))
     program.set_uniform("sun_irradiance", np.asarray(light.sun_irradiance, dtype=float))
     program.set_uniform("sky_scale", float(light.mirrored.scale))
-    # pyrender's set_uniform knows no arrays.
-    place = program.place("irradiance_sh")
-    harmonics = np.ascontiguousarray(light.irradiance_sh, dtype=np.float32)
-    GL.glUniform3fv(place, len(harmonics), harmonics)
+    program.set_uniform("irradiance_sh", np.asarray(light.irradiance_sh))
 
 
 def _set_surface(program: Program, primitive: Any, blended: bool) -> None:

@@ -140,10 +140,11 @@ class ShadowMaps:
         """The shadows that an eye (3,) sees; `always` draws them also when nothing changed."""
 
         def shadow(name: str, centre_m: NDArray[np.float64], radius_m: float) -> Shadow:
-            found = self._map(name, SHADOW_SIZE)
-            if quick and not found.shows(scene, light, centre_m):
-                found = self._map(name, QUICK_SIZE)
-            return found.update(meshes, scene, light, centre_m, radius_m, always)
+            # A fine map is not made only to be asked: the first picture would wait for it.
+            fine = self._maps.get((name, SHADOW_SIZE))
+            is_fine = not quick or (fine is not None and fine.shows(scene, light, centre_m))
+            size = SHADOW_SIZE if is_fine else QUICK_SIZE
+            return self._map(name, size).update(meshes, scene, light, centre_m, radius_m, always)
 
         bounds = scene.centre_m, scene.radius_m
         whole = shadow("shadow map", *bounds)

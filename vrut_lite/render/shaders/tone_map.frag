@@ -8,8 +8,7 @@ uniform mat3 outset;         // AgX's, after its saturation
 uniform float darkest;
 uniform float darkest_log2;
 uniform float per_log2;
-uniform float sigmoid[7];
-uniform float contrast;
+uniform float curve[8];      // AgX's sigmoid and contrast, one polynomial
 uniform vec3 luminance_weights;
 #ifdef EYE
 uniform mat3 xyz_from_srgb;
@@ -42,9 +41,9 @@ vec3 srgb_encode(vec3 c) {
 
 vec3 agx(vec3 picture) {
     vec3 x = clamp((log2(max(picture, darkest)) - darkest_log2) * per_log2, 0.0, 1.0);
-    vec3 c = vec3(sigmoid[6]);
-    for (int k = 5; k >= 0; --k) c = c * x + sigmoid[k];
-    return clamp(outset * pow(max(c, 0.0), vec3(contrast)), 0.0, 1.0);
+    vec3 c = vec3(curve[7]);
+    for (int k = 6; k >= 0; --k) c = c * x + curve[k];
+    return clamp(outset * max(c, 0.0), 0.0, 1.0);
 }
 
 #ifdef EYE
