@@ -1,5 +1,6 @@
 """The page of the peers: tables, error against time, panoramas side by side."""
 
+import os
 from collections.abc import Callable, Sequence
 from datetime import date
 from functools import partial
@@ -7,6 +8,7 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
+from vrut_lite_bench.machine import load, processor
 
 from vrut_lite.geometry.colour import luminance, srgb_encode
 from vrut_lite.numeric_types import FloatArray
@@ -45,15 +47,17 @@ def write_peers(folder: Folder, quick: bool, tell: Callable[[str], None]) -> Non
     """All files of the page."""
     truths = Truths()
     views = QUICK if quick else VIEWS
+    before = load()[0]
     found = list(scored_peers(usual_peers(), views, truths, tell))
     here = [each for each in found if not each.reason]
     page = Page("Everyone's sky against one truth")
     page.paragraph(
-        f"Made {date.today().isoformat()}; CPU time of one thread for a picture of {WIDTH} x "
-        f"{HEIGHT}, sun at {TIMED.sun_deg:g}°, all in one run. Each sky is held against the light "
-        "of all orders in an atmosphere of its own parameters where they are known, else at equal "
-        "optical depth. The truth is our solver, two rungs finer than usual, along exact rays; "
-        "with the sun below -6° our Monte Carlo. The sky's mean luminance is made equal "
+        f"Made {date.today().isoformat()} on {os.cpu_count()} x {processor()}, load {before:.1f} "
+        f"at the start, {load()[0]:.1f} at the end; CPU time of one thread for a picture of "
+        f"{WIDTH} x {HEIGHT}, sun at {TIMED.sun_deg:g}°, all in one run. Each sky is held against "
+        "the light of all orders in an atmosphere of its own parameters where they are known, else "
+        "at equal optical depth. The truth is our solver, two rungs finer than usual, along exact "
+        "rays; with the sun below -6° our Monte Carlo. The sky's mean luminance is made equal "
         "first: the level says by how much. Errors are of the upper half, from space of the lower "
         "half, the Earth's own light left out."
     )
