@@ -14,7 +14,6 @@ from vrut_lite.geometry.colour import luminance, srgb_encode
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.peers.airs import air
 from vrut_lite_studies.peers.run import (
-    PRAGUE,
     QUICK,
     VIEWS,
     Scored,
@@ -86,8 +85,9 @@ def write_peers(folder: Folder, quick: bool, tell: Callable[[str], None]) -> Non
     for name in dict.fromkeys(each.peer.air for each in here):
         page.paragraph(f"{air(name).title}: {air(name).note}.")
     page.heading("Left out")
-    for line in [f"{e.peer.title}: {e.reason}" for e in found if e.reason] + [PRAGUE]:
-        page.paragraph(line)
+    for each in found:
+        if each.reason:
+            page.paragraph(f"{each.peer.title}: {each.reason}")
     folder.content(PAGE, page.html().encode())
 
 
