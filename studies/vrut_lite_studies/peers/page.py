@@ -71,7 +71,7 @@ def write_peers(folder: Folder, quick: bool, tell: Callable[[str], None]) -> Non
     low = [each.scores[view].noise for each in here for view in each.scores if view.sun_deg < -6.0]
     if low:
         page.paragraph(
-            f"At -12° the truth is Monte Carlo of 15 directions: a standard error of "
+            f"At -12° the truth is Monte Carlo of 25 directions: a standard error of "
             f"{100.0 * min(low):.0f} to {100.0 * max(low):.0f} % each is part of the errors."
         )
     page.heading("Panoramas")
