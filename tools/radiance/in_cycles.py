@@ -76,7 +76,7 @@ scene.collection.objects.link(eye)
 scene.camera = eye
 
 
-def rendered(width, height):
+def rendered(width: int, height: int) -> np.ndarray:
     """Pixels (height, width, 3); rows of an image in memory begin at the bottom."""
     scene.render.resolution_x, scene.render.resolution_y = width, height
     bpy.ops.render.render(write_still=True)
