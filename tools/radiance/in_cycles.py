@@ -12,6 +12,7 @@ through the middles of pixels, and the CPU seconds.
 import math
 import sys
 import time
+from typing import Any
 
 import bpy
 import mathutils
@@ -87,6 +88,7 @@ def rendered(width: int, height: int) -> np.ndarray:
     return pixels
 
 
+found: dict[str, Any]
 start = time.process_time()
 if "pose" in given:
     camera.sensor_fit, camera.angle = "VERTICAL", float(given["angle"])

@@ -96,7 +96,7 @@ def _lines(found: dict[str, tuple[FloatArray, float]]) -> list[str]:
     lines = []
     for name, own in values.items():
         others = [value for key, value in values.items() if key != name]
-        expected = sum(others) / 2.0
+        expected = np.mean(others, axis=0)
         # Edges of shadows: the sun's disc is a point to ours and to Radiance.
         error = (own - expected) / np.maximum(expected, _BLACK * expected.mean())
         mean = own.mean() / expected.mean() - 1.0

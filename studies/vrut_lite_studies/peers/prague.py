@@ -133,10 +133,13 @@ def read_prague(path: Path) -> PragueSky:
             channels = whole()
             start_nm, width_nm = np.fromfile(file, "<f8", 2)
             rank = whole()
-            breaks = [nodes() for _ in range(3)]
-            by_sun, by_zenith, emphasis = (len(each) for each in breaks)
-            term = [("sun", "<f2", by_sun), ("scale", "<f8"), ("zenith", "<f2", by_zenith)]
-            kind = np.dtype([("terms", term, rank), ("emphasis", "<f2", emphasis)])
+            by_sun, by_zenith, emphasis = nodes(), nodes(), nodes()
+            term = [
+                ("sun", "<f2", len(by_sun)),
+                ("scale", "<f8"),
+                ("zenith", "<f2", len(by_zenith)),
+            ]
+            kind = np.dtype([("terms", term, rank), ("emphasis", "<f2", len(emphasis))])
             shape = len(visibility), len(albedo), len(altitude), len(sun), channels
             values = np.memmap(file, kind, "r", file.tell(), shape)
     except OSError as error:
@@ -144,7 +147,8 @@ def read_prague(path: Path) -> PragueSky:
     except ValueError:
         raise NotHere(f"{VARIABLE} is no file of the Prague sky's coefficients") from None
     edges_nm = start_nm + width_nm * np.arange(channels + 1)
-    return PragueSky(visibility, albedo, altitude, sun, edges_nm, *breaks, values)
+    nodes_rad = by_sun, by_zenith, emphasis
+    return PragueSky(visibility, albedo, altitude, sun, edges_nm, *nodes_rad, values)
 
 
 @dataclass
