@@ -35,6 +35,19 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors_of(led_to), target
 
 
+def test_who_compares_us_with_other_programs_says_where_to_see_all_of_it():
+    """A page that names one beside us leads to docs/peers.md, which says where one is better."""
+    others = r"pyrender|`sunsky`|genssky|gendaylit|Cycles|beside Mitsuba|Mitsuba has|Radiance's "
+    naming = [
+        page
+        for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+        if page.name not in {"peers.md", "decisions.md"} and re.search(others, page.read_text())
+    ]
+    assert len(naming) > 5
+    for page in naming:
+        assert "peers.md)" in page.read_text(), page.name
+
+
 def test_every_page_stands_in_the_navigation_once():
     """A page that nothing leads to is not read."""
     listed = re.findall(r": (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)

@@ -50,6 +50,12 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     return _with_links_to_pages(markdown, "../")
 
 
+def on_page_content(html: str, page: Any, config: Any, files: Any) -> str:
+    """Let pictures open themselves at full size, and names in tables break (mkdocs' event)."""
+    linked = re.sub(r'(<img [^>]*\bsrc="([^"]+)"[^>]*>)', r'<a href="\2">\1</a>', html)
+    return re.sub(r"<td><code>\w+</code>", lambda cell: cell.group().replace("_", "_<wbr>"), linked)
+
+
 def made_pages() -> Iterator[tuple[str, str]]:
     """Each made page's path in the site, and its Markdown."""
     for page, source in ROOT_PAGES.items():

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, Self
 import msgspec
 
 from vrut_lite.arguments import as_number
-from vrut_lite.commands.scene_pictures import ScenePlan
+from vrut_lite.commands.scene_pictures import ScenePlan, SceneShot
 from vrut_lite.daylight.place_time import time_zone_at
 from vrut_lite.errors import UserError
-from vrut_lite.geometry.preview import png
+from vrut_lite.geometry.preview import captioned_html, png
 from vrut_lite.pictures.picture import Picture
 from vrut_lite.project import Project, in_words, project_of_path
 
@@ -39,7 +39,7 @@ class LitScene:
         except msgspec.ValidationError as error:
             raise UserError(in_words(error)) from None
         self._studio = ScenePlan(self.project).open()
-        self._shown: Picture | None = None
+        self._shown: SceneShot | None = None
 
     def at(self, hour: float | str) -> Picture:
         """The picture of an hour: 18.5 on the same day, or an instant as "2026-06-21T18:30".
@@ -49,8 +49,8 @@ class LitScene:
         """
         text = hour if isinstance(hour, str) else self._time_of(hour)
         self.project = msgspec.structs.replace(self.project, at=text)
-        self._shown = self._studio.shoot(self.project.instant()).picture
-        return self._shown
+        self._shown = self._studio.shoot(self.project.instant())
+        return self._shown.picture
 
     def slider(self) -> "HourSlider":
         """A widget: the picture, and a slider of the hour below it.
@@ -84,7 +84,16 @@ class LitScene:
     def _local_now(self) -> datetime:
         return self.project.instant().astimezone(time_zone_at(self.project.where()))
 
+    def _last(self) -> SceneShot:
+        if self._shown is None:
+            self.at(self.project.at)
+        assert self._shown is not None
+        return self._shown
+
     def _repr_png_(self) -> bytes:
-        """What a notebook shows: the picture of the last hour."""
-        shown = self._shown or self.at(self.project.at)
-        return png(shown.display)
+        """The picture of the last hour, for what shows no HTML."""
+        return png(self._last().picture.display)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the same, and below it the hour, the sun and the exposure."""
+        return captioned_html(self._repr_png_(), self._last().caption)

@@ -61,6 +61,18 @@ def lights():
     ]
 
 
+def wanted():
+    """What the facts beside the map say that a level plane gets."""
+    facts = json.loads(Path(bpy.path.abspath(daylight_map().filepath) + ".json").read_text())
+    pairs = zip(facts["skyHorizontalIrradianceRgb"], facts["sunIrradianceRgb"], strict=True)
+    return [sky + sun * facts["sunDirection"][1] for sky, sun in pairs]
+
+
+def compared(name):
+    """What a level plane gets in Cycles, and by the facts."""
+    return [plane_irradiance(str(Path(folder) / f"{name}.exr")), wanted()]
+
+
 archive, program, folder = sys.argv[1:]
 bpy.ops.wm.read_factory_settings()
 bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default")
@@ -71,13 +83,18 @@ bpy.ops.wm.save_as_mainfile(filepath=blend_path)
 scene, told = bpy.context.scene, {}
 scene.vrut_lite.rows = 256
 scene.vrut_lite.hour = 15.0
-facts = json.loads(Path(bpy.path.abspath(daylight_map().filepath) + ".json").read_text())
-told["irradiance"] = plane_irradiance(str(Path(folder) / "plane.exr"))
-told["wanted"] = [
-    sky + sun * facts["sunDirection"][1]
-    for sky, sun in zip(facts["skyHorizontalIrradianceRgb"], facts["sunIrradianceRgb"], strict=True)
-]
+told["light"] = {"day": compared("plane")}
 told["at 15"] = lights()
+scene.vrut_lite.genus = "St"
+told["light"]["stratus"] = compared("stratus")
+scene.vrut_lite.genus = "none"
+scene.vrut_lite.day, scene.vrut_lite.hour = 27, 23.5
+told["light"]["moon"] = compared("moon")
+scene.vrut_lite.stars = True
+told["light"]["moon in the map"] = compared("stars")
+scene.vrut_lite.stars = False
+scene.vrut_lite.day, scene.vrut_lite.hour = 21, 15.0
+assert lights() == told["at 15"]
 bpy.ops.ed.undo_push(message="at 15")
 scene.vrut_lite.live = False
 scene.vrut_lite.hour = 18.0

@@ -87,8 +87,9 @@ def test_what_is_refused_is_one_sentence_and_the_child_goes_on(child, tmp_path):
 @pytest.mark.long
 @pytest.mark.skipif("BLENDER_PYTHON" not in os.environ, reason="BLENDER_PYTHON names no Python")
 def test_blender_has_our_light(tmp_path):
-    """A plane in Cycles gets our irradiance within 1 %; a day is keyed, saved and opened again; the
-    add-on disabled leaves the file as it was.
+    """A plane in Cycles gets our irradiance within 1 % by day, below stratus and by the moon, and
+    within 6 % where stars and the moon's disc are in the map; a day is keyed, saved and opened
+    again; the add-on disabled leaves the file as it was.
 
     BLENDER_PYTHON names a Python that has the package bpy, which needs an older numpy than ours.
     """
@@ -105,7 +106,8 @@ def test_blender_has_our_light(tmp_path):
     )
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("TOLD ")]
     told = json.loads(line.removeprefix("TOLD "))
-    assert told["irradiance"] == pytest.approx(told["wanted"], rel=0.01)
+    for name, (found, wanted) in told["light"].items():
+        assert found == pytest.approx(wanted, rel=0.06 if "map" in name else 0.01), name
     assert told["at 18"] != told["at 15"]
     assert told["undone"] == told["at 15"]
     assert "name the path of vrut-lite" in told["refused"]

@@ -6,7 +6,9 @@ from click.testing import CliRunner
 from vrut_lite_studies.command import study
 from vrut_lite_studies.peers.airs import air
 from vrut_lite_studies.peers.blender import BLENDER, VARIABLE
-from vrut_lite_studies.peers.peer import Shot
+from vrut_lite_studies.peers.peer import NotHere, Shot
+from vrut_lite_studies.peers.prague import VARIABLE as PRAGUE_FILE
+from vrut_lite_studies.peers.prague import Prague, read_prague
 from vrut_lite_studies.peers.radiance_skies import _sun_of_hour, read_spectra, solar_hour, turned
 from vrut_lite_studies.peers.run import Truths, scored_peers
 from vrut_lite_studies.peers.scores import score
@@ -119,3 +121,52 @@ def test_peers_go_with_no_other_choice(tmp_path):
     """Measurements and models belong to the other page: one sentence."""
     done = CliRunner().invoke(study, ["--peers", "--models", "bruneton", "-o", str(tmp_path / "x")])
     assert "--peers goes with --quick and --output alone" in str(done.exception)
+
+
+# Views and light of the file below: x, y, z up; the sun's height; visibility, albedo, altitude.
+# Found by the functions of the authors' program (PragueSkyModel.cpp, commit 0470b6f).
+PRAGUE = (
+    ((0.3, 0.2, 0.9), 25.0, (0.0, 59.4, 0.5), (0.146845499, 0.325229166, 0.450950768)),
+    ((-0.5, 0.4, 0.1), -3.0, (2000.0, 80.0, 0.2), (0.293716917, 0.303517044, 0.244966846)),
+    ((0.1, -0.9, -0.2), 5.0, (10_000.0, 20.0, 0.0), (0.170862055, 0.223001655, 0.0768420528)),
+    ((0.05, 0.02, 1.0), -6.0, (0.0, 200.0, 1.0), (1.26664994, 0.327182938, 0.200629621)),
+)
+
+
+def prague_file(path):
+    """A small file of random numbers in the layout of the published ones."""
+    random = np.random.default_rng(3)
+    int32 = lambda number: np.int32(number).tobytes()  # noqa: E731
+    nodes = lambda values: int32(len(values)) + np.array(values, float).tobytes()  # noqa: E731
+    halves = lambda *law: random.uniform(*law).astype("<f2").tobytes()  # noqa: E731
+    axes = [20.0, 60.0, 131.8], [0.0, 1.0], [0.0, 5000.0, 15000.0], [-4.2, 0.0, 10.0, 90.0]
+    parts = [nodes(axis) for axis in axes]
+    parts += [int32(3), np.array([320.0, 40.0]).tobytes(), int32(2)]
+    parts += [nodes(np.linspace(0.0, np.pi, count)) for count in (5, 4, 3)]
+    for _ in range(3 * 2 * 3 * 4 * 3):
+        for _ in range(2):
+            parts += [halves(0.1, 1.0, 5), np.float64(random.uniform(1.0, 3.0)).tobytes()]
+            parts.append(halves(-0.2, 1.0, 4))
+        parts.append(halves(0.5, 2.0, 3))
+    path.write_bytes(b"".join(parts))
+
+
+def test_prague_s_file_is_read_as_its_authors_program_does(tmp_path):
+    """By day, below the horizon, aloft, and beyond the file's range, to nine digits."""
+    path = tmp_path / "prague.dat"
+    prague_file(path)
+    sky = read_prague(path)
+    for (east, north, up), sun_deg, where, expected in PRAGUE:
+        seen = np.array([east, up, -north]) / np.linalg.norm([east, north, up])
+        sun = np.array([np.cos(np.radians(sun_deg)), np.sin(np.radians(sun_deg)), 0.0])
+        np.testing.assert_allclose(sky.radiance(seen, sun, *where), expected, rtol=1e-7)
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(NotHere, match="no file of the Prague sky"):
+        read_prague(path)
+
+
+def test_prague_asks_for_its_file(monkeypatch):
+    """Its coefficients are with the user or nowhere: a line says how to name them."""
+    monkeypatch.delenv(PRAGUE_FILE, raising=False)
+    with pytest.raises(NotHere, match="let PRAGUE_SKY name the file"):
+        Prague().shots([VIEW])

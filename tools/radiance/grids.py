@@ -60,12 +60,14 @@ class Grid:
         return np.stack([x.ravel(), np.full(x.size, self.height_m), z.ravel()], axis=1)
 
 
-# At desks in the rooms, at a man's chest in hall and yard.
+# At desks in the rooms, at a man's chest outdoors and in halls.
 GRIDS = (
     Grid("work/indoor.glb", (-1.4, -1.7, 1.4, 1.7), 0.85),
     Grid("large/hall.toml", (-24.0, 8.0, 24.0, 64.0), 1.5),
     Grid("courtyard", (-4.0, -4.0, 4.0, 4.0), 1.2),
     Grid("colour_bleeding", (-1.7, -1.7, 1.7, 1.7), 0.85),
+    Grid("street.toml", (-2.0, -12.0, 2.0, 12.0), 1.5),
+    Grid("atrium", (-5.0, -8.0, 5.0, 8.0), 1.5),
     Grid("pavilion.gltf", (-6.0, -6.0, 6.0, 6.0), 2.5),
 )
 

@@ -1,4 +1,4 @@
-"""Irradiance at points by Radiance's `rtrace`: the wheel `pyradiance` brings the programs."""
+"""Light at points and along rays by Radiance's `rtrace`, which the wheel `pyradiance` brings."""
 
 import importlib.util
 import os
@@ -13,7 +13,7 @@ from light_transport.surfaces.surfaces import Surfaces
 
 from tools.radiance.scene_files import turned, write_scene, write_sky, write_sun
 from vrut_lite.errors import UserError
-from vrut_lite.numeric_types import FloatArray
+from vrut_lite.numeric_types import FloatArray, Vector
 
 # Nothing is interpolated between points, and paths end by chance, without bias.
 _EXACT = ("-aa", "0", "-as", "0", "-lr", "-12", "-dt", "0", "-dj", "0", "-u+")
@@ -47,28 +47,50 @@ def irradiance_by_radiance(
     Raises:
         UserError: Radiance is not installed.
     """
+    rows = np.concatenate([turned(places_m), turned(normals)], axis=1)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
+        sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
+        every = _traced(folder, (scene, sky, sun), rows, effort, "-I+")
+        return every - _traced(folder, (scene, sun), rows, Effort(effort.rays, 0), "-I+")
+
+
+def radiance_by_radiance(
+    surfaces: Surfaces, hour: Hour, eye_m: Vector, directions: FloatArray, effort: Effort
+) -> FloatArray:
+    """Radiance (R, 3), W m^-2 sr^-1, that comes to an eye from directions (R, 3), world axes.
+
+    Raises:
+        UserError: Radiance is not installed.
+    """
+    eyes = np.broadcast_to(np.asarray(eye_m, float), directions.shape)
+    rows = np.concatenate([turned(eyes), turned(directions)], axis=1)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
+        sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
+        return _traced(folder, (scene, sky, sun), rows, effort)
+
+
+def _traced(
+    folder: Path, files: tuple[str, ...], rows: FloatArray, effort: Effort, *options: str
+) -> FloatArray:
+    """What `rtrace` finds (R, 3) along rays (R, 6): places and directions."""
     home = radiance_folder()
     if home is None:
         raise UserError("Radiance is not installed: pip install pyradiance")
     environment = dict(os.environ, PATH=f"{home / 'bin'}:{os.environ['PATH']}")
     environment["RAYPATH"] = f".:{home / 'lib'}"
-    rows = np.concatenate([turned(places_m), turned(normals)], axis=1)
+
+    def run(*command: str, told: bytes | None = None) -> bytes:
+        return subprocess.run(
+            command, cwd=folder, env=environment, input=told, capture_output=True, check=True
+        ).stdout
+
+    (folder / "scene.oct").write_bytes(run("oconv", *files))
     points = "".join(" ".join(f"{value:.9g}" for value in row) + "\n" for row in rows).encode()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-
-        def run(*command: str, told: bytes | None = None) -> bytes:
-            return subprocess.run(
-                command, cwd=folder, env=environment, input=told, capture_output=True, check=True
-            ).stdout
-
-        def irradiance(bounces: int, *files: str) -> FloatArray:
-            (folder / "scene.oct").write_bytes(run("oconv", *files))
-            ambient = ("-ab", str(bounces), "-ad", str(effort.rays))
-            weight = ("-lw", f"{_LEAST_WEIGHT / effort.rays:.3g}")
-            out = run("rtrace", "-I+", "-h", *_EXACT, *ambient, *weight, "scene.oct", told=points)
-            return np.array(out.split(), float).reshape(-1, 3)
-
-        scene, sky = write_scene(surfaces, hour, folder), write_sky(hour, folder)
-        sun = write_sun(hour.key_direction, hour.key_irradiance_rgb, folder)
-        return irradiance(effort.bounces, scene, sky, sun) - irradiance(0, scene, sun)
+    ambient = ("-ab", str(effort.bounces), "-ad", str(effort.rays))
+    weight = ("-lw", f"{_LEAST_WEIGHT / effort.rays:.3g}")
+    out = run("rtrace", *options, "-h", *_EXACT, *ambient, *weight, "scene.oct", told=points)
+    return np.array(out.split(), float).reshape(-1, 3)

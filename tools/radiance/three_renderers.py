@@ -9,72 +9,22 @@ their difference is the noise, and CPU times are also given for a noise of 1 %, 
 
 import argparse
 import os
-import subprocess
-import tempfile
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
-import OpenEXR
 from light_transport.hour.free_points import light_at
 from light_transport.hour.hour import Hour
-from light_transport.surfaces.surfaces import GROUND, Surfaces
 
+from tools.radiance.by_cycles import irradiance_by_cycles
 from tools.radiance.grids import GRIDS, Baked, compared_hours
 from tools.radiance.irradiance import Effort, irradiance_by_radiance
-from tools.radiance.scene_files import turned
 from vrut_lite.geometry.colour import luminance
-from vrut_lite.geometry.cube_map import sample_cube
-from vrut_lite.geometry.panorama import lat_long_directions
 from vrut_lite.numeric_types import FloatArray
 
 SKY, HOUR = "dynamic_skylight", "12:30"
-_ROWS, _SAMPLES, _RAYS = 512, 8, 8192
+_SAMPLES, _RAYS = 8, 8192
 _LEAST_SHARE = 0.02
-
-
-def irradiance_by_cycles(
-    surfaces: Surfaces, hour: Hour, places_m: FloatArray, samples: int, seed: int
-) -> tuple[FloatArray, float]:
-    """Irradiance (P, 3) of level planes without the key light's own, W m^-2, and CPU seconds."""
-    reflectance = surfaces.reflectance_rgb.copy()
-    reflectance[surfaces.part == GROUND] = hour.ground_albedo_rgb
-    colours, paint = np.unique(reflectance, axis=0, return_inverse=True)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        np.savez(
-            folder / "scene.npz",
-            corners=turned(surfaces.corners_m + surfaces.centre_m),
-            paint=paint.ravel(),
-            colours=colours,
-            places=turned(places_m),
-            sun=turned(np.asarray(hour.key_direction, float)),
-            irradiance=np.asarray(hour.key_irradiance_rgb, float),
-        )
-        _write_world(hour, folder / "world.exr")
-        files = [folder / file for file in ("scene.npz", "world.exr", "out.npz")]
-        script = Path(__file__).with_name("in_cycles.py")
-        subprocess.run(
-            [os.environ["BLENDER_PYTHON"], script, *files, str(samples), str(seed)],
-            check=True,
-            capture_output=True,
-        )
-        found = np.load(folder / "out.npz")
-        return found["irradiance"], float(found["cpu_s"])
-
-
-def _write_world(hour: Hour, path: Path) -> None:
-    """The sky as Blender's panorama, +Y (our north) a quarter left of its edge, ground below."""
-    directions = lat_long_directions(_ROWS)
-    up = directions[..., 1:2]
-    # Half a texel above the horizon no ground is mixed in.
-    raised = directions.copy()
-    raised[..., 1] = np.maximum(raised[..., 1], 1.0 / hour.sky.shape[1])
-    picture = np.where(up > 0.0, sample_cube(hour.sky, raised), hour.ground_radiance_rgb)
-    # Blender's middle is +X, which is our east.
-    turned_right = np.roll(picture, -_ROWS // 2, axis=1).astype(np.float32)
-    OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": turned_right}).write(str(path))
 
 
 def _row(name: str, work: Callable[[int], tuple[FloatArray, float]], radiance: FloatArray) -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tools.scenes.atrium import atrium
 from tools.scenes.gltf_writer import GltfWriter
 from tools.scenes.shapes import Shape, box, joined, lathe, polygon, sphere
 
@@ -30,6 +31,7 @@ def build() -> dict[str, bytes]:
         "courtyard.glb": courtyard(), "staircase.glb": staircase(), "corridor.glb": corridor(),
         "thin_room.glb": thin_room(), "colour_bleeding.glb": colour_bleeding(),
         "loggia.glb": loggia(), "garden_room.glb": garden_room(),
+        "atrium.glb": atrium(),
     }  # fmt: skip
 
 

@@ -1,6 +1,8 @@
-"""Small pictures of skies for notebooks, which ask objects for PNG by `_repr_png_`."""
+"""Pictures for notebooks, which ask objects for them by `_repr_png_` and `_repr_html_`."""
 
+from base64 import b64encode
 from collections.abc import Sequence
+from html import escape
 from io import BytesIO
 
 import numpy as np
@@ -22,6 +24,15 @@ def png(display: NDArray[np.uint8]) -> bytes:
     into = BytesIO()
     Image.fromarray(np.ascontiguousarray(display)).save(into, format="png")
     return into.getvalue()
+
+
+def captioned_html(picture: bytes, caption: str) -> str:
+    """A PNG with words below it that a reader who does not see it hears too."""
+    data, said = b64encode(picture).decode("ascii"), escape(caption)
+    return (
+        f'<figure style="margin:0"><img src="data:image/png;base64,{data}" alt="{said}" '
+        f'style="max-width:100%"><figcaption>{said}</figcaption></figure>'
+    )
 
 
 def fisheyes_png(cubes: Sequence[NDArray[np.floating]], size: int = _SIZE) -> bytes:

@@ -17,6 +17,8 @@ class Child:
         self._process = None
         self._program = ""
         self._lock = threading.Lock()
+        # Modules of the program that was asked last.
+        self.modules = frozenset()
 
     def ask(self, program, words):
         """Run a command of vrut_lite; returns what it says.
@@ -38,6 +40,11 @@ class Child:
         if program != self._program or self._process is None or self._process.poll() is not None:
             self.close()
             self._process, self._program = _start(program), program
+            listed = self._said(program, '["modules"]')["said"].splitlines()
+            self.modules = frozenset(row.split()[0] for row in listed if row[:1].isalpha())
+        return self._said(program, line)
+
+    def _said(self, program, line):
         try:
             self._process.stdin.write(line + "\n")
             self._process.stdin.flush()

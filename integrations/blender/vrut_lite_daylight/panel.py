@@ -12,6 +12,13 @@ from .child import Child, NoDaylight
 from .sky_file import Hour, sun_lamp
 
 CHILD = Child()
+# Genera of the module clouds by its settings.
+_CLOUDS = {
+    "genus": ("Low clouds", {"Cu": "Cumulus", "Sc": "Stratocumulus", "St": "Stratus",
+                             "Ns": "Nimbostratus", "Cb": "Cumulonimbus"}),
+    "middle_genus": ("Middle clouds", {"Ac": "Altocumulus", "As": "Altostratus"}),
+    "high_genus": ("High clouds", {"Ci": "Cirrus", "Cs": "Cirrostratus"}),
+}  # fmt: skip
 # While a slider moves, a sky is asked for as often as this.
 _PAUSE_S = 0.15
 
@@ -58,6 +65,12 @@ def _whole(name, description, default, least, most):
     )
 
 
+def _genus(setting):
+    title, genera = _CLOUDS[setting]
+    items = [("none", "None", "Without them"), *((key, name, key) for key, name in genera.items())]
+    return bpy.props.EnumProperty(name=title, items=items, update=_changed)
+
+
 class Daylight(bpy.types.PropertyGroup):
     """What the panel holds; it is saved with the scene."""
 
@@ -79,6 +92,12 @@ class Daylight(bpy.types.PropertyGroup):
     haze: _number("Haze", "Optical depth of aerosol at 550 nm", 0.2, 0.0, 1.0)
     albedo: _number("Ground", "Part of the light that the ground sends back", 0.2, 0.0, 1.0)
     rows: _whole("Rows", "Height of the sky's picture in pixels", 512, 64, 4096)
+    genus: _genus("genus")
+    middle_genus: _genus("middle_genus")
+    high_genus: _genus("high_genus")
+    stars: bpy.props.BoolProperty(
+        name="Stars", description="By night stars, planets and the moon's disc", update=_changed
+    )
     live: bpy.props.BoolProperty(name="Live", description="Follow every change", default=True)
     from_hour: bpy.props.FloatProperty(name="From", default=5.0, min=0.0, max=24.0)
     to_hour: bpy.props.FloatProperty(name="To", default=21.0, min=0.0, max=24.0)
@@ -96,7 +115,7 @@ def update(scene):
     except NoDaylight as error:
         daylight.said, daylight.failed = str(error), True
         return False
-    sun = sun_lamp(path)
+    sun = sun_lamp(path, daylight.stars)
     show_sky(scene, path)
     show_sun(scene, sun)
     daylight.said, daylight.failed = sun.caption, False
@@ -112,10 +131,13 @@ def _hour(daylight, hour):
             continue
     else:
         day = date(daylight.year, daylight.month, daylight.day)
+    genera = {setting: getattr(daylight, setting) for setting in _CLOUDS}
     return Hour(
         latitude_deg=daylight.latitude, longitude_deg=daylight.longitude,
         altitude_m=daylight.altitude, date=day.isoformat(), hour=hour, sky=daylight.sky,
         haze=daylight.haze, albedo=daylight.albedo, rows=daylight.rows,
+        clouds={setting: genus for setting, genus in genera.items() if genus != "none"},
+        stars=daylight.stars,
     )  # fmt: skip
 
 
@@ -173,7 +195,7 @@ class VRUT_LITE_OT_key_day(bpy.types.Operator):
             return {"CANCELLED"}
         clear_sun_keys(scene)
         for frame, path in zip(frames, paths, strict=True):
-            show_sun(scene, sun_lamp(path), frame)
+            show_sun(scene, sun_lamp(path, daylight.stars), frame)
         show_sequence(scene, paths[0], frames[0], len(frames))
         daylight.said, daylight.failed = f"{len(frames)} skies, one a frame", False
         return {"FINISHED"}
@@ -199,7 +221,10 @@ class VRUT_LITE_PT_daylight(bpy.types.Panel):
         row = layout.column(align=True)
         for name in ("latitude", "longitude", "altitude"):
             row.prop(daylight, name)
-        for name in ("sky", "haze", "albedo", "rows", "live"):
+        # What the program has not is not offered.
+        clouds = tuple(_CLOUDS) if "clouds" in CHILD.modules else ()
+        night = ("stars",) if "night_sky" in CHILD.modules else ()
+        for name in ("sky", "haze", "albedo", *clouds, *night, "rows", "live"):
             layout.prop(daylight, name)
         layout.operator("vrut_lite.update")
         if daylight.said:

@@ -36,7 +36,7 @@ from vrut_lite_studies.peers.views import (
 _CUBE = 256
 
 
-def _cpu(work: Callable[[], FloatArray], rounds: int = 1) -> tuple[FloatArray, float]:
+def cpu(work: Callable[[], FloatArray], rounds: int = 1) -> tuple[FloatArray, float]:
     """What is computed, and the least CPU seconds of some rounds."""
     least = float("inf")
     for _ in range(rounds):
@@ -73,7 +73,7 @@ class OursPicture:
         found = {}
         for view in views:
             if view.altitude_m < SPACE_M:
-                seen, spent_s = _cpu(partial(picture, view), 3)
+                seen, spent_s = cpu(partial(picture, view), 3)
                 found[view] = Shot(of_picture(seen, view), spent_s)
         return found
 
@@ -111,7 +111,7 @@ class OursRays:
         self._prepared_s = time.process_time() - start
         found = {}
         for view in views:
-            half, spent_s = _cpu(partial(seen_rgb, source, here, view))
+            half, spent_s = cpu(partial(seen_rgb, source, here, view))
             # The other half is its mirror image; rays cost alike.
             whole_s = spent_s * (HEIGHT * HEIGHT) / half[..., 0].size
             found[view] = Shot(whole(half), whole_s if view == TIMED else np.nan)
@@ -161,7 +161,7 @@ class PublishedTables:
                 )
                 return seen
 
-            seen, spent_s = _cpu(picture)
+            seen, spent_s = cpu(picture)
             found[view] = Shot(of_picture(seen, view), 2.0 * spent_s)
         return found
 
@@ -192,7 +192,7 @@ class HosekWilkie:
                     sky = HosekWilkieSky(equal_sky(DEPTH, e).turbidity, GROUND_ALBEDO, e)
                     return sample_sky(sky.cube_map(_CUBE), directions)
 
-                seen, spent_s = _cpu(picture, 3)
+                seen, spent_s = cpu(picture, 3)
                 found[view] = Shot(of_picture(seen, view), spent_s)
         return found
 
@@ -219,7 +219,7 @@ class PreethamSky:
         for view in views:
             if view in ON_GROUND and view.sun_deg >= 0.0:
                 seen = rays(view)
-                half, spent_s = _cpu(partial(_preetham, model, view))
+                half, spent_s = cpu(partial(_preetham, model, view))
                 whole_s = spent_s * HEIGHT * HEIGHT / seen.mu.size
                 found[view] = Shot(whole(half), whole_s)
         return found

@@ -1,5 +1,6 @@
 """The page of the peers: tables, error against time, panoramas side by side."""
 
+import os
 from collections.abc import Callable, Sequence
 from datetime import date
 from functools import partial
@@ -7,12 +8,12 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
+from vrut_lite_bench.machine import load, processor
 
 from vrut_lite.geometry.colour import luminance, srgb_encode
 from vrut_lite.numeric_types import FloatArray
 from vrut_lite_studies.peers.airs import air
 from vrut_lite_studies.peers.run import (
-    PRAGUE,
     QUICK,
     VIEWS,
     Scored,
@@ -28,6 +29,7 @@ from vrut_lite_studies.report.page import Page
 _SHOWN = (View(60.0), View(30.0), View(3.0), View(-6.0))
 # Mean luminance of a panorama is shown so: of white, before the curve.
 _GREY = 0.45
+_PRODUCT_S_AIR = "continental"
 _WHAT: dict[str, tuple[str, Callable[[Score], float]]] = {
     "mean": ("Mean error of luminance in %", lambda s: 100.0 * s.mean),
     "most": ("99 % of the sky err by less than, in %", lambda s: 100.0 * s.most),
@@ -45,30 +47,31 @@ def write_peers(folder: Folder, quick: bool, tell: Callable[[str], None]) -> Non
     """All files of the page."""
     truths = Truths()
     views = QUICK if quick else VIEWS
+    before = load()[0]
     found = list(scored_peers(usual_peers(), views, truths, tell))
     here = [each for each in found if not each.reason]
     page = Page("Everyone's sky against one truth")
     page.paragraph(
-        f"Made {date.today().isoformat()}; CPU time of one thread for a picture of {WIDTH} x "
-        f"{HEIGHT}, sun at {TIMED.sun_deg:g}°, all in one run. Each sky is held against the light "
-        "of all orders in an atmosphere of its own parameters where they are known, else at equal "
-        "optical depth. The truth is our solver, two rungs finer than usual, along exact rays; "
-        "with the sun below -6° our Monte Carlo. The sky's mean luminance is made equal "
+        f"Made {date.today().isoformat()} on {os.cpu_count()} x {processor()}, load {before:.1f} "
+        f"at the start, {load()[0]:.1f} at the end; CPU time of one thread for a picture of "
+        f"{WIDTH} x {HEIGHT}, sun at {TIMED.sun_deg:g}°, all in one run. Each sky is held against "
+        "the light of all orders in an atmosphere of its own parameters where they are known, else "
+        "at equal optical depth. The truth is our solver, two rungs finer than usual, along exact "
+        "rays; with the sun below -6° our Monte Carlo. The sky's mean luminance is made equal "
         "first: the level says by how much. Errors are of the upper half, from space of the lower "
         "half, the Earth's own light left out."
     )
     page.heading("Time, and what each cannot do")
     _times(page, folder, here)
-    page.figure(
-        folder.content("peers_error_time.png", _plot(here)), "Error against time, sun at 30°"
-    )
+    plot = folder.content("peers_error_time.png", _plot(here))
+    page.figure(plot, "Error against time, sun at 30°; diamonds: ours, unnamed in others' air")
     for name, (title, number) in _WHAT.items():
         page.heading(title)
         _table(page, folder, f"peers_{name}", here, views, number)
     low = [each.scores[view].noise for each in here for view in each.scores if view.sun_deg < -6.0]
     if low:
         page.paragraph(
-            f"At -12° the truth is Monte Carlo of 15 directions: a standard error of "
+            f"At -12° the truth is Monte Carlo of 25 directions: a standard error of "
             f"{100.0 * min(low):.0f} to {100.0 * max(low):.0f} % each is part of the errors."
         )
     page.heading("Panoramas")
@@ -82,8 +85,9 @@ def write_peers(folder: Folder, quick: bool, tell: Callable[[str], None]) -> Non
     for name in dict.fromkeys(each.peer.air for each in here):
         page.paragraph(f"{air(name).title}: {air(name).note}.")
     page.heading("Left out")
-    for line in [f"{e.peer.title}: {e.reason}" for e in found if e.reason] + [PRAGUE]:
-        page.paragraph(line)
+    for each in found:
+        if each.reason:
+            page.paragraph(f"{each.peer.title}: {each.reason}")
     folder.content(PAGE, page.html().encode())
 
 
@@ -143,8 +147,11 @@ def _plot(found: Sequence[Scored]) -> bytes:
         ours = each.peer.name.startswith("ours")
         x, y = each.cpu_s, 100.0 * each.scores[TIMED].mean
         axis.plot(x, y, "D" if ours else "o", color="black" if ours else "tab:blue", ms=5)
-        said = f"{each.peer.title}, {each.peer.air} air" if ours else each.peer.title
-        axis.annotate(said, (x, y), xytext=(5, 4), textcoords="offset points", fontsize=7)
+        # Ours in the others' air lie close together: diamonds without words.
+        if not ours or each.peer.air == _PRODUCT_S_AIR:
+            axis.annotate(
+                each.peer.title, (x, y), xytext=(5, 4), textcoords="offset points", fontsize=7
+            )
     axis.set(xscale="log", yscale="log", ylabel="mean error of luminance in %")
     axis.set(xlabel=f"CPU seconds of a {WIDTH} x {HEIGHT} picture, without what an air costs once")
     axis.margins(x=0.25)

@@ -14,12 +14,12 @@ from vrut_lite_studies.peers.ours import (
     PublishedTables,
 )
 from vrut_lite_studies.peers.peer import NotHere, Peer, Shot
+from vrut_lite_studies.peers.prague import Prague
 from vrut_lite_studies.peers.radiance_skies import Gensky, Genssky
 from vrut_lite_studies.peers.scores import Score, score
 from vrut_lite_studies.peers.truth import Truth, truth
 from vrut_lite_studies.peers.views import ALOFT, ON_GROUND, TIMED, View
 
-PRAGUE = "Prague 2021: its coefficients are not on the registries"
 VIEWS = (*ON_GROUND, *ALOFT)
 # Enough to see a plan through in a minute.
 QUICK = (View(30.0), View(3.0), View(-6.0))
@@ -34,6 +34,7 @@ def usual_peers() -> tuple[Peer, ...]:
         Sunsky(),
         HosekWilkie(),
         PreethamSky(),
+        Prague(),
         PublishedTables(),
     )
     ours: tuple[Peer, ...] = (

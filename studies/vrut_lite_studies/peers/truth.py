@@ -14,7 +14,7 @@ from vrut_lite_studies.peers.airs import air
 from vrut_lite_studies.peers.peer import PeerAir
 from vrut_lite_studies.peers.views import LOWEST_SOLVED_DEG, View, rays
 
-_PATHS = 8192
+_PATHS = 65_536
 # Of the measured rays, these are followed by Monte Carlo.
 _SOME = (slice(2, None, 6), slice(4, None, 14))
 
@@ -57,8 +57,9 @@ def _by_paths(here: PeerAir, view: View, rgb: FloatArray, paths: int) -> Truth:
         here.atmosphere, view.altitude_m, mu.ravel(), mu_s, nu.ravel(), paths=paths
     )
     found = (light.total(1) @ here.to_rgb).reshape(*mu.shape, 3)
-    spread = np.abs(light.total_error(1)) @ np.abs(here.to_rgb)
-    noise = luminance(spread) / luminance(found.reshape(-1, 3))
+    # Wavelengths of a path share its noise: it is that of the batches' luminance.
+    batches = np.asarray(luminance(light.batches.sum(axis=2) @ here.to_rgb))
+    noise = np.std(batches, axis=0, ddof=1) / np.sqrt(len(batches)) / np.mean(batches, axis=0)
     return Truth(rgb, _SOME, found, float(np.sqrt(np.mean(noise**2))))
 
 

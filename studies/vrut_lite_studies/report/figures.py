@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrut_lite.geometry.preview import png
+from vrut_lite.geometry.preview import captioned_html, png
 from vrut_lite_studies.framework.errors import rmse
 from vrut_lite_studies.framework.fisheye import Picture, Pixels
 from vrut_lite_studies.report.moments import Moment
@@ -47,8 +47,12 @@ class Figure(NamedTuple):
     image: NDArray[np.uint8]
 
     def _repr_png_(self) -> bytes:
-        """What a notebook shows."""
+        """The picture, for what shows no HTML."""
         return png(self.image)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the picture and its title."""
+        return captioned_html(self._repr_png_(), self.title)
 
 
 def figures(
