@@ -33,11 +33,19 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
     """pyrender's texture, kept in a format that the GPU decodes texel by texel."""
 
     def _add_to_context(self) -> None:
-        super()._add_to_context()
-        self._store([self.source])
+        # pyrender sets up the sampler; of the picture it gets one texel, for we store it anew.
+        whole, self._source = self._source, self._source[:1, :1]
+        try:
+            super()._add_to_context()
+        finally:
+            self._source = whole
+        self._store(self._levels())
+
+    def _levels(self) -> Iterable[NDArray[np.uint8]]:
+        return [self.source]
 
     def _store(self, levels: Iterable[NDArray[np.uint8]]) -> None:
-        """Replace pyrender's texels, turned upside down; of one level all others are made."""
+        """Store texels turned upside down; of one level all others are made."""
         # Not before the environment for EGL is prepared.
         from OpenGL import GL
 
@@ -63,9 +71,8 @@ class CutOutTexture(ColourTexture):
 
     cut_off = 0.5
 
-    def _add_to_context(self) -> None:
-        super()._add_to_context()
-        self._store(cut_out_levels(self.source, self.cut_off))
+    def _levels(self) -> Iterable[NDArray[np.uint8]]:
+        return cut_out_levels(self.source, self.cut_off)
 
 
 def textures_of(material: Material) -> dict[MapName, Any]:
