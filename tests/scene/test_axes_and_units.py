@@ -78,6 +78,18 @@ def test_a_house_that_is_too_high_in_metres(tmp_path: Path, units: float, name: 
     np.testing.assert_allclose(plain.upper_m, np.array([10, 6, 12]) * units)
 
 
+def test_a_plot_does_not_hide_the_unit_of_its_house(tmp_path: Path) -> None:
+    """A house of 480 on a plot of 2,500 is in centimetres; land as high and wide is in metres."""
+    plot = _box((2500, 1, 2000), (-1200, -1, -1000))
+    house = load_scene(_write(tmp_path / "house.obj", plot, _box((900, 480, 600), (0, 0, 0))))
+    np.testing.assert_allclose(house.upper_m, [13, 4.8, 10])
+    assert any("centimetres" in line for line in house.notices)
+    land = trimesh.creation.cone(radius=1400, height=480)
+    land.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+    land = land.subdivide().subdivide().subdivide()
+    assert load_scene(_write(tmp_path / "land.obj", land)).upper_m[1] == pytest.approx(480)
+
+
 def test_terrain_and_towns_keep_their_metres(tmp_path: Path) -> None:
     """What is high but far wider is large, not in centimetres."""
     town = [_box((5000, 1, 5000), (0, -1, 0)), _box((60, 420, 60), (2000, 0, 2000))]
@@ -108,6 +120,11 @@ def test_paths_as_windows_writes_them(tmp_path: Path) -> None:
     scene = load_scene(tmp_path / "a.obj")
     sizes = [place.mesh.material.baseColorTexture.size for place in scene.meshes]
     assert sizes == [(8, 4), (8, 4)]
+    for path in (r"D:\job\maps\brick.png", r"D:\..\maps\brick.png", r"D:\job\brick.png"):
+        (tmp_path / "a.mtl").write_text(f"newmtl brick\nmap_Kd {path}\n")
+        scene = load_scene(tmp_path / "a.obj")
+        found = [place.mesh.material.baseColorTexture is not None for place in scene.meshes]
+        assert any(found) == ("maps" in path)
     (tmp_path / "a.mtl").write_text("newmtl brick\nmap_Kd ..\\..\\secret.png\n")
     with pytest.raises(UserError, match="leads out of the scene's folder"):
         load_scene(tmp_path / "a.obj")

@@ -3,8 +3,7 @@
     xvfb-run -a -s "-screen 0 1920x1200x24" python -m tools.pictures.window FOLDER [NAME ...]
 
 Writes app_NAME.jpg of street, compare, traced, sundial, pavilion and panels, and the film
-app_day.webp, or those that are named. The status bar tells how long a frame took: let nothing else
-run.
+app_day.webp, or those that are named.
 """
 
 import argparse

@@ -15,9 +15,10 @@ _LEVEL_COSINE = 0.95
 # The share of its footprint that a floor covers, and at most that of a wall taken for one.
 _FLOOR, _NO_FLOOR = 0.5, 0.1
 _FLAT = 0.03
-# Nothing on Earth stands so high: the tallest building has 830 m. Whoever is both higher than this
-# and this share of its width is no terrain and no town.
-_TOO_HIGH, _STEEP = 250.0, 0.2
+# Nothing on Earth stands so high: the tallest building has 830 m. What is higher than this, than
+# the first share of the width of all that stands on the ground, and than the second one of the
+# ground's, is no terrain and no town.
+_TOO_HIGH, _STEEP, _WIDE = 250.0, 0.2, 0.1
 _CENTIMETRES_HIGH = 5000.0
 
 
@@ -59,9 +60,20 @@ def _floor_shares(
     return areas / footprints
 
 
-def guess_metres_per_unit(extent: NDArray[np.float64]) -> float:
-    """The unit's length by the extent (3,) in units, +Y up: metres, centimetres or millimetres."""
+def guess_metres_per_unit(
+    extent: NDArray[np.float64], standing: NDArray[np.float64] | None = None
+) -> float:
+    """The unit's length by the extent (3,) in units, +Y up: metres, centimetres or millimetres.
+
+    `standing` (3,) is the extent of what stands higher than a ground, where that is known.
+    """
     height, width = extent[1], max(extent[0], extent[2])
-    if height <= _TOO_HIGH or height <= _STEEP * width:
+    stands = width if standing is None else max(standing[0], standing[2])
+    if height <= _TOO_HIGH or height <= _STEEP * stands or height <= _WIDE * width:
         return 1.0
     return 0.01 if height <= _CENTIMETRES_HIGH else 0.001
+
+
+def ground_top(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> float:
+    """The height below which a scene's parts may be its ground, +Y up."""
+    return float(lower[1] + _BOTTOM * (upper[1] - lower[1]))
