@@ -34,7 +34,8 @@ class ColourTexture(pyrender.Texture):  # type: ignore[name-defined]
 
     def _add_to_context(self) -> None:
         # pyrender sets up the sampler; of the picture it gets one texel, for we store it anew.
-        whole, self._source = self._source, self._source[:1, :1]
+        whole = self.source
+        self._source = whole[:1, :1]
         try:
             super()._add_to_context()
         finally:

@@ -202,15 +202,13 @@ def _told_guesses(asked: Placement, filled: Placement, file: SceneFile) -> list[
     lines = []
     if asked.up is None and file.says.up is None and filled.up != "y":
         lines.append(
-            "taken to stand along +Z, where it has a floor: if that is wrong, --up y, or Up in the "
-            "Scene panel"
+            "taken to stand along +Z, where it has a floor (else --up y, or Up in the Scene panel)"
         )
     unit = filled.metres_per_unit
     if asked.metres_per_unit is None and file.says.metres_per_unit is None and unit != 1.0:
         name = _UNIT_NAMES[unit or 1.0]
         lines.append(
-            f"taken to be in {name}, for it is too high in metres: if that is wrong, "
-            "--metres-per-unit 1, or Unit in the Scene panel"
+            f"taken to be in {name} (else --metres-per-unit 1, or Unit in the Scene panel)"
         )
     return lines
 
@@ -252,8 +250,8 @@ def _told_height(stood: list[_Stood], extent_m: NDArray[np.float64]) -> list[str
     if not all(one.says_unit for one in stood) or guess_metres_per_unit(extent_m) == 1.0:
         return []
     return [
-        f"{extent_m[1]:,.0f} m high, by the file's own unit: if that is wrong, "
-        "--metres-per-unit 0.01, or Unit in the Scene panel"
+        f"{extent_m[1]:,.0f} m high, by the file's own unit (else "
+        "--metres-per-unit 0.01, or Unit in the Scene panel)"
     ]
 
 
